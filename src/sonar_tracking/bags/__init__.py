@@ -1,0 +1,1 @@
+"""Rosbags and recorded data: write, read, recover, import."""

@@ -1,0 +1,204 @@
+"""Frozen configuration dataclasses: the one source of every stage's parameters.
+
+A stage declares its parameters once, as a frozen dataclass whose fields are made with
+:func:`parameter`. Nodes declare their ROS parameters from it, scenario files are read into it,
+and the tables of the documentation are printed from it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import math
+import typing
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from sonar_tracking.errors import ConfigurationError
+
+Value = bool | int | float | str | tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class ParameterDescription:
+    """What is known of one parameter: see :func:`parameter`.
+
+    Attributes
+    ----------
+    name : str
+        Field name, which is also the ROS parameter name.
+    kind : type
+        ``bool``, ``int``, ``float``, ``str`` or ``tuple`` (of floats).
+    default : Value
+        Default value.
+    description : str
+        One line of what it does.
+    unit : str
+        Unit, empty for pure numbers.
+    minimum, maximum : float or None
+        Inclusive range of a number, or of each entry of a tuple.
+    choices : tuple of str
+        Allowed values of a string; empty = any.
+    """
+
+    name: str
+    kind: type
+    default: Value
+    description: str
+    unit: str
+    minimum: float | None
+    maximum: float | None
+    choices: tuple[str, ...]
+
+
+def parameter(
+    default: Any,
+    description: str,
+    *,
+    unit: str = "",
+    minimum: float | None = None,
+    maximum: float | None = None,
+    choices: tuple[str, ...] = (),
+) -> Any:
+    """Declare one field of a configuration dataclass.
+
+    Parameters
+    ----------
+    default : bool, int, float, str or tuple of float
+        Default value.
+    description : str
+        One line of what it does.
+    unit : str
+        Unit, empty for pure numbers.
+    minimum, maximum : float, optional
+        Inclusive range.
+    choices : tuple of str
+        Allowed values of a string.
+    """
+    metadata = {
+        "description": description,
+        "unit": unit,
+        "minimum": minimum,
+        "maximum": maximum,
+        "choices": choices,
+    }
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+def describe(configuration: type) -> tuple[ParameterDescription, ...]:
+    """Return the descriptions of all parameters of a configuration dataclass, in order."""
+    hints = typing.get_type_hints(configuration)
+    descriptions = []
+    for field in dataclasses.fields(configuration):
+        hint = hints[field.name]
+        kind = typing.get_origin(hint) or hint
+        descriptions.append(
+            ParameterDescription(
+                name=field.name, kind=kind, default=field.default, **dict(field.metadata)
+            )
+        )
+    return tuple(descriptions)
+
+
+def checked_value(description: ParameterDescription, value: Any, where: str) -> Value:
+    """Return ``value`` as the parameter's type, or raise a sentence that says what is wrong.
+
+    Raises
+    ------
+    ConfigurationError
+        On a wrong type, a value out of range, or a value that is not among the choices.
+    """
+    name = f"{where}.{description.name}"
+    converted = _converted(description, value, name)
+    entries = converted if isinstance(converted, tuple) else (converted,)
+    for entry in entries:
+        if isinstance(entry, bool | str):
+            continue
+        if not math.isfinite(entry):
+            raise ConfigurationError(f"{name} is {entry}; give a finite number.")
+        below = description.minimum is not None and entry < description.minimum
+        above = description.maximum is not None and entry > description.maximum
+        if below or above:
+            raise ConfigurationError(f"{name} is {entry}; it must be {range_text(description)}.")
+    if description.choices and converted not in description.choices:
+        raise ConfigurationError(
+            f"{name} is {converted!r}; it must be one of {', '.join(description.choices)}."
+        )
+    return converted
+
+
+def range_text(description: ParameterDescription) -> str:
+    """Return the allowed range of a number in words, e.g. ``"between 0 and 1"``."""
+    unit = f" {description.unit}" if description.unit else ""
+    low, high = description.minimum, description.maximum
+    if low is not None and high is not None:
+        return f"between {low:g} and {high:g}{unit}"
+    if low is not None:
+        return f"at least {low:g}{unit}"
+    if high is not None:
+        return f"at most {high:g}{unit}"
+    return "a number" + unit
+
+
+def _converted(description: ParameterDescription, value: Any, name: str) -> Value:
+    kind = description.kind
+    if kind is bool and isinstance(value, bool):
+        return value
+    if kind is str and isinstance(value, str):
+        return value
+    if not isinstance(value, bool):
+        if kind is int and isinstance(value, int):
+            return value
+        if kind is float and isinstance(value, int | float):
+            return float(value)
+        if kind is tuple and isinstance(value, list | tuple):
+            if all(isinstance(v, int | float) and not isinstance(v, bool) for v in value):
+                return tuple(float(v) for v in value)
+    expected = {
+        bool: "true or false",
+        int: "a whole number",
+        float: "a number",
+        str: "a text",
+        tuple: "a list of numbers",
+    }[kind]
+    raise ConfigurationError(f"{name} is {value!r}; it must be {expected}.")
+
+
+ConfigurationType = TypeVar("ConfigurationType")
+
+
+def from_mapping(
+    configuration: type[ConfigurationType], values: Mapping[str, Any], where: str
+) -> ConfigurationType:
+    """Make a configuration from names and values as read from a file.
+
+    Parameters
+    ----------
+    configuration : type
+        Frozen dataclass whose fields were made with :func:`parameter`.
+    values : mapping
+        Parameter names and values; what is not given keeps its default.
+    where : str
+        Where the values come from, named in errors, e.g. ``"nodes.bearing_tracker"``.
+
+    Raises
+    ------
+    ConfigurationError
+        On an unknown name (the nearest known one is suggested), a wrong type or range.
+    """
+    known = {description.name: description for description in describe(configuration)}
+    checked = {}
+    for name, value in values.items():
+        if name not in known:
+            raise ConfigurationError(unknown_name_text(f"{where}.{name}", name, known))
+        checked[name] = checked_value(known[name], value, where)
+    return configuration(**checked)
+
+
+def unknown_name_text(full_name: str, name: str, known: typing.Iterable[str]) -> str:
+    """Return the sentence for a name that is not known, with the nearest known one."""
+    names = sorted(known)
+    near = difflib.get_close_matches(str(name), names, n=1)
+    hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(names)}."
+    return f"{full_name} is not known; {hint}"

@@ -1,0 +1,1 @@
+"""What people look at: track table and pictures."""

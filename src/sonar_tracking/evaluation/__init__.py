@@ -1,0 +1,1 @@
+"""Studies, metrics and reports: Monte Carlo over the layers below."""

@@ -1,0 +1,1 @@
+"""Shared estimation mathematics: Kalman filters and their consistency."""

@@ -1,0 +1,1 @@
+"""Passive chain: subspaces of an array, angular innovations, bearing tracks."""

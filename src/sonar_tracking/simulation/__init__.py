@@ -1,0 +1,1 @@
+"""World to sensors: scenarios, target motion, array snapshots."""
