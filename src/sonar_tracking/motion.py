@@ -1,0 +1,180 @@
+"""Two-dimensional kinematics in the frame ``map``: straight legs, turns, propagation delay.
+
+A platform moves at constant speed along straight legs joined by turns of constant rate, so that
+its state at any instant has a closed form. Azimuths are radians anticlockwise from +x (east).
+
+Sound takes time: what is received at t left the target at the emission time t_e, the root of
+
+    c (t - t_e) = |p_receiver(t) - p_target(t_e)|.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.float64]
+
+NEWTON_STEPS = 4
+"""Fixed number of steps: the result must not depend on how instants are grouped into arrays."""
+
+
+def wrap_angle(angle: ArrayLike) -> FloatArray:
+    """Return the angle brought into [-pi, pi), rad."""
+    return np.mod(np.asarray(angle) + np.pi, 2.0 * np.pi) - np.pi
+
+
+def azimuth_from_compass(compass_deg: ArrayLike) -> FloatArray:
+    """Return the azimuth (rad, anticlockwise from east) of a compass angle (deg from north)."""
+    return wrap_angle(np.pi / 2.0 - np.radians(compass_deg))
+
+
+@dataclass(frozen=True)
+class Turn:
+    """A turn of constant rate to a new heading, the shorter way round.
+
+    Attributes
+    ----------
+    time : float
+        When it begins, s.
+    azimuth : float
+        New heading, rad.
+    rate : float
+        Magnitude of the turn rate, rad/s, positive.
+    """
+
+    time: float
+    azimuth: float
+    rate: float
+
+
+@dataclass(frozen=True)
+class KinematicState:
+    """State of a platform at one or several instants.
+
+    Attributes
+    ----------
+    position, velocity : ndarray, shape (..., 2)
+        In ``map``, m and m/s.
+    azimuth, turn_rate : ndarray, shape (...)
+        Heading, rad (not wrapped), and its rate, rad/s.
+    """
+
+    position: FloatArray
+    velocity: FloatArray
+    azimuth: FloatArray
+    turn_rate: FloatArray
+
+
+class Trajectory:
+    """Motion at constant speed along straight legs and turns.
+
+    Parameters
+    ----------
+    position : sequence of float, shape (2,)
+        At time 0, in ``map``, m.
+    azimuth : float
+        Heading until the first turn, rad.
+    speed : float
+        m/s.
+    turns : sequence of Turn
+        In ascending order of time, none before time 0. A turn may begin before the one ahead of
+        it has ended; it then starts from the heading reached.
+    """
+
+    def __init__(
+        self,
+        position: Sequence[float],
+        azimuth: float,
+        speed: float,
+        turns: Sequence[Turn] = (),
+    ) -> None:
+        self._speed = speed
+        self._starts = np.array([0.0])
+        self._positions = np.array([position], dtype=np.float64)
+        self._azimuths = np.array([azimuth], dtype=np.float64)
+        self._rates = np.array([0.0])
+        for index, turn in enumerate(turns):
+            following = turns[index + 1].time if index + 1 < len(turns) else np.inf
+            self._append_turn(turn, following)
+
+    def state(self, times: ArrayLike) -> KinematicState:
+        """Return the state at the given instants.
+
+        Parameters
+        ----------
+        times : array_like, shape (...)
+            s; before time 0 the first leg is prolonged backwards.
+        """
+        times = np.asarray(times, dtype=np.float64)
+        leg = np.maximum(np.searchsorted(self._starts, times, side="right") - 1, 0)
+        elapsed = times - self._starts[leg]
+        rate = self._rates[leg]
+        azimuth = self._azimuths[leg] + rate * elapsed
+        # The chord of an arc of angle w dt has length v dt sin(w dt / 2) / (w dt / 2) and points
+        # along the mean heading; np.sinc has its limit at a straight leg built in.
+        half_angle = 0.5 * rate * elapsed
+        chord = self._speed * elapsed * np.sinc(half_angle / np.pi)
+        position = self._positions[leg] + chord[..., None] * _unit(azimuth - half_angle)
+        return KinematicState(position, self._speed * _unit(azimuth), azimuth, rate)
+
+    def _append_turn(self, turn: Turn, following: float) -> None:
+        begin = self.state(turn.time)
+        change = float(wrap_angle(turn.azimuth - begin.azimuth))
+        self._append_leg(turn.time, float(np.sign(change)) * turn.rate)
+        end_time = turn.time + abs(change) / turn.rate
+        if end_time < following:
+            self._append_leg(end_time, 0.0)
+
+    def _append_leg(self, start: float, rate: float) -> None:
+        begin = self.state(start)
+        self._starts = np.append(self._starts, start)
+        self._positions = np.vstack([self._positions, begin.position])
+        self._azimuths = np.append(self._azimuths, begin.azimuth)
+        self._rates = np.append(self._rates, rate)
+
+
+def emission_times(
+    target: Trajectory,
+    receiver_positions: ArrayLike,
+    reception_times: ArrayLike,
+    sound_speed: float,
+) -> FloatArray:
+    """Return when the sound left the target that is received at the given instants.
+
+    Newton's iteration on the delay; the error after each step is of order (v/c)^2 of the one
+    before, so that four steps reach rounding for any target slower than sound.
+
+    Parameters
+    ----------
+    target : Trajectory
+        The source, slower than ``sound_speed``.
+    receiver_positions : array_like, shape (..., 2)
+        Receiver at the reception times, m.
+    reception_times : array_like, shape (...)
+        s.
+    sound_speed : float
+        m/s.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        Emission times, s.
+    """
+    receiver_positions = np.asarray(receiver_positions, dtype=np.float64)
+    times = np.asarray(reception_times, dtype=np.float64)
+    delay = np.zeros_like(times)
+    for _ in range(NEWTON_STEPS):
+        state = target.state(times - delay)
+        separation = state.position - receiver_positions
+        distance = np.hypot(separation[..., 0], separation[..., 1])
+        range_rate = np.sum(separation * state.velocity, axis=-1) / np.maximum(distance, 1e-9)
+        delay = delay + (distance - sound_speed * delay) / (sound_speed + range_rate)
+    return times - delay
+
+
+def _unit(azimuth: FloatArray) -> FloatArray:
+    return np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
