@@ -86,11 +86,21 @@ def parameter(
     return dataclasses.field(default=default, metadata=metadata)
 
 
+def section(default: Any = dataclasses.MISSING) -> Any:
+    """Declare a field of a configuration dataclass that holds nested configurations."""
+    return dataclasses.field(default=default, metadata={"section": True})
+
+
 def describe(configuration: type) -> tuple[ParameterDescription, ...]:
-    """Return the descriptions of all parameters of a configuration dataclass, in order."""
+    """Return the descriptions of all parameters of a configuration dataclass, in order.
+
+    Fields declared with :func:`section` are no parameters and are left out.
+    """
     hints = typing.get_type_hints(configuration)
     descriptions = []
     for field in dataclasses.fields(configuration):
+        if field.metadata.get("section"):
+            continue
         hint = hints[field.name]
         kind = typing.get_origin(hint) or hint
         descriptions.append(
@@ -169,7 +179,10 @@ ConfigurationType = TypeVar("ConfigurationType")
 
 
 def from_mapping(
-    configuration: type[ConfigurationType], values: Mapping[str, Any], where: str
+    configuration: type[ConfigurationType],
+    values: Mapping[str, Any],
+    where: str,
+    sections: Mapping[str, Any] | None = None,
 ) -> ConfigurationType:
     """Make a configuration from names and values as read from a file.
 
@@ -181,6 +194,8 @@ def from_mapping(
         Parameter names and values; what is not given keeps its default.
     where : str
         Where the values come from, named in errors, e.g. ``"nodes.bearing_tracker"``.
+    sections : mapping, optional
+        Fields declared with :func:`section`, already read; ``values`` does not repeat them.
 
     Raises
     ------
@@ -188,10 +203,11 @@ def from_mapping(
         On an unknown name (the nearest known one is suggested), a wrong type or range.
     """
     known = {description.name: description for description in describe(configuration)}
-    checked = {}
+    checked: dict[str, Any] = dict(sections or {})
     for name, value in values.items():
         if name not in known:
-            raise ConfigurationError(unknown_name_text(f"{where}.{name}", name, known))
+            names = [*known, *(sections or {})]
+            raise ConfigurationError(unknown_name_text(f"{where}.{name}", name, names))
         checked[name] = checked_value(known[name], value, where)
     return configuration(**checked)
 
