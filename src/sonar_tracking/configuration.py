@@ -17,6 +17,9 @@ from typing import Any, TypeVar
 
 from sonar_tracking.errors import ConfigurationError
 
+SECTION = {"section": True}
+"""Metadata of a dataclass field that holds nested configurations and is no parameter itself."""
+
 Value = bool | int | float | str | tuple[float, ...]
 
 
@@ -86,15 +89,10 @@ def parameter(
     return dataclasses.field(default=default, metadata=metadata)
 
 
-def section(default: Any = dataclasses.MISSING) -> Any:
-    """Declare a field of a configuration dataclass that holds nested configurations."""
-    return dataclasses.field(default=default, metadata={"section": True})
-
-
 def describe(configuration: type) -> tuple[ParameterDescription, ...]:
     """Return the descriptions of all parameters of a configuration dataclass, in order.
 
-    Fields declared with :func:`section` are no parameters and are left out.
+    Fields with the metadata :data:`SECTION` are no parameters and are left out.
     """
     hints = typing.get_type_hints(configuration)
     descriptions = []
@@ -162,9 +160,8 @@ def _converted(description: ParameterDescription, value: Any, name: str) -> Valu
             return value
         if kind is float and isinstance(value, int | float):
             return float(value)
-        if kind is tuple and isinstance(value, list | tuple):
-            if all(isinstance(v, int | float) and not isinstance(v, bool) for v in value):
-                return tuple(float(v) for v in value)
+        if kind is tuple and isinstance(value, list | tuple) and _all_numbers(value):
+            return tuple(float(v) for v in value)
     expected = {
         bool: "true or false",
         int: "a whole number",
@@ -173,6 +170,10 @@ def _converted(description: ParameterDescription, value: Any, name: str) -> Valu
         tuple: "a list of numbers",
     }[kind]
     raise ConfigurationError(f"{name} is {value!r}; it must be {expected}.")
+
+
+def _all_numbers(values: list[Any] | tuple[Any, ...]) -> bool:
+    return all(isinstance(v, int | float) and not isinstance(v, bool) for v in values)
 
 
 ConfigurationType = TypeVar("ConfigurationType")
@@ -195,7 +196,7 @@ def from_mapping(
     where : str
         Where the values come from, named in errors, e.g. ``"nodes.bearing_tracker"``.
     sections : mapping, optional
-        Fields declared with :func:`section`, already read; ``values`` does not repeat them.
+        Values of the fields with the metadata :data:`SECTION`, already read.
 
     Raises
     ------

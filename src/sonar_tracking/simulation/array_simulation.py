@@ -1,0 +1,192 @@
+"""Simulation of one array: blocks of snapshots with own ship and truth, from a scenario.
+
+The random numbers of a snapshot are drawn together and in order, so that the data are a function
+of the scenario alone: of neither pacing nor the size of the blocks (but for phases that are random
+per block). Data are rounded to single precision, as messages carry them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.motion import KinematicState, wrap_angle
+from sonar_tracking.passive.records import (
+    END_OF_DATA,
+    ArraySnapshots,
+    BearingTracks,
+    Sensor,
+    TrackStatus,
+)
+from sonar_tracking.simulation.kinematic_motion import KinematicMotion
+from sonar_tracking.simulation.records import OwnShipState, SimulatedBlock, TruthTracks
+from sonar_tracking.simulation.scenario import Scenario
+from sonar_tracking.simulation.snapshot_synthesis import (
+    circular_gaussian,
+    rounded_to_single,
+    synthesize_snapshots,
+)
+from sonar_tracking.simulation.source_signals import SourceSignals
+
+FloatArray = NDArray[np.float64]
+
+
+class ArraySimulation:
+    """Makes the blocks of a scenario, one after the other.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What to simulate.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        array = scenario.array
+        self._scenario = scenario
+        self._receiver = scenario.receiver()
+        self._positions = array.element_positions()
+        self._n_snapshots = max(1, round(scenario.duration * array.snapshot_rate))
+        self._next = 0
+        data_seed, phase_seed = np.random.SeedSequence(scenario.seed).spawn(2)
+        self._generator = np.random.default_rng(data_seed)
+        self._signals = SourceSignals(scenario.targets, np.random.default_rng(phase_seed))
+        covariance = scenario.noise.covariance(len(self._positions))
+        self._noise_covariance = None if covariance is None else covariance.astype(np.complex128)
+        self._noise_factor = None if covariance is None else np.linalg.cholesky(covariance)
+
+    @property
+    def next_time(self) -> float:
+        """Scenario time of the first snapshot of the next block, s."""
+        return self._time(self._next)
+
+    def next_block(self) -> SimulatedBlock | None:
+        """Return the next block, or None after the last one."""
+        first = self._next
+        if first >= self._n_snapshots:
+            return None
+        last = min(first + self._scenario.array.block_snapshots, self._n_snapshots)
+        times = self._scenario.start + np.arange(first, last) / self._scenario.array.snapshot_rate
+        angles, rates = self._arrivals(times)
+        self._next = last
+
+        next_stamp = END_OF_DATA if last == self._n_snapshots else self._stamp(last)
+        own_ship = self._own_ship(first)
+        sensor = self._sensor(first)
+        states = (own_ship,) if first == 0 else ()
+        return SimulatedBlock(
+            snapshots=self._snapshots(times, angles, self._stamp(first), next_stamp, sensor),
+            truth_bearings=self._truth_bearings(
+                times[0], angles[0], rates[0], self._stamp(first), next_stamp, sensor
+            ),
+            truth_tracks=self._truth_tracks(times[0], self._stamp(first), next_stamp),
+            own_ship=(*states, self._own_ship(last)),
+        )
+
+    def _time(self, index: int) -> float:
+        return self._scenario.start + index / self._scenario.array.snapshot_rate
+
+    def _stamp(self, index: int) -> int:
+        return self._scenario.stamp(self._time(index))
+
+    def _arrivals(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        angles = np.empty((len(times), len(self._scenario.targets)))
+        rates = np.empty_like(angles)
+        for index, target in enumerate(self._scenario.targets):
+            angles[:, index], rates[:, index] = target.motion.arrival(times, self._receiver)
+        return angles, rates
+
+    def _snapshots(
+        self, times: FloatArray, angles: FloatArray, stamp: int, next_stamp: int, sensor: Sensor
+    ) -> ArraySnapshots:
+        array = self._scenario.array
+        n_waveforms = self._signals.n_waveforms
+        drawn = circular_gaussian(self._generator, (len(times), n_waveforms + len(self._positions)))
+        noise = drawn[:, n_waveforms:]
+        if self._noise_factor is not None:
+            noise = noise @ self._noise_factor.T
+        data = synthesize_snapshots(
+            self._positions,
+            array.wavenumber(),
+            angles,
+            self._signals.signals(times, drawn[:, :n_waveforms]),
+            noise,
+        )
+        return ArraySnapshots(
+            stamp=stamp,
+            data=rounded_to_single(data),
+            element_positions=self._positions,
+            sample_period=1.0 / array.snapshot_rate,
+            center_frequency=array.center_frequency,
+            bandwidth=array.bandwidth,
+            sound_speed=array.sound_speed,
+            noise_covariance=self._noise_covariance,
+            next_stamp=next_stamp,
+            sensor=sensor,
+        )
+
+    def _truth_bearings(
+        self,
+        time: float,
+        angles: FloatArray,
+        rates: FloatArray,
+        stamp: int,
+        next_stamp: int,
+        sensor: Sensor,
+    ) -> BearingTracks:
+        targets = self._scenario.targets
+        rows = [index for index, target in enumerate(targets) if target.is_present(time)]
+        levels = np.array([10.0 ** (targets[index].level_db / 10.0) for index in rows])
+        unknown = np.full(len(rows), np.nan)
+        return BearingTracks(
+            stamp=stamp,
+            id=np.array(rows, dtype=np.uint64) + np.uint64(1),
+            status=np.full(len(rows), TrackStatus.CONFIRMED, dtype=np.uint8),
+            arrival_angle=angles[rows],
+            arrival_angle_rate=rates[rows],
+            covariance=np.zeros((len(rows), 2, 2)),
+            measurement=unknown,
+            measurement_variance=unknown,
+            innovation=unknown,
+            signal_to_noise_ratio=levels,
+            existence_probability=np.ones(len(rows)),
+            ambiguous=np.full(len(rows), self._receiver.ambiguous),
+            next_stamp=next_stamp,
+            sensor=sensor,
+        )
+
+    def _truth_tracks(self, time: float, stamp: int, next_stamp: int) -> TruthTracks:
+        rows, states = [], []
+        for index, target in enumerate(self._scenario.targets):
+            if isinstance(target.motion, KinematicMotion) and target.is_present(time):
+                rows.append(index + 1)
+                states.append(target.motion.trajectory.state(time))
+        return TruthTracks(
+            stamp=stamp,
+            id=np.array(rows, dtype=np.uint64),
+            position=np.array([state.position for state in states]).reshape(-1, 2),
+            velocity=np.array([state.velocity for state in states]).reshape(-1, 2),
+            next_stamp=next_stamp,
+        )
+
+    def _own_ship_state(self, index: int) -> KinematicState:
+        return self._receiver.trajectory.state(self._time(index))
+
+    def _own_ship(self, index: int) -> OwnShipState:
+        state = self._own_ship_state(index)
+        return OwnShipState(
+            stamp=self._stamp(index),
+            position=(float(state.position[0]), float(state.position[1])),
+            yaw=float(wrap_angle(state.azimuth)),
+            velocity=(self._scenario.own_ship.speed, 0.0),
+            yaw_rate=float(state.turn_rate),
+        )
+
+    def _sensor(self, index: int) -> Sensor:
+        state = self._own_ship_state(index)
+        half_yaw = 0.5 * float(wrap_angle(state.azimuth + self._receiver.mounting_yaw))
+        return Sensor(
+            sensor_id=self._scenario.array.sensor_id,
+            position=(float(state.position[0]), float(state.position[1]), 0.0),
+            orientation=(0.0, 0.0, float(np.sin(half_yaw)), float(np.cos(half_yaw))),
+            velocity=(float(state.velocity[0]), float(state.velocity[1]), 0.0),
+        )

@@ -1,0 +1,263 @@
+"""Scenarios: the world of a simulation, read from YAML into frozen dataclasses.
+
+A scenario time t (s) is the stamp ``epoch + round(t * 1e9)`` ns. The resolved scenario, with all
+defaults filled in, goes into recordings and reads back as the same scenario.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from datetime import date, datetime, timezone
+from pathlib import Path
+from typing import Any, TypeVar
+
+import yaml
+
+from sonar_tracking.configuration import (
+    SECTION,
+    ParameterDescription,
+    Value,
+    checked_value,
+    from_mapping,
+    parameter,
+    unknown_name_text,
+)
+from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.geometry import is_line
+from sonar_tracking.simulation.array_configuration import ArrayConfiguration, NoiseConfiguration
+from sonar_tracking.simulation.platforms import OwnShipConfiguration, Receiver, TurnConfiguration
+from sonar_tracking.simulation.scenario_checks import check_scenario
+from sonar_tracking.simulation.scenario_file import find_scenario, read_yaml_mapping
+from sonar_tracking.simulation.target import MOTIONS, TargetConfiguration, TargetMotion
+
+DEFAULT_EPOCH = 1_767_225_600 * 1_000_000_000
+"""2026-01-01T00:00:00Z, ns."""
+
+LATEST_EPOCH_SECONDS = 2_000_000_000
+
+SECOND = 1_000_000_000
+
+NodeParameters = dict[str, dict[str, Value]]
+Configuration = TypeVar("Configuration")
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A world and the parameters of the nodes that listen to it."""
+
+    name: str = parameter("", "name of the scenario; empty = name of the file")
+    description: str = parameter("", "what it shows")
+    start: float = parameter(0.0, "scenario time of the first snapshot", unit="s")
+    duration: float = parameter(60.0, "length of the data", unit="s", minimum=1e-3, maximum=1e7)
+    seed: int = parameter(1, "of the random numbers", minimum=0)
+    epoch: int = field(default=DEFAULT_EPOCH, metadata=SECTION)
+    array: ArrayConfiguration = field(default_factory=ArrayConfiguration, metadata=SECTION)
+    noise: NoiseConfiguration = field(default_factory=NoiseConfiguration, metadata=SECTION)
+    own_ship: OwnShipConfiguration = field(default_factory=OwnShipConfiguration, metadata=SECTION)
+    targets: tuple[TargetConfiguration, ...] = field(default=(), metadata=SECTION)
+    nodes: NodeParameters = field(default_factory=dict, metadata=SECTION)
+
+    def stamp(self, time: float) -> int:
+        """Return the stamp (ns) of a scenario time (s)."""
+        return self.epoch + round(time * 1e9)
+
+    def receiver(self) -> Receiver:
+        """Return the array as the propagation geometry sees it."""
+        array = self.array
+        return Receiver(
+            trajectory=self.own_ship.trajectory(),
+            mounting_yaw=math.radians(array.mounting_yaw_deg),
+            sound_speed=array.sound_speed,
+            ambiguous=is_line(array.element_positions()),
+        )
+
+
+def load_scenario(name_or_path: str | Path) -> Scenario:
+    """Read a scenario.
+
+    Parameters
+    ----------
+    name_or_path : str or Path
+        Name of a scenario of the package, or path of a YAML file.
+
+    Raises
+    ------
+    ConfigurationError
+        If there is none, or one of its values cannot be used.
+    """
+    path = find_scenario(name_or_path)
+    mapping = read_yaml_mapping(path)
+    return scenario_from_mapping({"name": path.stem, **mapping}, str(path))
+
+
+def scenario_from_mapping(mapping: Mapping[str, Any], where: str) -> Scenario:
+    """Make a scenario from names and values, as read from YAML or from a recording.
+
+    Parameters
+    ----------
+    mapping : mapping
+        As in the YAML file; what is not given keeps its default.
+    where : str
+        Where it comes from, named in errors.
+
+    Raises
+    ------
+    ConfigurationError
+        On an unknown name (the nearest known one is suggested) or a value that cannot be used.
+    """
+    values = dict(mapping)
+    prefix = f"{where}: "
+    sections = {
+        "epoch": _epoch(values.pop("epoch", DEFAULT_EPOCH // SECOND), prefix),
+        "array": _section(ArrayConfiguration, values.pop("array", {}), f"{prefix}array"),
+        "noise": _section(NoiseConfiguration, values.pop("noise", {}), f"{prefix}noise"),
+        "own_ship": _moving(OwnShipConfiguration, values.pop("own_ship", {}), f"{prefix}own_ship"),
+        "targets": _targets(values.pop("targets", []), f"{prefix}targets"),
+        "nodes": _nodes(values.pop("nodes", {}), f"{prefix}nodes"),
+    }
+    scenario = from_mapping(Scenario, values, f"{prefix}scenario", sections)
+    if scenario.stamp(scenario.start) <= 0:
+        raise ConfigurationError(f"{prefix}epoch + start must lie after 1970; give a later epoch.")
+    check_scenario(scenario, prefix)
+    return scenario
+
+
+def scenario_to_mapping(scenario: Scenario) -> dict[str, Any]:
+    """Return the resolved scenario as plain names and values, for YAML, JSON and recordings."""
+    mapping = _plain(dataclasses.asdict(scenario))
+    instant = datetime.fromtimestamp(scenario.epoch // SECOND, tz=timezone.utc)
+    mapping["epoch"] = instant.strftime("%Y-%m-%dT%H:%M:%SZ")
+    return mapping
+
+
+def scenario_to_yaml(scenario: Scenario) -> str:
+    """Return the text of a YAML file that :func:`load_scenario` reads as the same scenario."""
+    return yaml.safe_dump(scenario_to_mapping(scenario), sort_keys=False, allow_unicode=True)
+
+
+def checked_node_parameters(
+    scenario: Scenario, descriptions: Mapping[str, Sequence[ParameterDescription]], where: str
+) -> NodeParameters:
+    """Return the parameters of the nodes, checked against what the nodes know.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Its ``nodes`` are checked.
+    descriptions : mapping
+        Parameters of each node, by the name of the node.
+    where : str
+        Where the scenario comes from, named in errors.
+
+    Raises
+    ------
+    ConfigurationError
+        On an unknown node or parameter, a wrong type or a value out of range.
+    """
+    checked: NodeParameters = {}
+    for node, values in scenario.nodes.items():
+        name = f"{where}: nodes.{node}"
+        if node not in descriptions:
+            raise ConfigurationError(unknown_name_text(name, node, descriptions))
+        known = {description.name: description for description in descriptions[node]}
+        for key in values:
+            if key not in known:
+                raise ConfigurationError(unknown_name_text(f"{name}.{key}", key, known))
+        checked[node] = {key: checked_value(known[key], values[key], name) for key in values}
+    return checked
+
+
+def _mapping(values: Any, where: str) -> dict[str, Any]:
+    if not isinstance(values, Mapping):
+        raise ConfigurationError(f"{where} is {values!r}; it must be a mapping of names to values.")
+    return dict(values)
+
+
+def _list(values: Any, where: str) -> list[Any]:
+    if not isinstance(values, list | tuple):
+        raise ConfigurationError(f"{where} is {values!r}; it must be a list.")
+    return list(values)
+
+
+def _section(configuration: type[Configuration], values: Any, where: str) -> Configuration:
+    return from_mapping(configuration, _mapping(values, where), where)
+
+
+def _moving(configuration: type[Configuration], values: Any, where: str) -> Configuration:
+    values = _mapping(values, where)
+    turns = tuple(
+        _section(TurnConfiguration, turn, f"{where}.turns[{index}]")
+        for index, turn in enumerate(_list(values.pop("turns", []), f"{where}.turns"))
+    )
+    return from_mapping(configuration, values, where, {"turns": turns})
+
+
+def _targets(values: Any, where: str) -> tuple[TargetConfiguration, ...]:
+    targets = []
+    for index, entry in enumerate(_list(values, where)):
+        name = f"{where}[{index}]"
+        entry = _mapping(entry, name)
+        motion = _motion(entry.pop("motion", None), f"{name}.motion")
+        entry["name"] = entry.get("name") or f"target_{index + 1}"
+        targets.append(from_mapping(TargetConfiguration, entry, name, {"motion": motion}))
+    return tuple(targets)
+
+
+def _motion(values: Any, where: str) -> TargetMotion:
+    kinds = ", ".join(MOTIONS)
+    if values is None:
+        raise ConfigurationError(f"{where} is missing; give a motion with kind: one of {kinds}.")
+    values = _mapping(values, where)
+    kind = values.get("kind")
+    if kind not in MOTIONS:
+        raise ConfigurationError(f"{where}.kind is {kind!r}; it must be one of {kinds}.")
+    read = _moving if kind == "kinematic" else _section
+    return read(MOTIONS[kind], values, where)
+
+
+def _nodes(values: Any, where: str) -> NodeParameters:
+    nodes: NodeParameters = {}
+    for node, parameters in _mapping(values, where).items():
+        checked = _mapping(parameters, f"{where}.{node}")
+        for name, value in checked.items():
+            entries = value if isinstance(value, list | tuple) else [value]
+            if not all(isinstance(entry, bool | int | float | str) for entry in entries):
+                raise ConfigurationError(
+                    f"{where}.{node}.{name} is {value!r}; it must be a number, a text, true, false "
+                    "or a list of numbers."
+                )
+        nodes[str(node)] = {
+            str(name): tuple(value) if isinstance(value, list) else value
+            for name, value in checked.items()
+        }
+    return nodes
+
+
+def _epoch(value: Any, prefix: str) -> int:
+    advice = "give e.g. 2026-01-01T00:00:00Z, or whole seconds since 1970"
+    if isinstance(value, str):
+        try:
+            value = datetime.fromisoformat(value.replace("Z", "+00:00"))
+        except ValueError as error:
+            raise ConfigurationError(f"{prefix}epoch is {value!r}; {advice}.") from error
+    if isinstance(value, date) and not isinstance(value, datetime):
+        value = datetime(value.year, value.month, value.day)
+    if isinstance(value, datetime):
+        value = (value if value.tzinfo else value.replace(tzinfo=timezone.utc)).timestamp()
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not number or not 0 < value <= LATEST_EPOCH_SECONDS or value != int(value):
+        raise ConfigurationError(
+            f"{prefix}epoch is {value!r}; {advice}, between 1970 and {LATEST_EPOCH_SECONDS} s."
+        )
+    return int(value) * SECOND
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {name: _plain(entry) for name, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(entry) for entry in value]
+    return value

@@ -1,0 +1,60 @@
+"""One target of a scenario: how loud it is, when it is heard, how it moves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from sonar_tracking.configuration import SECTION, parameter
+from sonar_tracking.simulation.bearing_motion import (
+    ArctangentMotion,
+    LinearMotion,
+    SinusoidalMotion,
+    TableMotion,
+    TargetMotion,
+)
+from sonar_tracking.simulation.kinematic_motion import KinematicMotion
+
+MOTIONS: dict[str, type[TargetMotion]] = {
+    "arctangent": ArctangentMotion,
+    "linear": LinearMotion,
+    "sinusoidal": SinusoidalMotion,
+    "table": TableMotion,
+    "kinematic": KinematicMotion,
+}
+
+PHASES = ("fixed", "random", "turning", "random_per_block")
+
+
+@dataclass(frozen=True)
+class TargetConfiguration:
+    """A source of narrowband Gaussian sound.
+
+    Targets of one coherent group emit the same waveform; each adds its own level and phase.
+    """
+
+    name: str = parameter("", "name for people; empty = target_<number>")
+    level_db: float = parameter(
+        0.0, "signal power over noise power per element", unit="dB", minimum=-100.0, maximum=100.0
+    )
+    present: tuple[float, ...] = parameter(
+        (), "times from, to, from, to, ... between which it is heard; empty = always", unit="s"
+    )
+    coherent_group: str = parameter("", "name of the group of one waveform; empty = none")
+    coherent_phase: str = parameter(
+        "fixed",
+        "phase within the group: coherent_phase_deg, random per run, turning at "
+        "coherent_phase_rate_deg, or random per block",
+        choices=PHASES,
+    )
+    coherent_phase_deg: float = parameter(0.0, "phase at scenario time 0", unit="deg")
+    coherent_phase_rate_deg: float = parameter(0.0, "for turning", unit="deg/s")
+    motion: TargetMotion = field(default_factory=ArctangentMotion, metadata=SECTION)
+
+    def is_present(self, times: ArrayLike) -> NDArray[np.bool_]:
+        """Return at which reception times (s) the target is heard; intervals are half open."""
+        if not self.present:
+            return np.ones(np.shape(times), dtype=bool)
+        return np.searchsorted(self.present, times, side="right") % 2 == 1
