@@ -1,0 +1,100 @@
+"""Node ``bearing_tracker``: signal subspaces in, the complete picture of bearing tracks out."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from sonar_tracking.errors import InputError, Notice
+from sonar_tracking.graph import conversions, message_fields
+from sonar_tracking.graph.data_flow import Received
+from sonar_tracking.graph.event_time_join import JoinedItem
+from sonar_tracking.graph.node_catalogue import BEARING_TRACKER
+from sonar_tracking.graph.node_process import run_node
+from sonar_tracking.graph.sonar_node import SonarNode
+from sonar_tracking.graph.topics import BEARING_TRACKS, SUBSPACES
+from sonar_tracking.passive.bearing_tracker_stage import (
+    BearingTrackerConfiguration,
+    BearingTrackerStage,
+)
+from sonar_tracking.passive.records import BearingTracks, SubspaceEstimates
+
+
+class BearingTracker(SonarNode):
+    """Shell around :class:`sonar_tracking.passive.bearing_tracker_stage.BearingTrackerStage`.
+
+    Every estimate, usable or not, gives exactly one picture: without subspaces the tracks are
+    predicted.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(BEARING_TRACKER)
+        self._configuration = self.configuration(
+            BearingTrackerConfiguration, check=BearingTrackerStage
+        )
+        self._tracks = self.data_publisher(BEARING_TRACKS)
+        self._last_id = self._configuration.first_id - 1
+        self.reset()
+        self.data_subscriptions({SUBSPACES: conversions.subspaces_from_message})
+
+    def process(self, item: JoinedItem, records: Mapping[str, Any]) -> Iterable[Notice]:
+        """Feed the subspaces of one sample time and publish the tracks."""
+        estimates: SubspaceEstimates = records[SUBSPACES.name]
+        notices = self._advance(estimates)
+        self._last_estimates = estimates
+        return notices
+
+    def substitute(self, rejected: Received) -> None:
+        """Publish the tracks predicted to the time of an estimate that could not be used."""
+        stamps = {"stamp": rejected.stamp, "next_stamp": rejected.next_stamp}
+        if self._last_estimates is not None:
+            try:
+                self._advance(_without_subspaces(self._last_estimates, stamps))
+                return
+            except InputError:
+                pass
+        sensor = message_fields.sensor(rejected.message)
+        self._publish(replace(conversions.NO_BEARING_TRACKS, sensor=sensor, **stamps))
+
+    def reset(self) -> None:
+        """Begin with a new stage; its identifiers continue after those given before."""
+        self._stage = BearingTrackerStage(replace(self._configuration, first_id=self._last_id + 1))
+        self._last_estimates: SubspaceEstimates | None = None
+
+    def _advance(self, estimates: SubspaceEstimates) -> Iterable[Notice]:
+        update = self._stage.update(estimates)
+        self._publish(update.tracks)
+        return update.notices
+
+    def _publish(self, tracks: BearingTracks) -> None:
+        self._last_id = max(self._last_id, int(tracks.id.max(initial=0)))
+        self._tracks.publish(conversions.bearing_tracks_to_message(tracks))
+
+
+def _without_subspaces(last: SubspaceEstimates, stamps: Mapping[str, Any]) -> SubspaceEstimates:
+    return replace(
+        last,
+        basis=last.basis[:0],
+        time_offsets=np.empty(0),
+        covariance=None,
+        covariance_snapshots=0,
+        covariance_time_offset=np.nan,
+        eigenvalues=np.empty(0),
+        rank=-1,
+        source_count=-1,
+        noise_power=np.array(np.nan),
+        **stamps,
+    )
+
+
+def main() -> int:
+    """Run the node."""
+    return run_node(BearingTracker)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,35 @@
+"""Parameters every node has, and those of the nodes that are no stage."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from sonar_tracking.configuration import parameter
+
+
+@dataclass(frozen=True)
+class NodeConfiguration:
+    """Parameters of the shell around a stage, the same for every node."""
+
+    flow_depth: int = parameter(
+        10,
+        "messages kept per data topic; at least twice the flow window of the time master",
+        minimum=1,
+        maximum=10_000,
+    )
+    reset_after: float = parameter(
+        10.0,
+        "a step back of the stamps by more than this resets the node, a smaller one is rejected",
+        unit="s",
+        minimum=0.0,
+        maximum=1e9,
+    )
+
+
+@dataclass(frozen=True)
+class ArraySimulatorConfiguration:
+    """Parameters of the node ``array_simulator``."""
+
+    scenario: str = parameter(
+        "doa_fusion", "name of a scenario, path of a YAML file, or the YAML text itself"
+    )

@@ -1,0 +1,114 @@
+"""What a node watches besides its data: who is connected, what stalls, who else publishes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+
+from sonar_tracking.errors import Severity
+from sonar_tracking.graph.data_flow import DataInput
+from sonar_tracking.graph.diagnostics import MATCHED, Diagnostics
+from sonar_tracking.graph.message_fields import NANOSECONDS
+from sonar_tracking.graph.topics import CLOCK_TOPIC
+from sonar_tracking.passive.records import END_OF_DATA
+
+if TYPE_CHECKING:
+    from sonar_tracking.graph.sonar_node import SonarNode
+
+READY_PERIOD = 0.2
+"""Between publications until the first data message, s of steady time."""
+
+STATUS_PERIOD = 1.0
+"""Between publications afterwards, s of /clock."""
+
+STALLED_PERIODS = 5
+STALLED_AT_LEAST = 2 * NANOSECONDS
+"""An input is stalled after so many of its periods, and not before this, ns of /clock."""
+
+
+class NodeWatch:
+    """Publishes the state of a node at its times, and finds stalled and doubled inputs.
+
+    Parameters
+    ----------
+    node : SonarNode
+        The node to watch.
+    """
+
+    def __init__(self, node: SonarNode) -> None:
+        self._node = node
+        self._seen: dict[str, tuple[int, int]] = {}
+        node.diagnostics.add(MATCHED, lambda: matched_endpoints(node))
+        self._ready_timer = node.create_timer(
+            READY_PERIOD, self._until_first_data, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        )
+        node.create_timer(STATUS_PERIOD, self._watch)
+
+    def check_publishers(self, source: DataInput) -> None:
+        """Report an input that more than one node publishes."""
+        publishers = self._node.get_publishers_info_by_topic(source.name)
+        names = sorted(f"{info.node_namespace.rstrip('/')}/{info.node_name}" for info in publishers)
+        if len(names) < 2:
+            severity, sentence = Severity.OK, ""
+        else:
+            # A node that was killed and started again is listed twice until its lease ends.
+            severity = Severity.ERROR if len(set(names)) > 1 else Severity.WARN
+            sentence = (
+                f"{source.name} has {len(names)} publishers: {', '.join(names)}; data that do not "
+                "continue those of the first are rejected; stop all but one, or give each its own "
+                "namespace."
+            )
+        concern = input_concern(source)
+        self._node.diagnostics.report(concern, "publishers", severity, sentence, lasting=True)
+
+    def _until_first_data(self) -> None:
+        if any(source.received for source in self._node.data_inputs):
+            self._ready_timer.cancel()
+        self._node.diagnostics.publish()
+
+    def _watch(self) -> None:
+        now = self._node.get_clock().now().nanoseconds
+        for source in self._node.data_inputs:
+            self.check_publishers(source)
+            self._check_stalled(source, now)
+        self._node.diagnostics.publish()
+
+    def _check_stalled(self, source: DataInput, now: int) -> None:
+        received, since = self._seen.get(source.name, (-1, now))
+        if source.received != received or now < since:
+            self._seen[source.name] = (source.received, now)
+            since = now
+        patience = max(STALLED_PERIODS * source.period, STALLED_AT_LEAST)
+        stalled = now - since > patience and source.guard.expected != END_OF_DATA
+        severity = Severity.WARN if stalled else Severity.OK
+        sentence = (
+            f"{source.name}: nothing received for {(now - since) / NANOSECONDS:.1f} s of /clock; "
+            "check that its publisher is running and connected."
+        )
+        self._node.diagnostics.report(
+            input_concern(source), "stalled", severity, sentence, lasting=True
+        )
+
+
+def input_concern(source: DataInput) -> str:
+    """Return the name of the status of an input."""
+    return f"input {source.name}"
+
+
+def matched_endpoints(node: SonarNode) -> dict[str, object]:
+    """Return the number of matched remote endpoints of every data topic, /clock and flow/done."""
+    counts: dict[str, object] = {}
+    for source in node.data_inputs:
+        counts[source.name] = source.subscription.get_publisher_count()
+    for publisher in [output.publisher for output in node.data_outputs]:
+        counts[publisher.topic_name] = publisher.get_subscription_count()
+    counts[node.progress.publisher.topic_name] = node.progress.publisher.get_subscription_count()
+    counts[CLOCK_TOPIC] = _clock_publishers(node)
+    return counts
+
+
+def _clock_publishers(node: Node) -> int:
+    clocks = [s for s in node.subscriptions if s.topic_name == CLOCK_TOPIC]
+    return min((s.get_publisher_count() for s in clocks), default=0)

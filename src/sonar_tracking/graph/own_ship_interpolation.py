@@ -1,0 +1,40 @@
+"""Own ship between two odometry messages."""
+
+from __future__ import annotations
+
+import math
+
+from sonar_tracking.simulation.records import OwnShipState
+
+
+def interpolate_own_ship(
+    before: OwnShipState, after: OwnShipState, fraction: float
+) -> OwnShipState:
+    """Return the state between two, linear in everything, the yaw by the shortest arc.
+
+    Parameters
+    ----------
+    before, after : OwnShipState
+        Neighbouring states.
+    fraction : float
+        0 = before, 1 = after.
+    """
+
+    def between(first: float, second: float) -> float:
+        return first + fraction * (second - first)
+
+    arc = math.remainder(after.yaw - before.yaw, 2.0 * math.pi)
+    yaw = math.remainder(before.yaw + fraction * arc, 2.0 * math.pi)
+    return OwnShipState(
+        stamp=before.stamp + round(fraction * (after.stamp - before.stamp)),
+        position=(
+            between(before.position[0], after.position[0]),
+            between(before.position[1], after.position[1]),
+        ),
+        yaw=yaw,
+        velocity=(
+            between(before.velocity[0], after.velocity[0]),
+            between(before.velocity[1], after.velocity[1]),
+        ),
+        yaw_rate=between(before.yaw_rate, after.yaw_rate),
+    )

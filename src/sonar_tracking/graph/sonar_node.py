@@ -1,0 +1,232 @@
+"""Base of the nodes: a thin shell that feeds a stage in event time and never dies of bad input.
+
+A node's file says which topics it connects, how to make its stage, and what to do with one joined
+input. Everything else is here: parameters, stamp checks, joining, progress, diagnostics, resets.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, TypeVar
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.node import Node
+
+from sonar_tracking.configuration import describe
+from sonar_tracking.errors import ConfigurationError, InputError, Notice, Severity
+from sonar_tracking.graph import parameters, quality_of_service
+from sonar_tracking.graph.data_flow import DataInput, DataOutput, ProgressReporter, Received
+from sonar_tracking.graph.diagnostics import PARAMETERS, Diagnostics, kind_of
+from sonar_tracking.graph.event_time_join import EventTimeJoin, Interpolation, JoinedItem
+from sonar_tracking.graph.message_fields import NANOSECONDS
+from sonar_tracking.graph.node_catalogue import NodeDescription
+from sonar_tracking.graph.node_configuration import NodeConfiguration
+from sonar_tracking.graph.node_watch import NodeWatch, input_concern
+from sonar_tracking.graph.stamp_guard import Verdict, seconds_text
+from sonar_tracking.graph.topics import DIAGNOSTICS_TOPIC, Topic
+
+ConfigurationType = TypeVar("ConfigurationType")
+Convert = Callable[[Any], Any]
+
+
+class SonarNode(Node):
+    """Shell of one node of the graph.
+
+    A subclass calls :meth:`configuration`, :meth:`data_publisher` and :meth:`data_subscriptions`
+    in its constructor, and overrides :meth:`process` and, as needed, :meth:`substitute` and
+    :meth:`reset`.
+
+    Parameters
+    ----------
+    description : NodeDescription
+        Name, parameters and topics, from the node catalogue.
+    """
+
+    def __init__(self, description: NodeDescription) -> None:
+        super().__init__(description.name)
+        self.data_inputs: list[DataInput] = []
+        self.data_outputs: list[DataOutput] = []
+        publisher = self.create_publisher(
+            DiagnosticArray, DIAGNOSTICS_TOPIC, quality_of_service.DIAGNOSTICS
+        )
+        self.diagnostics = Diagnostics(self.get_name(), self.get_logger(), publisher.publish)
+        self.diagnostics.add(PARAMETERS, dict)
+        self.progress = ProgressReporter(self)
+        self._overrides = parameters.overrides_of(self)
+        self._report_parameters(
+            parameters.unknown_overrides(
+                description.configurations, self._overrides, self.get_name()
+            )
+        )
+        self.node_configuration = self.configuration(NodeConfiguration)
+        self._join = EventTimeJoin()
+        self._series_topics: set[str] = set()
+        self.watch = NodeWatch(self)
+
+    def configuration(
+        self,
+        configuration: type[ConfigurationType],
+        check: Callable[[ConfigurationType], object] = bool,
+    ) -> ConfigurationType:
+        """Return a configuration from the parameters given to the node, and declare them.
+
+        Parameters
+        ----------
+        configuration : type
+            Configuration dataclass.
+        check : callable
+            Called with the configuration; raises ConfigurationError on a combination that does
+            not go together, e.g. the class of the stage. The defaults are used then.
+        """
+        resolved, problems = parameters.resolve(configuration, self._overrides, self.get_name())
+        try:
+            check(resolved)
+        except ConfigurationError as error:
+            names = ", ".join(description.name for description in describe(configuration))
+            problems.append(f"{self.get_name()}: {error} The defaults of {names} are used.")
+            resolved = configuration()
+        self._report_parameters(problems)
+        parameters.declare(self, resolved)
+        return resolved
+
+    def data_publisher(self, topic: Topic) -> DataOutput:
+        """Return a publisher that reports progress."""
+        depth = self.node_configuration.flow_depth
+        output = DataOutput(self, topic, depth, self.progress)
+        self.data_outputs.append(output)
+        return output
+
+    def data_subscriptions(
+        self,
+        streams: Mapping[Topic, Convert],
+        groups: Sequence[Mapping[Topic, Convert]] = (),
+        series: Mapping[Topic, tuple[Convert, Interpolation]] | None = None,
+    ) -> None:
+        """Subscribe to all inputs of the node, joined in event time.
+
+        Parameters
+        ----------
+        streams : mapping of Topic to callable
+            Independent inputs, each with the conversion of its messages to records.
+        groups : sequence of mappings
+            Inputs made from the same datum, joined by equal stamps.
+        series : mapping of Topic to (conversion, interpolation)
+            Continuous quantities such as odometry.
+        """
+        series = series or {}
+        self._join = EventTimeJoin(
+            [topic.name for topic in streams],
+            [[topic.name for topic in group] for group in groups],
+            {topic.name: interpolate for topic, (_, interpolate) in series.items()},
+        )
+        conversions = dict(streams) | {topic: convert for topic, (convert, _) in series.items()}
+        for group in groups:
+            conversions |= group
+        for topic, convert in conversions.items():
+            source = DataInput(
+                self,
+                topic,
+                self.node_configuration.flow_depth,
+                round(self.node_configuration.reset_after * NANOSECONDS),
+                convert,
+                self._receive,
+                self.progress,
+            )
+            self.data_inputs.append(source)
+            self.diagnostics.add(input_concern(source), source.values)
+        self._series_topics = {topic.name for topic in series}
+
+    def process(self, item: JoinedItem, records: Mapping[str, Any]) -> Iterable[Notice]:
+        """Feed the stage with one joined input, publish what follows, return its notices.
+
+        Parameters
+        ----------
+        item : JoinedItem
+            Stamp, topic and interpolated series.
+        records : mapping of str to record
+            What arrived, by topic name.
+        """
+        raise NotImplementedError
+
+    def substitute(self, rejected: Received) -> None:
+        """Publish the one output of an input that could not be used (nothing by default)."""
+
+    def reset(self) -> None:
+        """Begin again: the stage and everything learnt from the data are discarded."""
+
+    def report(self, concern: str, culprit: str, severity: Severity, sentence: str) -> None:
+        """Report a problem on /diagnostics and in the log."""
+        self.diagnostics.report(concern, culprit, severity, sentence)
+
+    def _report_parameters(self, problems: Iterable[str]) -> None:
+        for problem in problems:
+            self.diagnostics.report(PARAMETERS, problem, Severity.ERROR, problem, lasting=True)
+
+    def _receive(self, source: DataInput, message: Any) -> None:
+        check = source.check(message)
+        concern = input_concern(source)
+        severity = Severity.ERROR if check.verdict is Verdict.REJECT else Severity.WARN
+        if check.verdict in (Verdict.DUPLICATE, Verdict.REJECT):
+            self.report(concern, kind_of(check.sentence), severity, check.sentence)
+            self.watch.check_publishers(source)
+            source.finish(source.read_stamp(message))
+            return
+        if check.verdict is Verdict.RESET:
+            self._begin_again(source)
+        self.diagnostics.advance(source.guard.last_stamp)
+        if check.sentence:
+            self.report(concern, kind_of(check.sentence), severity, check.sentence)
+        received = source.read(message)
+        topic, stamp, next_stamp = source.topic.name, received.stamp, received.next_stamp
+        if topic not in self._series_topics:
+            released = self._join.push(topic, stamp, next_stamp, received)
+        elif received.rejection:
+            self._reject([received], InputError(received.rejection))
+            released = ()
+        else:
+            released = self._join.push(topic, stamp, next_stamp, received.record)
+        for item in released:
+            self._run(item)
+        if topic in self._series_topics:
+            source.finish(stamp)
+
+    def _begin_again(self, source: DataInput) -> None:
+        for item in self._join.flush():
+            self._run(item)
+        for other in self.data_inputs:
+            if other is not source:
+                other.guard.reset()
+        self.diagnostics.forget()
+        self.reset()
+
+    def _run(self, item: JoinedItem) -> None:
+        arrived: list[Received] = list(item.items.values())
+        try:
+            for received in arrived:
+                if received.rejection:
+                    raise InputError(received.rejection)
+            records = {topic: received.record for topic, received in item.items.items()}
+            for notice in self.process(item, records):
+                self.report(notice.culprit, notice.culprit, notice.severity, notice.text)
+        except Exception as error:
+            self._reject(arrived, error)
+        for received in arrived:
+            received.source.finish(received.stamp)
+
+    def _reject(self, arrived: Sequence[Received], error: Exception) -> None:
+        at = f"at {seconds_text(arrived[0].stamp)}"
+        for received in arrived:
+            received.source.rejected += 1
+            concern = input_concern(received.source)
+            if isinstance(error, InputError):
+                sentence = f"{received.source.name} {at}: rejected: {error}"
+            else:
+                sentence = (
+                    f"{received.source.name} {at}: rejected after an unexpected "
+                    f"{type(error).__name__}: {error}; please report it with the recording."
+                )
+            self.report(concern, kind_of(str(error)), Severity.ERROR, sentence)
+            try:
+                self.substitute(received)
+            except Exception as second:
+                self.report(concern, "substitute", Severity.ERROR, f"{sentence} ({second})")

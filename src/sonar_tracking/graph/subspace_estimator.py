@@ -1,0 +1,51 @@
+"""Node ``subspace_estimator``: array snapshots in, signal subspaces at each sample time out."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from sonar_tracking.errors import Notice
+from sonar_tracking.graph import conversions
+from sonar_tracking.graph.event_time_join import JoinedItem
+from sonar_tracking.graph.node_catalogue import SUBSPACE_ESTIMATOR
+from sonar_tracking.graph.node_process import run_node
+from sonar_tracking.graph.sonar_node import SonarNode
+from sonar_tracking.graph.topics import SNAPSHOTS, SUBSPACES
+from sonar_tracking.passive.subspace_stage import SubspaceConfiguration, SubspaceStage
+
+
+class SubspaceEstimator(SonarNode):
+    """Shell around :class:`sonar_tracking.passive.subspace_stage.SubspaceStage`.
+
+    The stage gives one estimate per sample time, also across rejected and missing blocks, so that
+    a rejected block needs no substitute.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(SUBSPACE_ESTIMATOR)
+        self._configuration = self.configuration(SubspaceConfiguration, check=SubspaceStage)
+        self._subspaces = self.data_publisher(SUBSPACES)
+        self.reset()
+        self.data_subscriptions({SNAPSHOTS: conversions.snapshots_from_message})
+
+    def process(self, item: JoinedItem, records: Mapping[str, Any]) -> Iterable[Notice]:
+        """Feed one block and publish every estimate it completes."""
+        update = self._stage.update(records[SNAPSHOTS.name])
+        for estimates in update.estimates:
+            self._subspaces.publish(conversions.subspaces_to_message(estimates))
+        return update.notices
+
+    def reset(self) -> None:
+        """Begin with a new stage."""
+        self._stage = SubspaceStage(self._configuration)
+
+
+def main() -> int:
+    """Run the node."""
+    return run_node(SubspaceEstimator)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
