@@ -38,6 +38,7 @@ class BearingTracker(SonarNode):
         )
         self._tracks = self.data_publisher(BEARING_TRACKS)
         self._last_id = self._configuration.first_id - 1
+        self._last_estimates: SubspaceEstimates | None = None
         self.reset()
         self.data_subscriptions({SUBSPACES: conversions.subspaces_from_message})
 
@@ -50,20 +51,25 @@ class BearingTracker(SonarNode):
 
     def substitute(self, rejected: Received) -> None:
         """Publish the tracks predicted to the time of an estimate that could not be used."""
-        stamps = {"stamp": rejected.stamp, "next_stamp": rejected.next_stamp}
         if self._last_estimates is not None:
             try:
-                self._advance(_without_subspaces(self._last_estimates, stamps))
+                self._advance(_without_subspaces(self._last_estimates, rejected))
                 return
             except InputError:
                 pass
-        sensor = message_fields.sensor(rejected.message)
-        self._publish(replace(conversions.NO_BEARING_TRACKS, sensor=sensor, **stamps))
+        self._publish(
+            replace(
+                conversions.NO_BEARING_TRACKS,
+                stamp=rejected.stamp,
+                next_stamp=rejected.next_stamp,
+                sensor=message_fields.sensor(rejected.message),
+            )
+        )
 
     def reset(self) -> None:
         """Begin with a new stage; its identifiers continue after those given before."""
         self._stage = BearingTrackerStage(replace(self._configuration, first_id=self._last_id + 1))
-        self._last_estimates: SubspaceEstimates | None = None
+        self._last_estimates = None
 
     def _advance(self, estimates: SubspaceEstimates) -> Iterable[Notice]:
         update = self._stage.update(estimates)
@@ -75,9 +81,11 @@ class BearingTracker(SonarNode):
         self._tracks.publish(conversions.bearing_tracks_to_message(tracks))
 
 
-def _without_subspaces(last: SubspaceEstimates, stamps: Mapping[str, Any]) -> SubspaceEstimates:
+def _without_subspaces(last: SubspaceEstimates, rejected: Received) -> SubspaceEstimates:
     return replace(
         last,
+        stamp=rejected.stamp,
+        next_stamp=rejected.next_stamp,
         basis=last.basis[:0],
         time_offsets=np.empty(0),
         covariance=None,
@@ -87,7 +95,6 @@ def _without_subspaces(last: SubspaceEstimates, stamps: Mapping[str, Any]) -> Su
         rank=-1,
         source_count=-1,
         noise_power=np.array(np.nan),
-        **stamps,
     )
 
 

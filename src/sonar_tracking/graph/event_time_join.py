@@ -98,8 +98,10 @@ class EventTimeJoin:
     def flush(self) -> tuple[JoinedItem, ...]:
         """Return everything that still waits, in order, and forget all state."""
         rest = tuple(self._released(flush=True))
-        for part in (*self._lanes, *self._series.values()):
-            part.clear()
+        for lane in self._lanes:
+            lane.clear()
+        for series in self._series.values():
+            series.clear()
         return rest
 
     def waits_for(self) -> tuple[str, ...]:

@@ -45,7 +45,7 @@ def packed(values: Any, dtype: str = "float64") -> array.array[Any]:
     flat = np.ascontiguousarray(values, dtype=dtype)
     column: array.array[Any] = array.array(_TYPE_CODES[dtype])
     if flat.size:
-        column.frombytes(memoryview(flat).cast("B"))
+        column.frombytes(flat.reshape(-1).data.cast("B"))
     return column
 
 

@@ -18,6 +18,7 @@ from sonar_tracking.graph.topics import (
     TRUE_TRACKS,
     Topic,
 )
+
 try:
     from sonar_tracking.passive.bearing_tracker_stage import BearingTrackerConfiguration
 except ModuleNotFoundError:

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from typing import Any
 
 import rclpy
-from rclpy.experimental import EventsExecutor
 from rclpy.executors import ExternalShutdownException
+from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 

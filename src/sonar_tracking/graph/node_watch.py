@@ -9,7 +9,7 @@ from rclpy.node import Node
 
 from sonar_tracking.errors import Severity
 from sonar_tracking.graph.data_flow import DataInput
-from sonar_tracking.graph.diagnostics import MATCHED, Diagnostics
+from sonar_tracking.graph.diagnostics import MATCHED
 from sonar_tracking.graph.message_fields import NANOSECONDS
 from sonar_tracking.graph.topics import CLOCK_TOPIC
 from sonar_tracking.passive.records import END_OF_DATA
