@@ -101,10 +101,9 @@ def describe(configuration: type) -> tuple[ParameterDescription, ...]:
             continue
         hint = hints[field.name]
         kind = typing.get_origin(hint) or hint
+        default: Any = field.default
         descriptions.append(
-            ParameterDescription(
-                name=field.name, kind=kind, default=field.default, **dict(field.metadata)
-            )
+            ParameterDescription(name=field.name, kind=kind, default=default, **field.metadata)
         )
     return tuple(descriptions)
 
