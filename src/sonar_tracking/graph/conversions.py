@@ -256,10 +256,6 @@ def own_ship_from_message(message: Odometry) -> OwnShipState:
     )
 
 
-NO_BEARING_TRACKS = bearing_tracks_from_message(BearingTracksMessage())
-"""The empty picture."""
-
-
 def _set_array(message: Any, record: ArraySnapshots | SubspaceEstimates) -> None:
     set_element_positions(message, record.element_positions)
     for name in _ARRAY_REALS:
@@ -290,3 +286,7 @@ def _rows_or_nan(message: Any, name: str, shape: tuple[int, ...]) -> NDArray[np.
 def _rows_or_zero(message: Any, name: str, rows: int, dtype: str) -> NDArray[Any]:
     values = column(message, name, dtype)
     return values if values.size else np.zeros(rows, dtype)
+
+
+NO_BEARING_TRACKS = bearing_tracks_from_message(BearingTracksMessage())
+"""The empty picture."""

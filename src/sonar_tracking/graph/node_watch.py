@@ -64,7 +64,8 @@ class NodeWatch:
         self._node.diagnostics.report(concern, "publishers", severity, sentence, lasting=True)
 
     def _until_first_data(self) -> None:
-        if any(source.received for source in self._node.data_inputs):
+        received = any(source.received for source in self._node.data_inputs)
+        if received or any(output.count for output in self._node.data_outputs):
             self._ready_timer.cancel()
         self._node.diagnostics.publish()
 
