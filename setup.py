@@ -22,12 +22,13 @@ is_colcon = bool({"install", "develop"} & set(sys.argv))
 
 def files_below(folder: str) -> list[tuple[str, list[str]]]:
     """List the files of a folder, directory by directory, for installation below share/."""
-    directories = [path for path in [Path(folder), *Path(folder).rglob("*")] if path.is_dir()]
-    return [
-        (f"share/{PACKAGE}/{directory}", [str(f) for f in sorted(directory.iterdir()) if f.is_file()])
+    directories = [Path(folder), *(path for path in Path(folder).rglob("*") if path.is_dir())]
+    contents = {
+        directory: [str(path) for path in sorted(directory.iterdir()) if path.is_file()]
         for directory in sorted(directories)
         if directory.name != "__pycache__"
-    ]
+    }
+    return [(f"share/{PACKAGE}/{directory}", files) for directory, files in contents.items()]
 
 
 setup(

@@ -1,0 +1,327 @@
+"""Makes the environment .venv: ROS 2 and all else from Python wheels, the messages, the package.
+
+Called by set_up.sh when something has changed, with a supported Python, which is the one the
+environment gets. Needs only the standard library.
+
+    set_up.py problem                       prints what is missing on this machine, if anything
+    set_up.py run|test FINGERPRINT REQUEST  brings .venv up to date, then keeps FINGERPRINT (of all
+                                            it is made from) and REQUEST (the Python asked for) in
+                                            .venv/.set_up, where set_up.sh looks for them
+
+What has to be compiled, the messages, is kept as a wheel in .cache, outside of .venv. Whatever goes
+wrong is told in a sentence; the output of pip and of the compiler is in .cache/set_up.log.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.metadata import distributions
+from pathlib import Path
+
+PROJECT = Path(__file__).resolve().parents[1]
+ENVIRONMENT = PROJECT / ".venv"
+STATE = ENVIRONMENT / ".set_up"
+UNFINISHED = ENVIRONMENT / ".set_up_unfinished"
+CACHE = PROJECT / ".cache"
+LOG = CACHE / "set_up.log"
+REQUIREMENTS = PROJECT / "requirements"
+MESSAGES = PROJECT / "msg_defs"
+PYTHON_VERSION = f"{sys.version_info[0]}.{sys.version_info[1]}"
+
+
+class SetUpError(Exception):
+    """The set-up cannot go on; the text says why and what to do."""
+
+
+def main(arguments: list[str]) -> int:
+    """Do what the arguments ask for; return the exit code."""
+    try:
+        if arguments == ["problem"]:
+            print(problem() or "", end="")
+        else:
+            kind, fingerprint, request = arguments
+            with exclusively():
+                set_up(kind, fingerprint, request)
+    except SetUpError as error:
+        say(str(error))
+        return 1
+    except KeyboardInterrupt:
+        say("The set-up was interrupted; the next start does it again.")
+        return 130
+    return 0
+
+
+def say(sentence: str) -> None:
+    """Tell the user; standard output belongs to the program that is started afterwards."""
+    print(sentence, file=sys.stderr, flush=True)
+
+
+@contextmanager
+def exclusively() -> Iterator[None]:
+    """Let one set-up at a time work in this folder."""
+    CACHE.mkdir(exist_ok=True)
+    with (CACHE / "set_up.lock").open("w") as lock:
+        # The programs started here inherit the lock: one that outlives this process keeps it.
+        os.set_inheritable(lock.fileno(), True)
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            say("Another set-up is at work in this folder; waiting for it.")
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+def set_up(kind: str, fingerprint: str, request: str) -> None:
+    """Bring the environment up to date for running, or for running and testing."""
+    if state_of(kind) == fingerprint and request in ("", state_of("python")):
+        return
+    begin = time.monotonic()
+    LOG.write_text("")
+    make_environment()
+    UNFINISHED.touch()
+    shutil.rmtree(STATE, ignore_errors=True)
+    try:
+        fill_environment(with_tests=kind == "test")
+    except SetUpError:
+        UNFINISHED.unlink()  # pip came to an end by itself: what is there is sound
+        raise
+    STATE.mkdir()
+    (STATE / "python").write_text(request)
+    for done in {"run", kind}:
+        (STATE / done).write_text(fingerprint)
+    UNFINISHED.unlink()
+    say(f"The set-up is done, after {time.monotonic() - begin:.0f} s.")
+
+
+def fill_environment(with_tests: bool) -> None:
+    """Install everything into the environment."""
+    lists = ["run.txt", "test.txt"] if with_tests else ["run.txt"]
+    say("Installing the dependencies (the first time about 400 MB, in a minute or two) ...")
+    install(*(f"--requirement={REQUIREMENTS / name}" for name in lists))
+    install("--no-deps", "--force-reinstall", str(message_wheel()))
+    say("Installing sonar_tracking ...")
+    install("--no-deps", "--no-build-isolation", "--editable", str(PROJECT))
+    register()
+
+
+def state_of(name: str) -> str:
+    """Read what the last complete set-up left; empty if there was none."""
+    file = STATE / name
+    return file.read_text() if file.is_file() else ""
+
+
+# What is missing
+
+
+def problem() -> str | None:
+    """Say what keeps this Python on this machine from making the environment, or nothing."""
+    try:
+        import ensurepip  # noqa: F401
+    except ImportError:
+        return (
+            f"{sys.executable} cannot make a virtual environment: install what it needs, e.g. with"
+            f" 'sudo apt install python{PYTHON_VERSION}-venv', and start again."
+        )
+    if cached_message_wheel() is not None:
+        return None
+    return compiler_problem()
+
+
+def compiler_problem() -> str | None:
+    """Say what keeps the messages from being compiled, or nothing."""
+    found = [
+        shutil.which(shlex.split(os.environ.get(variable, "") or names[0])[0])
+        or next(filter(None, map(shutil.which, names)), None)
+        for variable, names in {
+            "CC": ("cc", "gcc", "clang"),
+            "CXX": ("c++", "g++", "clang++"),
+        }.items()
+    ]
+    if None in found:
+        return (
+            "The messages have to be compiled once, and no C and C++ compiler was found: install"
+            " one, e.g. with 'sudo apt install g++', and start again."
+        )
+    include = Path(sysconfig.get_path("include"))
+    if not (include / "Python.h").is_file():
+        return (
+            f"The messages have to be compiled once, and the headers of Python {PYTHON_VERSION}"
+            f" (Python.h) are not in {include}: install them, e.g. with"
+            f" 'sudo apt install python{PYTHON_VERSION}-dev', and start again."
+        )
+    trial = subprocess.run(
+        [str(found[1]), f"-I{include}", "-fsyntax-only", "-x", "c++", "-"],
+        input="#include <Python.h>\n#include <vector>\n",
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if trial.returncode != 0:
+        reason = next((line for line in trial.stderr.splitlines() if "error" in line), "no reason")
+        return (
+            f"The messages have to be compiled once, and {found[1]} cannot compile ({reason}):"
+            " install what it misses, e.g. with 'sudo apt install g++ libc6-dev', and start again."
+        )
+    return None
+
+
+# The environment
+
+
+def make_environment() -> None:
+    """Make the environment, unless there is one that can be brought up to date."""
+    defect = environment_defect()
+    if defect is None:
+        return
+    if ENVIRONMENT.exists():
+        say(f"Making .venv anew, since {defect}.")
+        shutil.rmtree(ENVIRONMENT)
+    else:
+        say(f"Making the environment .venv with Python {PYTHON_VERSION}, once ...")
+    ENVIRONMENT.mkdir()
+    UNFINISHED.touch()
+    run_logged(
+        [sys.executable, "-m", "venv", str(ENVIRONMENT)],
+        "Making a virtual environment failed: look whether the disk is full.",
+    )
+
+
+def environment_defect() -> str | None:
+    """Say why the environment cannot be brought up to date but has to be made anew."""
+    if UNFINISHED.exists():
+        return "its set-up was interrupted"
+    pip = ENVIRONMENT / "bin" / "pip"
+    if not pip.is_file():
+        return "it is not complete"
+    if str(ENVIRONMENT).encode() not in pip.read_bytes():
+        return "it was made in another folder"
+    answer = subprocess.run(
+        [environment_python(), "-c", "import pip, sys; print('%d.%d' % sys.version_info[:2])"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if answer.returncode != 0:
+        return "its Python does not start"
+    version = answer.stdout.strip()
+    if version != PYTHON_VERSION:
+        return f"it has Python {version} and not {PYTHON_VERSION}"
+    return None
+
+
+def environment_python() -> str:
+    """Give the path of the environment's Python."""
+    return str(ENVIRONMENT / "bin" / "python")
+
+
+def install(*arguments: str) -> None:
+    """Install with the environment's pip."""
+    pip("install", f"--constraint={REQUIREMENTS / 'constraints.txt'}", *arguments)
+
+
+def pip(command: str, *arguments: str) -> None:
+    """Run the environment's pip; its output goes to the log."""
+    options = ["--disable-pip-version-check", "--no-input", "--progress-bar=off"]
+    run_logged(
+        [environment_python(), "-m", "pip", command, *options, *arguments],
+        f"'pip {command}' failed: see whether the package index can be reached and the disk has"
+        " room, and start again.",
+    )
+
+
+def run_logged(command: list[str], sentence: str) -> None:
+    """Run a command with its output in the log; if it fails, show the end of that and say so."""
+    # The environment's programs are found first: the messages' build looks for ROS along PATH.
+    search_path = f"{ENVIRONMENT / 'bin'}{os.pathsep}{os.environ.get('PATH', '')}"
+    with LOG.open("a") as log:
+        print("$", shlex.join(command), file=log, flush=True)
+        finished = subprocess.run(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=log,
+            stderr=subprocess.STDOUT,
+            env={**os.environ, "PATH": search_path, "PIP_USER": "0"},
+            close_fds=False,
+            check=False,
+        )
+    if finished.returncode != 0:
+        say("".join(f"  {line}\n" for line in LOG.read_text().splitlines()[-15:]).rstrip())
+        raise SetUpError(f"{sentence} All output is in {LOG}.")
+
+
+# The messages
+
+
+def message_wheel() -> Path:
+    """Give the wheel of the messages; compile it if there is none of these definitions."""
+    kept = cached_message_wheel()
+    if kept is not None:
+        return kept
+    say("Compiling the messages, once (about a minute) ...")
+    install(f"--requirement={REQUIREMENTS / 'build.txt'}")
+    with tempfile.TemporaryDirectory(dir=CACHE) as folder:
+        options = ["--no-deps", "--no-build-isolation", f"--wheel-dir={folder}"]
+        pip("wheel", *options, str(MESSAGES))
+        (wheel,) = Path(folder).glob("*.whl")
+        message_folder().mkdir(parents=True, exist_ok=True)
+        return wheel.replace(message_folder() / wheel.name)
+
+
+def cached_message_wheel() -> Path | None:
+    """Find the wheel that was compiled before from the same definitions for the same Python."""
+    return next(message_folder().glob("*.whl"), None)
+
+
+def message_folder() -> Path:
+    """Name the folder of the wheel after all it depends on."""
+    digest = hashlib.sha256(str(sysconfig.get_config_var("SOABI")).encode())
+    sources = [path for path in sorted(MESSAGES.rglob("*")) if path.is_file()]
+    for path in [*sources, REQUIREMENTS / "build.txt"]:
+        digest.update(f"\n{path.relative_to(PROJECT)}\n".encode() + path.read_bytes())
+    for line in (REQUIREMENTS / "run.txt").read_text().splitlines():
+        if line.startswith("ros-"):
+            digest.update(line.encode())
+    return CACHE / "messages" / digest.hexdigest()[:16]
+
+
+# The ament index, where ROS 2 tools look for packages and programs
+
+
+def register() -> None:
+    """Put into the environment what an editable install leaves out: marker, share and nodes."""
+    index = ENVIRONMENT / "share" / "ament_index" / "resource_index" / "packages"
+    share = ENVIRONMENT / "share" / "sonar_tracking"
+    programs = ENVIRONMENT / "lib" / "sonar_tracking"
+    for folder in (share, programs):
+        shutil.rmtree(folder, ignore_errors=True)
+    for folder in (index, share, programs):
+        folder.mkdir(parents=True, exist_ok=True)
+    shutil.copy(PROJECT / "resource" / "sonar_tracking", index)
+    for name in ("package.xml", "config", "launch"):
+        (share / name).symlink_to(PROJECT / name)
+    (programs / "sonar-tracking").symlink_to(ENVIRONMENT / "bin" / "sonar-tracking")
+    libraries = ENVIRONMENT / "lib" / f"python{PYTHON_VERSION}" / "site-packages"
+    (package,) = distributions(name="sonar_tracking", path=[str(libraries)])
+    for node in package.entry_points:
+        if node.group == "sonar_tracking.nodes":
+            program = programs / node.name
+            module = node.value.partition(":")[0]
+            program.write_text(
+                f'#!/bin/sh\nexec {shlex.quote(environment_python())} -m {module} "$@"\n'
+            )
+            program.chmod(0o755)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,196 @@
+"""What run.sh and test.sh do before they start anything: set up once, or say what is missing.
+
+Each test works in a copy of the files the set-up reads, without network, and with programs on
+PATH that make up the machine it is about.
+"""
+
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PROJECT = Path(__file__).resolve().parents[2]
+PYTHON_VERSION = f"{sys.version_info[0]}.{sys.version_info[1]}"
+SHELL_PROGRAMS = ("bash", "cat", "cut", "dirname", "getconf", "head", "sha256sum", "sort", "uname")
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    """Copy what the set-up reads into a folder with a space in its name."""
+    copy = tmp_path / "a project"
+    copy.mkdir()
+    for name in ("scripts", "requirements", "msg_defs", "resource"):
+        shutil.copytree(PROJECT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("setup.py", "setup.cfg", "package.xml"):
+        shutil.copy(PROJECT / name, copy)
+    return copy
+
+
+@pytest.fixture
+def machine(tmp_path: Path) -> Path:
+    """Make a folder of programs, the only one on PATH: a machine without Python and compiler."""
+    programs = tmp_path / "programs"
+    programs.mkdir()
+    for name in SHELL_PROGRAMS:
+        found = shutil.which(name)
+        assert found is not None
+        (programs / name).symlink_to(found)
+    return programs
+
+
+def add_program(machine: Path, name: str, script: str) -> None:
+    """Add (or replace) a program of the made-up machine."""
+    (machine / name).unlink(missing_ok=True)
+    (machine / name).write_text(f"#!/bin/sh\n{script}\n")
+    (machine / name).chmod(0o755)
+
+
+def add_this_python(machine: Path, name: str = "python3") -> None:
+    """Add the Python the tests run with, outside of its virtual environment."""
+    interpreter = Path(sys.base_prefix) / "bin" / f"python{PYTHON_VERSION}"
+    add_program(machine, name, f'exec {shlex.quote(str(interpreter))} "$@"')
+
+
+def start(
+    project: Path, machine: Path, *arguments: str, script: str = "run.sh", **variables: str
+) -> subprocess.CompletedProcess[str]:
+    """Start a script of the project on the made-up machine."""
+    return subprocess.run(
+        ["bash", str(project / "scripts" / script), *arguments],
+        env={"PATH": str(machine), "HOME": str(project), **variables},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+
+
+def assert_refused(finished: subprocess.CompletedProcess[str], project: Path, *parts: str) -> None:
+    """Check that one sentence with these parts was printed, and nothing was made."""
+    assert finished.returncode == 1
+    assert finished.stdout == ""
+    lines = finished.stderr.splitlines()
+    assert len(lines) == 1, finished.stderr
+    for part in parts:
+        assert part in lines[0]
+    assert not (project / ".venv").exists()
+
+
+def test_other_processor_is_refused(project: Path, machine: Path) -> None:
+    add_program(machine, "uname", "echo Linux aarch64")
+    assert_refused(start(project, machine), project, "x86-64", "Linux aarch64", "colcon")
+
+
+@pytest.mark.parametrize(
+    ("answer", "named"),
+    [("echo glibc 2.17", "glibc 2.17"), ("exit 1", "no glibc")],
+    ids=["old", "another library"],
+)
+def test_old_c_library_is_refused(project: Path, machine: Path, answer: str, named: str) -> None:
+    add_program(machine, "getconf", answer)
+    assert_refused(start(project, machine), project, "glibc 2.28 or newer", named)
+
+
+def test_missing_python_is_named_with_remedy(project: Path, machine: Path) -> None:
+    assert_refused(start(project, machine), project, "No Python 3.10 to 3.13", "sudo apt install")
+
+
+def test_unsupported_python_is_named(project: Path, machine: Path) -> None:
+    add_program(machine, "python3", '[ "$1" = --version ] && echo Python 3.9.18 && exit; exit 1')
+    finished = start(project, machine)
+    assert_refused(finished, project, "python3 is Python 3.9.18", "PYTHON=/path/to/python")
+
+
+def test_missing_compiler_is_named_with_remedy(project: Path, machine: Path) -> None:
+    add_this_python(machine)
+    assert_refused(start(project, machine), project, "compiler", "sudo apt install g++")
+
+
+def test_test_script_refuses_in_the_same_way(project: Path, machine: Path) -> None:
+    add_this_python(machine)
+    finished = start(project, machine, script="test.sh")
+    assert_refused(finished, project, "compiler", "sudo apt install g++")
+
+
+def test_broken_compiler_is_named_with_its_reason(project: Path, machine: Path) -> None:
+    add_this_python(machine)
+    for name in ("cc", "c++"):
+        add_program(machine, name, "echo fatal error: stdlib.h: No such file >&2; exit 1")
+    assert_refused(start(project, machine), project, "stdlib.h", "libc6-dev")
+
+
+def test_next_python_is_taken_where_the_first_is_unsupported(project: Path, machine: Path) -> None:
+    """python3 may be too old or too new on a machine that has another one."""
+    add_program(machine, "python3", "exit 1")
+    add_this_python(machine, f"python{PYTHON_VERSION}")
+    assert_refused(start(project, machine), project, "compiler")
+
+
+def test_unsupported_choice_of_the_user_is_told(project: Path, machine: Path) -> None:
+    add_this_python(machine)
+    finished = start(project, machine, PYTHON="python2")
+    assert finished.returncode == 1
+    assert finished.stderr.startswith("PYTHON=python2 is no Python 3.10 to 3.13")
+
+
+def finished_set_up(project: Path, kinds: tuple[str, ...] = ("run",), python: str = "") -> None:
+    """Leave behind what a complete set-up leaves, with a Python that prints its arguments."""
+    fingerprint = subprocess.run(
+        ["bash", "-c", 'source "$project/scripts/set_up.sh"; fingerprint'],
+        env={**os.environ, "project": str(project)},
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout.strip()
+    folder = project / ".venv" / ".set_up"
+    folder.mkdir(parents=True)
+    (folder / "python").write_text(python)
+    for kind in kinds:
+        (folder / kind).write_text(fingerprint)
+    (project / ".venv" / "bin").mkdir()
+    add_program(project / ".venv" / "bin", "python", 'echo "$@"')
+
+
+def test_second_start_goes_straight_to_the_pipeline(project: Path, machine: Path) -> None:
+    """No Python is asked and no package is looked at: this machine has none."""
+    finished_set_up(project)
+    finished = start(project, machine, "replay", "a bag", "--rate", "max")
+    assert finished.returncode == 0, finished.stderr
+    assert finished.stdout == f"{project}/scripts/run_pipeline.py replay a bag --rate max\n"
+
+
+@pytest.mark.parametrize(
+    "path", ["requirements/run.txt", "setup.py", "msg_defs/msg/Tracks.msg", "msg_defs/msg/New.msg"]
+)
+def test_change_of_an_ingredient_is_noticed(project: Path, machine: Path, path: str) -> None:
+    finished_set_up(project)
+    with (project / path).open("a") as file:
+        file.write("# changed\n")
+    finished = start(project, machine)
+    assert finished.returncode == 1
+    assert "No Python" in finished.stderr
+
+
+def test_tests_need_more_than_running(project: Path, machine: Path) -> None:
+    finished_set_up(project, kinds=("run",))
+    assert "No Python" in start(project, machine, script="test.sh").stderr
+
+
+def test_another_python_asked_for_is_noticed(project: Path, machine: Path) -> None:
+    finished_set_up(project, python="python3.11")
+    assert start(project, machine, PYTHON="python3.11").returncode == 0
+    assert "No Python" in start(project, machine, PYTHON="python3.12").stderr
+
+
+def test_paths_of_another_ros_are_forgotten(project: Path, machine: Path) -> None:
+    """A sourced ROS installation must not lend its libraries to the wheels."""
+    finished_set_up(project)
+    add_program(project / ".venv" / "bin", "python", 'echo "[$LD_LIBRARY_PATH$PYTHONPATH]"')
+    other = "/opt/ros/jazzy"
+    variables = ("AMENT_PREFIX_PATH", "LD_LIBRARY_PATH", "PYTHONPATH")
+    finished = start(project, machine, **dict.fromkeys(variables, other))
+    assert finished.stdout == "[]\n"
