@@ -115,6 +115,6 @@ def _check_bearings(scenario: Scenario, target: TargetConfiguration, where: str)
     if np.any(outside):
         first = int(np.argmax(outside))
         raise ConfigurationError(
-            f"{where}.motion takes the bearing to {np.degrees(angle[first]):.1f} deg at "
-            f"t = {times[first]:.1f} s; bearings must stay between -90 and 90 deg while present."
+            f"{where}.motion takes the bearing to {np.degrees(angle[first]):.2f} deg at "
+            f"t = {times[first]:.2f} s; bearings must stay between -90 and 90 deg while present."
         )

@@ -72,18 +72,23 @@ def read_yaml_mapping(path: Path) -> dict[str, Any]:
         If it cannot be read, is no YAML (file and line are named), or holds no mapping.
     """
     try:
-        content = yaml.load(path.read_text(encoding="utf-8"), Loader=_StrictLoader)
+        text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is no UTF-8 text"
         raise ConfigurationError(f"The scenario file {path} cannot be read: {reason}.") from error
+    try:
+        content = yaml.load(text, Loader=_StrictLoader)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = f", line {mark.line + 1}" if mark else ""
         raise ConfigurationError(
             f"{path}{line}: this is not valid YAML: {error.problem or error.context}."
         ) from error
-    except yaml.YAMLError as error:
-        raise ConfigurationError(f"{path}: this is not valid YAML: {error}.") from error
+    except yaml.reader.ReaderError as error:
+        line_number = text.count("\n", 0, error.position) + 1
+        raise ConfigurationError(
+            f"{path}, line {line_number}: this is not valid YAML: {error.reason}."
+        ) from error
     if not isinstance(content, dict):
         raise ConfigurationError(
             f"{path}: a scenario is a mapping of names to values, e.g. 'duration: 40'."
