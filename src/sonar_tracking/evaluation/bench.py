@@ -1,0 +1,188 @@
+"""Speed of subspace tracking and bearing tracking, side by side with plain codings.
+
+Everything is measured on one core in one run, since figures from different runs or machines cannot
+be compared. A subspace figure is the best of several repetitions over the same data: other work on
+the machine can only slow a repetition down.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sonar_tracking.evaluation.batch_runner import Task, Workers, compute
+from sonar_tracking.evaluation.bench_peers import (
+    eigenvectors_each_period,
+    eigenvectors_each_snapshot,
+    textbook_past,
+)
+from sonar_tracking.evaluation.study import Study, StudyRow, write_json
+from sonar_tracking.evaluation.study_definition import Column, TableLayout
+from sonar_tracking.evaluation.study_report import print_study
+from sonar_tracking.geometry import line_array
+from sonar_tracking.passive.block_past import BlockPast
+from sonar_tracking.passive.exponential_covariance import ExponentialCovariance
+from sonar_tracking.passive.orthonormal_past import OrthonormalPast
+from sonar_tracking.passive.past import Past
+from sonar_tracking.passive.records import ComplexArray
+from sonar_tracking.passive.subspace_method import SubspaceMethod
+from sonar_tracking.simulation.snapshot_synthesis import circular_gaussian, synthesize_snapshots
+
+SIZES = ((15, 5), (64, 5), (128, 5), (128, 10))
+"""Elements and sources."""
+
+PERIOD_SNAPSHOTS = 200
+PERIODS = 8
+REPETITIONS = 5
+FORGETTING_FACTOR = 0.97
+SEED = 1
+
+PEER = "peer: textbook PAST"
+SLOW_PEER = "peer: eigh each snapshot"
+SLOW_PEER_SNAPSHOTS = 40
+
+LAYOUTS = (
+    TableLayout(
+        "Subspace tracking, one core",
+        (
+            Column("snapshots_per_second", "snapshots/s", ",.0f"),
+            Column("microseconds_per_snapshot", "µs each", ".2f"),
+            Column("speed_over_textbook", "x textbook", ".2f"),
+        ),
+        "Peers are plain numpy codings, one snapshot at a time. The others give a basis once a "
+        f"period of {PERIOD_SNAPSHOTS} snapshots; eigh each period has no memory beyond it.",
+    ),
+)
+
+
+def run_bench(json: Path | None = None) -> Study:
+    """Measure, print the tables and write what was asked for.
+
+    Parameters
+    ----------
+    json : Path, optional
+        File for the figures.
+
+    Returns
+    -------
+    Study
+        One row a method and array size.
+    """
+    from rich.console import Console
+    from rich.progress import Progress
+
+    console = Console()
+    started = time.perf_counter()
+    tasks = [Task(measure_size, size) for size in SIZES]
+    with Progress(console=console, transient=True) as progress:
+        bar = progress.add_task("bench", total=len(tasks))
+        results = compute(tasks, Workers(1), lambda: progress.advance(bar))
+    rows = tuple(row for part in results for row in part)
+    study = Study("bench", REPETITIONS, SEED, time.perf_counter() - started, rows)
+    print_study(study, LAYOUTS, console)
+    if json is not None:
+        write_json((study,), Path(json))
+    return study
+
+
+def measure_size(size: tuple[int, int]) -> tuple[StudyRow, ...]:
+    """Measure everything for one array size.
+
+    Parameters
+    ----------
+    size : tuple of int
+        Elements and sources.
+    """
+    n_elements, n_sources = size
+    condition = f"M {n_elements}, N {n_sources}"
+    data = bench_snapshots(n_elements, n_sources)
+    seconds = {
+        name: _best_seconds(call) / n_snapshots
+        for name, n_snapshots, call in _subspace_calls(data, n_sources)
+    }
+    return tuple(
+        StudyRow(
+            name,
+            condition,
+            {
+                "snapshots_per_second": 1.0 / each,
+                "microseconds_per_snapshot": 1e6 * each,
+                "speed_over_textbook": seconds[PEER] / each,
+            },
+        )
+        for name, each in seconds.items()
+    )
+
+
+def bench_snapshots(n_elements: int, n_sources: int) -> ComplexArray:
+    """Return snapshots of separated sources at 0 dB, shape (n_snapshots, n_elements)."""
+    generator = np.random.default_rng(SEED)
+    n_snapshots = PERIODS * PERIOD_SNAPSHOTS
+    angles = np.arcsin(np.linspace(-0.8, 0.8, n_sources))
+    return synthesize_snapshots(
+        line_array(n_elements, 0.5),
+        2.0 * np.pi,
+        np.broadcast_to(angles, (n_snapshots, n_sources)),
+        circular_gaussian(generator, (n_snapshots, n_sources)),
+        circular_gaussian(generator, (n_snapshots, n_elements)),
+    )
+
+
+def run_method(
+    method: SubspaceMethod[Any], step: int, data: ComplexArray, n_columns: int
+) -> ComplexArray:
+    """Feed all snapshots to a method, take a basis once a period and return the last one.
+
+    Parameters
+    ----------
+    method : SubspaceMethod
+        The method.
+    step : int
+        Snapshots in a portion.
+    data : ndarray, shape (n_snapshots, n_elements), complex
+        Snapshots.
+    n_columns : int
+        Dimension of the subspace.
+    """
+    state = method.start(data.shape[1], n_columns)
+    portions_in_period = PERIOD_SNAPSHOTS // step
+    for number, first in enumerate(range(0, len(data), step)):
+        state = method.update(state, data[first : first + step])
+        if number % portions_in_period == portions_in_period - 1:
+            basis = method.basis(state)
+    return basis
+
+
+def _subspace_calls(
+    data: ComplexArray, n_sources: int
+) -> Iterator[tuple[str, int, Callable[[], object]]]:
+    beta = FORGETTING_FACTOR
+    yield PEER, len(data), partial(textbook_past, data, n_sources, beta)
+    few = data[:SLOW_PEER_SNAPSHOTS]
+    yield SLOW_PEER, len(few), partial(eigenvectors_each_snapshot, few, n_sources, beta)
+    each_period = partial(eigenvectors_each_period, data, n_sources, PERIOD_SNAPSHOTS)
+    yield "eigh each period", len(data), each_period
+    methods: tuple[tuple[str, SubspaceMethod[Any], int], ...] = (
+        ("past", Past(beta), PERIOD_SNAPSHOTS),
+        ("opast", OrthonormalPast(beta), PERIOD_SNAPSHOTS),
+        ("block_past, L 16", BlockPast(beta, 16), 16),
+        ("block_past, L 64", BlockPast(beta, 64), 64),
+        ("covariance, blocks of 20", ExponentialCovariance(beta), 20),
+        ("covariance, blocks of 200", ExponentialCovariance(beta), 200),
+    )
+    for name, method, step in methods:
+        yield name, len(data), partial(run_method, method, step, data, n_sources)
+
+
+def _best_seconds(call: Callable[[], object]) -> float:
+    best = np.inf
+    for _ in range(REPETITIONS):
+        started = time.perf_counter()
+        call()
+        best = min(best, time.perf_counter() - started)
+    return float(best)

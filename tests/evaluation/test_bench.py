@@ -1,0 +1,58 @@
+"""Protects: the bench compares like with like, and its figures reach the JSON."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sonar_tracking.evaluation import bench
+from sonar_tracking.evaluation.bench_peers import (
+    eigenvectors_each_period,
+    eigenvectors_each_snapshot,
+    textbook_past,
+)
+from sonar_tracking.passive.exponential_covariance import ExponentialCovariance
+from sonar_tracking.passive.past import Past
+from sonar_tracking.passive.records import ComplexArray
+
+BETA = 0.97
+
+
+@pytest.fixture(scope="module")
+def data() -> ComplexArray:
+    return bench.bench_snapshots(15, 5)[:400]
+
+
+def projector(basis: ComplexArray) -> ComplexArray:
+    return basis @ np.linalg.pinv(basis)
+
+
+def test_the_peer_does_the_same_recursion_as_past(data: ComplexArray) -> None:
+    ours = bench.run_method(Past(BETA), 200, data, 5)
+    assert textbook_past(data, 5, BETA) == pytest.approx(ours, abs=1e-10)
+
+
+def test_the_slow_peer_spans_the_same_subspace_as_the_covariance_path(data: ComplexArray) -> None:
+    ours = bench.run_method(ExponentialCovariance(BETA), 20, data, 5)
+    peer = eigenvectors_each_snapshot(data, 5, BETA)
+    assert projector(peer) == pytest.approx(projector(ours), abs=1e-8)
+
+
+def test_the_periodic_peer_uses_the_last_period_alone(data: ComplexArray) -> None:
+    whole = eigenvectors_each_period(data, 5, 200)
+    last = eigenvectors_each_period(data[200:], 5, 200)
+    assert projector(whole) == pytest.approx(projector(last), abs=1e-8)
+
+
+def test_figures_of_every_method_and_size_are_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(bench, "SIZES", ((6, 2), (8, 3)))
+    study = bench.run_bench(tmp_path / "bench.json")
+    content = json.loads((tmp_path / "bench.json").read_text())
+    assert content["study"] == "bench"
+    assert {row["condition"] for row in content["rows"]} == {"M 6, N 2", "M 8, N 3"}
+    assert all(value > 0 for row in content["rows"] for value in row["metrics"].values())
+    assert study.row(bench.PEER, "M 6, N 2").metrics["speed_over_textbook"] == 1.0
+    assert "snapshots/s" in capsys.readouterr().out
