@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -10,7 +11,7 @@ from hypothesis import strategies as st
 from sonar_tracking.graph.event_time_join import EventTimeJoin, JoinedItem
 from sonar_tracking.passive.records import END_OF_DATA
 
-Message = tuple[str, int, int, str]
+Message = tuple[str, int, int, Any]
 
 
 def linear(before: float, after: float, fraction: float) -> float:
@@ -30,7 +31,7 @@ def run(join: EventTimeJoin, messages: Sequence[Message]) -> list[JoinedItem]:
     return [item for message in messages for item in join.push(*message)]
 
 
-def interleaved(draw: st.DrawFn, streams: Sequence[list[Message]]) -> list[Message]:
+def interleaved(draw: Callable[..., Any], streams: Sequence[list[Message]]) -> list[Message]:
     """Arrival order: any, but in order within a topic."""
     turns = draw(st.permutations([i for i, each in enumerate(streams) for _ in each]))
     rest = [iter(each) for each in streams]
@@ -54,7 +55,7 @@ def test_arrival_order_does_not_matter(
 def test_a_group_joins_equal_stamps_and_a_series_is_known_at_each(
     data: st.DataObject, first: list[int], second: list[int], third: list[int]
 ) -> None:
-    samples: list[Message] = [("pose", stamp, 0, stamp * 10.0) for stamp in range(0, 50, 7)]  # type: ignore[misc]
+    samples: list[Message] = [("pose", stamp, 0, stamp * 10.0) for stamp in range(0, 50, 7)]
     streams = [stream("a", first), stream("b", second), stream("c", third), samples]
     join = EventTimeJoin(["c"], groups=[["a", "b"]], series={"pose": linear})
     items = run(join, interleaved(data.draw, streams))
