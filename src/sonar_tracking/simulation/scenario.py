@@ -111,7 +111,7 @@ def scenario_from_mapping(mapping: Mapping[str, Any], where: str) -> Scenario:
     values = dict(mapping)
     prefix = f"{where}: "
     sections = {
-        "epoch": _epoch(values.pop("epoch", DEFAULT_EPOCH // SECOND), prefix),
+        "epoch": checked_epoch(values.pop("epoch", DEFAULT_EPOCH // SECOND), prefix),
         "array": _section(ArrayConfiguration, values.pop("array", {}), f"{prefix}array"),
         "noise": _section(NoiseConfiguration, values.pop("noise", {}), f"{prefix}noise"),
         "own_ship": _moving(OwnShipConfiguration, values.pop("own_ship", {}), f"{prefix}own_ship"),
@@ -236,7 +236,14 @@ def _nodes(values: Any, where: str) -> NodeParameters:
     return nodes
 
 
-def _epoch(value: Any, prefix: str) -> int:
+def checked_epoch(value: Any, prefix: str) -> int:
+    """Return an instant given as ISO 8601 text, YAML timestamp or whole seconds, in ns.
+
+    Raises
+    ------
+    ConfigurationError
+        Naming ``prefix`` and what may be given.
+    """
     advice = "give e.g. 2026-01-01T00:00:00Z, or whole seconds since 1970"
     if isinstance(value, str):
         try:
