@@ -177,4 +177,7 @@ def emission_times(
 
 
 def _unit(azimuth: FloatArray) -> FloatArray:
-    return np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
+    unit = np.empty((*np.shape(azimuth), 2))
+    unit[..., 0] = np.cos(azimuth)
+    unit[..., 1] = np.sin(azimuth)
+    return unit
