@@ -1,0 +1,163 @@
+"""The command ``sonar-tracking``: one verb a function, thin; the work is done below."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+from pathlib import Path
+from types import ModuleType
+from typing import Annotated
+
+from sonar_tracking.errors import ConfigurationError, SonarTrackingError
+
+try:
+    import typer
+except ModuleNotFoundError:
+    sys.exit("sonar-tracking: the Python package typer is missing; pip install typer rich")
+
+REFUSED = 2
+"""Exit code: what was asked cannot be done, and nothing was started."""
+
+app = typer.Typer(
+    help="Sonar tracking as a ROS 2 graph.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    add_completion=False,
+)
+import_app = typer.Typer(help="Bring recorded data into a bag.", no_args_is_help=True)
+app.add_typer(import_app, name="import")
+
+RateOption = Annotated[
+    str, typer.Option(help="Factor of real time, or max: as fast as the graph takes it.")
+]
+RecordOption = Annotated[Path | None, typer.Option(help="Record everything into this new bag.")]
+JsonOption = Annotated[Path | None, typer.Option(help="Write the figures to this file.")]
+NoDisplayOption = Annotated[
+    bool, typer.Option("--no-display", help="Lines of text instead of the live table.")
+]
+
+
+@app.command()
+def run(
+    scenario: Annotated[
+        str, typer.Argument(help="Scenario of config/scenarios, or path of a YAML file.")
+    ] = "doa_fusion",
+    duration: Annotated[float | None, typer.Option(help="Length of the data, s.")] = None,
+    rate: RateOption = "1",
+    record: RecordOption = None,
+    no_display: NoDisplayOption = False,
+    json: JsonOption = None,
+) -> None:
+    """Run a scenario through the live graph: every node a process of its own."""
+    module = _needs("sonar_tracking.graph.run_command")
+    raise typer.Exit(module.run(scenario, duration, rate, record, not no_display, json))
+
+
+@app.command()
+def replay(
+    bag: Annotated[Path, typer.Argument(help="rosbag2 directory, .mcap or .db3 file.")],
+    rate: RateOption = "1",
+    record: RecordOption = None,
+    parameters: Annotated[
+        Path | None, typer.Option(help="YAML file: node, parameter, value; overrides the bag's.")
+    ] = None,
+    repair: Annotated[
+        bool, typer.Option("--repair", help="Rewrite a bag that is not whole first.")
+    ] = False,
+    no_display: NoDisplayOption = False,
+    json: JsonOption = None,
+) -> None:
+    """Replay a recording through the live graph and compare with what was recorded."""
+    module = _needs("sonar_tracking.graph.run_command")
+    raise typer.Exit(module.replay(bag, rate, record, parameters, repair, not no_display, json))
+
+
+@import_app.command()
+def wav(
+    file: Annotated[Path, typer.Argument(help="Multichannel WAV, one channel an element.")],
+    geometry: Annotated[Path, typer.Option(help="YAML file with the element positions.")],
+    frequency: Annotated[float, typer.Option(help="Centre of the narrow band, Hz.")],
+    output: Annotated[Path, typer.Option(help="The new bag.")],
+    bandwidth: Annotated[float | None, typer.Option(help="Width of the narrow band, Hz.")] = None,
+) -> None:
+    """Bring a multichannel WAV file into a bag of narrowband snapshots."""
+    importer = _needs("sonar_tracking.bags.import_wav")
+    importer.import_wav(file, geometry, frequency, bandwidth, output)
+
+
+@app.command()
+def evaluate(
+    study: Annotated[str, typer.Argument(help="Name of a study, or all.")],
+    runs: Annotated[int | None, typer.Option(help="Monte Carlo runs per condition.")] = None,
+    seed: Annotated[int, typer.Option(help="Root of all randomness.")] = 1,
+    workers: Annotated[int | None, typer.Option(help="Local worker processes.")] = None,
+    scheduler: Annotated[str | None, typer.Option(help="Address of a dask scheduler.")] = None,
+    json: JsonOption = None,
+    plots: Annotated[Path | None, typer.Option(help="Folder for the pictures.")] = None,
+) -> None:
+    """Repeat a published study, and show the published figures beside the measured ones."""
+    studies = _needs("sonar_tracking.evaluation.studies")
+    studies.run_study(study, runs, seed, workers, scheduler, json, plots)
+
+
+@app.command()
+def score(
+    bag: Annotated[Path, typer.Argument(help="Bag with tracks and truth.")],
+    json: JsonOption = None,
+) -> None:
+    """Score the bearing tracks in a bag against the truth in the bag."""
+    _needs("sonar_tracking.evaluation.score_bag").score_bag(bag, json)
+
+
+@app.command()
+def plot(
+    bag: Annotated[Path, typer.Argument(help="Bag with tracks.")],
+    output: Annotated[Path, typer.Option(help="Folder for the pictures.")] = Path(),
+) -> None:
+    """Draw the bearing-time record of a bag."""
+    _needs("sonar_tracking.display.bearing_time_record").plot_bag(bag, output)
+
+
+@app.command()
+def bench(json: JsonOption = None) -> None:
+    """Measure the speed of the algorithms side by side with peers."""
+    _needs("sonar_tracking.evaluation.bench").run_bench(json)
+
+
+def _needs(module: str) -> ModuleType:
+    """Import a module of the package; a missing package it needs is named with its remedy.
+
+    Raises
+    ------
+    ConfigurationError
+        If something is not installed.
+    """
+    # Results are bit-identical only with one linear algebra thread, set before numpy loads.
+    for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ[variable] = "1"
+    try:
+        return importlib.import_module(module)
+    except ModuleNotFoundError as error:
+        name = (error.name or "").partition(".")[0]
+        if name in ("rclpy", "sonar_tracking_msgs", "rosgraph_msgs", "diagnostic_msgs"):
+            remedy = "use ./scripts/run.sh, or source your ROS 2 installation first"
+        else:
+            remedy = f"pip install {name}"
+        raise ConfigurationError(
+            f"the Python package {error.name} is missing: {remedy}."
+        ) from error
+
+
+def main() -> int:
+    """Run the command; a wrong request is one sentence and exit code 2."""
+    try:
+        app(prog_name="sonar-tracking")
+    except SonarTrackingError as error:
+        print(f"sonar-tracking: {error}", file=sys.stderr)
+        return REFUSED
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,128 @@
+"""The live track table: what a person watches while the graph runs."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from sonar_tracking.passive.records import BearingTracks, TrackStatus
+
+PICTURE_COLUMNS = 61
+PICTURE_ROWS = 16
+_STATUS_STYLE = {
+    TrackStatus.TENTATIVE: "yellow",
+    TrackStatus.CONFIRMED: "green",
+    TrackStatus.COASTED: "magenta",
+    TrackStatus.TERMINATED: "dim",
+}
+
+
+@dataclass(frozen=True)
+class GraphState:
+    """What the table says about the graph.
+
+    Attributes
+    ----------
+    scenario : str
+        Name of the scenario.
+    data_seconds, wall_seconds : float
+        Since data began to flow.
+    backlog : int
+        Messages the slowest consumer has not finished.
+    activity : str
+        What the graph is doing, e.g. ``"running"``.
+    notices : sequence of str
+        The latest sentences of the nodes.
+    """
+
+    scenario: str
+    data_seconds: float
+    wall_seconds: float
+    backlog: int
+    activity: str
+    notices: Sequence[str] = ()
+
+
+class TrackTable:
+    """Draws the tracks, their recent bearings and the state of the graph."""
+
+    def __init__(self) -> None:
+        self._first_seen: dict[int, int] = {}
+        self._history: deque[BearingTracks] = deque(maxlen=PICTURE_ROWS)
+
+    def add(self, tracks: BearingTracks) -> None:
+        """Take the newest picture."""
+        if self._history and tracks.stamp < self._history[-1].stamp:
+            self._history.clear()
+            self._first_seen.clear()
+        self._history.append(tracks)
+        for identifier in tracks.id:
+            self._first_seen.setdefault(int(identifier), tracks.stamp)
+
+    def render(self, state: GraphState) -> RenderableType:
+        """Return what to show."""
+        rate = state.data_seconds / state.wall_seconds if state.wall_seconds > 0 else 0.0
+        head = Text.assemble(
+            (state.scenario, "bold"),
+            f"  {state.data_seconds:7.1f} s of data  {rate:4.1f} x real time  ",
+            f"backlog {state.backlog}  ",
+            (state.activity, "cyan"),
+        )
+        notices = [Text(sentence, style="yellow") for sentence in state.notices]
+        return Group(head, self._table(), bearing_time_picture(list(self._history)), *notices)
+
+    def _table(self) -> Table:
+        table = Table(show_edge=False, pad_edge=False)
+        table.add_column("track", justify="right")
+        table.add_column("status")
+        for heading in ("bearing deg", "rate deg/s", "sigma deg", "SNR dB", "age s"):
+            table.add_column(heading, justify="right")
+        if not self._history:
+            return table
+        tracks = self._history[-1]
+        for row in range(len(tracks.id)):
+            status = TrackStatus(int(tracks.status[row]))
+            identifier = int(tracks.id[row])
+            age = (tracks.stamp - self._first_seen[identifier]) / 1e9
+            table.add_row(
+                str(identifier),
+                Text(status.name.lower(), style=_STATUS_STYLE[status]),
+                f"{math.degrees(tracks.arrival_angle[row]):+.2f}",
+                f"{math.degrees(tracks.arrival_angle_rate[row]):+.2f}",
+                f"{math.degrees(math.sqrt(max(tracks.covariance[row, 0, 0], 0.0))):.2f}",
+                _decibel(float(tracks.signal_to_noise_ratio[row])),
+                f"{age:.0f}",
+            )
+        return table
+
+
+def bearing_time_picture(history: Sequence[BearingTracks]) -> Text:
+    """Draw recent bearings, newest at the top, -90 to +90 degrees from left to right.
+
+    Parameters
+    ----------
+    history : sequence of BearingTracks
+        Oldest first.
+    """
+    middle = PICTURE_COLUMNS // 2
+    lines = ["-90" + "0".center(PICTURE_COLUMNS - 6) + "+90 deg"]
+    for tracks in reversed(history):
+        line = [" "] * PICTURE_COLUMNS
+        line[middle] = "."
+        for identifier, angle in zip(tracks.id, tracks.arrival_angle, strict=True):
+            place = middle + round(middle * math.degrees(angle) / 90.0)
+            if 0 <= place < PICTURE_COLUMNS:
+                line[place] = "0123456789abcdefghijklmnopqrstuvwxyz"[int(identifier % 36)]
+        lines.append("".join(line))
+    return Text("\n".join(lines), no_wrap=True)
+
+
+def _decibel(ratio: float) -> str:
+    return f"{10.0 * np.log10(ratio):+.1f}" if ratio > 0.0 else "-"

@@ -1,0 +1,44 @@
+"""Where the data of a run come from, as the orchestration sees it."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+IDLE_SECONDS = 1.0
+"""Nothing to do before something is heard from the graph."""
+
+RESEND_SECONDS = 0.5
+"""A tick nobody served for this long was lost: it is told again, s."""
+
+
+class DataSource(Protocol):
+    """Lets data flow into the graph: by moving a simulator's clock, or from a recording."""
+
+    @property
+    def finished(self) -> bool:
+        """Whether all data have been let go."""
+        ...
+
+    @property
+    def data_seconds(self) -> float:
+        """Data time let go so far, s."""
+        ...
+
+    def advance(self, wall: float) -> float:
+        """Let go what is due and what the graph can take.
+
+        Parameters
+        ----------
+        wall : float
+            Monotonic wall time, s.
+
+        Returns
+        -------
+        float
+            Seconds until the next call is useful if nothing is heard from the graph.
+        """
+        ...
+
+    def resume(self, wall: float) -> None:
+        """Let wall time count from now on, after a pause."""
+        ...

@@ -1,0 +1,77 @@
+"""Parameters of the nodes as people write them: checked before any node is started (no ROS)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from sonar_tracking.configuration import Value, from_mapping, unknown_name_text
+from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.graph.node_catalogue import NODES, NodeDescription
+from sonar_tracking.simulation.scenario_file import read_yaml_mapping
+
+NodeSettings = dict[str, dict[str, Value]]
+
+
+def resolved_settings(
+    given: Mapping[str, Mapping[str, Any]], nodes: tuple[NodeDescription, ...], where: str
+) -> NodeSettings:
+    """Return every parameter of some nodes: as given, else the default.
+
+    Parameters
+    ----------
+    given : mapping
+        Node name, parameter name, value; other nodes than those asked for must at least exist.
+    nodes : tuple of NodeDescription
+        The nodes asked for.
+    where : str
+        Where the values come from, named in errors.
+
+    Raises
+    ------
+    ConfigurationError
+        On an unknown node or parameter, a wrong type, a value out of range, or parameters that
+        do not fit together.
+    """
+    for name in given:
+        if name not in NODES:
+            raise ConfigurationError(unknown_name_text(f"{where}: {name}", name, NODES))
+    return {node.name: _settings(node, given.get(node.name, {}), where) for node in nodes}
+
+
+def read_settings(path: Path) -> dict[str, dict[str, Any]]:
+    """Read a parameter file: node, parameter, value; the form of ROS is understood too.
+
+    Raises
+    ------
+    ConfigurationError
+        If it cannot be read or is not such a mapping.
+    """
+    settings: dict[str, dict[str, Any]] = {}
+    for name, values in read_yaml_mapping(path).items():
+        if isinstance(values, Mapping) and set(values) == {"ros__parameters"}:
+            values = values["ros__parameters"]
+        if not isinstance(values, Mapping):
+            raise ConfigurationError(
+                f"{path}: {name} must be a mapping of parameter names to values, "
+                "e.g. 'bearing_tracker: {method: ml_fusion}'."
+            )
+        settings[str(name).lstrip("/")] = dict(values)
+    return settings
+
+
+def _settings(node: NodeDescription, given: Mapping[str, Any], where: str) -> dict[str, Value]:
+    known = {description.name for description in node.parameters}
+    place = f"{where}: {node.name}"
+    for name in given:
+        if name not in known:
+            raise ConfigurationError(unknown_name_text(f"{place}.{name}", name, known))
+    settings: dict[str, Value] = {}
+    for configuration in node.configurations:
+        names = {field.name for field in fields(configuration)}
+        own = {name: value for name, value in given.items() if name in names}
+        made: Any = from_mapping(configuration, own, place)
+        settings |= {name: getattr(made, name) for name in sorted(names)}
+    return settings

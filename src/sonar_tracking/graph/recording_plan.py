@@ -1,0 +1,62 @@
+"""The recorder of a run: what it records, and what the bag shall know of its making (no ROS)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from sonar_tracking.bags.log_time import CLOCK_TYPE
+from sonar_tracking.bags.recording_information import RecordingInformation, Role
+from sonar_tracking.graph.graph_plan import PlannedNode, resolved
+from sonar_tracking.graph.topics import CLOCK_TOPIC, Topic
+
+RECORDER = "recorder"
+_MODULE = "sonar_tracking.graph.recorder"
+
+
+def planned_recorder(
+    output: Path,
+    topics: Iterable[Topic],
+    scenario: Mapping[str, Any],
+    settings: Mapping[str, Mapping[str, Any]],
+    log_directory: Path,
+) -> PlannedNode:
+    """Return the recorder, and write what the bag shall know into the log directory.
+
+    Parameters
+    ----------
+    output : Path
+        The bag.
+    topics : iterable of Topic
+        What to record, besides ``/clock``.
+    scenario : mapping
+        The resolved scenario.
+    settings : mapping
+        Every parameter of every node.
+    log_directory : Path
+        Where files of the run go.
+    """
+    recorded = sorted(topics, key=lambda topic: topic.name)
+    roles: dict[str, Role] = {resolved(topic): topic.role.value for topic in recorded}
+    information = RecordingInformation(scenario, settings, roles)
+    information_file = log_directory / "recording.json"
+    information_file.write_text(information.to_json(), encoding="utf-8")
+    return PlannedNode(
+        name=RECORDER,
+        module=_MODULE,
+        subscriptions=tuple(recorded),
+        parameters={
+            "output": str(output.resolve()),
+            "topics": (*roles, CLOCK_TOPIC),
+            "types": (*(topic.message_type for topic in recorded), CLOCK_TYPE),
+            "roles": (*roles.values(), "other"),
+            "recording": str(information_file),
+        },
+    )
+
+
+def play_command(output: Path, topics: Iterable[Topic]) -> str:
+    """Return the command line that plays the inputs of a bag with the stock ROS 2 tools."""
+    inputs = sorted(resolved(topic) for topic in topics if topic.role.value == "input")
+    return f"ros2 bag play {output} --clock --topics {' '.join(inputs)}"

@@ -1,0 +1,77 @@
+"""The verbs ``run`` and ``replay`` from options as typed to exit code."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from rich.console import Console
+
+from sonar_tracking.display.run_display import LineDisplay, LiveDisplay, RunDisplay
+from sonar_tracking.graph.run_options import RunOptions, make_log_directory, rate_from_text
+from sonar_tracking.graph.run_report import RunReport
+
+Work = Callable[[RunDisplay, Path], RunReport]
+
+
+def run(
+    scenario: str,
+    duration: float | None,
+    rate: str,
+    record: Path | None,
+    display: bool,
+    json: Path | None,
+) -> int:
+    """Run a scenario through the live graph and return the exit code.
+
+    Raises
+    ------
+    ConfigurationError
+        If what was asked cannot be done; nothing was started then.
+    """
+    options = RunOptions(rate_from_text(rate), record, json)
+    options.check()
+    from sonar_tracking.graph.run_scenario import run_scenario
+
+    return _shown(
+        display, json, lambda screen, log: run_scenario(scenario, duration, options, screen, log)
+    )
+
+
+def replay(
+    bag: Path,
+    rate: str,
+    record: Path | None,
+    parameters: Path | None,
+    repair: bool,
+    display: bool,
+    json: Path | None,
+) -> int:
+    """Replay a recording through the live graph and return the exit code.
+
+    Raises
+    ------
+    ConfigurationError
+        If what was asked cannot be done; nothing was started then.
+    """
+    options = RunOptions(rate_from_text(rate), record, json)
+    options.check()
+    from sonar_tracking.graph.run_replay import replay_bag
+
+    return _shown(
+        display, json, lambda screen, log: replay_bag(bag, parameters, repair, options, screen, log)
+    )
+
+
+def _shown(display: bool, json: Path | None, work: Work) -> int:
+    console = Console()
+    log_directory = make_log_directory()
+    live = display and console.is_terminal
+    with LiveDisplay(console) if live else LineDisplay(console) as screen:
+        report = work(screen, log_directory)
+    for line in report.lines():
+        console.print(line, highlight=False, markup=False, soft_wrap=True)
+    console.print(f"logs in {log_directory}", highlight=False, markup=False, soft_wrap=True)
+    if json is not None:
+        report.write_json(json)
+    return report.exit_code

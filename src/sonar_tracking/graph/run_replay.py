@@ -1,0 +1,199 @@
+"""``sonar-tracking replay``: a recording through the live graph, compared with what it holds."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from sonar_tracking.bags.reader import Bag, read_bag
+from sonar_tracking.bags.repair import repair_bag
+from sonar_tracking.display.run_display import RunDisplay
+from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.graph.graph_plan import FLOW_WINDOW, GraphPlan, resolved
+from sonar_tracking.graph.node_catalogue import NODES, NodeDescription
+from sonar_tracking.graph.node_settings import NodeSettings, read_settings, resolved_settings
+from sonar_tracking.graph.orchestration import Orchestration
+from sonar_tracking.graph.recording_plan import planned_recorder
+from sonar_tracking.graph.replay_comparison import ReplayComparison
+from sonar_tracking.graph.run_options import RunOptions
+from sonar_tracking.graph.run_report import RunReport
+from sonar_tracking.graph.run_scenario import planned
+from sonar_tracking.graph.topics import TRUE_BEARING_TRACKS, Topic
+from sonar_tracking.graph.transport_profile import choose_transport
+
+
+def replay_bag(
+    path: Path,
+    parameters: Path | None,
+    repair: bool,
+    options: RunOptions,
+    display: RunDisplay,
+    log_directory: Path,
+) -> RunReport:
+    """Publish the recorded inputs through the live nodes and compare their outputs.
+
+    Parameters
+    ----------
+    path : Path
+        The bag.
+    parameters : Path or None
+        Parameter file that overrides what the bag says.
+    repair : bool
+        Rewrite a bag that is not whole first.
+    options : RunOptions
+        Rate, recording, report.
+    display : RunDisplay
+        Where to show what happens.
+    log_directory : Path
+        Where the nodes' logs go.
+
+    Raises
+    ------
+    ConfigurationError
+        If bag or parameters cannot be used; nothing was started then.
+    """
+    bag = _opened(path, repair, display)
+    settings = _settings(bag, parameters)
+    plan = plan_replay(bag, settings, options, log_directory)
+    orchestration = Orchestration(plan, display, log_directory)
+    if bag.recovery:
+        orchestration.warnings.append(bag.recovery)
+    orchestration.start_processes()
+    os.environ.update(plan.transport.large_publishers)
+    # rclpy takes a second to load: meanwhile the nodes do the same.
+    from sonar_tracking.graph.control_node import ControlNode
+    from sonar_tracking.graph.player import Player
+    from sonar_tracking.graph.run_observer import RunObserver
+
+    observer = RunObserver(plan.topics(), display.tracks, keep_steps=True)
+    truth = resolved(TRUE_BEARING_TRACKS)
+    comparison = ReplayComparison(bag, observer.records, observer.take_truth, truth)
+    inputs = set(plan.offered_names())
+    try:
+        with ControlNode(
+            orchestration.ledger, orchestration.edges, observer.observed, observer.announced
+        ) as control:
+            for topic in plan.offered:
+                control.offer(topic, 2 * FLOW_WINDOW + 2)
+            for topic in plan.observed().values():
+                control.observe(topic)
+            source = Player(
+                control,
+                orchestration.ledger,
+                bag.messages(inputs | comparison.topics),
+                inputs,
+                comparison.take,
+                observer.replayed,
+                FLOW_WINDOW,
+                options.rate,
+            )
+            orchestration.run(control, source)
+            data_seconds = source.data_seconds
+    finally:
+        orchestration.stop_processes()
+    report = orchestration.report(data_seconds, observer)
+    return _compared(report, comparison, own_parameters=parameters is not None)
+
+
+def plan_replay(
+    bag: Bag, settings: NodeSettings, options: RunOptions, log_directory: Path
+) -> GraphPlan:
+    """Return the graph that replays a bag.
+
+    Raises
+    ------
+    ConfigurationError
+        If the bag holds nothing the nodes take.
+    """
+    descriptions = [NODES[name] for name in settings]
+    offered = _offered(bag, descriptions)
+    nodes = tuple(planned(description, settings) for description in descriptions)
+    scenario = dict(bag.recording.scenario) if bag.recording else {}
+    if options.record is not None:
+        topics = [*offered, *(topic for node in nodes for topic in node.publishers)]
+        nodes += (planned_recorder(options.record, topics, scenario, settings, log_directory),)
+    return GraphPlan(
+        scenario=str(scenario.get("name") or bag.path.name),
+        nodes=nodes,
+        offered=offered,
+        transport=choose_transport(_largest_input_bytes(bag, offered), n_publishers=2),
+    )
+
+
+def _opened(path: Path, repair: bool, display: RunDisplay) -> Bag:
+    bag = read_bag(path)
+    if bag.recovery:
+        display.say(bag.recovery)
+    if repair and bag.recovery:
+        whole = repair_bag(path)
+        display.say(f"the repaired bag is {whole}")
+        return read_bag(whole)
+    return bag
+
+
+def _settings(bag: Bag, parameters: Path | None) -> NodeSettings:
+    """Return every parameter of the nodes to start: from the bag, overridden by a file."""
+    recorded = bag.recording.node_parameters if bag.recording else {}
+    given: dict[str, dict[str, Any]] = {name: dict(values) for name, values in recorded.items()}
+    where = str(bag.path)
+    if parameters is not None:
+        where = str(parameters)
+        for name, values in read_settings(parameters).items():
+            given[name] = {**given.get(name, {}), **values}
+    processing = tuple(
+        description
+        for description in NODES.values()
+        if description.name in given and description.inputs
+    )
+    if not processing:
+        raise ConfigurationError(
+            f"{bag.path} does not say with which nodes and parameters it was recorded: give "
+            "--parameters FILE, e.g. with the lines 'subspace_estimator: {}' and "
+            "'bearing_tracker: {}'."
+        )
+    return resolved_settings(given, processing, where)
+
+
+def _offered(bag: Bag, descriptions: list[NodeDescription]) -> tuple[Topic, ...]:
+    """Return the topics to play: what is recorded as an input and known to the graph."""
+    outputs = {topic.name for node in NODES.values() for topic in node.outputs if node.inputs}
+    wanted = {topic.name: topic for node in descriptions for topic in node.inputs}
+    known = {resolved(topic): topic for node in NODES.values() for topic in node.outputs}
+    offered = tuple(
+        known[name]
+        for name, topic in bag.topics.items()
+        if topic.role == "input" and name in known and topic.message_count
+    )
+    missing = [
+        name
+        for name in wanted
+        if name not in outputs and name not in {topic.name for topic in offered}
+    ]
+    if missing:
+        there = ", ".join(bag.topics)
+        raise ConfigurationError(
+            f"{bag.path} holds no {', '.join(missing)} to replay; its topics are {there}."
+        )
+    return offered
+
+
+def _largest_input_bytes(bag: Bag, offered: tuple[Topic, ...]) -> int:
+    """Return the size of the first message of the largest input topic."""
+    largest = 0
+    for topic in offered:
+        message = next(iter(bag.messages({resolved(topic)})), None)
+        largest = max(largest, len(message.data) if message else 0)
+    return largest
+
+
+def _compared(report: RunReport, comparison: ReplayComparison, own_parameters: bool) -> RunReport:
+    """Return the report with the comparison; a difference is a failure unless it was asked for."""
+    if report.interrupted:
+        return report
+    report = replace(report, comparison=comparison.result())
+    if comparison.differs() and not own_parameters:
+        sentence = "the replay differs from the recording, with the recorded parameters."
+        return replace(report, failures=[*report.failures, sentence])
+    return report

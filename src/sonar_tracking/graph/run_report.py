@@ -1,0 +1,162 @@
+"""What a run comes to: the JSON of ``run`` and ``replay``, and the summary people read."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from sonar_tracking.errors import ConfigurationError
+
+
+@dataclass(frozen=True)
+class NodeReport:
+    """How a node fared.
+
+    Attributes
+    ----------
+    exit_code : int
+        Of its last process; negative = killed by that signal.
+    restarts : int
+        How often it was started again.
+    cpu_seconds : float
+        Processor time over all its processes.
+    messages_in, messages_out : int
+        Data messages finished and published.
+    """
+
+    exit_code: int
+    restarts: int
+    cpu_seconds: float
+    messages_in: int
+    messages_out: int
+
+
+@dataclass(frozen=True)
+class TopicReport:
+    """What passed over a topic.
+
+    Attributes
+    ----------
+    messages : int
+        Number of messages.
+    digest : str
+        sha256 over their canonical form.
+    comparable : bool
+        False if a node was restarted: then the digest says nothing.
+    """
+
+    messages: int
+    digest: str
+    comparable: bool
+
+
+@dataclass(frozen=True)
+class RunReport:
+    """Result of ``run`` or ``replay``.
+
+    Attributes
+    ----------
+    scenario : str
+        Name of the scenario.
+    data_seconds, wall_seconds : float
+        Data time that passed and the wall time it took, start-up not counted.
+    nodes, topics : mapping
+        By name.
+    latency_ms : mapping
+        p50 and p99 of the chain, the algorithmic delay, and how many messages were measured.
+    score : mapping
+        Metrics against truth; empty without truth.
+    comparison : mapping
+        Of a replay: output topic to "identical" or a phrase of what differs.
+    failures, warnings : list of str
+        Sentences; any failure makes the exit code 1.
+    interrupted : bool
+        Whether it was ended by the user.
+    """
+
+    scenario: str
+    data_seconds: float
+    wall_seconds: float
+    nodes: Mapping[str, NodeReport] = field(default_factory=dict)
+    topics: Mapping[str, TopicReport] = field(default_factory=dict)
+    latency_ms: Mapping[str, float] = field(default_factory=dict)
+    score: Mapping[str, Any] = field(default_factory=dict)
+    comparison: Mapping[str, str] = field(default_factory=dict)
+    failures: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+    interrupted: bool = False
+
+    @property
+    def exit_code(self) -> int:
+        """0 if nothing failed."""
+        return 1 if self.failures else 0
+
+    def write_json(self, path: Path) -> None:
+        """Write the report as JSON; numbers that do not exist become null.
+
+        Raises
+        ------
+        ConfigurationError
+            If the file cannot be written.
+        """
+        values = {**asdict(self), "exit_code": self.exit_code}
+        try:
+            path.write_text(json.dumps(_finite(values), indent=2, sort_keys=True) + "\n")
+        except OSError as error:
+            raise ConfigurationError(
+                f"the report {path} cannot be written ({error.strerror}); give another path."
+            ) from error
+
+    def lines(self) -> list[str]:
+        """Return the summary for people."""
+        rate = self.data_seconds / self.wall_seconds if self.wall_seconds else 0.0
+        lines = [
+            f"{self.scenario}: {self.data_seconds:.1f} s of data in {self.wall_seconds:.1f} s "
+            f"({rate:.1f} x real time)" + (", ended by the user" if self.interrupted else "")
+        ]
+        for name, node in self.nodes.items():
+            restarts = f", restarted {node.restarts} x" if node.restarts else ""
+            lines.append(
+                f"  {name:<20} exit {node.exit_code}{restarts}, {node.cpu_seconds:.1f} s of "
+                f"processor, {node.messages_in} messages in, {node.messages_out} out"
+            )
+        lines += [
+            f"  {name:<20} {topic.messages} messages, digest {topic.digest[:12]}"
+            + ("" if topic.comparable else " (not comparable: a node was restarted)")
+            for name, topic in self.topics.items()
+        ]
+        if self.latency_ms.get("count"):
+            lines.append(
+                "  latency              p50 {p50:.1f} ms, p99 {p99:.1f} ms after the block that "
+                "completes an estimate; algorithmic delay {algorithmic:.1f} ms".format(
+                    **self.latency_ms
+                )
+            )
+        lines += [f"  {name:<20} {text}" for name, text in self.comparison.items()]
+        lines += [f"  {_words(name):<20} {_number(value)}" for name, value in self.score.items()]
+        lines += [f"warning: {text}" for text in self.warnings]
+        lines += [f"failed: {text}" for text in self.failures]
+        return lines
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _number(value: Any) -> str:
+    return f"{value:.3f}" if isinstance(value, float) else str(value)
+
+
+def _finite(value: Any) -> Any:
+    """Return a value as strict JSON knows it: NaN and infinity become None."""
+    if isinstance(value, Mapping):
+        return {str(name): _finite(entry) for name, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(entry) for entry in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

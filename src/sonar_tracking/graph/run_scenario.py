@@ -1,0 +1,175 @@
+"""``sonar-tracking run``: a scenario through the live graph."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from sonar_tracking.configuration import describe, from_mapping
+from sonar_tracking.display.run_display import RunDisplay
+from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.graph.graph_plan import FLOW_WINDOW, GraphPlan, PlannedNode
+from sonar_tracking.graph.node_catalogue import (
+    ARRAY_SIMULATOR,
+    NODES,
+    SUBSPACE_ESTIMATOR,
+    NodeDescription,
+)
+from sonar_tracking.graph.node_settings import NodeSettings, resolved_settings
+from sonar_tracking.graph.orchestration import Orchestration
+from sonar_tracking.graph.recording_plan import planned_recorder
+from sonar_tracking.graph.run_options import RunOptions
+from sonar_tracking.graph.run_report import RunReport
+from sonar_tracking.graph.time_master import NANOSECONDS, TimeMaster
+from sonar_tracking.graph.transport_profile import choose_transport
+from sonar_tracking.passive.subspace_configuration import SubspaceConfiguration
+from sonar_tracking.simulation.scenario import (
+    Scenario,
+    load_scenario,
+    scenario_to_mapping,
+    scenario_to_yaml,
+)
+
+
+def run_scenario(
+    name_or_path: str,
+    duration: float | None,
+    options: RunOptions,
+    display: RunDisplay,
+    log_directory: Path,
+) -> RunReport:
+    """Run a scenario through the live graph.
+
+    Parameters
+    ----------
+    name_or_path : str
+        Scenario.
+    duration : float or None
+        Length of the data, s; None = as the scenario says.
+    options : RunOptions
+        Rate, recording, report.
+    display : RunDisplay
+        Where to show what happens.
+    log_directory : Path
+        Where the nodes' logs go.
+
+    Raises
+    ------
+    ConfigurationError
+        If scenario, parameters or options cannot be used; nothing was started then.
+    """
+    scenario = read_scenario(name_or_path, duration)
+    plan = plan_scenario(scenario, options, log_directory, name_or_path)
+    orchestration = Orchestration(plan, display, log_directory)
+    orchestration.start_processes()
+    # rclpy takes a second to load: meanwhile the nodes do the same.
+    from sonar_tracking.graph.control_node import ControlNode
+    from sonar_tracking.graph.run_observer import RunObserver
+    from sonar_tracking.graph.simulated_source import SimulatedSource
+
+    topics = plan.topics()
+    observer = RunObserver(topics, display.tracks)
+    try:
+        with ControlNode(
+            orchestration.ledger, orchestration.edges, observer.observed, observer.announced
+        ) as control:
+            for topic in plan.observed().values():
+                control.observe(topic)
+            master = _time_master(scenario, options.rate)
+            source = SimulatedSource(
+                control, orchestration.ledger, master, scenario.stamp(scenario.start)
+            )
+            orchestration.run(control, source)
+            data_seconds = source.data_seconds
+    finally:
+        orchestration.stop_processes()
+    return orchestration.report(data_seconds, observer)
+
+
+def read_scenario(name_or_path: str, duration: float | None) -> Scenario:
+    """Return a scenario, of another length if asked for.
+
+    Raises
+    ------
+    ConfigurationError
+        If it cannot be used.
+    """
+    scenario = load_scenario(name_or_path)
+    if duration is None:
+        return scenario
+    if not 0.0 < duration <= 1e7:
+        raise ConfigurationError(
+            f"--duration is {duration:g}; give the length of the data in seconds, above 0."
+        )
+    return replace(scenario, duration=duration)
+
+
+def plan_scenario(
+    scenario: Scenario, options: RunOptions, log_directory: Path, where: str
+) -> GraphPlan:
+    """Return the graph of a scenario.
+
+    Raises
+    ------
+    ConfigurationError
+        If the parameters of a node cannot be used.
+    """
+    descriptions = tuple(NODES.values())
+    settings = resolved_settings(scenario.nodes, descriptions, f"{where}: nodes")
+    scenario_file = log_directory / "scenario.yaml"
+    scenario_file.write_text(scenario_to_yaml(scenario), encoding="utf-8")
+    simulator = settings[ARRAY_SIMULATOR.name]
+    settings[ARRAY_SIMULATOR.name] = {**simulator, "scenario": str(scenario_file)}
+    nodes = tuple(planned(description, settings) for description in descriptions)
+    if options.record is not None:
+        topics = {topic.name: topic for node in nodes for topic in node.publishers}.values()
+        mapping = scenario_to_mapping(scenario)
+        settings[ARRAY_SIMULATOR.name] = {**simulator, "scenario": scenario.name}
+        nodes += (planned_recorder(options.record, topics, mapping, settings, log_directory),)
+    return GraphPlan(
+        scenario=scenario.name,
+        nodes=nodes,
+        transport=choose_transport(_largest_message_bytes(scenario, settings), n_publishers=2),
+    )
+
+
+def planned(description: NodeDescription, settings: NodeSettings) -> PlannedNode:
+    """Return a node of the catalogue as it is to be started."""
+    parameters = settings[description.name]
+    return PlannedNode(
+        name=description.name,
+        module=description.module,
+        subscriptions=description.inputs,
+        publishers=description.outputs,
+        parameters=parameters,
+        gives_identifiers="first_id" in parameters,
+    )
+
+
+def _time_master(scenario: Scenario, rate: float) -> TimeMaster:
+    array = scenario.array
+    n_snapshots = max(1, round(scenario.duration * array.snapshot_rate))
+    return TimeMaster(
+        start=scenario.stamp(scenario.start),
+        end=scenario.stamp(scenario.start + n_snapshots / array.snapshot_rate),
+        step=round(array.block_snapshots / array.snapshot_rate * NANOSECONDS),
+        flow_window=FLOW_WINDOW,
+        rate=rate,
+    )
+
+
+def _largest_message_bytes(scenario: Scenario, settings: NodeSettings) -> int:
+    """Return the size of the largest message: a block of snapshots, or the subspaces."""
+    n_elements = len(scenario.array.element_positions())
+    estimator = from_mapping(
+        SubspaceConfiguration,
+        {
+            description.name: settings[SUBSPACE_ESTIMATOR.name][description.name]
+            for description in describe(SubspaceConfiguration)
+        },
+        SUBSPACE_ESTIMATOR.name,
+    )
+    columns = estimator.source_count or len(scenario.targets) + 1
+    basis = estimator.n_subspaces * n_elements * columns
+    snapshots = scenario.array.block_snapshots * n_elements * 2 * 4
+    return max(snapshots, (n_elements**2 + basis) * 2 * 8)

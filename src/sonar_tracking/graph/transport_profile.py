@@ -1,0 +1,78 @@
+"""Transport of large messages, chosen per process.
+
+A Fast DDS publisher hands a message to its receivers on the same machine through a shared memory
+segment of its own. The segment of the default profile holds half a megabyte; anything larger is
+cut into fragments, which costs five times the latency and, best effort, most of the messages. The
+shipped profile gives a publisher of large messages a segment of 128 MB. Receivers need no
+profile, and small messages need none either.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from sonar_tracking.resources import find_resource
+
+LARGE_MESSAGE_BYTES = 200_000
+SEGMENT_BYTES = 128 * 2**20
+LARGEST_MESSAGE_BYTES = 32 * 2**20
+SHARED_MEMORY = Path("/dev/shm")
+
+
+@dataclass(frozen=True)
+class TransportChoice:
+    """Environment variables that select the transport.
+
+    Attributes
+    ----------
+    large_publishers : mapping of str to str
+        For the processes that publish array data.
+    others : mapping of str to str
+        For all other processes.
+    warning : str
+        One sentence if the transport is slower than it could be, else empty.
+    """
+
+    large_publishers: Mapping[str, str] = field(default_factory=dict)
+    others: Mapping[str, str] = field(default_factory=dict)
+    warning: str = ""
+
+
+def choose_transport(
+    largest_message_bytes: int, n_publishers: int, shared_memory: Path = SHARED_MEMORY
+) -> TransportChoice:
+    """Choose the transport by the size of the largest message and the free shared memory.
+
+    Parameters
+    ----------
+    largest_message_bytes : int
+        Size of the largest message of the graph.
+    n_publishers : int
+        Processes that publish messages of that kind.
+    shared_memory : Path
+        Where the system keeps shared memory segments.
+    """
+    if largest_message_bytes < LARGE_MESSAGE_BYTES:
+        return TransportChoice()
+    warning = ""
+    if largest_message_bytes > LARGEST_MESSAGE_BYTES:
+        warning = (
+            f"the largest message has {largest_message_bytes / 2**20:.0f} MB, more than the "
+            f"{LARGEST_MESSAGE_BYTES / 2**20:.0f} MB that pass through shared memory at once: "
+            "make the blocks shorter (array.block_snapshots)."
+        )
+    needed = n_publishers * SEGMENT_BYTES
+    free = shutil.disk_usage(shared_memory).free if shared_memory.is_dir() else 0
+    if free < needed:
+        udp = {"FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"}
+        warning = (
+            f"{shared_memory} has {free / 2**20:.0f} MB free and messages of "
+            f"{largest_message_bytes / 2**20:.1f} MB want {needed / 2**20:.0f} MB: using UDP, "
+            "which is slower; enlarge it (in Docker: --shm-size=512m)."
+        )
+        return TransportChoice(udp, udp, warning)
+    profile = str(find_resource("config/fastdds/large_messages.xml"))
+    return TransportChoice({"FASTRTPS_DEFAULT_PROFILES_FILE": profile}, {}, warning)
