@@ -17,10 +17,8 @@ from sonar_tracking.graph.node_catalogue import BEARING_TRACKER
 from sonar_tracking.graph.node_process import run_node
 from sonar_tracking.graph.sonar_node import SonarNode
 from sonar_tracking.graph.topics import BEARING_TRACKS, SUBSPACES
-from sonar_tracking.passive.bearing_tracker_stage import (
-    BearingTrackerConfiguration,
-    BearingTrackerStage,
-)
+from sonar_tracking.passive.bearing_tracker_configuration import BearingTrackerConfiguration
+from sonar_tracking.passive.bearing_tracker_stage import BearingTrackerStage
 from sonar_tracking.passive.records import BearingTracks, SubspaceEstimates
 
 

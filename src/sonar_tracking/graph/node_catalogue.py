@@ -18,12 +18,8 @@ from sonar_tracking.graph.topics import (
     TRUE_TRACKS,
     Topic,
 )
-
-try:
-    from sonar_tracking.passive.bearing_tracker_stage import BearingTrackerConfiguration
-except ModuleNotFoundError:
-    BearingTrackerConfiguration = NodeConfiguration
-from sonar_tracking.passive.subspace_stage import SubspaceConfiguration
+from sonar_tracking.passive.bearing_tracker_configuration import BearingTrackerConfiguration
+from sonar_tracking.passive.subspace_configuration import SubspaceConfiguration
 
 
 @dataclass(frozen=True)

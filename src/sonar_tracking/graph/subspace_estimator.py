@@ -13,7 +13,8 @@ from sonar_tracking.graph.node_catalogue import SUBSPACE_ESTIMATOR
 from sonar_tracking.graph.node_process import run_node
 from sonar_tracking.graph.sonar_node import SonarNode
 from sonar_tracking.graph.topics import SNAPSHOTS, SUBSPACES
-from sonar_tracking.passive.subspace_stage import SubspaceConfiguration, SubspaceStage
+from sonar_tracking.passive.subspace_configuration import SubspaceConfiguration
+from sonar_tracking.passive.subspace_stage import SubspaceStage
 
 
 class SubspaceEstimator(SonarNode):
