@@ -54,11 +54,6 @@ class ArraySimulation:
         self._noise_covariance = None if covariance is None else covariance.astype(np.complex128)
         self._noise_factor = None if covariance is None else np.linalg.cholesky(covariance)
 
-    @property
-    def next_time(self) -> float:
-        """Scenario time of the first snapshot of the next block, s."""
-        return self._time(self._next)
-
     def next_block(self) -> SimulatedBlock | None:
         """Return the next block, or None after the last one."""
         first = self._next

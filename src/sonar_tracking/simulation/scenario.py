@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import date, datetime, timezone
 from pathlib import Path
@@ -18,12 +18,9 @@ import yaml
 
 from sonar_tracking.configuration import (
     SECTION,
-    ParameterDescription,
     Value,
-    checked_value,
     from_mapping,
     parameter,
-    unknown_name_text,
 )
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.geometry import is_line
@@ -136,38 +133,6 @@ def scenario_to_mapping(scenario: Scenario) -> dict[str, Any]:
 def scenario_to_yaml(scenario: Scenario) -> str:
     """Return the text of a YAML file that :func:`load_scenario` reads as the same scenario."""
     return yaml.safe_dump(scenario_to_mapping(scenario), sort_keys=False, allow_unicode=True)
-
-
-def checked_node_parameters(
-    scenario: Scenario, descriptions: Mapping[str, Sequence[ParameterDescription]], where: str
-) -> NodeParameters:
-    """Return the parameters of the nodes, checked against what the nodes know.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        Its ``nodes`` are checked.
-    descriptions : mapping
-        Parameters of each node, by the name of the node.
-    where : str
-        Where the scenario comes from, named in errors.
-
-    Raises
-    ------
-    ConfigurationError
-        On an unknown node or parameter, a wrong type or a value out of range.
-    """
-    checked: NodeParameters = {}
-    for node, values in scenario.nodes.items():
-        name = f"{where}: nodes.{node}"
-        if node not in descriptions:
-            raise ConfigurationError(unknown_name_text(name, node, descriptions))
-        known = {description.name: description for description in descriptions[node]}
-        for key in values:
-            if key not in known:
-                raise ConfigurationError(unknown_name_text(f"{name}.{key}", key, known))
-        checked[node] = {key: checked_value(known[key], values[key], name) for key in values}
-    return checked
 
 
 def _mapping(values: Any, where: str) -> dict[str, Any]:

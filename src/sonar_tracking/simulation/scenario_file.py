@@ -75,7 +75,7 @@ def read_yaml_mapping(path: Path) -> dict[str, Any]:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is no UTF-8 text"
-        raise ConfigurationError(f"The scenario file {path} cannot be read: {reason}.") from error
+        raise ConfigurationError(f"The file {path} cannot be read: {reason}.") from error
     try:
         content = yaml.load(text, Loader=_StrictLoader)
     except yaml.MarkedYAMLError as error:
@@ -91,6 +91,6 @@ def read_yaml_mapping(path: Path) -> dict[str, Any]:
         ) from error
     if not isinstance(content, dict):
         raise ConfigurationError(
-            f"{path}: a scenario is a mapping of names to values, e.g. 'duration: 40'."
+            f"{path}: this must be a mapping of names to values, e.g. 'duration: 40'."
         )
     return content
