@@ -1,0 +1,182 @@
+"""One measurement of every tracked bearing from the subspaces around a sample time.
+
+Angular innovations at the predictions, fused over the subspaces (or taken from the one at the
+sample time), with the variance the tracker is to believe.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.geometry import wavenumber
+from sonar_tracking.passive.angular_innovation import angular_innovations
+from sonar_tracking.passive.bearing_tracker_configuration import BearingTrackerConfiguration
+from sonar_tracking.passive.fisher_information import (
+    source_covariance,
+    stochastic_fisher_information,
+)
+from sonar_tracking.passive.measurement_fusion import (
+    correlated_variance_ratio,
+    forgetting_factor_of,
+    fused_measurement,
+    independent_variance_ratio,
+)
+from sonar_tracking.passive.records import SubspaceEstimates
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+PRIOR_VARIANCE = 900.0 * np.deg2rad(1.0) ** 2
+"""Variance of a bearing of which the data say nothing, rad^2: bounds R at crossings and endfire."""
+
+_LEAST_NOISE_SHARE = 1e-12
+
+
+@dataclass(frozen=True)
+class BearingMeasurement:
+    """Measured bearings.
+
+    Attributes
+    ----------
+    angle : ndarray, shape (..., n_targets)
+        rad.
+    innovation : ndarray, shape (..., n_targets)
+        Measured minus predicted angle, rad.
+    variance : ndarray, shape (..., n_targets)
+        Of the measurement, rad^2; NaN = cannot be told, do not use it.
+    """
+
+    angle: FloatArray
+    innovation: FloatArray
+    variance: FloatArray
+
+
+def measured_bearings(
+    configuration: BearingTrackerConfiguration,
+    estimates: SubspaceEstimates,
+    predicted_angles: FloatArray,
+    sources: ComplexArray | None,
+) -> BearingMeasurement:
+    """Return the measured bearings at one sample time.
+
+    Parameters
+    ----------
+    configuration : BearingTrackerConfiguration
+        Parameters of the tracker.
+    estimates : SubspaceEstimates
+        At least one subspace.
+    predicted_angles : ndarray, shape (..., n_targets)
+        rad.
+    sources : ndarray, shape (..., n_targets, n_targets), complex, or None
+        Covariance of the sources, for the variance from the Fisher information.
+
+    References
+    ----------
+    Ryu, Park, Choi (2003), eqs. 6-14.
+    """
+    offsets = estimates.time_offsets
+    basis = estimates.basis
+    if configuration.method == "ryu":
+        middle = int(np.argmin(np.abs(offsets)))
+        offsets = offsets[middle : middle + 1]
+        basis = basis[..., middle : middle + 1, :, :]
+    innovations = angular_innovations(
+        basis,
+        estimates.element_positions,
+        predicted_angles,
+        wavenumber(estimates.center_frequency, estimates.sound_speed),
+        configuration.phase_reference,
+    )
+    if configuration.fused_variance == "independent":
+        ratio = independent_variance_ratio(len(offsets))
+    else:
+        beta = forgetting_factor_of(estimates.effective_snapshots)
+        ratio = correlated_variance_ratio(offsets, estimates.sample_period, beta)
+    if configuration.measurement_variance_deg2 > 0.0:
+        single = configuration.measurement_variance_deg2 * np.deg2rad(1.0) ** 2
+        variance = np.full(predicted_angles.shape, single)
+    else:
+        variance = fisher_variance(
+            estimates, predicted_angles, sources, estimates.effective_snapshots
+        )
+    innovation = fused_measurement(innovations)
+    return BearingMeasurement(predicted_angles + innovation, innovation, ratio * variance)
+
+
+def estimated_sources(
+    estimates: SubspaceEstimates, angles: FloatArray, rates: FloatArray
+) -> ComplexArray | None:
+    """Return the covariance of the sources, or None when the estimates carry no covariance.
+
+    Parameters
+    ----------
+    estimates : SubspaceEstimates
+        With sample covariance and noise power.
+    angles, rates : ndarray, shape (..., n_targets)
+        At the stamp, rad and rad/s; the angles are moved to the middle of the covariance.
+    """
+    if estimates.covariance is None or not np.isfinite(estimates.noise_power).all():
+        return None
+    return source_covariance(
+        estimates.covariance,
+        estimates.element_positions,
+        angles + rates * estimates.covariance_time_offset,
+        wavenumber(estimates.center_frequency, estimates.sound_speed),
+        estimates.noise_power,
+        estimates.noise_covariance,
+    )
+
+
+def signal_to_noise_ratios(
+    estimates: SubspaceEstimates, sources: ComplexArray | None, shape: tuple[int, ...]
+) -> FloatArray:
+    """Return the linear signal-to-noise ratio of each target, NaN when it is not known."""
+    if sources is None:
+        return np.full(shape, np.nan)
+    powers = np.diagonal(sources, axis1=-2, axis2=-1).real
+    return np.asarray(powers / _noise_power(estimates)[..., None])
+
+
+def fisher_variance(
+    estimates: SubspaceEstimates,
+    angles: FloatArray,
+    sources: ComplexArray | None,
+    snapshots: float,
+) -> FloatArray:
+    """Return the diagonal of (J + I / 900 deg^2)^-1 at the given angles, rad^2.
+
+    Parameters
+    ----------
+    estimates : SubspaceEstimates
+        Array, frequency and noise.
+    angles : ndarray, shape (..., n_targets)
+        rad.
+    sources : ndarray, shape (..., n_targets, n_targets), complex, or None
+        Covariance of the sources; None gives NaN.
+    snapshots : float
+        Independent snapshots behind the measurement.
+    """
+    if sources is None:
+        return np.full(angles.shape, np.nan)
+    information = stochastic_fisher_information(
+        estimates.element_positions,
+        angles,
+        wavenumber(estimates.center_frequency, estimates.sound_speed),
+        sources,
+        _noise_power(estimates),
+        snapshots,
+        estimates.noise_covariance,
+    )
+    identity = np.broadcast_to(np.eye(angles.shape[-1]), information.shape)
+    bound = np.linalg.solve(information + identity / PRIOR_VARIANCE, identity)
+    return np.array(np.diagonal(bound, axis1=-2, axis2=-1), dtype=np.float64)
+
+
+def _noise_power(estimates: SubspaceEstimates) -> FloatArray:
+    assert estimates.covariance is not None
+    trace = np.trace(estimates.covariance, axis1=-2, axis2=-1).real
+    least = _LEAST_NOISE_SHARE * trace / len(estimates.element_positions)
+    return np.maximum(estimates.noise_power, np.maximum(least, np.finfo(float).tiny))

@@ -1,0 +1,213 @@
+"""Automatic start of bearing tracks: MUSIC on successive covariances, joined to lines.
+
+Each sample covariance gives the bearings that MUSIC resolves. Bearings of successive covariances
+are joined by a least-cost assignment, first at the fastest rate that is looked for, then around
+the line through those joined already. Four joined bearings start a track: a least-squares line
+gives its angle and rate (tracks started with rate zero are lost), and the covariance of the line
+plus the process noise of its duration is its first covariance. Only covariances that share no
+snapshots are used. A peak nearer than half a beamwidth to a track belongs to that track.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+
+from sonar_tracking.filtering.constant_velocity import process_noise_matrix
+from sonar_tracking.geometry import beamwidth, wavenumber
+from sonar_tracking.passive.bearing_measurement import estimated_sources, fisher_variance
+from sonar_tracking.passive.music import music_bearings
+from sonar_tracking.passive.records import SubspaceEstimates
+
+FloatArray = NDArray[np.float64]
+
+POINTS_TO_START = 4
+"""Joined bearings that start a track."""
+
+_GATE = 16.0
+_MISSES_ALLOWED = 1
+
+
+@dataclass(frozen=True)
+class TentativeTrack:
+    """Bearings joined so far, of what may become a track.
+
+    Attributes
+    ----------
+    id : int
+        Identifier, kept when the track starts.
+    stamps : tuple of int
+        Middle of the covariance of each bearing, ns.
+    angles, variances : tuple of float
+        rad, rad^2.
+    misses : int
+        Covariances without a bearing since the last one.
+    """
+
+    id: int
+    stamps: tuple[int, ...]
+    angles: tuple[float, ...]
+    variances: tuple[float, ...]
+    misses: int = 0
+
+    def line(self, stamp: int) -> tuple[FloatArray, FloatArray]:
+        """Return mean (2,) and covariance (2, 2) of angle and rate at an instant, least squares."""
+        times = (np.array(self.stamps, dtype=np.int64) - stamp) * 1e-9
+        design = np.stack([np.ones_like(times), times], axis=-1)
+        weights = 1.0 / np.array(self.variances)
+        covariance = np.linalg.inv(design.T @ (weights[:, None] * design))
+        return covariance @ (design.T @ (weights * np.array(self.angles))), covariance
+
+
+@dataclass(frozen=True)
+class StartedTrack:
+    """A track at its first instant.
+
+    Attributes
+    ----------
+    id : int
+        Identifier.
+    mean : ndarray, shape (2,)
+        Angle and rate, rad and rad/s.
+    covariance : ndarray, shape (2, 2)
+        Of angle and rate.
+    """
+
+    id: int
+    mean: FloatArray
+    covariance: FloatArray
+
+
+@dataclass(frozen=True)
+class BearingStart:
+    """The automatic start between two estimates.
+
+    Attributes
+    ----------
+    process_noise : float
+        Spectral density of the bearing acceleration, rad^2/s^3.
+    maximum_rate : float
+        rad/s.
+    next_id : int
+        Identifier of the next tentative track.
+    tentative : tuple of TentativeTrack
+        Not started yet.
+    last_covariance : int or None
+        Middle of the last covariance used, ns.
+    """
+
+    process_noise: float
+    maximum_rate: float
+    next_id: int
+    tentative: tuple[TentativeTrack, ...] = ()
+    last_covariance: int | None = None
+
+    def update(
+        self, estimates: SubspaceEstimates, tracked_angles: FloatArray
+    ) -> tuple[BearingStart, tuple[StartedTrack, ...]]:
+        """Return the start after one more estimate and the tracks started by it.
+
+        Parameters
+        ----------
+        estimates : SubspaceEstimates
+            Of a single run; without a covariance nothing happens.
+        tracked_angles : ndarray, shape (n_tracks,)
+            Arrival angles of the tracks that run already, rad.
+        """
+        wanted = estimates.basis.shape[-1] - len(tracked_angles)
+        if estimates.covariance is None or wanted <= 0:
+            return replace(self, tentative=()), ()
+        middle = estimates.stamp + round(estimates.covariance_time_offset * 1e9)
+        duration = estimates.covariance_snapshots * estimates.sample_period
+        last = self.last_covariance
+        if last is not None and (middle - last) * 1e-9 < 0.999 * duration:
+            # Shared snapshots would make the bearings look more certain than they are.
+            return self, ()
+        angles, variances = _resolved_bearings(estimates, tracked_angles)
+        joined = self._joined(middle, angles, variances)
+        ready = [track for track in joined if len(track.stamps) >= POINTS_TO_START][:wanted]
+        started = tuple(self._started(track, estimates.stamp) for track in ready)
+        tentative = tuple(track for track in joined if track not in ready)
+        next_id = max([self.next_id, *(track.id + 1 for track in joined)])
+        left = replace(self, tentative=tentative, next_id=next_id, last_covariance=middle)
+        return left, started
+
+    def _joined(
+        self, middle: int, angles: FloatArray, variances: FloatArray
+    ) -> list[TentativeTrack]:
+        """Join bearings to tentative tracks; those left over begin new ones."""
+        costs = np.array(
+            [
+                [self._cost(track, middle, a, v) for a, v in zip(angles, variances, strict=True)]
+                for track in self.tentative
+            ]
+        ).reshape(len(self.tentative), len(angles))
+        rows, columns = linear_sum_assignment(np.minimum(costs, 10.0 * _GATE))
+        matches = {r: c for r, c in zip(rows, columns, strict=True) if costs[r, c] <= _GATE}
+        joined = []
+        for row, track in enumerate(self.tentative):
+            if row in matches:
+                column = matches[row]
+                joined.append(_extended(track, middle, angles[column], variances[column]))
+            elif track.misses < _MISSES_ALLOWED:
+                joined.append(replace(track, misses=track.misses + 1))
+        fresh = [column for column in range(len(angles)) if column not in matches.values()]
+        for number, column in enumerate(fresh, start=self.next_id):
+            point = (middle,), (float(angles[column]),), (float(variances[column]),)
+            joined.append(TentativeTrack(number, *point))
+        return joined
+
+    def _cost(self, track: TentativeTrack, middle: int, angle: float, variance: float) -> float:
+        """Return the normalised squared distance of a bearing from a tentative track."""
+        interval = (middle - track.stamps[-1]) * 1e-9
+        if len(track.stamps) == 1:
+            reach = (self.maximum_rate * interval) ** 2 / _GATE
+            spread = reach + variance + track.variances[0]
+            return float((angle - track.angles[0]) ** 2 / spread)
+        mean, covariance = track.line(middle)
+        motion = process_noise_matrix(self.process_noise, interval)
+        spread = covariance[0, 0] + motion[0, 0] + variance
+        return float((angle - mean[0]) ** 2 / spread)
+
+    def _started(self, track: TentativeTrack, stamp: int) -> StartedTrack:
+        mean, covariance = track.line(stamp)
+        duration = (stamp - track.stamps[0]) * 1e-9
+        motion = process_noise_matrix(self.process_noise, duration)
+        return StartedTrack(track.id, mean, covariance + motion)
+
+
+def _extended(track: TentativeTrack, middle: int, angle: float, variance: float) -> TentativeTrack:
+    return replace(
+        track,
+        stamps=(*track.stamps, middle),
+        angles=(*track.angles, float(angle)),
+        variances=(*track.variances, float(variance)),
+        misses=0,
+    )
+
+
+def _resolved_bearings(
+    estimates: SubspaceEstimates, tracked_angles: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the MUSIC bearings that belong to no track yet, and their variances."""
+    assert estimates.covariance is not None
+    positions = estimates.element_positions
+    number = wavenumber(estimates.center_frequency, estimates.sound_speed)
+    angles = music_bearings(
+        estimates.covariance,
+        estimates.basis.shape[-1],
+        positions,
+        number,
+        estimates.noise_covariance,
+    )
+    still = np.zeros_like(angles)
+    sources = estimated_sources(replace(estimates, covariance_time_offset=0.0), angles, still)
+    variances = fisher_variance(estimates, angles, sources, float(estimates.covariance_snapshots))
+    if len(angles) == 0 or sources is None:
+        return np.empty(0), np.empty(0)
+    apart = np.abs(np.sin(angles)[:, None] - np.sin(tracked_angles)[None, :])
+    free = (apart > 0.5 * beamwidth(positions, number)).all(axis=1)
+    return angles[free], variances[free]

@@ -1,0 +1,91 @@
+"""Parameters of the bearing tracker."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from sonar_tracking.configuration import parameter
+from sonar_tracking.errors import ConfigurationError
+
+
+@dataclass(frozen=True)
+class BearingTrackerConfiguration:
+    """Parameters of the stage that tracks bearings."""
+
+    method: str = parameter(
+        "ml_fusion",
+        "Measurement: the one subspace at the sample time (ryu), or all fused (ml_fusion)",
+        choices=("ryu", "ml_fusion"),
+    )
+    start: str = parameter(
+        "automatic",
+        "First bearings: given as parameters, or found by MUSIC in four successive covariances",
+        choices=("given", "automatic"),
+    )
+    initial_bearings_deg: tuple[float, ...] = parameter(
+        (),
+        "Arrival angles at the first estimate (start = given)",
+        unit="deg",
+        minimum=-180.0,
+        maximum=180.0,
+    )
+    initial_rates_deg: tuple[float, ...] = parameter(
+        (), "Their rates, one for each angle (start = given)", unit="deg/s"
+    )
+    initial_angle_variance_deg2: float = parameter(
+        6.0, "Variance of the given angles", unit="deg^2", minimum=1e-9
+    )
+    initial_rate_variance_deg2: float = parameter(
+        1.0, "Variance of the given rates", unit="deg^2/s^2", minimum=1e-9
+    )
+    maximum_rate_deg: float = parameter(
+        5.0, "Fastest bearing that the automatic start looks for", unit="deg/s", minimum=1e-3
+    )
+    process_noise_deg2: float = parameter(
+        0.01, "Spectral density q of the bearing acceleration", unit="deg^2/s^3", minimum=0.0
+    )
+    measurement_variance_deg2: float = parameter(
+        0.0,
+        "Variance R of one subspace's measurement; 0 = from the Fisher information",
+        unit="deg^2",
+        minimum=0.0,
+    )
+    fused_variance: str = parameter(
+        "correlated",
+        "Variance of the fused measurement: adjacent subspaces correlated, or R / P (independent)",
+        choices=("correlated", "independent"),
+    )
+    phase_reference: str = parameter(
+        "first_element",
+        "Point of zero phase of the steering vectors",
+        choices=("first_element", "array_centre"),
+    )
+    first_id: int = parameter(1, "Identifier of the first track", minimum=1)
+
+
+def check_configuration(configuration: BearingTrackerConfiguration) -> None:
+    """Refuse parameters that do not fit together.
+
+    Raises
+    ------
+    ConfigurationError
+        With a sentence that names the parameters.
+    """
+    angles, rates = configuration.initial_bearings_deg, configuration.initial_rates_deg
+    if configuration.start == "automatic":
+        if angles or rates:
+            raise ConfigurationError(
+                "initial_bearings_deg and initial_rates_deg need start = given; with "
+                "start = automatic leave them empty."
+            )
+        return
+    if not angles:
+        raise ConfigurationError(
+            "start is given but initial_bearings_deg is empty; give the first bearings, or set "
+            "start = automatic."
+        )
+    if len(angles) != len(rates):
+        raise ConfigurationError(
+            f"initial_bearings_deg has {len(angles)} entries but initial_rates_deg has "
+            f"{len(rates)}; give one rate for each bearing."
+        )

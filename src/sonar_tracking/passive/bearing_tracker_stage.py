@@ -1,0 +1,273 @@
+"""Signal subspaces -> bearing tracks, without data association.
+
+Each target has its own Kalman filter with state [angle, rate]. Its measurement comes from the
+projection of its own predicted steering vector (Ryu, Park, Choi 2003, eq. 6), so that every target
+knows which measurement is its own. The filters run unbounded in angle; what is reported is folded
+into the half circle a line array can tell apart, which changes nothing but the names of angles:
+a line array cannot distinguish theta from pi - theta.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.errors import InputError, Notice, Severity
+from sonar_tracking.filtering.constant_velocity import process_noise_matrix, transition_matrix
+from sonar_tracking.filtering.kalman import KalmanState, predict, update
+from sonar_tracking.passive.bearing_measurement import (
+    BearingMeasurement,
+    estimated_sources,
+    measured_bearings,
+    signal_to_noise_ratios,
+)
+from sonar_tracking.passive.bearing_start import BearingStart
+from sonar_tracking.passive.bearing_tracker_configuration import (
+    BearingTrackerConfiguration,
+    check_configuration,
+)
+from sonar_tracking.passive.records import BearingTracks, SubspaceEstimates
+from sonar_tracking.passive.track_list import (
+    TrackRows,
+    bearing_tracks,
+    folded_angles,
+    running_rows,
+    started_rows,
+    tentative_rows,
+)
+
+__all__ = ["BearingTrackerConfiguration", "BearingTrackerStage", "TrackerUpdate"]
+
+FloatArray = NDArray[np.float64]
+
+_MEASUREMENT_MATRIX = np.array([[1.0, 0.0]])
+_SQUARE_DEGREE = float(np.deg2rad(1.0) ** 2)
+
+
+@dataclass(frozen=True)
+class TrackerUpdate:
+    """What one subspace estimate gave.
+
+    Attributes
+    ----------
+    tracks : BearingTracks
+        The complete picture at the stamp of the estimate.
+    notices : tuple of Notice
+        What a user should know about the estimate.
+    """
+
+    tracks: BearingTracks
+    notices: tuple[Notice, ...]
+
+
+@dataclass(frozen=True)
+class _TrackerState:
+    """Everything the tracker remembers between estimates."""
+
+    stamp: int
+    ids: tuple[int, ...]
+    filters: KalmanState
+    start: BearingStart
+
+
+class BearingTrackerStage:
+    """Tracks the bearings of several targets.
+
+    Parameters
+    ----------
+    configuration : BearingTrackerConfiguration
+        Parameters.
+
+    Raises
+    ------
+    ConfigurationError
+        If the parameters do not fit together.
+    """
+
+    def __init__(self, configuration: BearingTrackerConfiguration) -> None:
+        check_configuration(configuration)
+        self.configuration = configuration
+        self._next_id = configuration.first_id
+        self._state: _TrackerState | None = None
+
+    def reset(self) -> None:
+        """Forget all tracks; identifiers go on."""
+        self._state = None
+
+    def update(self, estimates: SubspaceEstimates) -> TrackerUpdate:
+        """Take the subspaces of one sample time.
+
+        With ``start = given`` the first estimate only tells the instant of the given bearings;
+        measurements are taken from the next one on.
+
+        Parameters
+        ----------
+        estimates : SubspaceEstimates
+            Later than the one before.
+
+        Returns
+        -------
+        TrackerUpdate
+            All tracks at the stamp of the estimate.
+
+        Raises
+        ------
+        InputError
+            If the estimate cannot be used; the stage is then as before.
+        """
+        check_estimates(estimates)
+        if self._state is None and self.configuration.start == "given":
+            state = self._given_state(estimates)
+            measurement, notices = None, list[Notice]()
+            sources = self._sources(estimates, state.filters)
+        else:
+            state = self._predicted(estimates)
+            sources = self._sources(estimates, state.filters)
+            measurement, notices = self._measurement(estimates, state.filters, sources)
+            state = _corrected(state, measurement)
+        rows = running_rows(
+            state.ids,
+            state.filters,
+            measurement,
+            signal_to_noise_ratios(estimates, sources, state.filters.mean.shape[:-1]),
+            coasted=measurement is None and self._state is not None,
+        )
+        if self.configuration.start == "automatic":
+            state, new_rows = _with_started(state, estimates)
+            rows = rows.appended(new_rows)
+        self._state = state
+        self._next_id = max(self._next_id, state.start.next_id)
+        return TrackerUpdate(bearing_tracks(estimates, rows), tuple(notices))
+
+    def _given_state(self, estimates: SubspaceEstimates) -> _TrackerState:
+        configuration = self.configuration
+        angles = np.deg2rad(configuration.initial_bearings_deg)
+        n_targets = len(angles)
+        if n_targets >= len(estimates.element_positions):
+            raise InputError(
+                f"initial_bearings_deg has {n_targets} bearings but the array has only "
+                f"{len(estimates.element_positions)} elements; give fewer bearings than elements."
+            )
+        state = np.stack([angles, np.deg2rad(configuration.initial_rates_deg)], axis=-1)
+        variances = _SQUARE_DEGREE * np.array(
+            [configuration.initial_angle_variance_deg2, configuration.initial_rate_variance_deg2]
+        )
+        shape = (*estimates.basis.shape[:-3], n_targets, 2)
+        filters = KalmanState(
+            mean=np.broadcast_to(state, shape),
+            covariance=np.broadcast_to(np.diag(variances), (*shape, 2)),
+        )
+        ids = tuple(range(self._next_id, self._next_id + n_targets))
+        return _TrackerState(estimates.stamp, ids, filters, self._new_start(n_targets))
+
+    def _new_start(self, n_given: int) -> BearingStart:
+        return BearingStart(
+            process_noise=self.configuration.process_noise_deg2 * _SQUARE_DEGREE,
+            maximum_rate=float(np.deg2rad(self.configuration.maximum_rate_deg)),
+            next_id=self._next_id + n_given,
+        )
+
+    def _predicted(self, estimates: SubspaceEstimates) -> _TrackerState:
+        state = self._state
+        if state is None:
+            if estimates.basis.ndim > 3:
+                raise InputError(
+                    "start = automatic cannot be used on a batch of runs; give the bearings."
+                )
+            none = KalmanState(np.empty((0, 2)), np.empty((0, 2, 2)))
+            return _TrackerState(estimates.stamp, (), none, self._new_start(0))
+        interval = (estimates.stamp - state.stamp) * 1e-9
+        if interval <= 0.0:
+            raise InputError(
+                f"The estimate is {-interval:g} s earlier than the one before or repeats it; "
+                "estimates must follow each other in time."
+            )
+        density = self.configuration.process_noise_deg2 * _SQUARE_DEGREE
+        filters = predict(
+            state.filters, transition_matrix(interval), process_noise_matrix(density, interval)
+        )
+        return replace(state, stamp=estimates.stamp, filters=filters)
+
+    def _sources(self, estimates: SubspaceEstimates, filters: KalmanState) -> NDArray | None:
+        if filters.mean.shape[-2] == 0:
+            return None
+        return estimated_sources(estimates, filters.mean[..., 0], filters.mean[..., 1])
+
+    def _measurement(
+        self, estimates: SubspaceEstimates, filters: KalmanState, sources: NDArray | None
+    ) -> tuple[BearingMeasurement | None, list[Notice]]:
+        """Return the measurement of all tracks, or None and why there is none."""
+        if filters.mean.shape[-2] == 0:
+            return None, []
+        if estimates.basis.shape[-3] == 0:
+            text = "No subspace at this sample time; the tracks are predicted only."
+            return None, [Notice(Severity.WARN, "subspace", text)]
+        measurement = measured_bearings(
+            self.configuration, estimates, filters.mean[..., 0], sources
+        )
+        if not np.isfinite(measurement.variance).all():
+            text = (
+                "The variance of the measurements is not known without a sample covariance; set "
+                "covariance_snapshots of the subspace estimator above source_count, or "
+                "measurement_variance_deg2 above zero."
+            )
+            return None, [Notice(Severity.ERROR, "measurement variance", text)]
+        return measurement, []
+
+
+def check_estimates(estimates: SubspaceEstimates) -> None:
+    """Reject estimates whose columns do not fit together or that are not finite.
+
+    Raises
+    ------
+    InputError
+        With one sentence for the first thing that is wrong.
+    """
+    shape, n_elements = estimates.basis.shape, len(estimates.element_positions)
+    if estimates.basis.ndim < 3 or shape[-2] != n_elements:
+        raise InputError(
+            f"The bases have shape {shape} but the array has {n_elements} elements; they must "
+            "be (n_subspaces, n_elements, n_columns)."
+        )
+    if shape[-3] != len(estimates.time_offsets):
+        raise InputError(
+            f"There are {shape[-3]} subspaces but {len(estimates.time_offsets)} time offsets."
+        )
+    if shape[-3] > 0 and not 0 < shape[-1] < n_elements:
+        raise InputError(
+            f"The subspaces have {shape[-1]} columns; an array of {n_elements} elements needs "
+            f"between 1 and {n_elements - 1}."
+        )
+    if not np.isfinite(estimates.basis).all():
+        raise InputError("A subspace holds values that are not finite numbers.")
+    if estimates.covariance is not None and not np.isfinite(estimates.covariance).all():
+        raise InputError("The covariance holds values that are not finite numbers.")
+
+
+def _corrected(state: _TrackerState, measurement: BearingMeasurement | None) -> _TrackerState:
+    if measurement is None:
+        return state
+    corrected = update(
+        state.filters,
+        measurement.angle[..., None],
+        _MEASUREMENT_MATRIX,
+        measurement.variance[..., None, None],
+    )
+    return replace(state, filters=corrected.state)
+
+
+def _with_started(
+    state: _TrackerState, estimates: SubspaceEstimates
+) -> tuple[_TrackerState, TrackRows]:
+    """Let the automatic start see the estimate; return its new rows too."""
+    angles = folded_angles(state.filters.mean[..., 0], estimates.element_positions)[0]
+    start, started = state.start.update(estimates, angles)
+    new = started_rows(started)
+    filters = KalmanState(
+        mean=np.concatenate([state.filters.mean, new.filters.mean]),
+        covariance=np.concatenate([state.filters.covariance, new.filters.covariance]),
+    )
+    grown = replace(state, start=start, ids=state.ids + new.ids, filters=filters)
+    return grown, new.appended(tentative_rows(start.tentative, estimates.stamp))

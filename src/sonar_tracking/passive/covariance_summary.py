@@ -1,0 +1,99 @@
+"""The rectangular sample covariance published with each estimate, and what is read from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.geometry import is_uniform_line
+from sonar_tracking.passive.source_number import minimum_description_length, source_count
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+_SNAPSHOTS_PER_ELEMENT = 2
+
+
+@dataclass(frozen=True)
+class CovarianceSummary:
+    """A sample covariance and its eigenvalues.
+
+    Attributes
+    ----------
+    covariance : ndarray, shape (..., n_elements, n_elements), complex, or None
+        X X^H / n_snapshots; None = no snapshots.
+    n_snapshots : int
+        Snapshots in it.
+    eigenvalues : ndarray, shape (..., n_elements), or empty
+        Descending.
+    noise_power : ndarray, shape (...)
+        Mean of the smallest eigenvalues (of the whitened covariance in coloured noise).
+    rank, source_count : int
+        MDL on the raw (whitened) and on the smoothed covariance; -1 = not estimated.
+    """
+
+    covariance: ComplexArray | None = None
+    n_snapshots: int = 0
+    eigenvalues: FloatArray = field(default_factory=lambda: np.empty(0))
+    noise_power: FloatArray = field(default_factory=lambda: np.array(np.nan))
+    rank: int = -1
+    source_count: int = -1
+
+
+def summarise_covariance(
+    snapshots: ComplexArray,
+    n_columns: int,
+    element_positions: FloatArray,
+    whitening: ComplexArray | None = None,
+) -> CovarianceSummary:
+    """Return the covariance of some snapshots and what it says of noise and number of sources.
+
+    Parameters
+    ----------
+    snapshots : ndarray, shape (..., n_snapshots, n_elements), complex
+        Newest snapshots.
+    n_columns : int
+        Signal eigenvalues to leave out of the noise power; 0 = take the number found by MDL.
+    element_positions : ndarray, shape (n_elements, 3)
+        m.
+    whitening : ndarray, shape (n_elements, n_elements), complex, optional
+        Inverse Cholesky factor of the noise covariance; None = white noise.
+
+    Returns
+    -------
+    CovarianceSummary
+        Ranks and counts are estimated of a single run only, and only when the snapshots are
+        enough for them (twice the number of elements).
+    """
+    n_snapshots, n_elements = snapshots.shape[-2:]
+    if n_snapshots == 0:
+        return CovarianceSummary()
+    covariance = np.swapaxes(snapshots, -1, -2) @ snapshots.conj() / n_snapshots
+    eigenvalues = np.linalg.eigvalsh(covariance)[..., ::-1]
+    signal_values = eigenvalues
+    if whitening is not None:
+        white = whitening @ covariance @ whitening.conj().T
+        signal_values = np.linalg.eigvalsh(white)[..., ::-1]
+    rank = count = -1
+    if snapshots.ndim == 2 and n_snapshots >= _SNAPSHOTS_PER_ELEMENT * n_elements:
+        rank = minimum_description_length(signal_values, n_snapshots)
+    if snapshots.ndim == 2 and is_uniform_line(element_positions) and n_snapshots >= n_elements:
+        count = source_count(covariance, n_snapshots)
+    n_signals = n_columns if n_columns > 0 else max(rank, count, 0)
+    return CovarianceSummary(
+        covariance=covariance,
+        n_snapshots=n_snapshots,
+        eigenvalues=eigenvalues,
+        noise_power=_noise_power(signal_values, n_signals, n_snapshots),
+        rank=rank,
+        source_count=count,
+    )
+
+
+def _noise_power(eigenvalues: FloatArray, n_signals: int, n_snapshots: int) -> FloatArray:
+    n_elements = eigenvalues.shape[-1]
+    if n_signals >= min(n_elements, n_snapshots):
+        return np.full(eigenvalues.shape[:-1], np.nan)
+    return np.asarray(eigenvalues[..., n_signals:].mean(axis=-1))

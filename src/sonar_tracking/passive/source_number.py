@@ -1,0 +1,89 @@
+"""How many sources: minimum description length on the raw and on the smoothed covariance.
+
+The raw covariance tells the rank (coherent sources count as one), the forward-backward smoothed
+one the number of sources, coherent or not.
+
+References
+----------
+M. Wax, T. Kailath, "Detection of signals by information theoretic criteria", IEEE Trans. ASSP
+33(2), 1985, eq. 17; S. U. Pillai, B. H. Kwon, "Forward/backward spatial smoothing techniques for
+coherent signal identification", IEEE Trans. ASSP 37(1), 1989.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+ComplexArray = NDArray[np.complex128]
+
+
+def minimum_description_length(eigenvalues: NDArray[np.floating], n_snapshots: int) -> int:
+    """Return the number of signal eigenvalues by the MDL criterion.
+
+    MDL(k) = N (M - k) ln(mean / geometric mean of the M - k smallest) + (k / 2)(2M - k) ln N, least
+    over k = 0 ... M - 1.
+
+    Parameters
+    ----------
+    eigenvalues : ndarray, shape (M,)
+        Of a sample covariance, descending. With fewer snapshots than M the zero ones are left out.
+    n_snapshots : int
+        N, independent snapshots in the covariance.
+    """
+    count = min(len(eigenvalues), n_snapshots)
+    floor = max(float(eigenvalues[0]), 0.0) * np.finfo(float).eps + np.finfo(float).tiny
+    values = np.maximum(eigenvalues[:count], floor)
+    remaining = np.arange(count, 0, -1)
+    mean = np.cumsum(values[::-1])[::-1] / remaining
+    log_mean = np.cumsum(np.log(values)[::-1])[::-1] / remaining
+    k = np.arange(count)
+    misfit = n_snapshots * remaining * (np.log(mean) - log_mean)
+    penalty = 0.5 * k * (2 * count - k) * np.log(n_snapshots)
+    return int(np.argmin(misfit + penalty))
+
+
+def forward_backward_smoothed(covariance: ComplexArray, n_smoothed: int) -> ComplexArray:
+    """Return the spatially smoothed forward-backward covariance of a uniform line array.
+
+    Parameters
+    ----------
+    covariance : ndarray, shape (n_elements, n_elements), complex
+        Sample covariance.
+    n_smoothed : int
+        Elements of each sub-array.
+
+    Returns
+    -------
+    ndarray, shape (n_smoothed, n_smoothed), complex
+        (C_s + J conj(C_s) J) / 2 with C_s the mean over the sub-arrays.
+    """
+    n_arrays = len(covariance) - n_smoothed + 1
+    smoothed = np.zeros((n_smoothed, n_smoothed), dtype=np.complex128)
+    for first in range(n_arrays):
+        smoothed += covariance[first : first + n_smoothed, first : first + n_smoothed]
+    smoothed /= n_arrays
+    return 0.5 * (smoothed + smoothed[::-1, ::-1].conj())
+
+
+def smoothed_size(n_elements: int, n_snapshots: int) -> int:
+    """Return the sub-array size used for counting: two thirds of the array, less when data is few.
+
+    Each sub-array must be well determined: no more elements than half the snapshots.
+    """
+    return max(2, min(round(2 * n_elements / 3), n_snapshots // 2))
+
+
+def source_count(covariance: ComplexArray, n_snapshots: int) -> int:
+    """Return the number of sources, coherent or not, seen by a uniform line array.
+
+    Parameters
+    ----------
+    covariance : ndarray, shape (n_elements, n_elements), complex
+        Sample covariance, not whitened (whitening breaks the shift structure).
+    n_snapshots : int
+        Snapshots in it.
+    """
+    size = smoothed_size(len(covariance), n_snapshots)
+    smoothed = forward_backward_smoothed(covariance, size)
+    return minimum_description_length(np.linalg.eigvalsh(smoothed)[::-1], n_snapshots)

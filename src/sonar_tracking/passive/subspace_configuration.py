@@ -1,0 +1,43 @@
+"""Parameters of the subspace stage."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from sonar_tracking.configuration import parameter
+
+
+@dataclass(frozen=True)
+class SubspaceConfiguration:
+    """Parameters of the stage that follows the signal subspace."""
+
+    method: str = parameter(
+        "covariance",
+        "How the signal subspace is followed",
+        choices=("past", "opast", "block_past", "covariance"),
+    )
+    forgetting_factor: float = parameter(
+        0.95, "Weight beta of the past, per snapshot", minimum=0.01, maximum=0.99999
+    )
+    period: float = parameter(
+        1.0, "Time between estimates, at its multiples in stamp time", unit="s", minimum=1e-3
+    )
+    source_count: int = parameter(
+        0, "Columns of the subspace; 0 = found by MDL at the start", minimum=0
+    )
+    n_subspaces: int = parameter(
+        7, "Adjacent subspaces P published with each estimate, odd", minimum=1, maximum=999
+    )
+    update_snapshots: int = parameter(
+        10,
+        "Snapshots L between adjacent subspaces (block_past, covariance; 1 for past, opast)",
+        minimum=1,
+    )
+    covariance_snapshots: int = parameter(
+        100, "Snapshots of the sample covariance published with each estimate; 0 = none", minimum=0
+    )
+
+    @property
+    def step(self) -> int:
+        """Snapshots between adjacent subspaces."""
+        return 1 if self.method in ("past", "opast") else self.update_snapshots

@@ -1,0 +1,125 @@
+"""What the subspace stage remembers between blocks, and how an estimate is made of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.passive.block_checks import ChannelMonitor
+from sonar_tracking.passive.covariance_summary import CovarianceSummary, summarise_covariance
+from sonar_tracking.passive.records import ArraySnapshots, SubspaceEstimates
+from sonar_tracking.passive.sample_schedule import BlockTiming, SampleSchedule, Window
+from sonar_tracking.passive.subspace_configuration import SubspaceConfiguration
+from sonar_tracking.passive.subspace_recursion import CapturedSubspace, SubspaceRecursion
+
+ComplexArray = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class SubspaceRun:
+    """State of the subspace stage after a block.
+
+    Attributes
+    ----------
+    header : ArraySnapshots
+        Array, frequency and sensor of the newest block, without its data.
+    timing : BlockTiming
+        Timing of the newest block.
+    monitor : ChannelMonitor
+        Powers of the elements.
+    n_columns : int
+        Columns of the subspace; 0 = not known yet.
+    next_sample : int
+        Number of the first sample time whose window is not open yet.
+    history : ndarray, shape (..., n_kept, n_elements), complex
+        Newest contiguous snapshots, for the sample covariance.
+    whitening : ndarray, shape (n_elements, n_elements), complex, or None
+        Inverse Cholesky factor of the noise covariance; None = white noise.
+    recursion : SubspaceRecursion or None
+        The subspace method; None before it starts.
+    windows : tuple of Window
+        Open windows, in order of time.
+    captured : tuple of CapturedSubspace
+        Bases taken for them.
+    """
+
+    header: ArraySnapshots
+    timing: BlockTiming
+    monitor: ChannelMonitor
+    n_columns: int
+    next_sample: int
+    history: ComplexArray
+    whitening: ComplexArray | None
+    recursion: SubspaceRecursion | None = None
+    windows: tuple[Window, ...] = ()
+    captured: tuple[CapturedSubspace, ...] = ()
+
+
+def window_estimates(
+    configuration: SubspaceConfiguration,
+    schedule: SampleSchedule,
+    window: Window,
+    run: SubspaceRun,
+    source: SubspaceRun,
+) -> SubspaceEstimates:
+    """Return the estimates of one sample time.
+
+    Parameters
+    ----------
+    configuration : SubspaceConfiguration
+        Parameters of the stage.
+    schedule : SampleSchedule
+        Sample times.
+    window : Window
+        The window of the sample time; subspaces that are missing in it are left out.
+    run : SubspaceRun
+        Holds the captured bases.
+    source : SubspaceRun
+        Holds the snapshots of the covariance: the run itself, or the one before a gap.
+    """
+    subspaces = [c for c in run.captured if c.index in window.indices]
+    header, timing, beta = run.header, source.timing, configuration.forgetting_factor
+    end = min(window.last, timing.last_index)
+    summary = _summary(configuration, source, end) if subspaces else CovarianceSummary()
+    middle = end - 0.5 * (summary.n_snapshots - 1)
+    offset = timing.time_offset(middle, window.stamp) if summary.n_snapshots else np.nan
+    return SubspaceEstimates(
+        stamp=window.stamp,
+        method=configuration.method,
+        basis=_stacked(subspaces, run),
+        time_offsets=np.array([c.timing.time_offset(c.index, window.stamp) for c in subspaces]),
+        element_positions=header.element_positions,
+        sample_period=header.sample_period,
+        center_frequency=header.center_frequency,
+        bandwidth=header.bandwidth,
+        sound_speed=header.sound_speed,
+        effective_snapshots=(1.0 + beta) / (1.0 - beta),
+        rank=summary.rank,
+        source_count=summary.source_count,
+        covariance=summary.covariance,
+        covariance_snapshots=summary.n_snapshots,
+        covariance_time_offset=offset,
+        eigenvalues=summary.eigenvalues,
+        noise_power=summary.noise_power,
+        noise_covariance=header.noise_covariance,
+        next_stamp=schedule.stamp(window.number + 1),
+        sensor=header.sensor,
+    )
+
+
+def _stacked(subspaces: list[CapturedSubspace], run: SubspaceRun) -> ComplexArray:
+    if subspaces:
+        return np.stack([c.basis for c in subspaces], axis=-3)
+    batch, n_elements = run.history.shape[:-2], run.history.shape[-1]
+    return np.empty((*batch, 0, n_elements, run.n_columns), dtype=np.complex128)
+
+
+def _summary(configuration: SubspaceConfiguration, run: SubspaceRun, end: int) -> CovarianceSummary:
+    begin_of_history = run.timing.last_index + 1 - run.history.shape[-2]
+    stop = end + 1 - begin_of_history
+    start = max(stop - configuration.covariance_snapshots, 0)
+    return summarise_covariance(
+        run.history[..., start:stop, :], run.n_columns, run.header.element_positions, run.whitening
+    )
