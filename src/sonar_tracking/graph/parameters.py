@@ -81,7 +81,7 @@ def declare(node: Node, configuration: Any) -> None:
         value = getattr(configuration, description.name)
         node.declare_parameter(
             description.name,
-            array.array("d", value) if description.kind is tuple else value,
+            _sent(value),
             descriptor(description),
             ignore_override=True,
         )
@@ -119,6 +119,13 @@ def descriptor(description: ParameterDescription) -> ParameterDescriptor:
 def overrides_of(node: Node) -> dict[str, Any]:
     """Return the parameter values given to a node from outside, by name."""
     return {name: parameter.value for name, parameter in node._parameter_overrides.items()}
+
+
+def _sent(value: Value) -> Any:
+    """Return a value as rclpy takes it: it refuses an empty array, but not an empty list."""
+    if isinstance(value, tuple):
+        return array.array("d", value) if value else []
+    return value
 
 
 def _plain(description: ParameterDescription, value: Any) -> Any:
