@@ -9,7 +9,11 @@ from pathlib import Path
 import pytest
 
 from sonar_tracking.graph import process_supervisor
-from sonar_tracking.graph.process_supervisor import ProcessPlan, ProcessSupervisor
+from sonar_tracking.graph.process_supervisor import (
+    ProcessPlan,
+    ProcessSupervisor,
+    SupervisedProcess,
+)
 
 POLITE = """
 import signal, time
@@ -76,8 +80,13 @@ def test_a_death_is_reported_once_and_the_next_process_has_its_own_log_tail(
 ) -> None:
     supervisor = ProcessSupervisor(tmp_path)
     supervisor.start(plan("raise SystemExit('the sky falls')"))
-    ended = []
-    wait_for(lambda: bool(ended.extend(supervisor.poll()) or ended))
+    ended: list[SupervisedProcess] = []
+
+    def has_ended() -> bool:
+        ended.extend(supervisor.poll())
+        return bool(ended)
+
+    wait_for(has_ended)
     assert [process.plan.name for process in ended] == ["node"]
     assert supervisor.poll() == []
     assert ended[0].exit_code == 1
