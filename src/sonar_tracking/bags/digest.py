@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import struct
+from typing import TYPE_CHECKING
 
 from sonar_tracking.bags.message_definitions import (
     MessageDefinition,
@@ -16,6 +17,9 @@ from sonar_tracking.bags.message_definitions import (
     typestore_of,
 )
 from sonar_tracking.errors import InputError
+
+if TYPE_CHECKING:
+    from rosbags.typesys.store import Typestore
 
 
 class CanonicalDigest:
@@ -54,12 +58,12 @@ class CanonicalDigest:
         return self._hash.hexdigest()
 
 
-def canonical_cdr(store: object, type_name: str, raw_cdr: bytes) -> memoryview:
+def canonical_cdr(store: Typestore, type_name: str, raw_cdr: bytes) -> memoryview:
     """Return a message as little-endian CDR with zero padding and without tail bytes.
 
     Parameters
     ----------
-    store : rosbags.typesys.store.Typestore
+    store : Typestore
         Knows the type.
     type_name : str
         Full name of the message type.
@@ -71,14 +75,23 @@ def canonical_cdr(store: object, type_name: str, raw_cdr: bytes) -> memoryview:
     InputError
         If the bytes are not a message of this type.
     """
-    from rosbags.serde import SerdeError
-    from rosbags.typesys.store import Typestore
+    message = decoded_message(store, type_name, raw_cdr)
+    return store.serialize_cdr(message, type_name, little_endian=True)
 
-    assert isinstance(store, Typestore)
+
+def decoded_message(store: Typestore, type_name: str, raw_cdr: bytes) -> object:
+    """Return a serialised message as an object with its fields.
+
+    Raises
+    ------
+    InputError
+        If the bytes are not a message of this type.
+    """
+    from rosbags.serde import SerdeError
+
     try:
-        message = store.deserialize_cdr(raw_cdr, type_name)
+        return store.deserialize_cdr(raw_cdr, type_name)
     except (SerdeError, struct.error, ValueError, LookupError, AssertionError) as error:
         raise InputError(
             f"{len(raw_cdr)} bytes are not a message of type {type_name} ({error})."
         ) from error
-    return store.serialize_cdr(message, type_name, little_endian=True)

@@ -17,15 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sonar_tracking.bags.array_geometry_file import RecordedArray, read_array_geometry
+from sonar_tracking.bags.bag_records import BEARING_TRACKS_TYPE, SNAPSHOTS_TYPE
 from sonar_tracking.bags.bearing_truth_file import SurveyedBearings, read_surveyed_bearings
 from sonar_tracking.bags.demodulation import Band, Demodulator, design_band
 from sonar_tracking.bags.metadata import OfferedQuality
-from sonar_tracking.bags.recorded_messages import (
-    BEARING_TRACKS_TYPE,
-    SNAPSHOTS_TYPE,
-    snapshots_cdr,
-    truth_cdr,
-)
+from sonar_tracking.bags.recorded_messages import snapshots_cdr, truth_cdr
 from sonar_tracking.bags.recording_information import RecordingInformation
 from sonar_tracking.bags.wav_file import WavFile, open_wav
 from sonar_tracking.bags.writer import BagWriter

@@ -8,12 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sonar_tracking.bags.array_geometry_file import RecordedArray
+from sonar_tracking.bags.bag_records import BEARING_TRACKS_TYPE, SNAPSHOTS_TYPE
 from sonar_tracking.bags.bearing_truth_file import SurveyedBearings
 from sonar_tracking.bags.message_definitions import installed_typestore
 from sonar_tracking.passive.records import TrackStatus
-
-SNAPSHOTS_TYPE = "sonar_tracking_msgs/msg/ArraySnapshots"
-BEARING_TRACKS_TYPE = "sonar_tracking_msgs/msg/BearingTracks"
 
 _FRAME = "own_ship/array"
 _CONE = 0
