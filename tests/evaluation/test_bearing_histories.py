@@ -69,7 +69,7 @@ def test_batches_join_along_the_runs() -> None:
 
 
 def test_typical_and_failed_runs_are_what_they_say() -> None:
-    ryu = histories([np.full((12, 2), error) for error in (0.1, 1.0, 9.0, 8.0, 1.1)]).angle
+    ryu = histories([np.full((12, 2), error) for error in (4.0, 1.0, 9.0, 8.0, 1.1)]).angle
     proposed = histories([np.full((12, 2), error) for error in (0.5, 0.5, 9.0, 0.5, 0.1)]).angle
     assert typical_run([ryu, proposed], TRUTH) == 1
     assert failed_run(ryu, proposed, TRUTH) == 3

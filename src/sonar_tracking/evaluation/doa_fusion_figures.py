@@ -8,7 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sonar_tracking.evaluation.bearing_histories import mean_square_error_deg2, successful
+from sonar_tracking.evaluation.bearing_histories import (
+    SUCCESS_STEPS,
+    mean_square_error_deg2,
+    successful,
+)
 from sonar_tracking.evaluation.study import StudyRow
 from sonar_tracking.passive.records import FloatArray
 
@@ -24,8 +28,8 @@ SYSTEM_STYLES = {
     "average only": ("#E69F00", "v"),
     "R/7 only": ("#CC79A7", "^"),
     "PROPOSED": ("#0072B2", "s"),
-    "PROPOSED automatic start": ("#56B4E9", "D"),
-    "tracking bound": ("#555555", "_"),
+    "automatic start": ("#56B4E9", "D"),
+    "tracking bound": ("#555555", ""),
 }
 """Colour and marker of each system drawn against the level."""
 
@@ -54,7 +58,7 @@ def typical_run(angles: Sequence[FloatArray], truth: FloatArray) -> int:
 
 
 def failed_run(angle: FloatArray, other: FloatArray, truth: FloatArray) -> int | None:
-    """Return the first run that fails, if possible one in which the other tracker succeeds.
+    """Return the failed run with the largest error, of those in which the other tracker succeeds.
 
     Parameters
     ----------
@@ -66,13 +70,14 @@ def failed_run(angle: FloatArray, other: FloatArray, truth: FloatArray) -> int |
     Returns
     -------
     int or None
-        None if every run succeeds.
+        None if every run succeeds; of all failed runs where the other tracker never succeeds.
     """
     failed = ~successful(angle, truth)
     if not np.any(failed):
         return None
     rescued = failed & successful(other, truth)
-    return int(np.argmax(rescued if np.any(rescued) else failed))
+    errors = mean_square_error_deg2(angle, truth)
+    return int(np.argmax(np.where(rescued if np.any(rescued) else failed, errors, -np.inf)))
 
 
 def draw_run(
@@ -100,9 +105,14 @@ def draw_run(
     )
     for axis, (name, angle) in zip(axes[0], angles.items(), strict=True):
         _draw_bearings(axis, times, truth, angle)
-        error = float(mean_square_error_deg2(angle, truth))
         outcome = "successful" if successful(angle, truth) else "failed"
-        axis.set_title(f"{name}: {outcome}, mean square error {error:.2f} deg²")
+        error = float(mean_square_error_deg2(angle, truth))
+        last = float(np.degrees(np.abs(angle - truth)[-SUCCESS_STEPS:].max()))
+        axis.set_title(
+            f"{name}: {outcome}\nmean square error {error:.2f} deg², "
+            f"at most {last:.1f} deg in the last {SUCCESS_STEPS} steps",
+            fontsize="medium",
+        )
         axis.set_xlabel("time (s)")
     axes[0, 0].set_ylabel("bearing from broadside (deg)")
     handles, labels = axes[0, 0].get_legend_handles_labels()
@@ -160,13 +170,12 @@ def draw_fused_variance(path: Path, rows: Sequence[StudyRow]) -> Path:
 
     figure, axis = plt.subplots(figsize=(6.4, 4.6), layout="constrained")
     checked = [row for row in rows if "variance_ratio" in row.metrics]
-    for system, marker in zip(sorted({row.system for row in checked}), "so^D", strict=False):
-        own = [row.metrics for row in checked if row.system == system]
+    conditions = list(dict.fromkeys(row.condition for row in checked))
+    for condition, marker, colour in zip(conditions, "so^", TARGET_COLOURS, strict=False):
+        own = [row.metrics for row in checked if row.condition == condition]
         factors = [metrics["forgetting_factor"] for metrics in own]
         ratios = [metrics["variance_ratio"] for metrics in own]
-        axis.plot(factors, ratios, marker, label=f"measured, {system}")
-    own = [row.metrics for row in checked if row.system == checked[0].system]
-    factors = [metrics["forgetting_factor"] for metrics in own]
+        axis.plot(factors, ratios, marker, color=colour, label=f"measured, {condition}")
     for metric, name, style in (
         ("correlated_ratio", "claimed with the correlation of subspaces", "-"),
         ("independent_ratio", "claimed by the paper's equation (14)", "--"),
@@ -176,7 +185,7 @@ def draw_fused_variance(path: Path, rows: Sequence[StudyRow]) -> Path:
     axis.set_xlabel("forgetting factor")
     axis.set_ylabel("variance of the mean of 7 / variance of one")
     axis.grid(alpha=0.3)
-    axis.legend(fontsize="small")
+    axis.legend(fontsize="small", loc="center right")
     axis.set_title("Adjacent subspaces are not independent measurements")
     return _save(figure, path)
 

@@ -44,18 +44,23 @@ def _table(layout: TableLayout, rows: Sequence[StudyRow]) -> Table:
     from rich import box
     from rich.table import Table
 
-    table = Table(title=layout.title, box=box.SIMPLE_HEAD, title_justify="left", pad_edge=False)
-    table.add_column("condition", no_wrap=True)
-    table.add_column("system", no_wrap=True)
+    table = Table(
+        title=layout.title,
+        box=box.SIMPLE_HEAD,
+        title_justify="left",
+        pad_edge=False,
+        padding=(0, 1, 0, 0),
+    )
+    table.add_column("system")
     published = [any(column.metric in row.published for row in rows) for column in layout.columns]
     for column, has_published in zip(layout.columns, published, strict=True):
-        table.add_column(column.heading, justify="right")
+        table.add_column(column.heading, justify="right", no_wrap=True)
         if has_published:
-            table.add_column("paper", justify="right", style="cyan")
-    previous = ""
+            table.add_column("paper", justify="right", no_wrap=True, style="cyan")
     for index, row in enumerate(rows):
-        cells = [row.condition if row.condition != previous else "", row.system]
-        previous = row.condition
+        if index == 0 or rows[index - 1].condition != row.condition:
+            table.add_row(row.condition, style="bold")
+        cells = [f"  {row.system}"]
         for column, has_published in zip(layout.columns, published, strict=True):
             cells.append(_number(row.metrics.get(column.metric), column))
             if has_published:

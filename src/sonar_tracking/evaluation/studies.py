@@ -1,0 +1,101 @@
+"""All studies by name, and the one function that runs them."""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from sonar_tracking.configuration import unknown_name_text
+from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.evaluation.batch_runner import Workers, compute
+from sonar_tracking.evaluation.doa_fusion import DOA_FUSION
+from sonar_tracking.evaluation.study import Study, write_json
+from sonar_tracking.evaluation.study_report import print_study
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from sonar_tracking.evaluation.study_definition import StudyDefinition
+
+STUDIES = {definition.name: definition for definition in (DOA_FUSION,)}
+"""Studies by the name typed on the command line, in the order of ``all``."""
+
+
+def run_study(
+    name: str,
+    runs: int | None = None,
+    seed: int = 1,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    json: Path | None = None,
+    plots: Path | None = None,
+) -> tuple[Study, ...]:
+    """Run a study, print its tables and write what was asked for.
+
+    Parameters
+    ----------
+    name : str
+        Name of a study, or ``"all"``.
+    runs : int, optional
+        Monte Carlo runs per condition; the study's own default if not given.
+    seed : int
+        Root of all randomness.
+    workers : int, optional
+        Local worker processes; as many as there are processors if not given.
+    scheduler : str, optional
+        Address of a dask scheduler to compute on instead.
+    json : Path, optional
+        File for the figures.
+    plots : Path, optional
+        Directory for the pictures.
+
+    Returns
+    -------
+    tuple of Study
+        One, or all of them for ``"all"``.
+
+    Raises
+    ------
+    ConfigurationError
+        If the name is not known, or runs, seed, workers or the scheduler cannot be used.
+    """
+    from rich.console import Console
+
+    if name != "all" and name not in STUDIES:
+        raise ConfigurationError(unknown_name_text(f"study {name}", name, (*STUDIES, "all")))
+    definitions = tuple(STUDIES.values()) if name == "all" else (STUDIES[name],)
+    where = Workers(workers if workers is not None else os.cpu_count() or 1, scheduler or "")
+    console = Console()
+    studies = tuple(
+        _run(definition, runs, seed, where, plots, console) for definition in definitions
+    )
+    if json is not None:
+        write_json(studies, Path(json))
+    return studies
+
+
+def _run(
+    definition: StudyDefinition,
+    runs: int | None,
+    seed: int,
+    workers: Workers,
+    plots: Path | None,
+    console: Console,
+) -> Study:
+    from rich.progress import Progress
+
+    runs = definition.default_runs if runs is None else runs
+    tasks = definition.tasks(runs, seed)
+    started = time.perf_counter()
+    with Progress(console=console, transient=True) as progress:
+        bar = progress.add_task(definition.name, total=len(tasks))
+        results = compute(tasks, workers, lambda: progress.advance(bar))
+    rows = definition.rows(results)
+    study = Study(definition.name, runs, seed, time.perf_counter() - started, rows)
+    print_study(study, definition.layouts, console)
+    if plots is not None:
+        for path in definition.draw(results, rows, Path(plots)):
+            console.print(f"wrote {path}", highlight=False, soft_wrap=True)
+    return study
