@@ -3,7 +3,7 @@
 The steering vectors of the sources are orthogonal to the noise eigenvectors E_n of the
 (whitened) covariance, so that f(theta) = |E_n^H a(theta)|^2 / |a(theta)|^2 is least there. The
 grid is fine enough to fall into the valley of each resolved source; Gauss-Newton steps inside a
-grid cell then find its floor.
+grid cell then find its floor. A valley that stays shallow is not taken for a source.
 
 References
 ----------
@@ -25,6 +25,11 @@ ComplexArray = NDArray[np.complex128]
 
 _POINTS_PER_BEAM = 16
 _REFINEMENT_STEPS = 8
+
+SHALLOWEST_VALLEY = 0.3
+"""Null spectrum above which a valley is no source: less than 70 % of its steering vector lies in
+the signal subspace. Of 100 snapshots of 5 resolved sources on 15 elements it is 0.04 at -5 dB and
+below 0.15 (99 %) at -8 dB; an unresolved pair leaves a shallow valley anywhere, where echoes are."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +107,8 @@ def music_bearings(
     valley = (spectrum <= np.roll(spectrum, 1)) & (spectrum < np.roll(spectrum, -1))
     found = np.flatnonzero(valley)
     found = found[np.argsort(spectrum[found], kind="stable")][:n_sources]
-    return np.sort(_refined(pencil, grid, found))
+    angles = np.sort(_refined(pencil, grid, found))
+    return angles[pencil.null_spectrum(angles) < SHALLOWEST_VALLEY]
 
 
 def _grid(positions: FloatArray, wavenumber: float) -> FloatArray:
