@@ -23,6 +23,7 @@ from sonar_tracking.passive.measurement_fusion import (
     forgetting_factor_of,
     fused_measurement,
     independent_variance_ratio,
+    mean_age,
 )
 from sonar_tracking.passive.records import SubspaceEstimates
 
@@ -47,17 +48,21 @@ class BearingMeasurement:
         Measured minus predicted angle, rad.
     variance : ndarray, shape (..., n_targets)
         Of the measurement, rad^2; NaN = cannot be told, do not use it.
+    age : float
+        How long before the stamp the targets had the measured angles, s.
     """
 
     angle: FloatArray
     innovation: FloatArray
     variance: FloatArray
+    age: float
 
 
 def measured_bearings(
     configuration: BearingTrackerConfiguration,
     estimates: SubspaceEstimates,
     predicted_angles: FloatArray,
+    predicted_rates: FloatArray,
     sources: ComplexArray | None,
 ) -> BearingMeasurement:
     """Return the measured bearings at one sample time.
@@ -68,8 +73,8 @@ def measured_bearings(
         Parameters of the tracker.
     estimates : SubspaceEstimates
         At least one subspace.
-    predicted_angles : ndarray, shape (..., n_targets)
-        rad.
+    predicted_angles, predicted_rates : ndarray, shape (..., n_targets)
+        At the stamp, rad and rad/s.
     sources : ndarray, shape (..., n_targets, n_targets), complex, or None
         Covariance of the sources, for the variance from the Fisher information.
 
@@ -83,27 +88,29 @@ def measured_bearings(
         middle = int(np.argmin(np.abs(offsets)))
         offsets = offsets[middle : middle + 1]
         basis = basis[..., middle : middle + 1, :, :]
+    beta = forgetting_factor_of(estimates.effective_snapshots)
+    age = 0.0
+    if configuration.lag_correction and configuration.variance_from_data:
+        age = mean_age(beta) * estimates.sample_period - float(offsets.mean())
+    angles = predicted_angles - age * predicted_rates if age else predicted_angles
     innovations = angular_innovations(
         basis,
         estimates.element_positions,
-        predicted_angles,
+        angles,
         wavenumber(estimates.center_frequency, estimates.sound_speed),
         configuration.phase_reference,
     )
     if configuration.fused_variance == "independent":
         ratio = independent_variance_ratio(len(offsets))
     else:
-        beta = forgetting_factor_of(estimates.effective_snapshots)
         ratio = correlated_variance_ratio(offsets, estimates.sample_period, beta)
-    if configuration.measurement_variance_deg2 > 0.0:
+    if not configuration.variance_from_data:
         single = configuration.measurement_variance_deg2 * np.deg2rad(1.0) ** 2
-        variance = np.full(predicted_angles.shape, single)
+        variance = np.full(angles.shape, single)
     else:
-        variance = fisher_variance(
-            estimates, predicted_angles, sources, estimates.effective_snapshots
-        )
+        variance = fisher_variance(estimates, angles, sources, estimates.effective_snapshots)
     innovation = fused_measurement(innovations)
-    return BearingMeasurement(predicted_angles + innovation, innovation, ratio * variance)
+    return BearingMeasurement(angles + innovation, innovation, ratio * variance, age)
 
 
 def estimated_sources(

@@ -168,7 +168,8 @@ class BearingStart:
             spread = reach + variance + track.variances[0]
             return float((angle - track.angles[0]) ** 2 / spread)
         mean, covariance = track.line(middle)
-        motion = process_noise_matrix(self.process_noise, interval)
+        # The line ignores the acceleration since its first bearing.
+        motion = process_noise_matrix(self.process_noise, (middle - track.stamps[0]) * 1e-9)
         spread = covariance[0, 0] + motion[0, 0] + variance
         return float((angle - mean[0]) ** 2 / spread)
 

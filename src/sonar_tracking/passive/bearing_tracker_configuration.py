@@ -55,12 +55,23 @@ class BearingTrackerConfiguration:
         "Variance of the fused measurement: adjacent subspaces correlated, or R / P (independent)",
         choices=("correlated", "independent"),
     )
+    lag_correction: bool = parameter(
+        True,
+        "Take a measurement for the angle at the mean age of its snapshots instead of the sample "
+        "time (only with the variance from the Fisher information: a given R covers the lag)",
+    )
     phase_reference: str = parameter(
-        "first_element",
-        "Point of zero phase of the steering vectors",
+        "array_centre",
+        "Point of zero phase of the steering vectors; with the first element innovations shrink "
+        "when the residual is large (the published tracker)",
         choices=("first_element", "array_centre"),
     )
     first_id: int = parameter(1, "Identifier of the first track", minimum=1)
+
+    @property
+    def variance_from_data(self) -> bool:
+        """Whether the measurement variance is computed from the data."""
+        return self.measurement_variance_deg2 == 0.0
 
 
 def check_configuration(configuration: BearingTrackerConfiguration) -> None:

@@ -42,7 +42,6 @@ __all__ = ["BearingTrackerConfiguration", "BearingTrackerStage", "TrackerUpdate"
 
 FloatArray = NDArray[np.float64]
 
-_MEASUREMENT_MATRIX = np.array([[1.0, 0.0]])
 _SQUARE_DEGREE = float(np.deg2rad(1.0) ** 2)
 
 
@@ -205,7 +204,7 @@ class BearingTrackerStage:
             text = "No subspace at this sample time; the tracks are predicted only."
             return None, [Notice(Severity.WARN, "subspace", text)]
         measurement = measured_bearings(
-            self.configuration, estimates, filters.mean[..., 0], sources
+            self.configuration, estimates, filters.mean[..., 0], filters.mean[..., 1], sources
         )
         if not np.isfinite(measurement.variance).all():
             text = (
@@ -252,7 +251,7 @@ def _corrected(state: _TrackerState, measurement: BearingMeasurement | None) -> 
     corrected = update(
         state.filters,
         measurement.angle[..., None],
-        _MEASUREMENT_MATRIX,
+        np.array([[1.0, -measurement.age]]),
         measurement.variance[..., None, None],
     )
     return replace(state, filters=corrected.state)

@@ -7,8 +7,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from sonar_tracking.geometry import is_uniform_line
-from sonar_tracking.passive.source_number import minimum_description_length, source_count
+from sonar_tracking.geometry import is_uniform_line, wavenumber
+from sonar_tracking.passive.records import ArraySnapshots
+from sonar_tracking.passive.source_number import (
+    counting_snapshots,
+    minimum_description_length,
+    source_count,
+)
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -45,8 +50,9 @@ class CovarianceSummary:
 def summarise_covariance(
     snapshots: ComplexArray,
     n_columns: int,
-    element_positions: FloatArray,
-    whitening: ComplexArray | None = None,
+    header: ArraySnapshots,
+    whitening: ComplexArray | None,
+    maximum_rate: float,
 ) -> CovarianceSummary:
     """Return the covariance of some snapshots and what it says of noise and number of sources.
 
@@ -56,31 +62,33 @@ def summarise_covariance(
         Newest snapshots.
     n_columns : int
         Signal eigenvalues to leave out of the noise power; 0 = take the number found by MDL.
-    element_positions : ndarray, shape (n_elements, 3)
-        m.
-    whitening : ndarray, shape (n_elements, n_elements), complex, optional
+    header : ArraySnapshots
+        Array and frequency.
+    whitening : ndarray, shape (n_elements, n_elements), complex, or None
         Inverse Cholesky factor of the noise covariance; None = white noise.
+    maximum_rate : float
+        Fastest bearing that must not be counted twice, rad/s.
 
     Returns
     -------
     CovarianceSummary
         Ranks and counts are estimated of a single run only, and only when the snapshots are
-        enough for them (twice the number of elements).
+        enough: twice the number of elements for the rank, the number of elements for the count.
     """
     n_snapshots, n_elements = snapshots.shape[-2:]
     if n_snapshots == 0:
         return CovarianceSummary()
-    covariance = np.swapaxes(snapshots, -1, -2) @ snapshots.conj() / n_snapshots
-    eigenvalues = np.linalg.eigvalsh(covariance)[..., ::-1]
+    covariance = sample_covariance(snapshots)
+    eigenvalues = _descending_eigenvalues(covariance)
     signal_values = eigenvalues
     if whitening is not None:
         white = whitening @ covariance @ whitening.conj().T
-        signal_values = np.linalg.eigvalsh(white)[..., ::-1]
+        signal_values = _descending_eigenvalues(white)
     rank = count = -1
     if snapshots.ndim == 2 and n_snapshots >= _SNAPSHOTS_PER_ELEMENT * n_elements:
         rank = minimum_description_length(signal_values, n_snapshots)
-    if snapshots.ndim == 2 and is_uniform_line(element_positions) and n_snapshots >= n_elements:
-        count = source_count(covariance, n_snapshots)
+    if snapshots.ndim == 2 and is_uniform_line(header.element_positions):
+        count = _counted(snapshots, eigenvalues, header, maximum_rate)
     n_signals = n_columns if n_columns > 0 else max(rank, count, 0)
     return CovarianceSummary(
         covariance=covariance,
@@ -90,6 +98,31 @@ def summarise_covariance(
         rank=rank,
         source_count=count,
     )
+
+
+def sample_covariance(snapshots: ComplexArray) -> ComplexArray:
+    """Return X X^H / N of snapshots of shape (..., N, n_elements)."""
+    return np.swapaxes(snapshots, -1, -2) @ snapshots.conj() / snapshots.shape[-2]
+
+
+def _descending_eigenvalues(covariance: ComplexArray) -> FloatArray:
+    return np.asarray(np.linalg.eigvalsh(covariance)[..., ::-1], dtype=np.float64)
+
+
+def _counted(
+    snapshots: ComplexArray, eigenvalues: FloatArray, header: ArraySnapshots, maximum_rate: float
+) -> int:
+    n_snapshots, n_elements = snapshots.shape
+    if n_snapshots < n_elements:
+        return -1
+    used = counting_snapshots(
+        eigenvalues,
+        n_snapshots,
+        header.element_positions,
+        wavenumber(header.center_frequency, header.sound_speed),
+        maximum_rate * header.sample_period,
+    )
+    return source_count(sample_covariance(snapshots[-used:]), used)
 
 
 def _noise_power(eigenvalues: FloatArray, n_signals: int, n_snapshots: int) -> FloatArray:

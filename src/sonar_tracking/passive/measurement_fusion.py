@@ -61,3 +61,11 @@ def correlated_variance_ratio(
 def forgetting_factor_of(effective_snapshots: float) -> float:
     """Return beta of a window that stands for (1 + beta) / (1 - beta) independent snapshots."""
     return (effective_snapshots - 1.0) / (effective_snapshots + 1.0)
+
+
+def mean_age(forgetting_factor: float) -> float:
+    """Return the mean age beta / (1 - beta) of the snapshots in an exponential window, snapshots.
+
+    A target that moves is seen where it was this long ago.
+    """
+    return forgetting_factor / (1.0 - forgetting_factor)

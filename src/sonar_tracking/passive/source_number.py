@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 
 ComplexArray = NDArray[np.complex128]
 
+_LEAST_COUNTING_SNAPSHOTS = 12
+
 
 def minimum_description_length(eigenvalues: NDArray[np.floating], n_snapshots: int) -> int:
     """Return the number of signal eigenvalues by the MDL criterion.
@@ -72,6 +74,43 @@ def smoothed_size(n_elements: int, n_snapshots: int) -> int:
     Each sub-array must be well determined: no more elements than half the snapshots.
     """
     return max(2, min(round(2 * n_elements / 3), n_snapshots // 2))
+
+
+def counting_snapshots(
+    eigenvalues: NDArray[np.floating],
+    n_snapshots: int,
+    positions: NDArray[np.float64],
+    wavenumber: float,
+    largest_turn: float,
+) -> int:
+    """Return how many snapshots to count sources on, so that a moving one counts once.
+
+    A source of ratio s to the noise that turns by d during N snapshots spreads over a second
+    eigenvalue of about s M (k d)^2 var(x) / 12, which MDL takes for another source when it exceeds
+    the random spread sqrt(M / N) of the noise eigenvalues. Strong sources are therefore counted
+    on fewer snapshots; they need no more.
+
+    Parameters
+    ----------
+    eigenvalues : ndarray, shape (n_elements,)
+        Of the sample covariance, descending.
+    n_snapshots : int
+        Snapshots in it.
+    positions : ndarray, shape (n_elements, 3)
+        m.
+    wavenumber : float
+        rad/m.
+    largest_turn : float
+        Largest change of a bearing between two snapshots, rad.
+    """
+    count = min(len(eigenvalues), n_snapshots)
+    noise = max(float(np.mean(eigenvalues[count - max(count // 3, 1) : count])), 0.0)
+    ratio = float(eigenvalues[0]) / max(noise, float(eigenvalues[0]) * 1e-9, np.finfo(float).tiny)
+    n = np.arange(1, n_snapshots + 1)
+    spread = wavenumber**2 * positions[:, 0].var() * (largest_turn * n) ** 2 / 12.0 * ratio
+    allowed = n[spread < 0.5 * np.sqrt(len(positions) / n)]
+    most = int(allowed[-1]) if len(allowed) else 1
+    return min(max(most, _LEAST_COUNTING_SNAPSHOTS), n_snapshots)
 
 
 def source_count(covariance: ComplexArray, n_snapshots: int) -> int:

@@ -17,7 +17,7 @@ class SubspaceConfiguration:
         choices=("past", "opast", "block_past", "covariance"),
     )
     forgetting_factor: float = parameter(
-        0.95, "Weight beta of the past, per snapshot", minimum=0.01, maximum=0.99999
+        0.97, "Weight beta of the past, per snapshot", minimum=0.01, maximum=0.99999
     )
     period: float = parameter(
         1.0, "Time between estimates, at its multiples in stamp time", unit="s", minimum=1e-3
@@ -35,6 +35,12 @@ class SubspaceConfiguration:
     )
     covariance_snapshots: int = parameter(
         100, "Snapshots of the sample covariance published with each estimate; 0 = none", minimum=0
+    )
+    maximum_rate_deg: float = parameter(
+        5.0,
+        "Fastest bearing that the source count must not take for two sources",
+        unit="deg/s",
+        minimum=0.0,
     )
 
     @property

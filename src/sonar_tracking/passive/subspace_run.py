@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sonar_tracking.geometry import is_uniform_line
 from sonar_tracking.passive.block_checks import ChannelMonitor
 from sonar_tracking.passive.covariance_summary import CovarianceSummary, summarise_covariance
 from sonar_tracking.passive.records import ArraySnapshots, SubspaceEstimates
@@ -109,6 +111,16 @@ def window_estimates(
     )
 
 
+def counted_sources(configuration: SubspaceConfiguration, run: SubspaceRun) -> int:
+    """Return the number of sources by MDL on the newest full covariance, 0 = none (yet)."""
+    if run.history.shape[-2] < configuration.covariance_snapshots:
+        return 0
+    summary = _summary(configuration, run, run.timing.last_index)
+    positions = run.header.element_positions
+    count = summary.source_count if is_uniform_line(positions) else summary.rank
+    return min(max(count, 0), len(positions) - 1)
+
+
 def _stacked(subspaces: list[CapturedSubspace], run: SubspaceRun) -> ComplexArray:
     if subspaces:
         return np.stack([c.basis for c in subspaces], axis=-3)
@@ -121,5 +133,9 @@ def _summary(configuration: SubspaceConfiguration, run: SubspaceRun, end: int) -
     stop = end + 1 - begin_of_history
     start = max(stop - configuration.covariance_snapshots, 0)
     return summarise_covariance(
-        run.history[..., start:stop, :], run.n_columns, run.header.element_positions, run.whitening
+        run.history[..., start:stop, :],
+        run.n_columns,
+        run.header,
+        run.whitening,
+        math.radians(configuration.maximum_rate_deg),
     )

@@ -13,14 +13,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sonar_tracking.errors import ConfigurationError, InputError, Notice, Severity
-from sonar_tracking.geometry import is_uniform_line
 from sonar_tracking.passive.block_checks import (
     ChannelMonitor,
     check_block,
     check_first_block,
     check_unchanged,
 )
-from sonar_tracking.passive.covariance_summary import summarise_covariance
 from sonar_tracking.passive.records import END_OF_DATA, ArraySnapshots, SubspaceEstimates
 from sonar_tracking.passive.sample_schedule import (
     NANOSECONDS,
@@ -36,7 +34,7 @@ from sonar_tracking.passive.subspace_recursion import (
     noise_factors,
     start_recursion,
 )
-from sonar_tracking.passive.subspace_run import SubspaceRun, window_estimates
+from sonar_tracking.passive.subspace_run import SubspaceRun, counted_sources, window_estimates
 
 __all__ = ["SubspaceConfiguration", "SubspaceStage", "SubspaceUpdate"]
 
@@ -145,6 +143,11 @@ class SubspaceStage:
         end_of_data = block.next_stamp == END_OF_DATA
         run, completed = self._close_completed(run, end_of_data)
         estimates.extend(completed)
+        if end_of_data and not estimates:
+            # Some estimate must carry the end, if only an empty one.
+            window = self._schedule.window(run.next_sample, run.timing)
+            run = replace(run, next_sample=run.next_sample + 1)
+            estimates.append(self._estimates(window, run, run))
         if end_of_data and estimates:
             estimates[-1] = replace(estimates[-1], next_stamp=END_OF_DATA)
         self._run = run
@@ -221,7 +224,7 @@ class SubspaceStage:
         return replace(run, recursion=recursion, captured=run.captured + captured), []
 
     def _started(self, run: SubspaceRun) -> tuple[SubspaceRun, SubspaceRecursion | None]:
-        n_columns = run.n_columns or self._counted_sources(run)
+        n_columns = run.n_columns or counted_sources(self.configuration, run)
         if n_columns == 0:
             return run, None
         recursion = start_recursion(
@@ -232,17 +235,6 @@ class SubspaceStage:
             run.header.noise_covariance,
         )
         return replace(run, n_columns=n_columns), recursion
-
-    def _counted_sources(self, run: SubspaceRun) -> int:
-        """Return the number of sources by MDL on the newest full covariance, 0 = none yet."""
-        wanted = self.configuration.covariance_snapshots
-        if run.history.shape[-2] < wanted:
-            return 0
-        positions = run.header.element_positions
-        newest = run.history[..., -wanted:, :]
-        summary = summarise_covariance(newest, 0, positions, run.whitening)
-        count = summary.source_count if is_uniform_line(positions) else summary.rank
-        return min(max(count, 0), len(positions) - 1)
 
     def _close_before(self, run: SubspaceRun, previous: SubspaceRun) -> Closed:
         """Close the windows that end in the gap before the block."""
@@ -255,9 +247,7 @@ class SubspaceStage:
         timing = run.timing
         done = [w for w in run.windows if w.last <= timing.last_index]
         if end:
-            # Begun windows are published as far as they came; some estimate must carry the end.
-            begun = list(run.windows[len(done) :])
-            done += begun or [self._schedule.window(run.next_sample, timing)]
+            done = list(run.windows)
         estimates = [self._estimates(window, run, run) for window in done]
         keep = self.configuration.covariance_snapshots
         history = run.history[..., max(run.history.shape[-2] - keep, 0) :, :]
