@@ -91,7 +91,7 @@ class Diagnostics:
         Parameters
         ----------
         concern, culprit : str
-            A problem is the same when both are.
+            A concern has one problem per culprit; the newest counts.
         severity : Severity
             How bad it is.
         sentence : str
@@ -106,7 +106,7 @@ class Diagnostics:
                 self.publish()
             return
         seen = PERMANENT if lasting else self._now
-        if known is not None and known.severity is severity and self._is_fresh(known.said):
+        if known is not None and self._is_known(known, severity, sentence):
             known.sentence, known.seen = sentence, seen
             return
         said = PERMANENT if lasting else self._now
@@ -132,6 +132,10 @@ class Diagnostics:
         for problems in self._problems.values():
             for culprit in [c for c, p in problems.items() if p.seen is not PERMANENT]:
                 del problems[culprit]
+
+    def _is_known(self, known: _Problem, severity: Severity, sentence: str) -> bool:
+        same = known.severity is severity and kind_of(known.sentence) == kind_of(sentence)
+        return same and self._is_fresh(known.said)
 
     def _is_fresh(self, since: int | None) -> bool:
         return since is PERMANENT or 0 <= self._now - since < REPEAT_AFTER

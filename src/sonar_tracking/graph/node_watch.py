@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from sonar_tracking.errors import Severity
 from sonar_tracking.graph.data_flow import DataInput
@@ -49,7 +50,7 @@ class NodeWatch:
     def check_publishers(self, source: DataInput) -> None:
         """Report an input that more than one node publishes."""
         publishers = self._node.get_publishers_info_by_topic(source.name)
-        names = sorted(f"{info.node_namespace.rstrip('/')}/{info.node_name}" for info in publishers)
+        names = sorted(_full_name(info) for info in publishers)
         if len(names) < 2:
             severity, sentence = Severity.OK, ""
         else:
@@ -91,6 +92,13 @@ class NodeWatch:
         self._node.diagnostics.report(
             input_concern(source), "stalled", severity, sentence, lasting=True
         )
+
+
+def _full_name(info: TopicEndpointInfo) -> str:
+    """Name of the node of an endpoint; it arrives a little later than the endpoint itself."""
+    if "UNKNOWN" in info.node_name:
+        return "(not named yet)"
+    return f"{info.node_namespace.rstrip('/')}/{info.node_name}"
 
 
 def input_concern(source: DataInput) -> str:
