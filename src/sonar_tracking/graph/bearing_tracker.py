@@ -31,13 +31,10 @@ class BearingTracker(SonarNode):
 
     def __init__(self) -> None:
         super().__init__(BEARING_TRACKER)
-        self._configuration = self.configuration(
-            BearingTrackerConfiguration, check=BearingTrackerStage
-        )
-        self._tracks = self.data_publisher(BEARING_TRACKS)
-        self._last_id = self._configuration.first_id - 1
+        configuration = self.configuration(BearingTrackerConfiguration, check=BearingTrackerStage)
+        self._stage = BearingTrackerStage(configuration)
         self._last_estimates: SubspaceEstimates | None = None
-        self.reset()
+        self._tracks = self.data_publisher(BEARING_TRACKS)
         self.data_subscriptions({SUBSPACES: conversions.subspaces_from_message})
 
     def process(self, item: JoinedItem, records: Mapping[str, Any]) -> Iterable[Notice]:
@@ -65,8 +62,8 @@ class BearingTracker(SonarNode):
         )
 
     def reset(self) -> None:
-        """Begin with a new stage; its identifiers continue after those given before."""
-        self._stage = BearingTrackerStage(replace(self._configuration, first_id=self._last_id + 1))
+        """Forget all tracks; identifiers go on."""
+        self._stage.reset()
         self._last_estimates = None
 
     def _advance(self, estimates: SubspaceEstimates) -> Iterable[Notice]:
@@ -75,7 +72,6 @@ class BearingTracker(SonarNode):
         return update.notices
 
     def _publish(self, tracks: BearingTracks) -> None:
-        self._last_id = max(self._last_id, int(tracks.id.max(initial=0)))
         self._tracks.publish(conversions.bearing_tracks_to_message(tracks))
 
 

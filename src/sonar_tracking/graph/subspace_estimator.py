@@ -26,9 +26,9 @@ class SubspaceEstimator(SonarNode):
 
     def __init__(self) -> None:
         super().__init__(SUBSPACE_ESTIMATOR)
-        self._configuration = self.configuration(SubspaceConfiguration, check=SubspaceStage)
+        configuration = self.configuration(SubspaceConfiguration, check=SubspaceStage)
+        self._stage = SubspaceStage(configuration)
         self._subspaces = self.data_publisher(SUBSPACES)
-        self.reset()
         self.data_subscriptions({SNAPSHOTS: conversions.snapshots_from_message})
 
     def process(self, item: JoinedItem, records: Mapping[str, Any]) -> Iterable[Notice]:
@@ -39,8 +39,8 @@ class SubspaceEstimator(SonarNode):
         return update.notices
 
     def reset(self) -> None:
-        """Begin with a new stage."""
-        self._stage = SubspaceStage(self._configuration)
+        """Forget all data."""
+        self._stage.reset()
 
 
 def main() -> int:
