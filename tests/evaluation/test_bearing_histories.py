@@ -12,13 +12,15 @@ from sonar_tracking.evaluation.bearing_histories import (
     successful,
 )
 from sonar_tracking.evaluation.doa_fusion_figures import failed_run, typical_run
+from sonar_tracking.evaluation.history_swaps import lasting_swaps
 
 TRUTH = np.radians(np.array([[0.0, 20.0]] * 12))
 
 
 def histories(errors_deg: list[np.ndarray]) -> BearingHistories:
     angle = TRUTH + np.radians(np.array(errors_deg))
-    return BearingHistories(angle, np.ones_like(angle), np.full_like(angle, 0.5))
+    swaps = np.arange(len(errors_deg), dtype=np.float64)
+    return BearingHistories(angle, np.ones_like(angle), np.full_like(angle, 0.5), swaps)
 
 
 def test_only_the_last_five_steps_decide_success() -> None:
@@ -52,6 +54,7 @@ def test_published_error_is_over_successful_runs_and_the_median_over_all() -> No
     assert metrics["lost_percent"] == pytest.approx(100 / 3)
     assert metrics["rmse_deg"] == pytest.approx(np.sqrt(105 / 3))
     assert metrics["rmse_successful_deg"] == pytest.approx(np.sqrt(2.5))
+    assert metrics["swaps_per_run"] == pytest.approx(1.0)
     assert metrics["nis_per_dimension"] == pytest.approx(1.0)
     assert metrics["nees_per_dimension"] == pytest.approx(0.5)
     assert metrics["nis_band_low"] < 1 < metrics["nis_band_high"]
@@ -83,3 +86,13 @@ def test_nis_from_published_figures_equals_the_definition() -> None:
         np.array(innovation), np.array(variance), np.array(filtered)
     )
     assert nis == pytest.approx(innovation**2 / (predicted + variance))
+
+
+def test_only_an_exchange_that_lasts_is_a_swap() -> None:
+    exchanged = TRUTH[:, ::-1]
+    briefly, lasting = TRUTH.copy(), TRUTH.copy()
+    briefly[4] = exchanged[4]
+    lasting[6:] = exchanged[6:]
+    no_track = np.full_like(TRUTH, np.nan)
+    swaps = lasting_swaps(np.stack([TRUTH, briefly, lasting, no_track]), TRUTH)
+    assert swaps.tolist() == [0, 0, 2, 0]

@@ -18,7 +18,7 @@ import numpy as np
 
 from sonar_tracking.errors import ConfigurationError
 
-RUNS_PER_BATCH = 10
+RUNS_PER_BATCH = 20
 """Runs that are computed together; fixed, since the last digits of a run may depend on it."""
 
 _THREAD_VARIABLES = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")

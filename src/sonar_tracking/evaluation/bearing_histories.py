@@ -34,11 +34,14 @@ class BearingHistories:
         Filtered bearings, rad; NaN where there was no track.
     nis, nees : ndarray, shape (..., n_runs, n_steps, n_targets)
         Normalised innovation and error squared per dimension; NaN where undefined.
+    swaps : ndarray, shape (..., n_runs)
+        Lasting identity swaps.
     """
 
     angle: FloatArray
     nis: FloatArray
     nees: FloatArray
+    swaps: FloatArray
 
 
 def joined(parts: Sequence[BearingHistories]) -> BearingHistories:
@@ -53,6 +56,7 @@ def joined(parts: Sequence[BearingHistories]) -> BearingHistories:
         angle=np.concatenate([part.angle for part in parts], axis=-3),
         nis=np.concatenate([part.nis for part in parts], axis=-3),
         nees=np.concatenate([part.nees for part in parts], axis=-3),
+        swaps=np.concatenate([part.swaps for part in parts], axis=-1),
     )
 
 
@@ -148,6 +152,7 @@ def bearing_metrics(histories: BearingHistories, truth: FloatArray) -> dict[str,
         "median_mse_deg2": float(np.median(errors)),
         "lost_percent": 100.0 * (kept.size - n_kept) / kept.size,
         "rmse_deg": float(np.sqrt(np.mean(errors))),
+        "swaps_per_run": float(np.mean(histories.swaps)),
         "rmse_successful_deg": float(np.sqrt(np.mean(errors[kept]))) if n_kept else np.nan,
     }
     if n_kept:

@@ -8,7 +8,7 @@ the machine can only slow a repetition down.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -25,12 +25,21 @@ from sonar_tracking.evaluation.study import Study, StudyRow, write_json
 from sonar_tracking.evaluation.study_definition import Column, TableLayout
 from sonar_tracking.evaluation.study_report import print_study
 from sonar_tracking.geometry import line_array
+from sonar_tracking.passive.bearing_tracker_configuration import BearingTrackerConfiguration
+from sonar_tracking.passive.bearing_tracker_stage import BearingTrackerStage
 from sonar_tracking.passive.block_past import BlockPast
 from sonar_tracking.passive.exponential_covariance import ExponentialCovariance
 from sonar_tracking.passive.orthonormal_past import OrthonormalPast
 from sonar_tracking.passive.past import Past
-from sonar_tracking.passive.records import ComplexArray
+from sonar_tracking.passive.records import (
+    ArraySnapshots,
+    ComplexArray,
+    FloatArray,
+    SubspaceEstimates,
+)
+from sonar_tracking.passive.subspace_configuration import SubspaceConfiguration
 from sonar_tracking.passive.subspace_method import SubspaceMethod
+from sonar_tracking.passive.subspace_stage import SubspaceStage
 from sonar_tracking.simulation.snapshot_synthesis import circular_gaussian, synthesize_snapshots
 
 SIZES = ((15, 5), (64, 5), (128, 5), (128, 10))
@@ -40,6 +49,9 @@ PERIOD_SNAPSHOTS = 200
 PERIODS = 8
 REPETITIONS = 5
 FORGETTING_FACTOR = 0.97
+SOUND_SPEED = 1500.0
+WAVELENGTH = 0.075
+NANOSECONDS = 1_000_000_000
 SEED = 1
 
 PEER = "peer: textbook PAST"
@@ -56,6 +68,11 @@ LAYOUTS = (
         ),
         "Peers are plain numpy codings, one snapshot at a time. The others give a basis once a "
         f"period of {PERIOD_SNAPSHOTS} snapshots; eigh each period has no memory beyond it.",
+    ),
+    TableLayout(
+        "Bearing tracking, one core",
+        (Column("milliseconds_per_period", "ms/period", ".2f"),),
+        "All targets, with the variance from the Fisher information; subspaces already there.",
     ),
 )
 
@@ -101,36 +118,99 @@ def measure_size(size: tuple[int, int]) -> tuple[StudyRow, ...]:
     n_elements, n_sources = size
     condition = f"M {n_elements}, N {n_sources}"
     data = bench_snapshots(n_elements, n_sources)
-    seconds = {
-        name: _best_seconds(call) / n_snapshots
-        for name, n_snapshots, call in _subspace_calls(data, n_sources)
-    }
-    return tuple(
+    names, counts, calls = zip(*_subspace_calls(data, n_sources), strict=True)
+    seconds = [best / count for best, count in zip(_best_seconds(calls), counts, strict=True)]
+    subspaces = [
         StudyRow(
             name,
             condition,
             {
                 "snapshots_per_second": 1.0 / each,
                 "microseconds_per_snapshot": 1e6 * each,
-                "speed_over_textbook": seconds[PEER] / each,
+                "speed_over_textbook": seconds[names.index(PEER)] / each,
             },
         )
-        for name, each in seconds.items()
-    )
+        for name, each in zip(names, seconds, strict=True)
+    ]
+    estimates = bench_estimates(data, n_sources)
+    methods = {"ryu, 1 subspace": "ryu", "ml_fusion, 7 subspaces": "ml_fusion"}
+    periods = _best_seconds([partial(run_tracker, m, estimates) for m in methods.values()])
+    trackers = [
+        StudyRow(name, condition, {"milliseconds_per_period": 1e3 * best / len(estimates)})
+        for name, best in zip(methods, periods, strict=True)
+    ]
+    return (*subspaces, *trackers)
+
+
+def bench_angles(n_sources: int) -> FloatArray:
+    """Return arrival angles spread evenly in their sine, shape (n_sources,), rad."""
+    return np.asarray(np.arcsin(np.linspace(-0.8, 0.8, n_sources)), dtype=np.float64)
 
 
 def bench_snapshots(n_elements: int, n_sources: int) -> ComplexArray:
     """Return snapshots of separated sources at 0 dB, shape (n_snapshots, n_elements)."""
     generator = np.random.default_rng(SEED)
     n_snapshots = PERIODS * PERIOD_SNAPSHOTS
-    angles = np.arcsin(np.linspace(-0.8, 0.8, n_sources))
     return synthesize_snapshots(
-        line_array(n_elements, 0.5),
-        2.0 * np.pi,
-        np.broadcast_to(angles, (n_snapshots, n_sources)),
+        line_array(n_elements, 0.5 * WAVELENGTH),
+        2.0 * np.pi / WAVELENGTH,
+        np.broadcast_to(bench_angles(n_sources), (n_snapshots, n_sources)),
         circular_gaussian(generator, (n_snapshots, n_sources)),
         circular_gaussian(generator, (n_snapshots, n_elements)),
     )
+
+
+def bench_estimates(data: ComplexArray, n_sources: int) -> tuple[SubspaceEstimates, ...]:
+    """Return the subspaces of every period of the snapshots, seven a period.
+
+    Parameters
+    ----------
+    data : ndarray, shape (n_snapshots, n_elements), complex
+        Snapshots.
+    n_sources : int
+        Dimension of the subspaces.
+    """
+    stage = SubspaceStage(
+        SubspaceConfiguration(
+            method="covariance",
+            source_count=n_sources,
+            n_subspaces=7,
+            covariance_snapshots=PERIOD_SNAPSHOTS,
+        )
+    )
+    block = ArraySnapshots(
+        stamp=NANOSECONDS,
+        data=data,
+        element_positions=line_array(data.shape[1], 0.5 * WAVELENGTH),
+        sample_period=1.0 / PERIOD_SNAPSHOTS,
+        center_frequency=SOUND_SPEED / WAVELENGTH,
+        bandwidth=0.0,
+        sound_speed=SOUND_SPEED,
+    )
+    return stage.update(block).estimates
+
+
+def run_tracker(method: str, estimates: Sequence[SubspaceEstimates]) -> None:
+    """Track the bearings through the subspaces of all periods.
+
+    Parameters
+    ----------
+    method : str
+        Of the tracker.
+    estimates : sequence of SubspaceEstimates
+        One a period.
+    """
+    angles = bench_angles(estimates[0].basis.shape[-1])
+    tracker = BearingTrackerStage(
+        BearingTrackerConfiguration(
+            method=method,
+            start="given",
+            initial_bearings_deg=tuple(np.degrees(angles).tolist()),
+            initial_rates_deg=(0.0,) * len(angles),
+        )
+    )
+    for one in estimates:
+        tracker.update(one)
 
 
 def run_method(
@@ -179,10 +259,12 @@ def _subspace_calls(
         yield name, len(data), partial(run_method, method, step, data, n_sources)
 
 
-def _best_seconds(call: Callable[[], object]) -> float:
-    best = np.inf
+def _best_seconds(calls: Sequence[Callable[[], object]]) -> list[float]:
+    """Return the best time of each call, s; they take turns, so that all see the same machine."""
+    best = [np.inf] * len(calls)
     for _ in range(REPETITIONS):
-        started = time.perf_counter()
-        call()
-        best = min(best, time.perf_counter() - started)
-    return float(best)
+        for index, call in enumerate(calls):
+            started = time.perf_counter()
+            call()
+            best[index] = min(best[index], time.perf_counter() - started)
+    return best

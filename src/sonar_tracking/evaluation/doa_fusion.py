@@ -67,7 +67,7 @@ LAYOUTS = (
             Column("median_mse_deg2", "median", ".3f"),
             Column("rmse_deg", "RMSE", ".2f"),
             Column("nis_per_dimension", "NIS", ".3f"),
-            Column("nees_per_dimension", "NEES", ".3f"),
+            Column("nees_per_dimension", "NEES", ".2f"),
         ),
         "MSE: deg², over successful runs (every error below 3 deg in the last 5 s; success in %). "
         "median: of the MSE over all runs. RMSE: deg, over all runs. NIS, NEES: per dimension, of "
@@ -186,7 +186,12 @@ def _checked(results: Sequence[Any]) -> list[FloatArray]:
 
 
 def _at_level(histories: BearingHistories, index: int) -> BearingHistories:
-    return BearingHistories(histories.angle[index], histories.nis[index], histories.nees[index])
+    return BearingHistories(
+        histories.angle[index],
+        histories.nis[index],
+        histories.nees[index],
+        histories.swaps[index],
+    )
 
 
 def _published(system: str, index: int) -> dict[str, float]:

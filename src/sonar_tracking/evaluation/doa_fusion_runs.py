@@ -25,6 +25,7 @@ from sonar_tracking.evaluation.doa_fusion_systems import (
     given_start_configuration,
     subspace_configuration,
 )
+from sonar_tracking.evaluation.history_swaps import lasting_swaps
 from sonar_tracking.evaluation.run_synthesis import snapshot_blocks, true_bearings
 from sonar_tracking.filtering.consistency import normalised_squared
 from sonar_tracking.passive.bearing_tracker_stage import BearingTrackerStage
@@ -93,10 +94,10 @@ def track_batch(batch: RunBatch) -> dict[str, BearingHistories]:
         for tracks in automatic_tracks.values()
     ]
     histories[AUTOMATIC] = BearingHistories(
-        *(
-            np.reshape([getattr(one, name) for one in found], (*shape, *angles.shape))
-            for name in ("angle", "nis", "nees")
-        )
+        angle=np.reshape([one.angle for one in found], (*shape, *angles.shape)),
+        nis=np.reshape([one.nis for one in found], (*shape, *angles.shape)),
+        nees=np.reshape([one.nees for one in found], (*shape, *angles.shape)),
+        swaps=np.reshape([one.swaps for one in found], shape),
     )
     return histories
 
@@ -152,7 +153,8 @@ def histories_of(
         covariance[..., 0, 0],
     )
     error = np.stack([angle - angles, rate - rates], axis=-1)
-    return BearingHistories(angle, nis, normalised_squared(error, covariance))
+    nees = normalised_squared(error, covariance)
+    return BearingHistories(angle, nis, nees, lasting_swaps(angle, angles))
 
 
 def matched_to_targets(tracks: Sequence[BearingTracks], angles: FloatArray) -> list[BearingTracks]:

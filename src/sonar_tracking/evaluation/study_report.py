@@ -60,7 +60,7 @@ def _table(layout: TableLayout, rows: Sequence[StudyRow]) -> Table:
     for index, row in enumerate(rows):
         if index == 0 or rows[index - 1].condition != row.condition:
             table.add_row(row.condition, style="bold")
-        cells = [f"  {row.system}"]
+        cells = [f" {row.system}"]
         for column, has_published in zip(layout.columns, published, strict=True):
             cells.append(_number(row.metrics.get(column.metric), column))
             if has_published:
