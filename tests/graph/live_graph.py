@@ -156,6 +156,10 @@ class Probe:
             assert time.monotonic() < deadline, f"not within {PATIENCE:g} s: {what}"
             self._executor.spin_once(timeout_sec=0.05)
 
+    def wait_for_count(self, count: Callable[[], int], least: int, what: str) -> None:
+        """Handle events until a count has reached a number."""
+        self.wait(lambda: count() >= least, f"{least} {what}, there are {count()}")
+
     def wait_matched(self, node: str, *topics: str) -> None:
         """Wait until a node reports at least one remote endpoint on each of the topics."""
         self.wait(
