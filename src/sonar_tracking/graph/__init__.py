@@ -2,6 +2,6 @@
 
 import os
 
-# Results are bit-identical only with one linear algebra thread, and it must be set before numpy loads.
+# Results are bit-identical only with one linear algebra thread, set before numpy loads.
 for _variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")

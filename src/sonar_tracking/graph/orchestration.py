@@ -96,6 +96,8 @@ class Orchestration:
         try:
             self._bring_up(control, source)
             self._flow_started = time.monotonic()
+            if not self.interrupted:
+                self._display.say(f"{len(self._nodes)} nodes are connected: data flow")
             self._flow(control, source)
             self._drain(control, source)
         except RunFailedError as error:

@@ -9,7 +9,7 @@ from typing import Any
 from sonar_tracking.bags.log_time import CLOCK_TYPE
 from sonar_tracking.bags.recording_information import RecordingInformation, Role
 from sonar_tracking.graph.graph_plan import PlannedNode, resolved
-from sonar_tracking.graph.topics import CLOCK_TOPIC, Topic
+from sonar_tracking.graph.topics import CLOCK_TOPIC, Topic, TopicRole
 
 RECORDER = "recorder"
 _MODULE = "sonar_tracking.graph.recorder"
@@ -56,7 +56,10 @@ def planned_recorder(
     )
 
 
-def play_command(output: Path, topics: Iterable[Topic]) -> str:
-    """Return the command line that plays the inputs of a bag with the stock ROS 2 tools."""
-    inputs = sorted(resolved(topic) for topic in topics if topic.role.value == "input")
-    return f"ros2 bag play {output} --clock --topics {' '.join(inputs)}"
+def recording_hint(output: Path, topics: Iterable[Topic]) -> str:
+    """Return what to say of a finished recording: how the stock ROS 2 tools play its inputs."""
+    inputs = sorted(resolved(topic) for topic in topics if topic.role is TopicRole.INPUT)
+    return (
+        f"recorded {output}; stock ROS 2 tools play its inputs with: "
+        f"ros2 bag play {output} --clock --topics {' '.join(inputs)}"
+    )

@@ -15,7 +15,7 @@ from sonar_tracking.graph.graph_plan import FLOW_WINDOW, GraphPlan, resolved
 from sonar_tracking.graph.node_catalogue import NODES, NodeDescription
 from sonar_tracking.graph.node_settings import NodeSettings, read_settings, resolved_settings
 from sonar_tracking.graph.orchestration import Orchestration
-from sonar_tracking.graph.recording_plan import planned_recorder
+from sonar_tracking.graph.recording_plan import planned_recorder, recording_hint
 from sonar_tracking.graph.replay_comparison import ReplayComparison
 from sonar_tracking.graph.run_options import RunOptions
 from sonar_tracking.graph.run_report import RunReport
@@ -93,6 +93,8 @@ def replay_bag(
             data_seconds = source.data_seconds
     finally:
         orchestration.stop_processes()
+    if options.record is not None:
+        display.say(recording_hint(options.record, plan.topics().values()))
     report = orchestration.report(data_seconds, observer)
     return _compared(report, comparison, own_parameters=parameters is not None)
 
@@ -157,22 +159,20 @@ def _settings(bag: Bag, parameters: Path | None) -> NodeSettings:
 
 
 def _offered(bag: Bag, descriptions: list[NodeDescription]) -> tuple[Topic, ...]:
-    """Return the topics to play: what is recorded as an input and known to the graph."""
-    outputs = {topic.name for node in NODES.values() for topic in node.outputs if node.inputs}
-    wanted = {topic.name: topic for node in descriptions for topic in node.inputs}
+    """Return the topics to play: recorded inputs, and whatever else the nodes need of the bag."""
     known = {resolved(topic): topic for node in NODES.values() for topic in node.outputs}
+    computed = {topic for description in descriptions for topic in description.outputs}
+    wanted = {topic for description in descriptions for topic in description.inputs} - computed
     offered = tuple(
         known[name]
         for name, topic in bag.topics.items()
-        if topic.role == "input" and name in known and topic.message_count
+        if name in known
+        and topic.message_count
+        and (known[name] in wanted or (topic.role == "input" and known[name] not in computed))
     )
-    missing = [
-        name
-        for name in wanted
-        if name not in outputs and name not in {topic.name for topic in offered}
-    ]
+    missing = sorted(resolved(topic) for topic in wanted - set(offered))
     if missing:
-        there = ", ".join(bag.topics)
+        there = ", ".join(f"{topic.name} ({topic.role})" for topic in bag.topics.values())
         raise ConfigurationError(
             f"{bag.path} holds no {', '.join(missing)} to replay; its topics are {there}."
         )

@@ -118,37 +118,56 @@ class RunReport:
             f"{self.scenario}: {self.data_seconds:.1f} s of data in {self.wall_seconds:.1f} s "
             f"({rate:.1f} x real time)" + (", ended by the user" if self.interrupted else "")
         ]
-        for name, node in self.nodes.items():
-            restarts = f", restarted {node.restarts} x" if node.restarts else ""
+        lines += [_node_line(name, node) for name, node in self.nodes.items()]
+        lines += [_topic_line(name, topic) for name, topic in self.topics.items()]
+        lines += [f"  {name:<24} {text}" for name, text in self.comparison.items()]
+        if self.latency_ms.get("count"):
+            latency = self.latency_ms
             lines.append(
-                f"  {name:<20} exit {node.exit_code}{restarts}, {node.cpu_seconds:.1f} s of "
-                f"processor, {node.messages_in} messages in, {node.messages_out} out"
+                f"  {'latency':<24} p50 {latency['p50']:.1f} ms, p99 {latency['p99']:.1f} ms after "
+                "the block that completes an estimate; algorithmic delay "
+                f"{latency['algorithmic']:.1f} ms"
             )
         lines += [
-            f"  {name:<20} {topic.messages} messages, digest {topic.digest[:12]}"
-            + ("" if topic.comparable else " (not comparable: a node was restarted)")
-            for name, topic in self.topics.items()
+            f"  {words:<24} {_number(self.score[name], unit)}"
+            for name, words, unit in _SCORE_LINES
+            if name in self.score
         ]
-        if self.latency_ms.get("count"):
-            lines.append(
-                "  latency              p50 {p50:.1f} ms, p99 {p99:.1f} ms after the block that "
-                "completes an estimate; algorithmic delay {algorithmic:.1f} ms".format(
-                    **self.latency_ms
-                )
-            )
-        lines += [f"  {name:<20} {text}" for name, text in self.comparison.items()]
-        lines += [f"  {_words(name):<20} {_number(value)}" for name, value in self.score.items()]
         lines += [f"warning: {text}" for text in self.warnings]
         lines += [f"failed: {text}" for text in self.failures]
         return lines
 
 
-def _words(name: str) -> str:
-    return name.replace("_", " ")
+_SCORE_LINES = (
+    ("rmse_deg", "bearing RMSE", " deg"),
+    ("median_error_deg", "median bearing error", " deg"),
+    ("identity_swaps", "identity swaps", ""),
+    ("lasting_identity_swaps", "  of these lasting", ""),
+    ("lost_tracks", "lost tracks", ""),
+    ("targets_never_held", "targets never tracked", ""),
+    ("false_tracks", "false tracks", ""),
+    ("held_share", "share of time tracked", ""),
+)
+"""What people are shown of the score; the JSON holds all of it."""
 
 
-def _number(value: Any) -> str:
-    return f"{value:.3f}" if isinstance(value, float) else str(value)
+def _node_line(name: str, node: NodeReport) -> str:
+    restarts = f", restarted {node.restarts} x" if node.restarts else ""
+    return (
+        f"  {name:<24} exit {node.exit_code}{restarts}, {node.cpu_seconds:.1f} s of processor, "
+        f"{node.messages_in} messages in, {node.messages_out} out"
+    )
+
+
+def _topic_line(name: str, topic: TopicReport) -> str:
+    doubt = "" if topic.comparable else " (not comparable: a node was restarted)"
+    return f"  {name:<24} {topic.messages} messages, digest {topic.digest[:12]}{doubt}"
+
+
+def _number(value: Any, unit: str) -> str:
+    if value is None:
+        return "unknown"
+    return (f"{value:.3f}" if isinstance(value, float) else str(value)) + unit
 
 
 def _finite(value: Any) -> Any:

@@ -17,7 +17,7 @@ from sonar_tracking.graph.node_catalogue import (
 )
 from sonar_tracking.graph.node_settings import NodeSettings, resolved_settings
 from sonar_tracking.graph.orchestration import Orchestration
-from sonar_tracking.graph.recording_plan import planned_recorder
+from sonar_tracking.graph.recording_plan import planned_recorder, recording_hint
 from sonar_tracking.graph.run_options import RunOptions
 from sonar_tracking.graph.run_report import RunReport
 from sonar_tracking.graph.time_master import NANOSECONDS, TimeMaster
@@ -83,6 +83,8 @@ def run_scenario(
             data_seconds = source.data_seconds
     finally:
         orchestration.stop_processes()
+    if options.record is not None:
+        display.say(recording_hint(options.record, plan.topics().values()))
     return orchestration.report(data_seconds, observer)
 
 

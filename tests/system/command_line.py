@@ -1,0 +1,128 @@
+"""The command as a user types it, in a ROS domain of its own."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+COMMAND = [sys.executable, "-m", "sonar_tracking.cli"]
+PATIENCE = 90.0
+"""Longest wait for anything, s: generous, because machines may be busy."""
+
+
+def environment(home: Path) -> dict[str, str]:
+    """Return the environment of a command whose logs go below ``home``."""
+    return {
+        **os.environ,
+        "ROS_DOMAIN_ID": str(1 + os.getpid() % 200),
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        "ROS_HOME": str(home),
+    }
+
+
+def run_command(home: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
+    """Run the command to its end; output and errors are in ``stdout``."""
+    return subprocess.run(
+        [*COMMAND, *map(str, arguments)],
+        env=environment(home),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=PATIENCE,
+        check=False,
+    )
+
+
+def report_of(path: Path) -> dict[str, Any]:
+    """Return the JSON a command has written."""
+    report: dict[str, Any] = json.loads(path.read_text())
+    return report
+
+
+def digests(report: dict[str, Any]) -> dict[str, str]:
+    """Return the digest of each topic of a report."""
+    return {name: topic["digest"] for name, topic in report["topics"].items()}
+
+
+class RunningCommand:
+    """A command that is interfered with while it runs.
+
+    Parameters
+    ----------
+    home : Path
+        Where logs go.
+    arguments : object
+        Command line.
+    """
+
+    def __init__(self, home: Path, *arguments: object) -> None:
+        self._output = home / "output.txt"
+        with self._output.open("w") as output:
+            self._process = subprocess.Popen(
+                [*COMMAND, *map(str, arguments)],
+                env=environment(home),
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
+
+    @property
+    def output(self) -> str:
+        """Everything it has written so far."""
+        return self._output.read_text()
+
+    def wait_for(self, condition: Callable[[], bool]) -> None:
+        """Wait until something is the case while the command runs."""
+        deadline = time.monotonic() + PATIENCE
+        while not condition():
+            assert self._process.poll() is None, self.output
+            assert time.monotonic() < deadline, self.output
+            time.sleep(0.02)
+
+    def wait_for_text(self, text: str) -> None:
+        """Wait until it has written something."""
+        self.wait_for(lambda: text in self.output)
+
+    def node_processes(self, node: str = "") -> list[int]:
+        """Return the processes of its nodes, or of one node."""
+        found = []
+        for stat in Path("/proc").glob("[0-9]*/stat"):
+            try:
+                parent = int(stat.read_text().rpartition(")")[2].split()[1])
+                arguments = (stat.parent / "cmdline").read_bytes().decode()
+            except (OSError, ValueError):
+                continue
+            if parent == self._process.pid and f"sonar_tracking.graph.{node}" in arguments:
+                found.append(int(stat.parent.name))
+        return found
+
+    def kill_node(self, node: str) -> None:
+        """Kill the process of one node."""
+        (process,) = self.node_processes(node)
+        os.kill(process, signal.SIGKILL)
+
+    def interrupt(self, number: int = signal.SIGINT) -> None:
+        """Press Ctrl-C, or send another signal."""
+        os.kill(self._process.pid, number)
+
+    def wait(self) -> int:
+        """Wait for the end and return the exit code."""
+        return self._process.wait(PATIENCE)
+
+    def clean_up(self) -> None:
+        """Leave no process behind."""
+        nodes = self.node_processes()
+        self._process.kill()
+        self._process.wait()
+        for process in nodes:
+            try:
+                os.kill(process, signal.SIGKILL)
+            except ProcessLookupError:
+                continue

@@ -1,0 +1,108 @@
+"""``sonar-tracking replay``: a recording gives the same tracks at any speed."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from sonar_tracking.bags.reader import read_bag
+from sonar_tracking.bags.writer import BagWriter
+from tests.system.command_line import digests, report_of, run_command
+from tests.system.conftest import RecordedRun
+
+OUTPUTS = ("/array/subspaces", "/passive/bearing_tracks")
+
+
+@pytest.mark.parametrize("rate", ["5", "max"])
+def test_identical_at_any_rate(recorded_run: RecordedRun, tmp_path: Path, rate: str) -> None:
+    json = tmp_path / "report.json"
+    done = run_command(
+        tmp_path, "replay", recorded_run.bag, "--rate", rate, "--record", tmp_path / "again",
+        "--json", json,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout
+    report = report_of(json)
+    assert all(report["comparison"][name].startswith("identical: ") for name in OUTPUTS)
+    live = digests(recorded_run.report)
+    assert digests(report) == {name: live[name] for name in digests(report)}
+    assert {*OUTPUTS, "/array/snapshots"} <= set(digests(report))
+    assert report["score"] == recorded_run.report["score"]
+    assert report["nodes"]["subspace_estimator"]["messages_in"] == 411
+    # A replay can be recorded, and holds what is needed for the next one.
+    again = read_bag(tmp_path / "again")
+    assert again.recording is not None and "bearing_tracker" in again.recording.node_parameters
+    assert again.topics["/array/snapshots"].message_count == 411
+
+
+def test_other_parameters_differ_and_are_no_failure(
+    recorded_run: RecordedRun, tmp_path: Path
+) -> None:
+    parameters = tmp_path / "other.yaml"
+    parameters.write_text("bearing_tracker: {process_noise_deg2: 0.5}\n")
+    json = tmp_path / "report.json"
+    done = run_command(
+        tmp_path, "replay", recorded_run.bag, "--rate", "max", "--parameters", parameters,
+        "--json", json,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout
+    comparison = report_of(json)["comparison"]
+    assert comparison["/array/subspaces"].startswith("identical")
+    assert comparison["/passive/bearing_tracks"].startswith("different from message")
+
+
+def test_a_cut_off_bag_is_identical_as_far_as_it_goes(
+    recorded_run: RecordedRun, tmp_path: Path
+) -> None:
+    bag = tmp_path / "cut"
+    shutil.copytree(recorded_run.bag, bag)
+    (file,) = bag.glob("*.mcap")
+    file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
+    (bag / "metadata.yaml").unlink()
+    json = tmp_path / "report.json"
+    done = run_command(tmp_path, "replay", bag, "--rate", "max", "--json", json)
+    assert done.returncode == 0, done.stdout
+    assert "recovered" in done.stdout
+    report = report_of(json)
+    assert all(phrase.startswith("identical") for phrase in report["comparison"].values())
+    assert 100 < report["nodes"]["subspace_estimator"]["messages_in"] < 411
+
+
+def test_a_foreign_bag_needs_parameters(recorded_run: RecordedRun, tmp_path: Path) -> None:
+    foreign = BagWriter(tmp_path / "foreign")
+    source = read_bag(recorded_run.bag)
+    topic = source.topics["/array/snapshots"]
+    foreign.add_topic(topic.name, topic.type_name)
+    for message in source.messages([topic.name]):
+        foreign.write(topic.name, message.log_time, message.data)
+    foreign.close()
+    done = run_command(tmp_path, "replay", tmp_path / "foreign")
+    assert done.returncode == 2
+    assert "--parameters" in done.stdout
+    parameters = tmp_path / "parameters.yaml"
+    parameters.write_text(
+        "subspace_estimator: {ros__parameters: {period: 0.5}}\nbearing_tracker: {}\n"
+    )
+    json = tmp_path / "report.json"
+    done = run_command(
+        tmp_path, "replay", tmp_path / "foreign", "--parameters", parameters, "--rate", "max",
+        "--json", json,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout
+    report = report_of(json)
+    assert report["topics"]["/passive/bearing_tracks"]["messages"] > 60
+    assert "score" in report and report["score"] == {}
+
+
+def test_a_bag_without_inputs_is_refused(recorded_run: RecordedRun, tmp_path: Path) -> None:
+    source = read_bag(recorded_run.bag)
+    topic = source.topics["/passive/bearing_tracks"]
+    writer = BagWriter(tmp_path / "tracks_only", source.recording)
+    writer.add_topic(topic.name, topic.type_name, role="output")
+    for message in source.messages([topic.name]):
+        writer.write(topic.name, message.log_time, message.data)
+    writer.close()
+    done = run_command(tmp_path, "replay", tmp_path / "tracks_only")
+    assert done.returncode == 2
+    assert "array/snapshots" in done.stdout

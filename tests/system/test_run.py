@@ -1,0 +1,221 @@
+"""``sonar-tracking run`` as a user types it: real nodes, real processes."""
+
+from __future__ import annotations
+
+import dataclasses
+import signal
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sonar_tracking import cli
+from sonar_tracking.bags.reader import read_bag
+from sonar_tracking.evaluation.offline_chain import run_offline_chain
+from sonar_tracking.graph.run_observer import tracks_from_bytes
+from sonar_tracking.simulation.scenario import load_scenario
+from tests.system.command_line import RunningCommand, digests, report_of, run_command
+from tests.system.conftest import RecordedRun
+
+TRACKS = "/passive/bearing_tracks"
+FLOWING = "data flow"
+
+
+@pytest.fixture
+def running(tmp_path: Path) -> Iterator[list[RunningCommand]]:
+    commands: list[RunningCommand] = []
+    yield commands
+    for command in commands:
+        command.clean_up()
+
+
+def test_summary_and_report(recorded_run: RecordedRun) -> None:
+    report = recorded_run.report
+    assert report["scenario"] == "doa_fusion"
+    assert report["data_seconds"] == pytest.approx(41.1)
+    assert set(report["nodes"]) == {
+        "array_simulator",
+        "subspace_estimator",
+        "bearing_tracker",
+        "recorder",
+    }
+    for node in report["nodes"].values():
+        assert node["exit_code"] == node["restarts"] == 0
+        assert node["cpu_seconds"] > 0.0
+    # Nothing is lost: 41.1 s in blocks of 0.1 s, an estimate at -1, 0, 1, ... 40 s.
+    assert report["nodes"]["subspace_estimator"]["messages_in"] == 411
+    assert report["topics"]["/array/snapshots"]["messages"] == 411
+    assert report["topics"][TRACKS]["messages"] == report["nodes"]["bearing_tracker"]["messages_in"]
+    assert all(topic["comparable"] for topic in report["topics"].values())
+    assert 0.0 < report["latency_ms"]["p50"] <= report["latency_ms"]["p99"]
+    assert report["latency_ms"]["algorithmic"] == pytest.approx(15.0)
+    assert report["score"]["rmse_deg"] < 1.0
+    assert report["score"]["lost_tracks"] == 0
+    for words in ("bearing RMSE", "identity swaps", "lost tracks", "ros2 bag play"):
+        assert words in recorded_run.output
+
+
+def test_graph_and_offline_chain_give_the_same_bits(recorded_run: RecordedRun) -> None:
+    offline = run_offline_chain(load_scenario("doa_fusion")).tracks
+    live = [
+        tracks_from_bytes(message.data) for message in read_bag(recorded_run.bag).messages([TRACKS])
+    ]
+    assert len(live) == len(offline) > 40
+    for ours, theirs in zip(live, offline, strict=True):
+        assert (ours.stamp, ours.next_stamp) == (theirs.stamp, theirs.next_stamp)
+        for field in dataclasses.fields(ours):
+            column = getattr(ours, field.name)
+            if isinstance(column, np.ndarray):
+                assert column.tobytes() == getattr(theirs, field.name).tobytes(), field.name
+
+
+def test_a_second_run_at_another_rate_gives_the_same_digests(
+    recorded_run: RecordedRun, tmp_path: Path
+) -> None:
+    json = tmp_path / "report.json"
+    done = run_command(tmp_path, "run", "doa_fusion", "--rate", "20", "--json", json)
+    assert done.returncode == 0, done.stdout
+    assert digests(report_of(json)) == digests(recorded_run.report)
+
+
+def test_duration_shortens_and_ends_the_data(tmp_path: Path) -> None:
+    json = tmp_path / "report.json"
+    done = run_command(tmp_path, "run", "--duration", "4.05", "--rate", "max", "--json", json)
+    assert done.returncode == 0, done.stdout
+    report = report_of(json)
+    assert report["data_seconds"] == pytest.approx(4.05)
+    assert report["topics"]["/array/snapshots"]["messages"] == 41
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_ends_a_healthy_run_in_order(
+    tmp_path: Path, running: list[RunningCommand], number: int
+) -> None:
+    bag, json = tmp_path / "bag", tmp_path / "report.json"
+    command = RunningCommand(tmp_path, "run", "--record", bag, "--json", json)
+    running.append(command)
+    command.wait_for_text(FLOWING)
+    nodes = command.node_processes()
+    assert len(nodes) == 4
+    time.sleep(1.5)
+    command.interrupt(number)
+    assert command.wait() == 0, command.output
+    assert not any((Path("/proc") / str(process)).exists() for process in nodes)
+    report = report_of(json)
+    assert report["interrupted"]
+    assert report["failures"] == []
+    recorded = read_bag(bag)
+    assert recorded.recovery is None
+    snapshots = recorded.topics["/array/snapshots"].message_count
+    assert snapshots == report["topics"]["/array/snapshots"]["messages"] > 5
+
+
+def test_a_killed_tracker_is_restarted_and_reported(
+    tmp_path: Path, running: list[RunningCommand]
+) -> None:
+    bag, json = tmp_path / "bag", tmp_path / "report.json"
+    arguments = ("run", "--rate", "8", "--record", bag, "--json", json)
+    command = RunningCommand(tmp_path, *arguments)
+    running.append(command)
+    command.wait_for_text(FLOWING)
+    time.sleep(1.2)
+    command.kill_node("bearing_tracker")
+    assert command.wait() == 1
+    assert "bearing_tracker was killed by SIGKILL; it was started again (1 of 3)" in command.output
+    report = report_of(json)
+    assert report["nodes"]["bearing_tracker"]["restarts"] == 1
+    assert report["nodes"]["bearing_tracker"]["exit_code"] == 0
+    assert not any(topic["comparable"] for topic in report["topics"].values())
+    # The other nodes missed nothing, and identifiers of the second life begin far above.
+    assert report["topics"]["/array/snapshots"]["messages"] == 411
+    pictures = [tracks_from_bytes(message.data) for message in read_bag(bag).messages([TRACKS])]
+    assert int(pictures[-1].id.min()) > 1 << 32
+
+
+def test_a_killed_simulator_goes_on_where_it_was(
+    recorded_run: RecordedRun, tmp_path: Path, running: list[RunningCommand]
+) -> None:
+    json = tmp_path / "report.json"
+    command = RunningCommand(tmp_path, "run", "--rate", "8", "--json", json)
+    running.append(command)
+    command.wait_for_text(FLOWING)
+    time.sleep(1.2)
+    command.kill_node("array_simulator")
+    assert command.wait() == 1
+    report = report_of(json)
+    assert report["nodes"]["array_simulator"]["restarts"] == 1
+    # The data are a function of the scenario: nothing is missing, the tracks are the same.
+    assert digests(report)[TRACKS] == digests(recorded_run.report)[TRACKS]
+
+
+def test_a_second_time_master_is_refused(tmp_path: Path, running: list[RunningCommand]) -> None:
+    first = RunningCommand(tmp_path, "run")
+    running.append(first)
+    first.wait_for_text(FLOWING)
+    second = run_command(tmp_path, "run", "--rate", "max")
+    assert second.returncode == 1
+    assert "ROS_DOMAIN_ID" in second.stdout
+    assert "/clock" in second.stdout
+
+
+BAD_REQUESTS = [
+    (["run", "doa_fusio"], "did you mean doa_fusion"),
+    (["run", "--rate", "0"], "--rate is '0'"),
+    (["run", "--rate", "fast"], "--rate is 'fast'"),
+    (["run", "--duration", "-1"], "--duration is -1"),
+    (["run", "--json", "/nowhere/report.json"], "--json"),
+    (["replay", "nowhere"], "nowhere"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "sentence"), BAD_REQUESTS)
+def test_a_bad_request_is_one_sentence(
+    arguments: list[str],
+    sentence: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
+    assert refused(arguments, capsys, monkeypatch, tmp_path).count("\n") == 1
+    assert sentence in refused(arguments, capsys, monkeypatch, tmp_path)
+
+
+BAD_SCENARIOS = [
+    ("nodes: {bearing_traker: {}}", "did you mean bearing_tracker"),
+    ("nodes: {bearing_tracker: {metod: ryu}}", "did you mean method"),
+    ("nodes: {bearing_tracker: {process_noise_deg2: -1.0}}", "process_noise_deg2 is -1"),
+    ("nodes: {subspace_estimator: {method: music}}", "method is 'music'"),
+    ("nodes: {subspace_estimator: {period: fast}}", "period is 'fast'"),
+    ("array: {n_elements: [", "not valid YAML"),
+]
+
+
+@pytest.mark.parametrize(("text", "sentence"), BAD_SCENARIOS)
+def test_a_bad_parameter_is_refused_before_anything_starts(
+    text: str,
+    sentence: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
+    scenario = tmp_path / "bad.yaml"
+    array = "" if text.startswith("array") else "array: {n_elements: 8}\n"
+    scenario.write_text(f"{array}{text}\n")
+    said = refused(["run", str(scenario)], capsys, monkeypatch, tmp_path)
+    assert sentence in said
+    assert "bad.yaml" in said
+
+
+def refused(
+    arguments: list[str],
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    home: Path,
+) -> str:
+    """Return what is said of a request that is refused with exit code 2."""
+    monkeypatch.setenv("ROS_HOME", str(home))
+    monkeypatch.setattr("sys.argv", ["sonar-tracking", *arguments])
+    assert cli.main() == 2
+    return capsys.readouterr().err
