@@ -118,7 +118,9 @@ class BearingStart:
             Arrival angles of the tracks that run already, rad.
         """
         wanted = estimates.basis.shape[-1] - len(tracked_angles)
-        if estimates.covariance is None or wanted <= 0:
+        if estimates.covariance is None:
+            return self, ()
+        if wanted <= 0:
             return replace(self, tentative=()), ()
         middle = estimates.stamp + round(estimates.covariance_time_offset * 1e9)
         duration = estimates.covariance_snapshots * estimates.sample_period

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from sonar_tracking.geometry import is_uniform_line, wavenumber
 from sonar_tracking.passive.records import ArraySnapshots
 from sonar_tracking.passive.source_number import (
+    LEAST_COUNTING_SNAPSHOTS,
     counting_snapshots,
     minimum_description_length,
     source_count,
@@ -73,7 +74,7 @@ def summarise_covariance(
     -------
     CovarianceSummary
         Ranks and counts are estimated of a single run only, and only when the snapshots are
-        enough: twice the number of elements for the rank, the number of elements for the count.
+        enough: twice the number of elements for the rank, a dozen for the count.
     """
     n_snapshots, n_elements = snapshots.shape[-2:]
     if n_snapshots == 0:
@@ -112,8 +113,8 @@ def _descending_eigenvalues(covariance: ComplexArray) -> FloatArray:
 def _counted(
     snapshots: ComplexArray, eigenvalues: FloatArray, header: ArraySnapshots, maximum_rate: float
 ) -> int:
-    n_snapshots, n_elements = snapshots.shape
-    if n_snapshots < n_elements:
+    n_snapshots = len(snapshots)
+    if n_snapshots < LEAST_COUNTING_SNAPSHOTS:
         return -1
     used = counting_snapshots(
         eigenvalues,

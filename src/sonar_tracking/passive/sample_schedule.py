@@ -151,8 +151,8 @@ class SampleSchedule:
         return Window(number, stamp, centre - half, centre + half, self.step)
 
     def first_complete(self, timing: BlockTiming) -> int:
-        """Return the number of the first sample time whose window begins in or after a block."""
-        number = math.ceil(timing.stamp / self.period) - 1
+        """Return the number of the first sample time in or after a block with a whole window."""
+        number = math.ceil((timing.stamp - timing.sample_period / 2) / self.period)
         while self.window(number, timing).first < timing.first_index:
             number += 1
         return number

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 ComplexArray = NDArray[np.complex128]
 
-_LEAST_COUNTING_SNAPSHOTS = 12
+LEAST_COUNTING_SNAPSHOTS = 12
 
 
 def minimum_description_length(eigenvalues: NDArray[np.floating], n_snapshots: int) -> int:
@@ -110,7 +110,7 @@ def counting_snapshots(
     spread = wavenumber**2 * positions[:, 0].var() * (largest_turn * n) ** 2 / 12.0 * ratio
     allowed = n[spread < 0.5 * np.sqrt(len(positions) / n)]
     most = int(allowed[-1]) if len(allowed) else 1
-    return min(max(most, _LEAST_COUNTING_SNAPSHOTS), n_snapshots)
+    return min(max(most, LEAST_COUNTING_SNAPSHOTS), n_snapshots)
 
 
 def source_count(covariance: ComplexArray, n_snapshots: int) -> int:
