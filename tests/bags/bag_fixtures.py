@@ -49,7 +49,16 @@ def snapshots_cdr(second: int, nanosecond: int = 0, n_snapshots: int = 20) -> by
     """Return a serialised snapshot block of three elements."""
     store = installed_typestore(SNAPSHOTS)
     data = np.arange(2 * 3 * n_snapshots, dtype=np.float32) + second
-    message = filled(SNAPSHOTS, sensor_id="array", n_snapshots=n_snapshots, data=data)
+    places = {f"element_{axis}": np.zeros(3) for axis in "yz"} | {"element_x": np.arange(3.0)}
+    message = filled(
+        SNAPSHOTS,
+        sensor_id="array",
+        n_snapshots=n_snapshots,
+        data=data,
+        center_frequency=750.0,
+        sound_speed=1500.0,
+        **places,
+    )
     message.header.stamp.sec, message.header.stamp.nanosec = EPOCH + second, nanosecond
     return bytes(store.serialize_cdr(message, SNAPSHOTS))
 
