@@ -13,6 +13,7 @@ from typing import Any
 
 from builtin_interfaces.msg import Time
 from rclpy.node import Node
+from rclpy.qos_overriding_options import QoSOverridingOptions
 from sonar_tracking_msgs.msg import Progress
 
 from sonar_tracking.errors import InputError
@@ -40,13 +41,35 @@ class ProgressReporter:
 
 
 class DataOutput:
-    """Publisher of one data topic."""
+    """Publisher of one data topic.
 
-    def __init__(self, node: Node, topic: Topic, depth: int, progress: ProgressReporter) -> None:
+    Parameters
+    ----------
+    node : Node
+        The node.
+    topic : Topic
+        What to publish.
+    depth : int
+        Messages kept.
+    progress : ProgressReporter
+        Told of every message before it is published.
+    overriding : QoSOverridingOptions or None
+        Quality of service that parameters may change.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        topic: Topic,
+        depth: int,
+        progress: ProgressReporter,
+        overriding: QoSOverridingOptions | None = None,
+    ) -> None:
         self.publisher = node.create_publisher(
             message_class(topic.message_type),
             topic.name,
             quality_of_service.publisher_profile(topic.kind, depth),
+            qos_overriding_options=overriding,
         )
         self.count = 0
         self._progress = progress
@@ -103,6 +126,8 @@ class DataInput:
         Called with this input and each message.
     progress : ProgressReporter
         Told of every finished message.
+    overriding : QoSOverridingOptions or None
+        Quality of service that parameters may change.
     """
 
     def __init__(
@@ -114,6 +139,7 @@ class DataInput:
         convert: Callable[[Any], Any],
         receive: Callable[[DataInput, Any], None],
         progress: ProgressReporter,
+        overriding: QoSOverridingOptions | None = None,
     ) -> None:
         self.topic = topic
         self.received = self.rejected = self.duplicates = self.gaps = self.finished = 0
@@ -125,6 +151,7 @@ class DataInput:
             topic.name,
             lambda message: receive(self, message),
             quality_of_service.subscription_profile(depth),
+            qos_overriding_options=overriding,
         )
         self.name: str = self.subscription.topic_name
         self.guard = StampGuard(self.name, reset_after)

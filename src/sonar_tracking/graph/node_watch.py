@@ -27,6 +27,8 @@ STATUS_PERIOD = 1.0
 STALLED_PERIODS = 5
 STALLED_AT_LEAST = 2 * NANOSECONDS
 """An input is stalled after so many of its periods, and not before this, ns of /clock."""
+STALLED_AT_START = 10 * NANOSECONDS
+"""The same while its period is not known yet."""
 
 
 class NodeWatch:
@@ -83,6 +85,8 @@ class NodeWatch:
             self._seen[source.name] = (source.received, now)
             since = now
         patience = max(STALLED_PERIODS * source.period, STALLED_AT_LEAST)
+        if not source.period:
+            patience = STALLED_AT_START
         stalled = now - since > patience and source.guard.expected != END_OF_DATA
         severity = Severity.WARN if stalled else Severity.OK
         sentence = (

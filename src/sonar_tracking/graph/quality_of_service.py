@@ -8,7 +8,14 @@ flow); displays subscribe with :data:`LATE_READER` and get the current picture a
 
 from __future__ import annotations
 
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    QoSPolicyKind,
+    QoSProfile,
+    ReliabilityPolicy,
+)
+from rclpy.qos_overriding_options import QoSOverridingOptions
 
 from sonar_tracking.graph.topics import TopicKind
 
@@ -39,6 +46,18 @@ def publisher_profile(kind: TopicKind, depth: int = DEFAULT_FLOW_DEPTH) -> QoSPr
 def subscription_profile(depth: int = DEFAULT_FLOW_DEPTH) -> QoSProfile:
     """Return the profile nodes and the recorder subscribe with, whatever the kind of topic."""
     return _profile(depth)
+
+
+def overridable() -> QoSOverridingOptions:
+    """Return what parameters ``qos_overrides.<topic>.<side>.<policy>`` may change."""
+    return QoSOverridingOptions(
+        [
+            QoSPolicyKind.DEPTH,
+            QoSPolicyKind.DURABILITY,
+            QoSPolicyKind.HISTORY,
+            QoSPolicyKind.RELIABILITY,
+        ]
+    )
 
 
 LATE_READER = _profile(1, durability=DurabilityPolicy.TRANSIENT_LOCAL)

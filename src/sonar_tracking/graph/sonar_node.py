@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
+from rclpy.qos_overriding_options import QoSOverridingOptions
 
 from sonar_tracking.configuration import describe
 from sonar_tracking.errors import ConfigurationError, InputError, Notice, Severity
@@ -26,6 +27,7 @@ from sonar_tracking.graph.stamp_guard import Verdict, seconds_text
 from sonar_tracking.graph.topics import DIAGNOSTICS_TOPIC, Topic
 
 ConfigurationType = TypeVar("ConfigurationType")
+EndpointType = TypeVar("EndpointType")
 Convert = Callable[[Any], Any]
 
 
@@ -92,7 +94,9 @@ class SonarNode(Node):
     def data_publisher(self, topic: Topic) -> DataOutput:
         """Return a publisher that reports progress."""
         depth = self.node_configuration.flow_depth
-        output = DataOutput(self, topic, depth, self.progress)
+        output = self._with_quality_of_service(
+            topic, lambda overriding: DataOutput(self, topic, depth, self.progress, overriding)
+        )
         self.data_outputs.append(output)
         return output
 
@@ -122,19 +126,9 @@ class SonarNode(Node):
         conversions = dict(streams) | {topic: convert for topic, (convert, _) in series.items()}
         for group in groups:
             conversions |= group
-        for topic, convert in conversions.items():
-            source = DataInput(
-                self,
-                topic,
-                self.node_configuration.flow_depth,
-                round(self.node_configuration.reset_after * NANOSECONDS),
-                convert,
-                self._receive,
-                self.progress,
-            )
-            self.data_inputs.append(source)
-            self.diagnostics.add(input_concern(source), source.values)
         self._series_topics = {topic.name for topic in series}
+        for topic, convert in conversions.items():
+            self._subscribe(topic, convert)
 
     def process(self, item: JoinedItem, records: Mapping[str, Any]) -> Iterable[Notice]:
         """Feed the stage with one joined input, publish what follows, return its notices.
@@ -157,6 +151,40 @@ class SonarNode(Node):
     def report(self, concern: str, culprit: str, severity: Severity, sentence: str) -> None:
         """Report a problem on /diagnostics and in the log."""
         self.diagnostics.report(concern, culprit, severity, sentence)
+
+    def _subscribe(self, topic: Topic, convert: Convert) -> None:
+        configuration = self.node_configuration
+
+        def make(overriding: QoSOverridingOptions | None) -> DataInput:
+            return DataInput(
+                self,
+                topic,
+                configuration.flow_depth,
+                round(configuration.reset_after * NANOSECONDS),
+                convert,
+                self._receive,
+                self.progress,
+                overriding,
+            )
+
+        source = self._with_quality_of_service(topic, make)
+        self.data_inputs.append(source)
+        self.diagnostics.add(input_concern(source), source.values)
+
+    def _with_quality_of_service(
+        self, topic: Topic, make: Callable[[QoSOverridingOptions | None], EndpointType]
+    ) -> EndpointType:
+        """Make an endpoint with the overrides of the user, or without when they are invalid."""
+        try:
+            return make(quality_of_service.overridable())
+        except Exception as error:
+            self._report_parameters(
+                [
+                    f"{self.get_name()}: a qos_overrides parameter of {topic.name} cannot be used "
+                    f"({error}); the defaults are used."
+                ]
+            )
+            return make(None)
 
     def _report_parameters(self, problems: Iterable[str]) -> None:
         for problem in problems:
