@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import FrozenInstanceError, dataclass
+from dataclasses import FrozenInstanceError, dataclass, field
 from typing import Any
 
 import pytest
@@ -10,12 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sonar_tracking.configuration import (
+    SECTION,
     checked_value,
     describe,
     from_mapping,
     parameter,
     range_text,
-    section,
     unknown_name_text,
 )
 from sonar_tracking.errors import ConfigurationError
@@ -38,7 +38,7 @@ class Example:
     loss: float = parameter(0.0, "how little", maximum=1.0)
     method: str = parameter("fast", "which", choices=("fast", "good"))
     angles_deg: tuple[float, ...] = parameter((), "where", unit="deg", minimum=-90, maximum=90)
-    part: Part = section(Part())
+    part: Part = field(default=Part(), metadata=SECTION)
 
 
 DESCRIPTIONS = {description.name: description for description in describe(Example)}
