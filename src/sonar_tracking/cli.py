@@ -80,10 +80,16 @@ def wav(
     frequency: Annotated[float, typer.Option(help="Centre of the narrow band, Hz.")],
     output: Annotated[Path, typer.Option(help="The new bag.")],
     bandwidth: Annotated[float | None, typer.Option(help="Width of the narrow band, Hz.")] = None,
+    truth: Annotated[
+        Path | None, typer.Option(help="CSV file: time_s, target, arrival_angle_deg.")
+    ] = None,
+    parameters: Annotated[
+        Path | None, typer.Option(help="YAML file: node, parameter, value; kept for the replay.")
+    ] = None,
 ) -> None:
     """Bring a multichannel WAV file into a bag of narrowband snapshots."""
-    importer = _needs("sonar_tracking.bags.import_wav")
-    importer.import_wav(file, geometry, frequency, bandwidth, output)
+    importer = _needs("sonar_tracking.graph.import_command")
+    print(importer.import_wav_file(file, geometry, frequency, bandwidth, output, truth, parameters))
 
 
 @app.command()
@@ -95,10 +101,13 @@ def evaluate(
     scheduler: Annotated[str | None, typer.Option(help="Address of a dask scheduler.")] = None,
     json: JsonOption = None,
     plots: Annotated[Path | None, typer.Option(help="Folder for the pictures.")] = None,
+    data: Annotated[
+        Path | None, typer.Option(help="Measured responses (.npz), for room-array.")
+    ] = None,
 ) -> None:
     """Repeat a published study, and show the published figures beside the measured ones."""
     studies = _needs("sonar_tracking.evaluation.studies")
-    studies.run_study(study, runs, seed, workers, scheduler, json, plots)
+    studies.run_study(study, runs, seed, workers, scheduler, json, plots, data)
 
 
 @app.command()

@@ -44,6 +44,9 @@ from sonar_tracking.passive.subspace_stage import SubspaceConfiguration, Subspac
 
 FloatArray = NDArray[np.float64]
 
+ROOM_ARRAY = "room-array"
+"""Name of the study, as typed on the command line."""
+
 SOURCES = (4, 5, 8, 9)
 CASES = tuple((source,) for source in SOURCES) + tuple(itertools.combinations(SOURCES, 2))
 FREQUENCIES = (4500.0, 5000.0, 5500.0)
@@ -141,7 +144,7 @@ def room_array(data_file: Path | str) -> StudyDefinition:
     """
     read_room_responses(data_file)
     return StudyDefinition(
-        name="room-array",
+        name=ROOM_ARRAY,
         description="the passive chain on a recorded array, against surveyed bearings",
         default_runs=1,
         tasks=partial(room_tasks, str(data_file)),

@@ -11,6 +11,7 @@ from sonar_tracking.configuration import unknown_name_text
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.evaluation.batch_runner import Workers, compute
 from sonar_tracking.evaluation.doa_fusion import DOA_FUSION
+from sonar_tracking.evaluation.room_array import ROOM_ARRAY, room_array
 from sonar_tracking.evaluation.study import Study, write_json
 from sonar_tracking.evaluation.study_report import print_study
 
@@ -31,6 +32,7 @@ def run_study(
     scheduler: str | None = None,
     json: Path | None = None,
     plots: Path | None = None,
+    data: Path | None = None,
 ) -> tuple[Study, ...]:
     """Run a study, print its tables and write what was asked for.
 
@@ -50,11 +52,13 @@ def run_study(
         File for the figures.
     plots : Path, optional
         Directory for the pictures.
+    data : Path, optional
+        Measured responses, needed by ``"room-array"``.
 
     Returns
     -------
     tuple of Study
-        One, or all of them for ``"all"``.
+        One, or all of them for ``"all"``: those on data only where data are given.
 
     Raises
     ------
@@ -63,9 +67,13 @@ def run_study(
     """
     from rich.console import Console
 
-    if name != "all" and name not in STUDIES:
-        raise ConfigurationError(unknown_name_text(f"study {name}", name, (*STUDIES, "all")))
-    definitions = tuple(STUDIES.values()) if name == "all" else (STUDIES[name],)
+    known = (*STUDIES, ROOM_ARRAY, "all")
+    if name not in known:
+        raise ConfigurationError(unknown_name_text(f"study {name}", name, known))
+    if name == ROOM_ARRAY and data is None:
+        raise ConfigurationError(f"The study {name} needs measured responses; give --data FILE.")
+    available = STUDIES if data is None else {**STUDIES, ROOM_ARRAY: room_array(data)}
+    definitions = tuple(available.values()) if name == "all" else (available[name],)
     where = Workers(workers if workers is not None else os.cpu_count() or 1, scheduler or "")
     console = Console()
     studies = tuple(
