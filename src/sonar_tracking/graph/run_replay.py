@@ -90,13 +90,13 @@ def replay_bag(
                 options.rate,
             )
             orchestration.run(control, source)
-            data_seconds = source.data_seconds
+            data_seconds, complete = source.data_seconds, source.finished
     finally:
         orchestration.stop_processes()
     if options.record is not None:
         display.say(recording_hint(options.record, plan.topics().values()))
     report = orchestration.report(data_seconds, observer)
-    return _compared(report, comparison, own_parameters=parameters is not None)
+    return _compared(report, comparison, parameters is not None) if complete else report
 
 
 def plan_replay(
@@ -190,8 +190,6 @@ def _largest_input_bytes(bag: Bag, offered: tuple[Topic, ...]) -> int:
 
 def _compared(report: RunReport, comparison: ReplayComparison, own_parameters: bool) -> RunReport:
     """Return the report with the comparison; a difference is a failure unless it was asked for."""
-    if report.interrupted:
-        return report
     report = replace(report, comparison=comparison.result())
     if comparison.differs() and not own_parameters:
         sentence = "the replay differs from the recording, with the recorded parameters."
