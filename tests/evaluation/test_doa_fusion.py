@@ -92,6 +92,16 @@ def test_claimed_variances_of_the_paper_are_pessimistic_and_reported(study: Stud
         assert metric(study, PROPOSED, level, "nees_per_dimension") < 0.3
 
 
+def test_calibrated_tracker_is_consistent_with_correlation_and_not_without(study: Study) -> None:
+    condition = "calibrated, SNR 0 dB"
+    believed = study.row("7, eq. 14", condition).metrics
+    correlated = study.row("7, correlated", condition).metrics
+    assert correlated["nis_per_dimension"] == pytest.approx(1.0, abs=0.25)
+    assert correlated["nees_per_dimension"] == pytest.approx(1.0, abs=0.3)
+    assert believed["nis_per_dimension"] > 3
+    assert believed["nees_per_dimension"] > 3
+
+
 def test_fused_variance_holds_with_correlation_and_fails_without(study: Study) -> None:
     checked = [row for row in study.rows if "variance_ratio" in row.metrics]
     assert len(checked) == 10

@@ -63,10 +63,10 @@ def joined(parts: Sequence[BearingHistories]) -> BearingHistories:
 def normalised_innovation_squared(
     innovation: FloatArray, measurement_variance: FloatArray, filtered_variance: FloatArray
 ) -> FloatArray:
-    """NIS of a scalar measurement of the first state, from what a track publishes.
+    """NIS of a scalar measurement, from what a track publishes.
 
-    With predicted variance p and measurement variance R the filtered variance is pR/(p + R), so
-    that the innovation variance p + R is R^2/(R - filtered).
+    With predicted variance p of the measured quantity and measurement variance R its filtered
+    variance is pR/(p + R), so that the innovation variance p + R is R^2/(R - filtered).
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def normalised_innovation_squared(
     measurement_variance : ndarray, shape (...)
         R, rad^2.
     filtered_variance : ndarray, shape (...)
-        Of the measured state after the update, rad^2.
+        Of the measured quantity after the update, rad^2.
 
     Returns
     -------

@@ -35,6 +35,7 @@ from sonar_tracking.passive.records import (
     SubspaceEstimates,
     TrackStatus,
 )
+from sonar_tracking.passive.subspace_configuration import SubspaceConfiguration
 from sonar_tracking.passive.subspace_stage import SubspaceStage
 from sonar_tracking.simulation.scenario import Scenario, load_scenario
 
@@ -76,7 +77,8 @@ def track_batch(batch: RunBatch) -> dict[str, BearingHistories]:
     }
     given_tracks: dict[str, list[BearingTracks]] = {name: [] for name in given}
     automatic_tracks: dict[tuple[int, ...], list[BearingTracks]] = {run: [] for run in automatic}
-    for estimates in _subspaces(scenario, batch):
+    configuration = subspace_configuration(len(scenario.targets))
+    for estimates in scored_subspaces(scenario, configuration, batch, LEVELS_DB):
         for name, tracker in given.items():
             given_tracks[name].append(tracker.update(estimates).tracks)
         for run, tracker in automatic.items():
@@ -84,13 +86,11 @@ def track_batch(batch: RunBatch) -> dict[str, BearingHistories]:
             automatic_tracks[run].append(tracker.update(single).tracks)
 
     angles, rates = true_bearings(scenario, STEP_TIMES)
-    stamps = [scenario.stamp(time) for time in STEP_TIMES]
     histories = {
-        name: histories_of(_at(tracks, stamps), angles, rates)
-        for name, tracks in given_tracks.items()
+        name: histories_of(tracks[1:], angles, rates) for name, tracks in given_tracks.items()
     }
     found = [
-        histories_of(matched_to_targets(_at(tracks, stamps), angles), angles, rates)
+        histories_of(matched_to_targets(tracks[1:], angles), angles, rates)
         for tracks in automatic_tracks.values()
     ]
     histories[AUTOMATIC] = BearingHistories(
@@ -102,11 +102,28 @@ def track_batch(batch: RunBatch) -> dict[str, BearingHistories]:
     return histories
 
 
-def _subspaces(scenario: Scenario, batch: RunBatch) -> Iterator[SubspaceEstimates]:
-    """Yield the subspaces of all runs at time 0 and at the steps that are scored."""
-    stage = SubspaceStage(subspace_configuration(len(scenario.targets)))
+def scored_subspaces(
+    scenario: Scenario,
+    configuration: SubspaceConfiguration,
+    batch: RunBatch,
+    levels_db: Sequence[float],
+) -> Iterator[SubspaceEstimates]:
+    """Yield the subspaces of all runs at time 0 and at the steps that are scored.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What is received.
+    configuration : SubspaceConfiguration
+        Of the subspace estimator.
+    batch : RunBatch
+        Which runs.
+    levels_db : sequence of float
+        Signal power over noise power per element, dB.
+    """
+    stage = SubspaceStage(configuration)
     last_stamp = scenario.stamp(float(STEP_TIMES[-1]))
-    for block in snapshot_blocks(scenario, batch.seeds, LEVELS_DB, BLOCK_SNAPSHOTS):
+    for block in snapshot_blocks(scenario, batch.seeds, levels_db, BLOCK_SNAPSHOTS):
         for estimates in stage.update(block).estimates:
             if estimates.stamp <= last_stamp:
                 yield estimates
@@ -133,7 +150,7 @@ def single_run(estimates: SubspaceEstimates, run: tuple[int, ...]) -> SubspaceEs
 
 
 def histories_of(
-    tracks: Sequence[BearingTracks], angles: FloatArray, rates: FloatArray
+    tracks: Sequence[BearingTracks], angles: FloatArray, rates: FloatArray, age: float = 0.0
 ) -> BearingHistories:
     """Turn track lists whose column n is target n into histories.
 
@@ -143,6 +160,8 @@ def histories_of(
         One a step.
     angles, rates : ndarray, shape (n_steps, n_targets)
         True bearings, rad and rad/s.
+    age : float
+        How long before its stamp the tracker takes a bearing to have been measured, s.
     """
     angle = np.stack([one.arrival_angle for one in tracks], axis=-2)
     rate = np.stack([one.arrival_angle_rate for one in tracks], axis=-2)
@@ -150,7 +169,7 @@ def histories_of(
     nis = normalised_innovation_squared(
         np.stack([one.innovation for one in tracks], axis=-2),
         np.stack([one.measurement_variance for one in tracks], axis=-2),
-        covariance[..., 0, 0],
+        covariance[..., 0, 0] - 2 * age * covariance[..., 0, 1] + age**2 * covariance[..., 1, 1],
     )
     error = np.stack([angle - angles, rate - rates], axis=-1)
     nees = normalised_squared(error, covariance)
@@ -203,8 +222,3 @@ def _columns(tracks: BearingTracks, rows: NDArray[np.int_]) -> BearingTracks:
         measurement_variance=picked(tracks.measurement_variance),
         innovation=picked(tracks.innovation),
     )
-
-
-def _at(tracks: Sequence[BearingTracks], stamps: Sequence[int]) -> list[BearingTracks]:
-    by_stamp = {one.stamp: one for one in tracks}
-    return [by_stamp[stamp] for stamp in stamps]

@@ -42,11 +42,18 @@ class TableLayout:
         Metrics shown, in order; the published figure stands beside where there is one.
     note : str
         Under the table: what the columns mean.
+    condition : str
+        How the condition of its rows begins; empty = any.
     """
 
     title: str
     columns: tuple[Column, ...]
     note: str = ""
+    condition: str = ""
+
+    def shows(self, row: StudyRow) -> bool:
+        """Return whether a row belongs to the table."""
+        return self.columns[0].metric in row.metrics and row.condition.startswith(self.condition)
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ def print_study(study: Study, layouts: Sequence[TableLayout], console: Console) 
         Where to print.
     """
     for layout in layouts:
-        rows = [row for row in study.rows if layout.columns[0].metric in row.metrics]
+        rows = [row for row in study.rows if layout.shows(row)]
         if not rows:
             continue
         console.print()
