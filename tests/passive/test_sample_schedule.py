@@ -84,9 +84,9 @@ def test_first_sample_time_has_a_complete_window(
     schedule = SampleSchedule(period_in_nanoseconds(0.5), n_subspaces, step)
     timing = first_timing(EPOCH + start * 1000, 20, 1.0 / rate)
     number = schedule.first_complete(timing)
-    assert schedule.window(number, timing).first >= timing.first_index
+    assert schedule.window(number, timing).first > timing.first_index
     before = schedule.window(number - 1, timing)
-    assert before.first < timing.first_index or before.stamp < timing.stamp
+    assert before.first <= timing.first_index or before.stamp < timing.stamp
     unfinished = schedule.first_unfinished(timing)
     assert schedule.window(unfinished, timing).last >= timing.first_index
     assert schedule.window(unfinished - 1, timing).last < timing.first_index

@@ -151,9 +151,12 @@ class SampleSchedule:
         return Window(number, stamp, centre - half, centre + half, self.step)
 
     def first_complete(self, timing: BlockTiming) -> int:
-        """Return the number of the first sample time in or after a block with a whole window."""
+        """Return the number of the first sample time in or after a block with a whole window.
+
+        A subspace of the first snapshot alone says nothing and does not count.
+        """
         number = math.ceil((timing.stamp - timing.sample_period / 2) / self.period)
-        while self.window(number, timing).first < timing.first_index:
+        while self.window(number, timing).first <= timing.first_index:
             number += 1
         return number
 
