@@ -9,7 +9,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Annotated
 
-from sonar_tracking.errors import ConfigurationError, SonarTrackingError
+from sonar_tracking.errors import SonarTrackingError
 
 try:
     import typer
@@ -135,27 +135,21 @@ def bench(json: JsonOption = None) -> None:
 
 
 def _needs(module: str) -> ModuleType:
-    """Import a module of the package; a missing package it needs is named with its remedy.
-
-    Raises
-    ------
-    ConfigurationError
-        If something is not installed.
-    """
+    """Import the module that does the work of a verb."""
     # Results are bit-identical only with one linear algebra thread, set before numpy loads.
     for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ[variable] = "1"
-    try:
-        return importlib.import_module(module)
-    except ModuleNotFoundError as error:
-        name = (error.name or "").partition(".")[0]
-        if name in ("rclpy", "sonar_tracking_msgs", "rosgraph_msgs", "diagnostic_msgs"):
-            remedy = "use ./scripts/run.sh, or source your ROS 2 installation first"
-        else:
-            remedy = f"pip install {name}"
-        raise ConfigurationError(
-            f"the Python package {error.name} is missing: {remedy}."
-        ) from error
+    return importlib.import_module(module)
+
+
+def _missing_package(error: ModuleNotFoundError) -> str:
+    """Return the sentence for a Python package that is not installed."""
+    name = (error.name or "").partition(".")[0]
+    if name == "rclpy" or name.endswith("_msgs"):
+        remedy = "use ./scripts/run.sh, or source your ROS 2 installation first"
+    else:
+        remedy = f"pip install {name}"
+    return f"the Python package {error.name} is missing: {remedy}."
 
 
 def main() -> int:
@@ -164,6 +158,9 @@ def main() -> int:
         app(prog_name="sonar-tracking")
     except SonarTrackingError as error:
         print(f"sonar-tracking: {error}", file=sys.stderr)
+        return REFUSED
+    except ModuleNotFoundError as error:
+        print(f"sonar-tracking: {_missing_package(error)}", file=sys.stderr)
         return REFUSED
     return 0
 
