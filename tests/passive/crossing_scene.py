@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from sonar_tracking.geometry import line_array, steering_vectors, wavenumber
 from sonar_tracking.passive.records import END_OF_DATA, ArraySnapshots
@@ -24,12 +24,12 @@ _RATES = np.deg2rad([2.6, 3.0, 0.9, -2.6, -2.5])
 _CROSSINGS = np.array([23.0, 35.0, 35.0, 36.0, -3.0])
 
 
-def crossing_angles(times: FloatArray | float) -> FloatArray:
+def crossing_angles(times: ArrayLike) -> FloatArray:
     """Return the five arrival angles, shape (..., 5), rad."""
     return np.arctan(_RATES * (np.asarray(times)[..., None] - _CROSSINGS))
 
 
-def crossing_rates(times: FloatArray | float) -> FloatArray:
+def crossing_rates(times: ArrayLike) -> FloatArray:
     """Return the rates of the five arrival angles, shape (..., 5), rad/s."""
     phase = _RATES * (np.asarray(times)[..., None] - _CROSSINGS)
     return _RATES / (1.0 + phase**2)

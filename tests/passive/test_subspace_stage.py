@@ -53,6 +53,7 @@ def test_subspaces_are_those_around_the_sample_time() -> None:
             assert np.abs(estimate.basis[number] - state.basis).max() < 1e-12
         assert estimate.time_offsets == pytest.approx(np.arange(-3, 4) / 200.0, abs=1e-12)
         newest = data[centre + 4 - 100 : centre + 4]
+        assert estimate.covariance is not None
         assert np.allclose(estimate.covariance, newest.T @ newest.conj() / 100)
         assert estimate.covariance_time_offset == pytest.approx((3 - 49.5) / 200.0)
         assert estimate.next_stamp == estimate.stamp + SECOND

@@ -13,7 +13,7 @@ Ryu, Park, Choi (2003), eqs. 9-14.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 FloatArray = NDArray[np.float64]
 
@@ -40,20 +40,20 @@ def independent_variance_ratio(n_subspaces: int) -> float:
 
 
 def correlated_variance_ratio(
-    time_offsets: FloatArray, sample_period: float, forgetting_factor: float
+    time_offsets: ArrayLike, sample_period: float, forgetting_factor: float
 ) -> float:
     """Return fused variance / single variance of exponentially windowed subspaces.
 
     Parameters
     ----------
-    time_offsets : ndarray, shape (n_subspaces,)
+    time_offsets : array_like, shape (n_subspaces,)
         When each subspace was taken, s.
     sample_period : float
         Between snapshots, s.
     forgetting_factor : float
         beta, per snapshot.
     """
-    offsets = np.asarray(time_offsets)
+    offsets = np.asarray(time_offsets, dtype=np.float64)
     snapshots_apart = np.abs(offsets[:, None] - offsets[None, :]) / sample_period
     return float(np.mean(forgetting_factor**snapshots_apart))
 
