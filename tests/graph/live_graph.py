@@ -30,7 +30,7 @@ from sonar_tracking.graph.topics import (
     TopicKind,
 )
 
-DOMAIN = 1 + os.getpid() % 200
+DOMAIN = 1 + os.getpid() % 100
 PATIENCE = 40.0
 """Longest wait for anything, s: generous, because machines may be busy."""
 
@@ -75,10 +75,14 @@ class NodeProcess:
         """Whether it still runs."""
         return self._process.poll() is None
 
-    def stop(self, number: int = signal.SIGTERM) -> int:
-        """Send a signal and return the exit code."""
+    def send_signal(self, number: int) -> None:
+        """Send a signal."""
         if self.is_alive:
             self._process.send_signal(number)
+
+    def stop(self, number: int = signal.SIGTERM) -> int:
+        """Send a signal and return the exit code."""
+        self.send_signal(number)
         return self._process.wait(PATIENCE)
 
     def kill(self) -> None:

@@ -2,7 +2,7 @@
 
 With simulation time it emits, at each ``/clock``, everything due up to it, so that skipped ticks
 do no harm, and reports on ``flow/done`` how far it has served the clock. Without, it paces itself
-by the node's clock.
+by the node's clock, from the moment somebody subscribes to the snapshots.
 """
 
 from __future__ import annotations
@@ -83,6 +83,8 @@ class ArraySimulator(SonarNode):
     def _pace(self) -> None:
         now = self.get_clock().now().nanoseconds
         if self._started is None:
+            if self._snapshots.publisher.get_subscription_count() == 0:
+                return
             self._started = now
         self.serve(self._start_stamp + now - self._started)
 

@@ -15,6 +15,8 @@ from rclpy.signals import SignalHandlerOptions
 PATIENCE = 0.2
 """Longest wait for an event before a stop request is noticed, s."""
 
+STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
 
 def run_node(make_node: Callable[[], Node]) -> int:
     """Spin a node until SIGINT, SIGTERM or a shutdown from outside; return the exit code.
@@ -28,7 +30,7 @@ def run_node(make_node: Callable[[], Node]) -> int:
         nonlocal stop_requested
         stop_requested = True
 
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in STOP_SIGNALS:
         signal.signal(number, request_stop)
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     node = None
@@ -47,4 +49,7 @@ def run_node(make_node: Callable[[], Node]) -> int:
         if node is not None:
             node.destroy_node()
         rclpy.try_shutdown()
+        # The interpreter restores its own handlers before it is gone: a late signal would kill it.
+        for number in STOP_SIGNALS:
+            signal.signal(number, signal.SIG_IGN)
     return 0

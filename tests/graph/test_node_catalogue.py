@@ -1,0 +1,41 @@
+"""The catalogue must be true, and readable where ROS is absent."""
+
+from __future__ import annotations
+
+import importlib
+import subprocess
+import sys
+
+import pytest
+
+from sonar_tracking.graph.message_fields import message_class
+from sonar_tracking.graph.node_catalogue import NODES, NodeDescription
+
+nodes = pytest.mark.parametrize("node", NODES.values(), ids=lambda node: node.name)
+
+
+def test_it_is_read_without_ros() -> None:
+    code = (
+        "import sys; from sonar_tracking.graph.node_catalogue import NODES; "
+        "assert all(node.parameters for node in NODES.values()); "
+        "assert 'rclpy' not in sys.modules and 'sonar_tracking_msgs' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@nodes
+def test_every_node_can_be_run(node: NodeDescription) -> None:
+    assert callable(importlib.import_module(node.module).main)
+
+
+@nodes
+def test_every_topic_has_a_type(node: NodeDescription) -> None:
+    for topic in (*node.inputs, *node.outputs):
+        assert message_class(topic.message_type).__name__ == topic.message_type.rpartition("/")[2]
+
+
+def test_every_input_comes_from_one_node() -> None:
+    outputs = [topic for node in NODES.values() for topic in node.outputs]
+    assert len(set(outputs)) == len(outputs)
+    for node in NODES.values():
+        assert set(node.inputs) <= set(outputs)
