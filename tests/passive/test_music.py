@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sonar_tracking.geometry import steering_vectors
-from sonar_tracking.passive.covariance_summary import sample_covariance
 from sonar_tracking.passive.music import music_bearings
+from sonar_tracking.passive.source_counting import sample_covariance
 from tests.passive.crossing_scene import (
     POSITIONS,
     WAVENUMBER,
@@ -78,3 +78,16 @@ def test_unresolved_sources_are_not_invented() -> None:
     near = np.abs(np.rad2deg(found) - 10.15) < 2.0
     assert near.any()
     assert len(found) <= 2
+
+
+def test_more_dimensions_than_sources_give_no_false_bearings() -> None:
+    """A shallow valley of the null spectrum is not a source."""
+    generator = np.random.default_rng(8)
+    angles = np.deg2rad([-30.0, 20.0])
+    vectors = steering_vectors(POSITIONS, angles, WAVENUMBER)
+    for _ in range(20):
+        drawn = generator.normal(size=(2, 17, 200)) / np.sqrt(2)
+        noise = drawn[0] + 1j * drawn[1]
+        data = (vectors @ (3.0 * noise[:2]) + noise[2:]).T
+        found = music_bearings(sample_covariance(data), 4, POSITIONS, WAVENUMBER)
+        assert np.allclose(found, angles, atol=np.deg2rad(0.5)) and len(found) == 2

@@ -8,7 +8,7 @@ is centred on: ``epoch + sample / sample_rate``.
 from __future__ import annotations
 
 import heapq
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -144,27 +144,14 @@ def import_wav(
     blocks = _finite_blocks(wav, columns, band, dropped)
     first = next(blocks, None)
     if first is None:
-        raise ConfigurationError(
-            dropped[0]
-            if dropped
-            else f"{wav.path} lasts {wav.n_samples / wav.sample_rate:g} s, less than the "
-            f"{len(band.taps) / wav.sample_rate:g} s one snapshot of {band.bandwidth:g} Hz needs; "
-            "give a longer file or a larger bandwidth."
-        )
-    writer = BagWriter(output, _information(wav, array, band, node_parameters, bool(surveyed)))
-    writer.add_topic(SNAPSHOTS_TOPIC, SNAPSHOTS_TYPE, role="input")
-    if surveyed:
-        quality = OfferedQuality(durability="transient_local")
-        writer.add_topic(TRUTH_TOPIC, BEARING_TRACKS_TYPE, role="truth", qos=quality)
-    n_snapshots = n_blocks = 0
-    messages = _snapshot_messages(first, blocks, wav, array, band)
-    for stamp, topic, data, count in heapq.merge(messages, _truth_messages(surveyed, array)):
-        writer.write(topic, stamp, data)
-        n_snapshots += count
-        n_blocks += topic == SNAPSHOTS_TOPIC
-    writer.close()
+        raise ConfigurationError(dropped[0] if dropped else _too_short(wav, band))
+    information = _information(wav, array, band, node_parameters, bool(surveyed))
+    messages = heapq.merge(
+        _snapshot_messages(first, blocks, wav, array, band), _truth_messages(surveyed, array)
+    )
+    path, n_snapshots, n_blocks = _written_bag(Path(output), information, messages)
     return ImportSummary(
-        output=writer.path,
+        output=path,
         n_channels=wav.n_channels,
         n_elements=len(columns),
         sample_rate=wav.sample_rate,
@@ -174,6 +161,32 @@ def import_wav(
         n_blocks=n_blocks,
         dropped=tuple(dropped),
         seconds=wav.n_samples / wav.sample_rate,
+    )
+
+
+def _written_bag(
+    output: Path, information: RecordingInformation, messages: Iterable[_Message]
+) -> tuple[Path, int, int]:
+    """Write the messages; return the bag and the numbers of snapshots and blocks in it."""
+    writer = BagWriter(output, information)
+    writer.add_topic(SNAPSHOTS_TOPIC, SNAPSHOTS_TYPE, role="input")
+    if TRUTH_TOPIC in information.topic_roles:
+        quality = OfferedQuality(durability="transient_local")
+        writer.add_topic(TRUTH_TOPIC, BEARING_TRACKS_TYPE, role="truth", qos=quality)
+    n_snapshots = n_blocks = 0
+    for stamp, topic, data, count in messages:
+        writer.write(topic, stamp, data)
+        n_snapshots += count
+        n_blocks += topic == SNAPSHOTS_TOPIC
+    writer.close()
+    return writer.path, n_snapshots, n_blocks
+
+
+def _too_short(wav: WavFile, band: Band) -> str:
+    return (
+        f"{wav.path} lasts {wav.n_samples / wav.sample_rate:g} s, less than the "
+        f"{len(band.taps) / wav.sample_rate:g} s one snapshot of {band.bandwidth:g} Hz needs; "
+        "give a longer file or a larger bandwidth."
     )
 
 

@@ -137,12 +137,11 @@ def plot_bag(bag: Path | str, output: Path | str) -> tuple[Path, ...]:
     draw_bearing_time_record(picture, tracks, truth, start, image)
     written = [image]
     if tracks:
+        written.append(directory / "tracks.txt")
         table = track_summary(tracks, start)
         console.print(table)
-        text = directory / "tracks.txt"
-        with text.open("w", encoding="utf-8") as file:
+        with written[-1].open("w", encoding="utf-8") as file:
             Console(file=file, width=100, highlight=False).print(table)
-        written.append(text)
     for path in written:
         console.print(f"wrote {path}")
     return tuple(written)
@@ -177,31 +176,39 @@ def draw_bearing_time_record(
     axes.set_facecolor("black")
     last = _draw_picture(axes, picture, start) if len(picture.stamps) else 0.0
     for number, history in enumerate(tracks):
-        times = (history.stamps - start) * 1e-9
-        axes.plot(
-            np.degrees(history.angles_with_gaps()),
-            times,
-            color=TRACK_COLOURS[number % len(TRACK_COLOURS)],
-            linewidth=1.6,
-            label=f"track {history.id}",
-        )
-        last = max(last, float(times[-1]))
+        colour = TRACK_COLOURS[number % len(TRACK_COLOURS)]
+        last = max(last, _draw_line(axes, history, start, f"track {history.id}", colour, "-", 1.6))
     for number, history in enumerate(truth):
-        times = (history.stamps - start) * 1e-9
-        axes.plot(
-            np.degrees(history.angles_with_gaps()),
-            times,
-            "w--",
-            linewidth=0.8,
-            label="" if number else "truth",
-        )
-        last = max(last, float(times[-1]))
+        label = "" if number else "truth"
+        last = max(last, _draw_line(axes, history, start, label, "white", "--", 0.8))
     axes.set(xlim=(-90, 90), ylim=(last or 1.0, 0.0))
     axes.set(xlabel="arrival angle from broadside, deg", ylabel="time, s")
     axes.set_xticks(range(-90, 91, 30))
     if axes.get_legend_handles_labels()[0]:
         axes.legend(loc="upper right", fontsize=8, facecolor="#333333", labelcolor="white")
     figure.savefig(path, dpi=120)
+
+
+def _draw_line(
+    axes: Axes,
+    history: TrackHistory,
+    start: int,
+    label: str,
+    colour: str,
+    style: str,
+    width: float,
+) -> float:
+    """Draw one track; return the time of its end, s."""
+    times = (history.stamps - start) * 1e-9
+    axes.plot(
+        np.degrees(history.angles_with_gaps()),
+        times,
+        color=colour,
+        linestyle=style,
+        linewidth=width,
+        label=label,
+    )
+    return float(times[-1])
 
 
 def _draw_picture(axes: Axes, picture: BeamPicture, start: int) -> float:

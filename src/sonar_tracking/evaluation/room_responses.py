@@ -192,26 +192,31 @@ def write_recording(
     mixed *= _FULL_SCALE / np.abs(mixed).max()
     wav, geometry, truth = (directory / name for name in ("array.wav", "array.yaml", "truth.csv"))
     wavfile.write(wav, room.sample_rate, np.round(mixed * 32767).astype(np.int16))
-    spacing = float(np.diff(room.element_places).mean())
-    geometry.write_text(
-        yaml.safe_dump(
-            {
-                "sensor_id": "room_array",
-                "n_elements": SUB_ARRAY_ELEMENTS,
-                "spacing": round(spacing, 9),
-                "sound_speed": SOUND_SPEED,
-                "channels": list(range(1, SUB_ARRAY_ELEMENTS + 1)),
-            }
-        )
+    geometry.write_text(_geometry_text(room))
+    truth.write_text(_truth_text(room, sources))
+    return wav, geometry, truth
+
+
+def _geometry_text(room: RoomResponses) -> str:
+    return yaml.safe_dump(
+        {
+            "sensor_id": "room_array",
+            "n_elements": SUB_ARRAY_ELEMENTS,
+            "spacing": round(float(np.diff(room.element_places).mean()), 9),
+            "sound_speed": SOUND_SPEED,
+            "channels": list(range(1, SUB_ARRAY_ELEMENTS + 1)),
+        }
     )
+
+
+def _truth_text(room: RoomResponses, sources: tuple[int, ...]) -> str:
     lines = ["time_s,target,arrival_angle_deg"]
     for time in np.arange(0.0, room.duration, _TRUTH_PERIOD):
         sub_array = room.sub_array_at(time + _TRUTH_PERIOD / 2)
         for source in sources:
             angle = np.degrees(room.arrival_angle(source, sub_array))
             lines.append(f"{time:.1f},source {source},{angle:.4f}")
-    truth.write_text("\n".join(lines) + "\n")
-    return wav, geometry, truth
+    return "\n".join(lines) + "\n"
 
 
 def evaluation_time(sub_array: int) -> float:
