@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sonar_tracking.geometry import steering_vectors
-from sonar_tracking.passive.covariance_summary import sample_covariance, summarise_covariance
+from sonar_tracking.geometry import line_array, steering_vectors
+from sonar_tracking.passive.covariance_summary import summarise_covariance
+from sonar_tracking.passive.source_counting import sample_covariance
 from sonar_tracking.passive.source_number import (
     counting_snapshots,
     forward_backward_smoothed,
@@ -76,6 +77,28 @@ def test_strong_moving_sources_are_counted_once(level_db: float) -> None:
         data = snapshots_of(generator, moving, level_db)
         summary = summarise_covariance(data, 0, block_of(data[:0], 0), None, np.deg2rad(5.0))
         assert summary.source_count == 5
+
+
+def test_weak_sources_are_seen_beside_strong_ones() -> None:
+    # The strong one stands still: all snapshots may be used, and the weak ones are found.
+    generator = np.random.default_rng(4)
+    static = np.broadcast_to(FIVE, (100, 5))
+    for _ in range(10):
+        data = snapshots_of(generator, static, [20.0, -3.0, -3.0, -3.0, -3.0])
+        summary = summarise_covariance(data, 0, block_of(data[:0], 0), None, np.deg2rad(5.0))
+        assert summary.source_count == 5
+
+
+@pytest.mark.parametrize("n_elements", [32, 128])
+def test_large_arrays_count_on_few_snapshots(n_elements: int) -> None:
+    generator = np.random.default_rng(5)
+    positions = line_array(n_elements, 0.5)
+    for angles, expected in [(FIVE, 5), (FIVE[:0], 0)]:
+        static = np.broadcast_to(angles, (100, len(angles)))
+        data = snapshots_of(generator, static, 0.0, positions=positions)
+        header = block_of(data[:0], 0, element_positions=positions)
+        summary = summarise_covariance(data, 0, header, None, np.deg2rad(5.0))
+        assert summary.source_count == expected
 
 
 def test_weak_sources_use_all_snapshots() -> None:

@@ -7,14 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from sonar_tracking.geometry import is_uniform_line, wavenumber
+from sonar_tracking.geometry import is_uniform_line
 from sonar_tracking.passive.records import ArraySnapshots
-from sonar_tracking.passive.source_number import (
-    LEAST_COUNTING_SNAPSHOTS,
-    counting_snapshots,
-    minimum_description_length,
-    source_count,
-)
+from sonar_tracking.passive.source_counting import counted_sources, sample_covariance
+from sonar_tracking.passive.source_number import minimum_description_length
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -89,7 +85,7 @@ def summarise_covariance(
     if snapshots.ndim == 2 and n_snapshots >= _SNAPSHOTS_PER_ELEMENT * n_elements:
         rank = minimum_description_length(signal_values, n_snapshots)
     if snapshots.ndim == 2 and is_uniform_line(header.element_positions):
-        count = _counted(snapshots, eigenvalues, header, maximum_rate)
+        count = counted_sources(snapshots, eigenvalues, header, maximum_rate)
     n_signals = n_columns if n_columns > 0 else max(rank, count, 0)
     return CovarianceSummary(
         covariance=covariance,
@@ -101,29 +97,8 @@ def summarise_covariance(
     )
 
 
-def sample_covariance(snapshots: ComplexArray) -> ComplexArray:
-    """Return X X^H / N of snapshots of shape (..., N, n_elements)."""
-    return np.swapaxes(snapshots, -1, -2) @ snapshots.conj() / snapshots.shape[-2]
-
-
 def _descending_eigenvalues(covariance: ComplexArray) -> FloatArray:
     return np.asarray(np.linalg.eigvalsh(covariance)[..., ::-1], dtype=np.float64)
-
-
-def _counted(
-    snapshots: ComplexArray, eigenvalues: FloatArray, header: ArraySnapshots, maximum_rate: float
-) -> int:
-    n_snapshots = len(snapshots)
-    if n_snapshots < LEAST_COUNTING_SNAPSHOTS:
-        return -1
-    used = counting_snapshots(
-        eigenvalues,
-        n_snapshots,
-        header.element_positions,
-        wavenumber(header.center_frequency, header.sound_speed),
-        maximum_rate * header.sample_period,
-    )
-    return source_count(sample_covariance(snapshots[-used:]), used)
 
 
 def _noise_power(eigenvalues: FloatArray, n_signals: int, n_snapshots: int) -> FloatArray:

@@ -12,6 +12,8 @@ coherent signal identification", IEEE Trans. ASSP 37(1), 1989.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -71,9 +73,10 @@ def forward_backward_smoothed(covariance: ComplexArray, n_smoothed: int) -> Comp
 def smoothed_size(n_elements: int, n_snapshots: int) -> int:
     """Return the sub-array size used for counting: two thirds of the array, less when data is few.
 
-    Each sub-array must be well determined: no more elements than half the snapshots.
+    The sub-arrays that fit side by side give n_elements / size looks a snapshot; there should be
+    as many looks as elements in a sub-array.
     """
-    return max(2, min(round(2 * n_elements / 3), n_snapshots // 2))
+    return max(2, min(round(2 * n_elements / 3), math.isqrt(n_elements * n_snapshots)))
 
 
 def counting_snapshots(

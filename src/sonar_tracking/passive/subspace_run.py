@@ -41,6 +41,8 @@ class SubspaceRun:
         Inverse Cholesky factor of the noise covariance; None = white noise.
     recursion : SubspaceRecursion or None
         The subspace method; None before it starts.
+    next_count : int
+        Global index before which the sources are not counted (again).
     windows : tuple of Window
         Open windows, in order of time.
     captured : tuple of CapturedSubspace
@@ -55,6 +57,7 @@ class SubspaceRun:
     history: ComplexArray
     whitening: ComplexArray | None
     recursion: SubspaceRecursion | None = None
+    next_count: int = 0
     windows: tuple[Window, ...] = ()
     captured: tuple[CapturedSubspace, ...] = ()
 
@@ -111,10 +114,14 @@ def window_estimates(
     )
 
 
-def counted_sources(configuration: SubspaceConfiguration, run: SubspaceRun) -> int:
-    """Return the number of sources by MDL on the newest full covariance, 0 = none (yet)."""
-    if run.history.shape[-2] < configuration.covariance_snapshots:
-        return 0
+def ready_to_count(configuration: SubspaceConfiguration, run: SubspaceRun) -> bool:
+    """Return whether there is a full covariance that no sources were counted on yet."""
+    full = run.history.shape[-2] >= configuration.covariance_snapshots
+    return full and run.timing.last_index >= run.next_count
+
+
+def starting_columns(configuration: SubspaceConfiguration, run: SubspaceRun) -> int:
+    """Return the number of sources by MDL on the newest full covariance, 0 = none seen."""
     summary = _summary(configuration, run, run.timing.last_index)
     positions = run.header.element_positions
     count = summary.source_count if is_uniform_line(positions) else summary.rank

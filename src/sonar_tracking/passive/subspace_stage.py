@@ -34,7 +34,12 @@ from sonar_tracking.passive.subspace_recursion import (
     noise_factors,
     start_recursion,
 )
-from sonar_tracking.passive.subspace_run import SubspaceRun, counted_sources, window_estimates
+from sonar_tracking.passive.subspace_run import (
+    SubspaceRun,
+    ready_to_count,
+    starting_columns,
+    window_estimates,
+)
 
 __all__ = ["SubspaceConfiguration", "SubspaceStage", "SubspaceUpdate"]
 
@@ -224,7 +229,12 @@ class SubspaceStage:
         return replace(run, recursion=recursion, captured=run.captured + captured), []
 
     def _started(self, run: SubspaceRun) -> tuple[SubspaceRun, SubspaceRecursion | None]:
-        n_columns = run.n_columns or counted_sources(self.configuration, run)
+        configuration = self.configuration
+        n_columns = run.n_columns
+        if n_columns == 0 and ready_to_count(configuration, run):
+            n_columns = starting_columns(configuration, run)
+            next_count = run.timing.last_index + configuration.covariance_snapshots
+            run = replace(run, next_count=next_count)
         if n_columns == 0:
             return run, None
         recursion = start_recursion(
