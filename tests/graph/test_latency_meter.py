@@ -40,6 +40,13 @@ def test_a_window_may_end_in_the_block_before_or_exactly_at_a_block() -> None:
     assert meter.summary().median == pytest.approx(6.0)
 
 
+def test_a_window_cut_short_does_not_shorten_the_algorithmic_delay() -> None:
+    meter = LatencyMeter()
+    meter.estimate_described(START, 0.015)
+    meter.estimate_described(START + SECOND, -0.05)
+    assert meter.summary().algorithmic == pytest.approx(15.0)
+
+
 def test_nothing_measured() -> None:
     summary = LatencyMeter().summary()
     assert summary.count == 0

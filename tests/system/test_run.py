@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 import signal
 import time
 from collections.abc import Iterator
@@ -16,7 +17,13 @@ from sonar_tracking.bags.reader import read_bag
 from sonar_tracking.evaluation.offline_chain import run_offline_chain
 from sonar_tracking.graph.run_observer import tracks_from_bytes
 from sonar_tracking.simulation.scenario import load_scenario
-from tests.system.command_line import RunningCommand, digests, report_of, run_command
+from tests.system.command_line import (
+    PATIENCE,
+    RunningCommand,
+    digests,
+    report_of,
+    run_command,
+)
 from tests.system.conftest import RecordedRun
 
 TRACKS = "/passive/bearing_tracks"
@@ -150,6 +157,37 @@ def test_a_killed_simulator_goes_on_where_it_was(
     assert digests(report)[TRACKS] == digests(recorded_run.report)[TRACKS]
 
 
+def test_a_stuck_node_is_named_and_waited_for(
+    recorded_run: RecordedRun, tmp_path: Path, running: list[RunningCommand]
+) -> None:
+    json = tmp_path / "report.json"
+    command = RunningCommand(tmp_path, "run", "--rate", "20", "--json", json)
+    running.append(command)
+    command.wait_for_text(FLOWING)
+    (process,) = command.node_processes("subspace_estimator")
+    os.kill(process, signal.SIGSTOP)
+    command.wait_for_text("waiting for subspace_estimator: it has not finished")
+    os.kill(process, signal.SIGCONT)
+    assert command.wait() == 0, command.output
+    assert digests(report_of(json)) == digests(recorded_run.report)
+
+
+def test_nodes_do_not_outlive_a_killed_orchestration(
+    tmp_path: Path, running: list[RunningCommand]
+) -> None:
+    command = RunningCommand(tmp_path, "run")
+    running.append(command)
+    command.wait_for_text(FLOWING)
+    nodes = command.node_processes()
+    assert len(nodes) == 3
+    command.interrupt(signal.SIGKILL)
+    command.wait()
+    deadline = time.monotonic() + PATIENCE
+    while any((Path("/proc") / str(process)).exists() for process in nodes):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
 def test_a_second_time_master_is_refused(tmp_path: Path, running: list[RunningCommand]) -> None:
     first = RunningCommand(tmp_path, "run")
     running.append(first)
@@ -188,6 +226,8 @@ BAD_SCENARIOS = [
     ("nodes: {bearing_tracker: {process_noise_deg2: -1.0}}", "process_noise_deg2 is -1"),
     ("nodes: {subspace_estimator: {method: music}}", "method is 'music'"),
     ("nodes: {subspace_estimator: {period: fast}}", "period is 'fast'"),
+    ("nodes: {subspace_estimator: {n_subspaces: 4}}", "must be odd"),
+    ("nodes: {bearing_tracker: {start: given}}", "initial_bearings_deg is empty"),
     ("array: {n_elements: [", "not valid YAML"),
 ]
 

@@ -38,8 +38,6 @@ class GraphState:
         Messages the slowest consumer has not finished.
     activity : str
         What the graph is doing, e.g. ``"running"``.
-    notices : sequence of str
-        The latest sentences of the nodes.
     """
 
     scenario: str
@@ -47,7 +45,6 @@ class GraphState:
     wall_seconds: float
     backlog: int
     activity: str
-    notices: Sequence[str] = ()
 
 
 class TrackTable:
@@ -75,8 +72,7 @@ class TrackTable:
             f"backlog {state.backlog}  ",
             (state.activity, "cyan"),
         )
-        notices = [Text(sentence, style="yellow") for sentence in state.notices]
-        return Group(head, self._table(), bearing_time_picture(list(self._history)), *notices)
+        return Group(head, self._table(), bearing_time_picture(list(self._history)))
 
     def _table(self) -> Table:
         table = Table(show_edge=False, pad_edge=False)
@@ -117,6 +113,8 @@ def bearing_time_picture(history: Sequence[BearingTracks]) -> Text:
         line = [" "] * PICTURE_COLUMNS
         line[middle] = "."
         for identifier, angle in zip(tracks.id, tracks.arrival_angle, strict=True):
+            if not math.isfinite(angle):
+                continue
             place = middle + round(middle * math.degrees(angle) / 90.0)
             if 0 <= place < PICTURE_COLUMNS:
                 line[place] = "0123456789abcdefghijklmnopqrstuvwxyz"[int(identifier % 36)]

@@ -8,7 +8,6 @@ display and score. What it hears goes into plain objects; decisions are made els
 from __future__ import annotations
 
 import time
-from collections import deque
 from collections.abc import Callable
 from types import TracebackType
 from typing import Any
@@ -32,7 +31,6 @@ from sonar_tracking.graph.message_fields import message_class, stamp_from_time, 
 from sonar_tracking.graph.topics import CLOCK_TOPIC, DIAGNOSTICS_TOPIC, PROGRESS_TOPIC, Topic
 
 _OBSERVER_DEPTH = 100
-_REMEMBERED_NOTICES = 4
 
 Observer = Callable[[str, bytes, float], None]
 Announced = Callable[[str, int, float], None]
@@ -51,6 +49,13 @@ class ControlNode:
         Called with topic, serialised message and wall time (s) of every data message.
     announced : callable
         Called with topic, stamp (ns) and wall time (s) when a producer announces a message.
+
+    Attributes
+    ----------
+    served : int or None
+        Instant up to which the simulator has served the clock, ns.
+    notices : dict of str to str
+        The latest sentence of every status that is, or was, not in order.
     """
 
     def __init__(
@@ -63,7 +68,7 @@ class ControlNode:
         self._observed: dict[str, int] = {}
         self._publishers: dict[str, Publisher] = {}
         self.served: int | None = None
-        self.notices: deque[str] = deque(maxlen=_REMEMBERED_NOTICES)
+        self.notices: dict[str, str] = {}
         self._context = Context()
         rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
         self._node = Node(CONTROL_NODE, context=self._context, use_global_arguments=False)
@@ -158,6 +163,4 @@ class ControlNode:
             if concern == MATCHED:
                 self._matched.report(node, {item.key: int(item.value) for item in status.values})
             elif status.level != DiagnosticStatus.OK:
-                sentence = f"{status.name}: {status.message}"
-                if sentence not in self.notices:
-                    self.notices.append(sentence)
+                self.notices[status.name] = f"{node}: {status.message}"

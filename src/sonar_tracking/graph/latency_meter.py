@@ -64,7 +64,8 @@ class LatencyMeter:
     def estimate_described(self, stamp: int, last_offset: float) -> None:
         """Note an estimate and the time of its newest subspace relative to its stamp, s."""
         self._window_ends[stamp] = stamp + round(last_offset * 1e9)
-        self._algorithmic = last_offset * 1e3
+        # The last window of the data may be cut short: the longest is what estimates wait for.
+        self._algorithmic = float(np.fmax(self._algorithmic, last_offset * 1e3))
         self._match(stamp)
 
     def tracks_received(self, stamp: int, wall: float) -> None:

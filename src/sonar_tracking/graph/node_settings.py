@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,17 @@ from typing import Any
 from sonar_tracking.configuration import Value, from_mapping, unknown_name_text
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.node_catalogue import NODES, NodeDescription
+from sonar_tracking.passive.bearing_tracker_configuration import BearingTrackerConfiguration
+from sonar_tracking.passive.bearing_tracker_stage import BearingTrackerStage
+from sonar_tracking.passive.subspace_configuration import SubspaceConfiguration
+from sonar_tracking.passive.subspace_stage import SubspaceStage
 from sonar_tracking.simulation.scenario_file import read_yaml_mapping
+
+_STAGES: Mapping[type, Callable[[Any], object]] = {
+    SubspaceConfiguration: SubspaceStage,
+    BearingTrackerConfiguration: BearingTrackerStage,
+}
+"""What refuses parameters that do not fit together, by their configuration."""
 
 NodeSettings = dict[str, dict[str, Value]]
 
@@ -73,5 +83,10 @@ def _settings(node: NodeDescription, given: Mapping[str, Any], where: str) -> di
         names = {field.name for field in fields(configuration)}
         own = {name: value for name, value in given.items() if name in names}
         made: Any = from_mapping(configuration, own, place)
+        if configuration in _STAGES:
+            try:
+                _STAGES[configuration](made)
+            except ConfigurationError as error:
+                raise ConfigurationError(f"{place}: {error}") from error
         settings |= {name: getattr(made, name) for name in sorted(names)}
     return settings

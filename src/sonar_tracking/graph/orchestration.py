@@ -64,6 +64,7 @@ class Orchestration:
         self._flow_started: float | None = None
         self._flow_ended: float | None = None
         self._handlers: dict[int, object] = {}
+        self._notices: dict[str, str] = {}
         self.supervisor = ProcessSupervisor(log_directory)
         self.ledger = plan.ledger()
         self.edges = plan.edges()
@@ -150,7 +151,7 @@ class Orchestration:
             },
             score=observer.score(),
             failures=self.failures,
-            warnings=self.warnings,
+            warnings=[*self.warnings, *self._notices.values()],
             interrupted=self.interrupted,
         )
 
@@ -281,6 +282,10 @@ class Orchestration:
             return
         self._watched = wall
         self._ended.extend(self.supervisor.poll())
+        for status, sentence in control.notices.items():
+            if status not in self._notices:
+                self._display.say(sentence)
+            self._notices[status] = sentence
         if self.ledger.changes != self._progress[0]:
             self._progress = (self.ledger.changes, wall)
         backlogs = self.ledger.backlogs()
@@ -299,7 +304,6 @@ class Orchestration:
                 self.wall_seconds,
                 backlog,
                 activity,
-                tuple(control.notices),
             )
             self._display.show(state, wall)
 
