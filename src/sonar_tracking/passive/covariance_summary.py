@@ -76,16 +76,14 @@ def summarise_covariance(
     if n_snapshots == 0:
         return CovarianceSummary()
     covariance = sample_covariance(snapshots)
-    eigenvalues = _descending_eigenvalues(covariance)
-    signal_values = eigenvalues
+    eigenvalues = signal_values = _descending_eigenvalues(snapshots)
     if whitening is not None:
-        white = whitening @ covariance @ whitening.conj().T
-        signal_values = _descending_eigenvalues(white)
+        signal_values = _descending_eigenvalues(snapshots @ whitening.T)
     rank = count = -1
     if snapshots.ndim == 2 and n_snapshots >= _SNAPSHOTS_PER_ELEMENT * n_elements:
         rank = minimum_description_length(signal_values, n_snapshots)
     if snapshots.ndim == 2 and is_uniform_line(header.element_positions):
-        count = counted_sources(snapshots, eigenvalues, header, maximum_rate)
+        count = counted_sources(snapshots, eigenvalues, header, maximum_rate, n_columns == 0)
     n_signals = n_columns if n_columns > 0 else max(rank, count, 0)
     return CovarianceSummary(
         covariance=covariance,
@@ -97,8 +95,16 @@ def summarise_covariance(
     )
 
 
-def _descending_eigenvalues(covariance: ComplexArray) -> FloatArray:
-    return np.asarray(np.linalg.eigvalsh(covariance)[..., ::-1], dtype=np.float64)
+def _descending_eigenvalues(snapshots: ComplexArray) -> FloatArray:
+    """Return the eigenvalues of the sample covariance; of fewer snapshots by their own products."""
+    n_snapshots, n_elements = snapshots.shape[-2:]
+    if n_snapshots >= n_elements:
+        values = np.linalg.eigvalsh(sample_covariance(snapshots))
+        return np.asarray(values[..., ::-1], dtype=np.float64)
+    products = snapshots.conj() @ np.swapaxes(snapshots, -1, -2) / n_snapshots
+    padded = np.zeros((*snapshots.shape[:-2], n_elements))
+    padded[..., :n_snapshots] = np.linalg.eigvalsh(products)[..., ::-1]
+    return padded
 
 
 def _noise_power(eigenvalues: FloatArray, n_signals: int, n_snapshots: int) -> FloatArray:

@@ -26,7 +26,11 @@ ComplexArray = NDArray[np.complex128]
 
 
 def counted_sources(
-    snapshots: ComplexArray, eigenvalues: FloatArray, header: ArraySnapshots, maximum_rate: float
+    snapshots: ComplexArray,
+    eigenvalues: FloatArray,
+    header: ArraySnapshots,
+    maximum_rate: float,
+    thorough: bool,
 ) -> int:
     """Return the number of sources seen by a uniform line array, -1 with too few snapshots.
 
@@ -40,6 +44,8 @@ def counted_sources(
         Array and frequency.
     maximum_rate : float
         Fastest bearing that must not be counted twice, rad/s.
+    thorough : bool
+        Also find out how fast the strong sources really turn, to see weak ones beside them.
     """
     n_snapshots = len(snapshots)
     if n_snapshots < LEAST_COUNTING_SNAPSHOTS:
@@ -52,7 +58,7 @@ def counted_sources(
     while count == 0 and used < n_snapshots:
         used = min(2 * used, n_snapshots)
         count = _count_on_newest(snapshots, used)
-    if count == 0 or used == n_snapshots:
+    if count == 0 or used == n_snapshots or not thorough:
         return count
     turn = _largest_turn(snapshots, count, positions, number)
     allowed = counting_snapshots(eigenvalues, n_snapshots, positions, number, min(turn, fastest))

@@ -20,6 +20,9 @@ from numpy.typing import NDArray
 ComplexArray = NDArray[np.complex128]
 
 LEAST_COUNTING_SNAPSHOTS = 12
+"""Fewest snapshots that sources are counted on."""
+
+_LARGEST_SUB_ARRAY = 128
 
 
 def minimum_description_length(eigenvalues: NDArray[np.floating], n_snapshots: int) -> int:
@@ -62,11 +65,15 @@ def forward_backward_smoothed(covariance: ComplexArray, n_smoothed: int) -> Comp
     ndarray, shape (n_smoothed, n_smoothed), complex
         (C_s + J conj(C_s) J) / 2 with C_s the mean over the sub-arrays.
     """
-    n_arrays = len(covariance) - n_smoothed + 1
-    smoothed = np.zeros((n_smoothed, n_smoothed), dtype=np.complex128)
-    for first in range(n_arrays):
-        smoothed += covariance[first : first + n_smoothed, first : first + n_smoothed]
-    smoothed /= n_arrays
+    n_elements = len(covariance)
+    n_arrays = n_elements - n_smoothed + 1
+    # Running sums along the diagonals: entry (i, j) of the sum over the sub-arrays is the
+    # difference of two of them.
+    running = np.zeros((n_elements + 1, n_elements + 1), dtype=np.complex128)
+    for row in range(n_elements):
+        running[row + 1, 1:] = running[row, :-1] + covariance[row]
+    last, first = running[n_arrays:, n_arrays:], running[:n_smoothed, :n_smoothed]
+    smoothed = (last - first) / n_arrays
     return 0.5 * (smoothed + smoothed[::-1, ::-1].conj())
 
 
@@ -74,9 +81,10 @@ def smoothed_size(n_elements: int, n_snapshots: int) -> int:
     """Return the sub-array size used for counting: two thirds of the array, less when data is few.
 
     The sub-arrays that fit side by side give n_elements / size looks a snapshot; there should be
-    as many looks as elements in a sub-array.
+    as many looks as elements in a sub-array. Very large sub-arrays only cost time.
     """
-    return max(2, min(round(2 * n_elements / 3), math.isqrt(n_elements * n_snapshots)))
+    looks = math.isqrt(n_elements * n_snapshots)
+    return max(2, min(round(2 * n_elements / 3), looks, _LARGEST_SUB_ARRAY))
 
 
 def counting_snapshots(
