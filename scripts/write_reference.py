@@ -13,6 +13,7 @@ from pathlib import Path
 
 from sonar_tracking.configuration import ParameterDescription
 from sonar_tracking.graph.node_catalogue import NODES, NodeDescription
+from sonar_tracking.graph.recorder import PARAMETER_DESCRIPTIONS as RECORDER_PARAMETERS
 from sonar_tracking.graph.topics import Topic, TopicKind
 from sonar_tracking.simulation.scenario import load_scenario
 from sonar_tracking.simulation.scenario_file import scenario_names
@@ -42,7 +43,13 @@ def main() -> int:
 def reference() -> str:
     """Return the whole reference as Markdown."""
     return "\n\n".join(
-        ["### Topics", _topics(), *(_node(node) for node in NODES.values()), *_scenarios()]
+        [
+            "### Topics",
+            _topics(),
+            *(_node(node) for node in NODES.values()),
+            _recorder(),
+            *_scenarios(),
+        ]
     )
 
 
@@ -92,6 +99,12 @@ def _node(node: NodeDescription) -> str:
     table = _table(("parameter", "default", "unit", "allowed", "what it does"), rows)
     introduction = f"{_sentence(node.description)} {_sentence('; '.join(flows))}"
     return f"### `{node.name}`\n\n{introduction}\n\n{table}"
+
+
+def _recorder() -> str:
+    rows = [(f"`{name}`", description) for name, description in RECORDER_PARAMETERS.items()]
+    introduction = "Writes topics to a bag, bytes as received. Takes any topics it is told of."
+    return f"### `recorder`\n\n{introduction}\n\n{_table(('parameter', 'what it is'), rows)}"
 
 
 def _scenarios() -> Iterable[str]:
