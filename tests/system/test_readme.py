@@ -1,4 +1,4 @@
-"""Protects the README: its tables are those of the code, its files exist, its commands are known."""
+"""Protects the README: tables as in the code, files that exist, commands that are known."""
 
 from __future__ import annotations
 
