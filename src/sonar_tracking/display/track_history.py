@@ -76,14 +76,14 @@ def track_histories(lists: Iterable[BearingTracks]) -> tuple[TrackHistory, ...]:
             )
     histories = []
     for identifier, entries in sorted(rows.items()):
-        stamps, angles, status, deviations = zip(*entries, strict=True)
+        stamps, angles, status, spreads = zip(*entries, strict=True)
         histories.append(
             TrackHistory(
                 id=identifier,
                 stamps=np.array(stamps, np.int64),
                 angles=np.array(angles),
                 status=np.array(status, np.uint8),
-                deviations=np.array(deviations),
+                deviations=np.array(spreads),
             )
         )
     return tuple(histories)
