@@ -56,6 +56,9 @@ def main(arguments: list[str]) -> int:
     except SetUpError as error:
         say(str(error))
         return 1
+    except OSError as error:
+        say(f"The set-up failed ({error}): see whether the disk has room and {PROJECT} is yours.")
+        return 1
     except KeyboardInterrupt:
         say("The set-up was interrupted; the next start does it again.")
         return 130

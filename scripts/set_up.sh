@@ -88,7 +88,11 @@ set_up() { # KIND
     if is_up_to_date "$1" "$wanted"; then
         return
     fi
-    PATH="${PATH//"$project/.venv/bin:"/}"
+    # The environment must not be made from itself, even if it is the active one.
+    PATH=":$PATH:"
+    PATH="${PATH//":$project/.venv/bin:"/:}"
+    PATH="${PATH#:}"
+    PATH="${PATH%:}"
     check_machine
     choose_python
     "$python" -I "$project/scripts/set_up.py" "$1" "$wanted" "${PYTHON:-}"

@@ -137,6 +137,29 @@ def test_unsupported_choice_of_the_user_is_told(project: Path, machine: Path) ->
     assert finished.stderr.startswith("PYTHON=python2 is no Python 3.10 to 3.13")
 
 
+@pytest.mark.parametrize("first", [True, False])
+def test_environment_is_not_made_from_itself(project: Path, machine: Path, first: bool) -> None:
+    """With .venv activated, python3 on PATH is the one that may have to be replaced."""
+    programs = project / ".venv" / "bin"
+    programs.mkdir(parents=True)
+    add_program(programs, "python3", "exit 0")
+    path = [str(programs), str(machine)]
+    finished = start(project, machine, PATH=os.pathsep.join(path if first else path[::-1]))
+    assert "No Python 3.10 to 3.13 was found" in finished.stderr
+
+
+def test_full_disk_is_a_sentence(project: Path, machine: Path) -> None:
+    """Anything the system refuses is told without a traceback."""
+    add_this_python(machine)
+    for name in ("cc", "c++"):
+        add_program(machine, name, "exit 0")
+    (project / ".cache").write_text("no folder can be made here")
+    finished = start(project, machine)
+    assert finished.returncode == 1
+    assert finished.stderr.startswith("The set-up failed (")
+    assert len(finished.stderr.splitlines()) == 1
+
+
 def finished_set_up(project: Path, kinds: tuple[str, ...] = ("run",), python: str = "") -> None:
     """Leave behind what a complete set-up leaves, with a Python that prints its arguments."""
     fingerprint = subprocess.run(
