@@ -1,0 +1,48 @@
+"""Parameters of the nodes are complete, checked, and read from both forms of file."""
+
+from pathlib import Path
+
+import pytest
+
+from sonar_tracking.configuration import describe
+from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.graph.node_catalogue import BEARING_TRACKER, NODES, SUBSPACE_ESTIMATOR
+from sonar_tracking.graph.node_settings import read_settings, resolved_settings
+
+
+def test_every_parameter_has_a_value() -> None:
+    nodes = tuple(NODES.values())
+    given = {SUBSPACE_ESTIMATOR.name: {"period": 2}}
+    settings = resolved_settings(given, nodes, "here")
+    for node in nodes:
+        names = {d.name for c in node.configurations for d in describe(c)}
+        assert set(settings[node.name]) == names
+    assert settings[SUBSPACE_ESTIMATOR.name]["period"] == 2.0
+    # What was resolved can be given again, as a recording does.
+    assert resolved_settings(settings, nodes, "there") == settings
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        ({"bearing_trackr": {}}, "did you mean bearing_tracker"),
+        ({"bearing_tracker": {"first_ib": 1}}, "did you mean first_id"),
+        ({"bearing_tracker": {"flow_depth": 0}}, "flow_depth is 0; it must be between 1 and"),
+        ({"bearing_tracker": {"start": "given"}}, "initial_bearings_deg is empty"),
+    ],
+)
+def test_a_wrong_parameter_names_place_and_remedy(
+    given: dict[str, dict[str, object]], sentence: str
+) -> None:
+    with pytest.raises(ConfigurationError, match="here: bearing_tr") as error:
+        resolved_settings(given, (BEARING_TRACKER,), "here")
+    assert sentence in str(error.value)
+
+
+def test_both_forms_of_file_are_read(tmp_path: Path) -> None:
+    file = tmp_path / "parameters.yaml"
+    file.write_text("/one: {ros__parameters: {a: 1}}\ntwo: {b: 2.5}\n")
+    assert read_settings(file) == {"one": {"a": 1}, "two": {"b": 2.5}}
+    file.write_text("one: 3\n")
+    with pytest.raises(ConfigurationError, match="one must be a mapping"):
+        read_settings(file)
