@@ -30,7 +30,9 @@ from sonar_tracking.passive.records import SubspaceEstimates
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
-PRIOR_VARIANCE = 900.0 * np.deg2rad(1.0) ** 2
+_SQUARE_DEGREE = float(np.deg2rad(1.0) ** 2)
+
+PRIOR_VARIANCE = 900.0 * _SQUARE_DEGREE
 """Variance of a bearing of which the data say nothing, rad^2: bounds R at crossings and endfire."""
 
 _LEAST_NOISE_SHARE = 1e-12
@@ -100,15 +102,14 @@ def measured_bearings(
         wavenumber(estimates.center_frequency, estimates.sound_speed),
         configuration.phase_reference,
     )
+    if configuration.variance_from_data:
+        variance = fisher_variance(estimates, angles, sources, estimates.effective_snapshots)
+    else:
+        variance = np.full(angles.shape, configuration.measurement_variance_deg2 * _SQUARE_DEGREE)
     if configuration.fused_variance == "independent":
         ratio = independent_variance_ratio(len(offsets))
     else:
         ratio = correlated_variance_ratio(offsets, estimates.sample_period, beta)
-    if not configuration.variance_from_data:
-        single = configuration.measurement_variance_deg2 * np.deg2rad(1.0) ** 2
-        variance = np.full(angles.shape, single)
-    else:
-        variance = fisher_variance(estimates, angles, sources, estimates.effective_snapshots)
     innovation = fused_measurement(innovations)
     return BearingMeasurement(angles + innovation, innovation, ratio * variance, age)
 
@@ -183,7 +184,9 @@ def fisher_variance(
 
 
 def _noise_power(estimates: SubspaceEstimates) -> FloatArray:
-    assert estimates.covariance is not None
-    trace = np.trace(estimates.covariance, axis1=-2, axis2=-1).real
-    least = _LEAST_NOISE_SHARE * trace / len(estimates.element_positions)
-    return np.maximum(estimates.noise_power, np.maximum(least, np.finfo(float).tiny))
+    least = np.array(np.finfo(float).tiny)
+    if estimates.covariance is not None:
+        trace = np.trace(estimates.covariance, axis1=-2, axis2=-1).real
+        share = _LEAST_NOISE_SHARE * trace / len(estimates.element_positions)
+        least = np.maximum(least, share)
+    return np.maximum(estimates.noise_power, least)

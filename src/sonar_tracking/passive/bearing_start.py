@@ -23,6 +23,7 @@ from sonar_tracking.passive.music import music_bearings
 from sonar_tracking.passive.records import SubspaceEstimates
 
 FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
 
 POINTS_TO_START = 4
 """Joined bearings that start a track."""
@@ -128,7 +129,7 @@ class BearingStart:
         if last is not None and (middle - last) * 1e-9 < 0.999 * duration:
             # Shared snapshots would make the bearings look more certain than they are.
             return self, ()
-        angles, variances = _resolved_bearings(estimates, tracked_angles)
+        angles, variances = _resolved_bearings(estimates, estimates.covariance, tracked_angles)
         joined = self._joined(middle, angles, variances)
         ready = [track for track in joined if len(track.stamps) >= POINTS_TO_START][:wanted]
         started = tuple(self._started(track, estimates.stamp) for track in ready)
@@ -193,14 +194,13 @@ def _extended(track: TentativeTrack, middle: int, angle: float, variance: float)
 
 
 def _resolved_bearings(
-    estimates: SubspaceEstimates, tracked_angles: FloatArray
+    estimates: SubspaceEstimates, covariance: ComplexArray, tracked_angles: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the MUSIC bearings that belong to no track yet, and their variances."""
-    assert estimates.covariance is not None
     positions = estimates.element_positions
     number = wavenumber(estimates.center_frequency, estimates.sound_speed)
     angles = music_bearings(
-        estimates.covariance,
+        covariance,
         estimates.basis.shape[-1],
         positions,
         number,

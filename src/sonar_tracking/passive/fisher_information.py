@@ -72,10 +72,9 @@ def stochastic_fisher_information(
     outside = derivatives - orthonormal @ (_hermitian(orthonormal) @ derivatives)
     curvature = _hermitian(outside) @ outside
     # P_s A^H R^-1 A P_s = P_s G (sigma^2 I + P_s G)^-1 P_s with G = A^H A: small matrices only.
-    gram = _hermitian(vectors) @ vectors
-    product = source_covariance @ gram
-    identity = np.eye(gram.shape[-1])
-    signal = product @ np.linalg.solve(product + power * identity, source_covariance)
+    product = source_covariance @ (_hermitian(vectors) @ vectors)
+    full = product + power * np.eye(product.shape[-1])
+    signal = product @ np.linalg.solve(full, source_covariance)
     information = (curvature * np.swapaxes(signal, -1, -2)).real
     information = 0.5 * (information + np.swapaxes(information, -1, -2))
     return np.asarray(2.0 * snapshots / power * information, dtype=np.float64)
