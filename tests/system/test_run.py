@@ -117,6 +117,11 @@ def test_ctrl_c_ends_a_healthy_run_in_order(
     assert recorded.recovery is None
     snapshots = recorded.topics["/array/snapshots"].message_count
     assert snapshots == report["topics"]["/array/snapshots"]["messages"] > 5
+    # What was begun was finished: the recording replays to the same tracks.
+    again = run_command(tmp_path, "replay", bag, "--rate", "max", "--json", json)
+    assert again.returncode == 0, again.stdout
+    compared = report_of(json)["comparison"]
+    assert all(phrase.startswith("identical:") for phrase in compared.values())
 
 
 def test_a_killed_tracker_is_restarted_and_reported(
@@ -155,6 +160,32 @@ def test_a_killed_simulator_goes_on_where_it_was(
     assert report["nodes"]["array_simulator"]["restarts"] == 1
     # The data are a function of the scenario: nothing is missing, the tracks are the same.
     assert digests(report)[TRACKS] == digests(recorded_run.report)[TRACKS]
+
+
+LARGE_BLOCKS = """
+duration: 8.2
+array: {n_elements: 256, center_frequency: 1.0e+6, bandwidth: 500.0, snapshot_rate: 500.0,
+        block_snapshots: 1024}
+targets: [{level_db: 0.0, motion: {kind: linear, offset_deg: 10.0, rate_deg: 0.1}}]
+nodes:
+  subspace_estimator: {method: block_past, update_snapshots: 50, n_subspaces: 1, source_count: 1}
+  bearing_tracker: {start: given, initial_bearings_deg: [10.0], initial_rates_deg: [0.1]}
+"""
+
+
+def test_large_blocks_pass_without_loss(tmp_path: Path) -> None:
+    """Blocks of 2 MB and subspaces of 1 MB, four times what fits into default shared memory."""
+    scenario, json, bag = tmp_path / "large.yaml", tmp_path / "report.json", tmp_path / "bag"
+    scenario.write_text(LARGE_BLOCKS)
+    arguments = ("--rate", "max", "--json", json, "--record", bag)
+    done = run_command(tmp_path, "run", scenario, *arguments)
+    assert done.returncode == 0, done.stdout
+    report = report_of(json)
+    assert report["topics"]["/array/snapshots"]["messages"] == 5
+    assert report["nodes"]["subspace_estimator"]["messages_in"] == 5
+    blocks = list(read_bag(bag).messages(["/array/snapshots"]))
+    assert [len(block.data) > 2_000_000 for block in blocks] == [True] * 4 + [False]
+    assert report["score"]["rmse_deg"] < 0.1
 
 
 def test_a_stuck_node_is_named_and_waited_for(
@@ -246,6 +277,7 @@ def test_a_bad_parameter_is_refused_before_anything_starts(
     said = refused(["run", str(scenario)], capsys, monkeypatch, tmp_path)
     assert sentence in said
     assert "bad.yaml" in said
+    assert not list(tmp_path.glob("sonar_tracking/*"))
 
 
 def refused(

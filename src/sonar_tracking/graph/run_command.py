@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
 from rich.console import Console
 
 from sonar_tracking.display.run_display import LineDisplay, LiveDisplay, RunDisplay
+from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.run_options import RunOptions, make_log_directory, rate_from_text
 from sonar_tracking.graph.run_report import RunReport
 
@@ -67,8 +69,12 @@ def _shown(display: bool, json: Path | None, work: Work) -> int:
     console = Console()
     log_directory = make_log_directory()
     live = display and console.is_terminal
-    with LiveDisplay(console) if live else LineDisplay(console) as screen:
-        report = work(screen, log_directory)
+    try:
+        with LiveDisplay(console) if live else LineDisplay(console) as screen:
+            report = work(screen, log_directory)
+    except ConfigurationError:
+        shutil.rmtree(log_directory)
+        raise
     for line in report.lines():
         console.print(line, highlight=False, markup=False, soft_wrap=True)
     console.print(f"logs in {log_directory}", highlight=False, markup=False, soft_wrap=True)
