@@ -15,6 +15,7 @@ import pytest
 from sonar_tracking import cli
 from sonar_tracking.bags.reader import read_bag
 from sonar_tracking.evaluation.offline_chain import run_offline_chain
+from sonar_tracking.graph import run_command as run_command_module
 from sonar_tracking.graph.run_observer import tracks_from_bytes
 from sonar_tracking.simulation.scenario import load_scenario
 from tests.system.command_line import (
@@ -278,6 +279,29 @@ def test_a_bad_parameter_is_refused_before_anything_starts(
     assert sentence in said
     assert "bad.yaml" in said
     assert not list(tmp_path.glob("sonar_tracking/*"))
+
+
+@pytest.mark.parametrize(
+    ("package", "remedy"),
+    [("rclpy", "source your ROS 2"), ("sonar_tracking_msgs", "./scripts/run.sh")],
+)
+def test_missing_ros_is_named_before_anything_starts(
+    package: str,
+    remedy: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
+    monkeypatch.setattr(run_command_module, "find_spec", lambda name: name != package or None)
+    said = refused(["run"], capsys, monkeypatch, tmp_path)
+    assert package in said and remedy in said
+
+
+def test_a_missing_package_of_a_verb_is_named(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(cli, "_needs", lambda name: __import__("a_package_nobody_has"))
+    assert "pip install a_package_nobody_has" in refused(["bench"], capsys, monkeypatch, tmp_path)
 
 
 def refused(

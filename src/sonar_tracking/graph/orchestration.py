@@ -108,9 +108,8 @@ class Orchestration:
 
     def stop_processes(self) -> None:
         """Stop every node in bounded time; a second Ctrl-C kills them at once."""
-        before = self._stops
         names = self.supervisor.running()
-        self.supervisor.stop(names, hurry=lambda: self._stops > max(1, before))
+        self.supervisor.stop(names, hurry=lambda: self._stops > 1)
         for number, handler in self._handlers.items():
             signal.signal(number, handler)  # type: ignore[arg-type]
         for name in names if self._flow_started is not None else ():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
 
 from rich.console import Console
@@ -66,6 +67,10 @@ def replay(
 
 
 def _shown(display: bool, json: Path | None, work: Work) -> int:
+    for package in ("rclpy", "sonar_tracking_msgs"):
+        # Told before any process is started, which could only fail for the same reason.
+        if find_spec(package) is None:
+            raise ModuleNotFoundError(package, name=package)
     console = Console()
     log_directory = make_log_directory()
     live = display and console.is_terminal
