@@ -1,0 +1,81 @@
+"""One filter over the bearings of all targets: maximum a posteriori angles of a block.
+
+The measurement is the likelihood of all angles at once, as score and information
+(:mod:`sonar_tracking.passive.weighted_subspace_fit`), linearised again at every iterate. No
+measurement variance needs tuning, and nothing is inverted but I + J P, so that the information J
+may be singular at a crossing: the prior, with the correlations that former blocks have left, then
+holds the identities apart. The state of n targets is [n angles, n rates].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.filtering.constant_velocity import process_noise_matrix, transition_matrix
+from sonar_tracking.filtering.kalman import KalmanState, predict, symmetrised
+from sonar_tracking.passive.weighted_subspace_fit import SubspaceFit
+
+FloatArray = NDArray[np.float64]
+
+_ITERATIONS = 2
+"""Linearisations of one block. A fit to convergence swaps targets at crossings."""
+
+
+def joint_prediction(state: KalmanState, interval: float, density: float) -> KalmanState:
+    """Return the joint state after an interval.
+
+    Parameters
+    ----------
+    state : KalmanState
+        mean (..., 2 n), covariance (..., 2 n, 2 n).
+    interval : float
+        s.
+    density : float
+        Spectral density of each bearing's acceleration, rad^2/s^3.
+    """
+    n_targets = state.mean.shape[-1] // 2
+    transition = _of_all_targets(transition_matrix(interval), n_targets)
+    process_noise = _of_all_targets(process_noise_matrix(density, interval), n_targets)
+    return predict(state, transition, process_noise)
+
+
+def joint_update(
+    state: KalmanState, age: float, fit: Callable[[FloatArray], SubspaceFit]
+) -> KalmanState:
+    """Return the joint state after one block.
+
+    Parameters
+    ----------
+    state : KalmanState
+        Prediction: mean (..., 2 n), covariance (..., 2 n, 2 n).
+    age : float
+        How long before the instant of the state the middle of the block was, s.
+    fit : callable
+        Score and information of the block at given angles (..., n) in its middle.
+    """
+    n_targets = state.mean.shape[-1] // 2
+    identity = np.eye(n_targets)
+    matrix = _of_all_targets(np.array([[1.0, -age]]), n_targets)
+    cross = state.covariance @ matrix.T
+    prior = matrix @ cross
+    predicted = (matrix @ state.mean[..., None])[..., 0]
+    angles = predicted
+    for _ in range(_ITERATIONS):
+        block = fit(angles)
+        moved = (block.information @ (angles - predicted)[..., None])[..., 0]
+        mixing = identity + block.information @ prior
+        pull = np.linalg.solve(mixing, (block.score + moved)[..., None])
+        angles = predicted + (prior @ pull)[..., 0]
+    removed = cross @ np.linalg.solve(mixing, block.information @ np.swapaxes(cross, -1, -2))
+    return KalmanState(
+        mean=state.mean + (cross @ pull)[..., 0],
+        covariance=symmetrised(state.covariance - removed),
+    )
+
+
+def _of_all_targets(matrix: FloatArray, n_targets: int) -> FloatArray:
+    """Return the matrix on [n angles, n rates] that acts on each [angle, rate] like ``matrix``."""
+    return np.asarray(np.kron(matrix, np.eye(n_targets)), dtype=np.float64)
