@@ -76,20 +76,35 @@ def test_block_windows_lie_on_multiples_of_the_step() -> None:
     assert list(window.indices) == [80, 100, 120]
 
 
-@given(rates, st.integers(0, 10**7), st.sampled_from([1, 5, 20]), st.sampled_from([1, 3, 7]))
+def test_estimate_waits_for_the_last_of_subspaces_and_covariance() -> None:
+    timing = BlockTiming(EPOCH, 7, 100, period_in_nanoseconds(1.0 / 97.0))
+    for lookahead, complete in ((0, 120), (10, 120), (30, 134)):
+        schedule = SampleSchedule(period_in_nanoseconds(1.0), 3, 20, lookahead)
+        window = schedule.window(EPOCH // 10**9 + 1, timing)
+        assert window.covariance_end == 104 + lookahead
+        assert window.complete == complete
+
+
+@given(
+    rates,
+    st.integers(0, 10**7),
+    st.sampled_from([1, 5, 20]),
+    st.sampled_from([1, 3, 7]),
+    st.sampled_from([0, 3, 50]),
+)
 @settings(max_examples=60, deadline=None)
 def test_first_sample_time_has_a_complete_window(
-    rate: float, start: int, step: int, n_subspaces: int
+    rate: float, start: int, step: int, n_subspaces: int, lookahead: int
 ) -> None:
-    schedule = SampleSchedule(period_in_nanoseconds(0.5), n_subspaces, step)
+    schedule = SampleSchedule(period_in_nanoseconds(0.5), n_subspaces, step, lookahead)
     timing = first_timing(EPOCH + start * 1000, 20, 1.0 / rate)
     number = schedule.first_complete(timing)
     assert schedule.window(number, timing).first > timing.first_index
     before = schedule.window(number - 1, timing)
     assert before.first <= timing.first_index or before.stamp < timing.stamp
     unfinished = schedule.first_unfinished(timing)
-    assert schedule.window(unfinished, timing).last >= timing.first_index
-    assert schedule.window(unfinished - 1, timing).last < timing.first_index
+    assert schedule.window(unfinished, timing).complete >= timing.first_index
+    assert schedule.window(unfinished - 1, timing).complete < timing.first_index
 
 
 def test_a_tie_does_not_depend_on_the_rounding_of_stamps() -> None:

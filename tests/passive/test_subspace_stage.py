@@ -52,10 +52,10 @@ def test_subspaces_are_those_around_the_sample_time() -> None:
             state = method.update(method.start(15, 5), data[: centre + offset + 1])
             assert np.abs(estimate.basis[number] - state.basis).max() < 1e-12
         assert estimate.time_offsets == pytest.approx(np.arange(-3, 4) / 200.0, abs=1e-12)
-        newest = data[centre + 4 - 100 : centre + 4]
+        last = data[centre + 1 - 100 : centre + 1]
         assert estimate.covariance is not None
-        assert np.allclose(estimate.covariance, newest.T @ newest.conj() / 100)
-        assert estimate.covariance_time_offset == pytest.approx((3 - 49.5) / 200.0)
+        assert np.allclose(estimate.covariance, last.T @ last.conj() / 100)
+        assert estimate.covariance_time_offset == pytest.approx(-49.5 / 200.0)
         assert estimate.next_stamp == estimate.stamp + SECOND
         assert estimate.effective_snapshots == pytest.approx(1.86 / 0.14)
 
@@ -79,6 +79,47 @@ def test_windows_do_not_depend_on_the_blocks(method: str, rate: float) -> None:
         assert len(estimate.time_offsets) == 7
         assert np.diff(estimate.time_offsets) == pytest.approx(np.full(6, step / rate), abs=1e-9)
         assert abs(estimate.time_offsets[3]) <= (0.5 * step + 0.51) / rate
+
+
+@pytest.mark.parametrize(
+    ("alignment", "n_snapshots", "before"),
+    [("causal", 150, 149), ("centred", 151, 75), ("centred", 150, 74)],
+)
+@pytest.mark.parametrize("size", [20, 37, 500])
+@pytest.mark.parametrize("n_subspaces", [1, 7])
+def test_covariance_ends_at_the_sample_time_or_lies_around_it(
+    alignment: str, n_snapshots: int, before: int, size: int, n_subspaces: int
+) -> None:
+    data = crossing_data(17, 0.0, 3.0)
+    configuration = SubspaceConfiguration(
+        source_count=5,
+        n_subspaces=n_subspaces,
+        covariance_snapshots=n_snapshots,
+        covariance_alignment=alignment,
+    )
+    estimates, _ = fed(SubspaceStage(configuration), list(blocks_of(data, size)))
+    in_reach = (0, SECOND, 2 * SECOND)
+    assert tuple(e.stamp - EPOCH for e in estimates if e.stamp < EPOCH + 3 * SECOND) == in_reach
+    for estimate in estimates[:3]:
+        first = 200 + (estimate.stamp - EPOCH) * 200 // SECOND - before
+        part = data[first : first + n_snapshots]
+        assert estimate.covariance is not None
+        assert estimate.covariance_snapshots == n_snapshots
+        assert np.allclose(estimate.covariance, part.T @ part.conj() / n_snapshots)
+        middle = (0.5 * (n_snapshots - 1) - before) / 200.0
+        assert estimate.covariance_time_offset == pytest.approx(middle, abs=1e-12)
+
+
+def test_centred_covariance_cut_off_by_a_gap_lies_before_it() -> None:
+    blocks = list(blocks_of(crossing_data(18, 0.0, 3.0)))
+    configuration = SubspaceConfiguration(
+        source_count=5, n_subspaces=1, covariance_snapshots=100, covariance_alignment="centred"
+    )
+    # The data stop with the 19th snapshot after t = 1 s and go on at 1.6 s.
+    estimates, _ = fed(SubspaceStage(configuration), blocks[:21] + blocks[26:])
+    cut = next(e for e in estimates if e.stamp == EPOCH + SECOND)
+    assert cut.covariance_snapshots == 100
+    assert cut.covariance_time_offset == pytest.approx((19 - 49.5) / 200.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("method", ["past", "opast", "block_past", "covariance"])

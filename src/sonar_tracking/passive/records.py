@@ -116,7 +116,7 @@ class SubspaceEstimates:
     rank, source_count : int
         MDL on the raw and on the smoothed covariance; -1 = not estimated.
     covariance : ndarray, shape (..., n_elements, n_elements), complex, or None
-        Sample covariance of the newest ``covariance_snapshots`` snapshots.
+        Sample covariance of ``covariance_snapshots`` snapshots.
     covariance_snapshots : int
         Snapshots in it; 0 = none.
     covariance_time_offset : float

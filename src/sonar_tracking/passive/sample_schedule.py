@@ -5,7 +5,8 @@ period, rounded; a contiguous block continues the count; after a gap the count j
 missing. Sample time k is the stamp k T; its window is the subspaces that end at the snapshots
 ``e - h L, ..., e, ..., e + h L`` with h = (P - 1) / 2 and e the multiple of L nearest to the
 snapshot nearest to k T (the earlier one at a tie). For L = 1 this is the window
-``k Ns - (P-1)/2 ... k Ns + (P-1)/2`` of Ryu, Park, Choi (2003), eq. 7.
+``k Ns - (P-1)/2 ... k Ns + (P-1)/2`` of Ryu, Park, Choi (2003), eq. 7. The sample covariance of a
+sample time ends a fixed number of snapshots after the one nearest to k T.
 
 All of it is integer arithmetic on nanoseconds, so that periods that are not a whole number of
 nanoseconds neither drift nor depend on where a recording starts.
@@ -107,6 +108,8 @@ class Window:
         Global indices of the snapshots after which the first and last subspace are taken.
     step : int
         Snapshots between subspaces.
+    covariance_end : int
+        Global index of the last snapshot of the sample covariance.
     """
 
     number: int
@@ -114,6 +117,12 @@ class Window:
     first: int
     last: int
     step: int
+    covariance_end: int
+
+    @property
+    def complete(self) -> int:
+        """Global index of the snapshot after which the estimate can be made."""
+        return max(self.last, self.covariance_end)
 
     @property
     def indices(self) -> range:
@@ -133,11 +142,19 @@ class SampleSchedule:
         P, odd.
     step : int
         L, snapshots between subspaces.
+    lookahead : int
+        Snapshots of the sample covariance after the one nearest to the sample time.
     """
 
     period: Fraction
     n_subspaces: int
     step: int
+    lookahead: int = 0
+
+    @property
+    def reach(self) -> int:
+        """Most snapshots between the one nearest to a sample time and a subspace of its window."""
+        return (self.n_subspaces - 1) // 2 * self.step + self.step
 
     def stamp(self, number: int) -> int:
         """Return sample time ``number``, ns."""
@@ -146,9 +163,11 @@ class SampleSchedule:
     def window(self, number: int, timing: BlockTiming) -> Window:
         """Return the window of sample time ``number`` in the count of ``timing``."""
         stamp = self.stamp(number)
-        centre = nearest_integer(Fraction(timing.nearest_index(stamp), self.step)) * self.step
+        nearest = timing.nearest_index(stamp)
+        centre = nearest_integer(Fraction(nearest, self.step)) * self.step
         half = (self.n_subspaces - 1) // 2 * self.step
-        return Window(number, stamp, centre - half, centre + half, self.step)
+        end = nearest + self.lookahead
+        return Window(number, stamp, centre - half, centre + half, self.step, end)
 
     def first_complete(self, timing: BlockTiming) -> int:
         """Return the number of the first sample time in or after a block with a whole window.
@@ -161,10 +180,9 @@ class SampleSchedule:
         return number
 
     def first_unfinished(self, timing: BlockTiming) -> int:
-        """Return the number of the first sample time whose window reaches into a block."""
-        half = (self.n_subspaces - 1) // 2 * self.step + self.step
-        begin = timing.stamp - half * timing.sample_period
+        """Return the number of the first sample time whose estimate needs a block."""
+        begin = timing.stamp - max(self.reach, self.lookahead) * timing.sample_period
         number = math.floor(begin / self.period) - 1
-        while self.window(number, timing).last < timing.first_index:
+        while self.window(number, timing).complete < timing.first_index:
             number += 1
         return number

@@ -36,6 +36,12 @@ class SubspaceConfiguration:
     covariance_snapshots: int = parameter(
         100, "Snapshots of the sample covariance published with each estimate; 0 = none", minimum=0
     )
+    covariance_alignment: str = parameter(
+        "causal",
+        "Which snapshots those are: the last ones up to the sample time (causal), or half of them "
+        "before and half after it (centred), which delays the estimate by as much",
+        choices=("causal", "centred"),
+    )
     maximum_rate_deg: float = parameter(
         5.0,
         "Fastest bearing that the source count must not take for two sources",
@@ -47,3 +53,8 @@ class SubspaceConfiguration:
     def step(self) -> int:
         """Snapshots between adjacent subspaces."""
         return 1 if self.method in ("past", "opast") else self.update_snapshots
+
+    @property
+    def covariance_lookahead(self) -> int:
+        """Snapshots of the sample covariance after the sample time."""
+        return self.covariance_snapshots // 2 if self.covariance_alignment == "centred" else 0

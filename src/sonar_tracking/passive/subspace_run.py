@@ -86,7 +86,7 @@ def window_estimates(
     """
     subspaces = [c for c in run.captured if c.index in window.indices]
     header, timing, beta = run.header, source.timing, configuration.forgetting_factor
-    end = min(window.last, timing.last_index)
+    end = min(window.covariance_end, timing.last_index)
     summary = _summary(configuration, source, end) if subspaces else CovarianceSummary()
     middle = end - 0.5 * (summary.n_snapshots - 1)
     offset = timing.time_offset(middle, window.stamp) if summary.n_snapshots else np.nan
@@ -137,7 +137,7 @@ def _stacked(subspaces: list[CapturedSubspace], run: SubspaceRun) -> ComplexArra
 
 def _summary(configuration: SubspaceConfiguration, run: SubspaceRun, end: int) -> CovarianceSummary:
     begin_of_history = run.timing.last_index + 1 - run.history.shape[-2]
-    stop = end + 1 - begin_of_history
+    stop = max(end + 1 - begin_of_history, 0)
     start = max(stop - configuration.covariance_snapshots, 0)
     return summarise_covariance(
         run.history[..., start:stop, :],

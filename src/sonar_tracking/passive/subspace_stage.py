@@ -3,7 +3,8 @@
 A recursive method (PAST, OPAST, block PAST or the eigenvectors of an exponentially weighted
 covariance) follows the signal subspace through all snapshots. Around each sample time k T the
 stage publishes P adjacent subspaces (Ryu, Park, Choi 2003, eq. 7) and the sample covariance of the
-newest snapshots. The first estimate belongs to the first sample time whose window is complete.
+snapshots before or around it. The first estimate belongs to the first sample time whose window is
+complete.
 """
 
 from __future__ import annotations
@@ -106,6 +107,7 @@ class SubspaceStage:
             period_in_nanoseconds(configuration.period),
             configuration.n_subspaces,
             configuration.step,
+            configuration.covariance_lookahead,
         )
         self._run: SubspaceRun | None = None
 
@@ -248,18 +250,18 @@ class SubspaceStage:
 
     def _close_before(self, run: SubspaceRun, previous: SubspaceRun) -> Closed:
         """Close the windows that end in the gap before the block."""
-        lost = [w for w in run.windows if w.last < run.timing.first_index]
+        lost = [w for w in run.windows if w.complete < run.timing.first_index]
         estimates = [self._estimates(window, run, previous) for window in lost]
         return self._without(run, lost), estimates
 
     def _close_completed(self, run: SubspaceRun, end: bool) -> Closed:
         """Close the windows that are complete; at the end of the data also those begun."""
         timing = run.timing
-        done = [w for w in run.windows if w.last <= timing.last_index]
+        done = [w for w in run.windows if w.complete <= timing.last_index]
         if end:
             done = list(run.windows)
         estimates = [self._estimates(window, run, run) for window in done]
-        keep = self.configuration.covariance_snapshots
+        keep = self.configuration.covariance_snapshots + self._schedule.reach
         history = run.history[..., max(run.history.shape[-2] - keep, 0) :, :]
         return replace(self._without(run, done), history=history), estimates
 
