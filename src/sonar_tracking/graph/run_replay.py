@@ -172,9 +172,12 @@ def _offered(bag: Bag, descriptions: list[NodeDescription]) -> tuple[Topic, ...]
     )
     missing = sorted(resolved(topic) for topic in wanted - set(offered))
     if missing:
-        there = ", ".join(f"{topic.name} ({topic.role})" for topic in bag.topics.values())
+        there = ", ".join(
+            f"{topic.name} ({topic.role}, {topic.message_count} messages)"
+            for topic in bag.topics.values()
+        )
         raise ConfigurationError(
-            f"{bag.path} holds no {', '.join(missing)} to replay; its topics are {there}."
+            f"{bag.path} holds no message of {', '.join(missing)} to replay; its topics are {there}."
         )
     return offered
 
