@@ -21,7 +21,7 @@ from rosgraph_msgs.msg import Clock
 from sonar_tracking_msgs.msg import Progress
 
 from sonar_tracking.graph import quality_of_service
-from sonar_tracking.graph.message_fields import message_class, stamp_from_time, time_from_stamp
+from sonar_tracking.graph.message_fields import message_class, time_from_stamp
 from sonar_tracking.graph.topics import (
     CLOCK_TOPIC,
     DIAGNOSTICS_TOPIC,
@@ -29,6 +29,7 @@ from sonar_tracking.graph.topics import (
     Topic,
     TopicKind,
 )
+from sonar_tracking.messages.fields import stamp_from_time
 
 DOMAIN = 1 + os.getpid() % 100
 PATIENCE = 40.0

@@ -16,6 +16,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 
 from sonar_tracking.errors import InputError
 from sonar_tracking.graph import conversions
+from sonar_tracking.messages import reading
 from sonar_tracking.passive.records import (
     ArraySnapshots,
     BearingTracks,
@@ -140,27 +141,25 @@ def assert_same(found: Any, expected: Any) -> None:
 @given(snapshots())
 def test_snapshots_round_trip(record: ArraySnapshots) -> None:
     message = through_the_wire(conversions.snapshots_to_message(record))
-    assert_same(conversions.snapshots_from_message(message), record)
+    assert_same(reading.snapshots_from_message(message), record)
 
 
 @given(subspaces())
 def test_subspaces_round_trip(record: SubspaceEstimates) -> None:
     message = through_the_wire(conversions.subspaces_to_message(record))
-    assert_same(conversions.subspaces_from_message(message), record)
+    assert_same(reading.subspaces_from_message(message), record)
 
 
 @given(bearing_tracks())
 def test_bearing_tracks_round_trip(record: BearingTracks) -> None:
     message = through_the_wire(conversions.bearing_tracks_to_message(record))
-    assert_same(conversions.bearing_tracks_from_message(message), record)
+    assert_same(reading.bearing_tracks_from_message(message), record)
 
 
 @given(st.floats(-math.pi, math.pi), st.floats(-1e6, 1e6), st.floats(-30.0, 30.0))
 def test_own_ship_round_trip(yaw: float, coordinate: float, speed: float) -> None:
     record = OwnShipState(7, (coordinate, -coordinate), yaw, (speed, 0.1), 0.01)
-    found = conversions.own_ship_from_message(
-        through_the_wire(conversions.own_ship_to_message(record))
-    )
+    found = reading.own_ship_from_message(through_the_wire(conversions.own_ship_to_message(record)))
     assert math.remainder(found.yaw - yaw, 2 * math.pi) == pytest.approx(0.0, abs=1e-12)
     assert dataclasses.replace(found, yaw=yaw) == record
 
@@ -169,7 +168,7 @@ def test_odometry_without_an_orientation_is_refused() -> None:
     message = conversions.own_ship_to_message(OwnShipState(7, (0.0, 0.0), 0.0, (0.0, 0.0), 0.0))
     message.pose.pose.orientation.w = 0.0
     with pytest.raises(InputError, match="orientation of length zero"):
-        conversions.own_ship_from_message(message)
+        reading.own_ship_from_message(message)
 
 
 def test_truth_tracks_carry_every_target() -> None:
@@ -196,14 +195,14 @@ def test_a_wrong_element_count_is_named() -> None:
     message = good_snapshots()
     message.data = array.array("f", [0.0] * 10)
     with pytest.raises(InputError, match=r"ArraySnapshots\.data has 10 values.*2 x 3.*need 12"):
-        conversions.snapshots_from_message(message)
+        reading.snapshots_from_message(message)
 
 
 def test_element_coordinates_of_unequal_length_are_named() -> None:
     message = good_snapshots()
     message.element_y = array.array("d", [0.0])
     with pytest.raises(InputError, match="element_x, element_y and element_z have 3, 1 and 3"):
-        conversions.snapshots_from_message(message)
+        reading.snapshots_from_message(message)
 
 
 @given(bearing_tracks(min_tracks=1), st.sampled_from(["covariance", "arrival_angle", "elevation"]))
@@ -211,7 +210,7 @@ def test_columns_of_unequal_length_are_refused_both_ways(record: BearingTracks, 
     message = conversions.bearing_tracks_to_message(record)
     getattr(message, name).extend([0.0] * 5)
     with pytest.raises(InputError, match=rf"BearingTracks\.{name} has \d+ values, but id has"):
-        conversions.bearing_tracks_from_message(message)
+        reading.bearing_tracks_from_message(message)
     longer = dataclasses.replace(record, arrival_angle=np.zeros(len(record.id) + 1))
     with pytest.raises(InputError, match=r"BearingTracks\.arrival_angle"):
         conversions.bearing_tracks_to_message(longer)
@@ -220,7 +219,7 @@ def test_columns_of_unequal_length_are_refused_both_ways(record: BearingTracks, 
 def test_empty_columns_mean_unknown() -> None:
     message = conversions.bearing_tracks_to_message(conversions.NO_BEARING_TRACKS)
     message.id = array.array("Q", [4, 5])
-    record = conversions.bearing_tracks_from_message(message)
+    record = reading.bearing_tracks_from_message(message)
     assert np.isnan(record.arrival_angle).all() and record.arrival_angle.shape == (2,)
     assert record.covariance.shape == (2, 2, 2)
 
@@ -229,7 +228,7 @@ def test_azimuth_tracks_are_not_taken_for_cone_angles() -> None:
     message = conversions.bearing_tracks_to_message(conversions.NO_BEARING_TRACKS)
     message.angle_kind = message.AZIMUTH
     with pytest.raises(InputError, match="angle_kind is 1"):
-        conversions.bearing_tracks_from_message(message)
+        reading.bearing_tracks_from_message(message)
 
 
 def test_fields_agree_with_their_types() -> None:
@@ -259,4 +258,4 @@ def test_a_subspace_without_its_time_is_refused() -> None:
     message = conversions.subspaces_to_message(subspaces_example())
     message.time_offsets = array.array("d", [0.0])
     with pytest.raises(InputError, match="time_offsets has 1 values, but n_subspaces is 2"):
-        conversions.subspaces_from_message(message)
+        reading.subspaces_from_message(message)

@@ -21,6 +21,7 @@ from sonar_tracking.graph.node_configuration import NodeConfiguration
 from sonar_tracking.graph.own_ship_interpolation import interpolate_own_ship
 from sonar_tracking.graph.sonar_node import SonarNode
 from sonar_tracking.graph.topics import BEARING_TRACKS, ODOMETRY, TRUE_BEARING_TRACKS
+from sonar_tracking.messages import reading
 from sonar_tracking.simulation.records import OwnShipState
 from tests.graph.live_graph import DOMAIN, Probe
 
@@ -47,8 +48,8 @@ class Example(SonarNode):
         self.substituted: list[int] = []
         self.output = self.data_publisher(TRUE_BEARING_TRACKS)
         self.data_subscriptions(
-            {BEARING_TRACKS: conversions.bearing_tracks_from_message},
-            series={ODOMETRY: (conversions.own_ship_from_message, interpolate_own_ship)},
+            {BEARING_TRACKS: reading.bearing_tracks_from_message},
+            series={ODOMETRY: (reading.own_ship_from_message, interpolate_own_ship)},
         )
 
     def process(self, item: JoinedItem, records: Mapping[str, Any]) -> Iterable[Notice]:

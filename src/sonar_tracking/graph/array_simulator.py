@@ -15,7 +15,6 @@ from rosgraph_msgs.msg import Clock
 from sonar_tracking.errors import ConfigurationError, Severity
 from sonar_tracking.graph import conversions, quality_of_service
 from sonar_tracking.graph.diagnostics import PARAMETERS
-from sonar_tracking.graph.message_fields import stamp_from_time
 from sonar_tracking.graph.node_catalogue import ARRAY_SIMULATOR
 from sonar_tracking.graph.node_configuration import ArraySimulatorConfiguration
 from sonar_tracking.graph.node_process import run_node
@@ -27,6 +26,7 @@ from sonar_tracking.graph.topics import (
     TRUE_BEARING_TRACKS,
     TRUE_TRACKS,
 )
+from sonar_tracking.messages.fields import stamp_from_time
 from sonar_tracking.simulation.array_simulation import ArraySimulation
 from sonar_tracking.simulation.records import SimulatedBlock
 from sonar_tracking.simulation.scenario import Scenario, load_scenario, scenario_from_mapping

@@ -10,13 +10,15 @@ from typing import Any
 import numpy as np
 
 from sonar_tracking.errors import InputError, Notice
-from sonar_tracking.graph import conversions, message_fields
+from sonar_tracking.graph import conversions
 from sonar_tracking.graph.data_flow import Received
 from sonar_tracking.graph.event_time_join import JoinedItem
 from sonar_tracking.graph.node_catalogue import BEARING_TRACKER
 from sonar_tracking.graph.node_process import run_node
 from sonar_tracking.graph.sonar_node import SonarNode
 from sonar_tracking.graph.topics import BEARING_TRACKS, SUBSPACES
+from sonar_tracking.messages.fields import sensor
+from sonar_tracking.messages.reading import subspaces_from_message
 from sonar_tracking.passive.bearing_tracker_configuration import BearingTrackerConfiguration
 from sonar_tracking.passive.bearing_tracker_stage import BearingTrackerStage
 from sonar_tracking.passive.records import BearingTracks, SubspaceEstimates
@@ -35,7 +37,7 @@ class BearingTracker(SonarNode):
         self._stage = BearingTrackerStage(configuration)
         self._last_estimates: SubspaceEstimates | None = None
         self._tracks = self.data_publisher(BEARING_TRACKS)
-        self.data_subscriptions({SUBSPACES: conversions.subspaces_from_message})
+        self.data_subscriptions({SUBSPACES: subspaces_from_message})
 
     def process(self, item: JoinedItem, records: Mapping[str, Any]) -> Iterable[Notice]:
         """Feed the subspaces of one sample time and publish the tracks."""
@@ -57,7 +59,7 @@ class BearingTracker(SonarNode):
                 conversions.NO_BEARING_TRACKS,
                 stamp=rejected.stamp,
                 next_stamp=rejected.next_stamp,
-                sensor=message_fields.sensor(rejected.message),
+                sensor=sensor(rejected.message),
             )
         )
 

@@ -27,8 +27,9 @@ from sonar_tracking.graph.diagnostics import MATCHED
 from sonar_tracking.graph.flow_ledger import FlowLedger
 from sonar_tracking.graph.graph_plan import CONTROL_NODE, resolved
 from sonar_tracking.graph.matched_edges import MatchedEdges
-from sonar_tracking.graph.message_fields import message_class, stamp_from_time, time_from_stamp
+from sonar_tracking.graph.message_fields import message_class, time_from_stamp
 from sonar_tracking.graph.topics import CLOCK_TOPIC, DIAGNOSTICS_TOPIC, PROGRESS_TOPIC, Topic
+from sonar_tracking.messages.fields import stamp_from_time
 
 _OBSERVER_DEPTH = 100
 

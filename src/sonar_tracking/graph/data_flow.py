@@ -18,9 +18,10 @@ from sonar_tracking_msgs.msg import Progress
 
 from sonar_tracking.errors import InputError
 from sonar_tracking.graph import quality_of_service
-from sonar_tracking.graph.message_fields import message_class, stamp_from_time, time_from_stamp
+from sonar_tracking.graph.message_fields import message_class, time_from_stamp
 from sonar_tracking.graph.stamp_guard import StampCheck, StampGuard, Verdict
 from sonar_tracking.graph.topics import PROGRESS_TOPIC, Topic
+from sonar_tracking.messages.fields import stamp_from_time
 from sonar_tracking.passive.records import UNKNOWN_STAMP
 
 

@@ -15,7 +15,8 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.impl.rcutils_logger import RcutilsLogger
 
 from sonar_tracking.errors import Severity
-from sonar_tracking.graph.message_fields import NANOSECONDS, time_from_stamp
+from sonar_tracking.graph.message_fields import time_from_stamp
+from sonar_tracking.messages.fields import NANOSECONDS
 
 REPEAT_AFTER = 10 * NANOSECONDS
 """A problem is active, and not said again, for this long in data time, ns."""

@@ -11,8 +11,8 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from sonar_tracking.errors import Severity
 from sonar_tracking.graph.data_flow import DataInput
 from sonar_tracking.graph.diagnostics import MATCHED
-from sonar_tracking.graph.message_fields import NANOSECONDS
 from sonar_tracking.graph.topics import CLOCK_TOPIC
+from sonar_tracking.messages.fields import NANOSECONDS
 from sonar_tracking.passive.records import END_OF_DATA
 
 if TYPE_CHECKING:

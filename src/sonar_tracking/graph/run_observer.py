@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from rclpy.serialization import deserialize_message
 
 from sonar_tracking.bags.log_time import head_stamp
-from sonar_tracking.graph.conversions import bearing_tracks_from_message, subspaces_from_message
 from sonar_tracking.graph.graph_plan import resolved
 from sonar_tracking.graph.latency_meter import LatencyMeter
 from sonar_tracking.graph.message_fields import message_class
@@ -20,6 +19,7 @@ from sonar_tracking.graph.topics import (
     Topic,
     TopicRole,
 )
+from sonar_tracking.messages.reading import bearing_tracks_from_message, subspaces_from_message
 from sonar_tracking.passive.records import BearingTracks, SubspaceEstimates
 
 _BLOCKS = resolved(SNAPSHOTS)

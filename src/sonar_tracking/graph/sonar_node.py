@@ -19,12 +19,12 @@ from sonar_tracking.graph import parameters, quality_of_service
 from sonar_tracking.graph.data_flow import DataInput, DataOutput, ProgressReporter, Received
 from sonar_tracking.graph.diagnostics import PARAMETERS, Diagnostics, kind_of
 from sonar_tracking.graph.event_time_join import EventTimeJoin, Interpolation, JoinedItem
-from sonar_tracking.graph.message_fields import NANOSECONDS
 from sonar_tracking.graph.node_catalogue import NodeDescription
 from sonar_tracking.graph.node_configuration import NodeConfiguration
 from sonar_tracking.graph.node_watch import NodeWatch, input_concern
 from sonar_tracking.graph.stamp_guard import Verdict, seconds_text
 from sonar_tracking.graph.topics import DIAGNOSTICS_TOPIC, Topic
+from sonar_tracking.messages.fields import NANOSECONDS
 
 ConfigurationType = TypeVar("ConfigurationType")
 EndpointType = TypeVar("EndpointType")
@@ -133,6 +133,8 @@ class SonarNode(Node):
     def process(self, item: JoinedItem, records: Mapping[str, Any]) -> Iterable[Notice]:
         """Feed the stage with one joined input, publish what follows, return its notices.
 
+        A source of data has no inputs and nothing to override.
+
         Parameters
         ----------
         item : JoinedItem
@@ -140,7 +142,7 @@ class SonarNode(Node):
         records : mapping of str to record
             What arrived, by topic name.
         """
-        raise NotImplementedError
+        return ()
 
     def substitute(self, rejected: Received) -> None:
         """Publish the one output of an input that could not be used (nothing by default)."""

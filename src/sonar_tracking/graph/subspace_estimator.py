@@ -13,6 +13,7 @@ from sonar_tracking.graph.node_catalogue import SUBSPACE_ESTIMATOR
 from sonar_tracking.graph.node_process import run_node
 from sonar_tracking.graph.sonar_node import SonarNode
 from sonar_tracking.graph.topics import SNAPSHOTS, SUBSPACES
+from sonar_tracking.messages.reading import snapshots_from_message
 from sonar_tracking.passive.subspace_configuration import SubspaceConfiguration
 from sonar_tracking.passive.subspace_stage import SubspaceStage
 
@@ -29,7 +30,7 @@ class SubspaceEstimator(SonarNode):
         configuration = self.configuration(SubspaceConfiguration, check=SubspaceStage)
         self._stage = SubspaceStage(configuration)
         self._subspaces = self.data_publisher(SUBSPACES)
-        self.data_subscriptions({SNAPSHOTS: conversions.snapshots_from_message})
+        self.data_subscriptions({SNAPSHOTS: snapshots_from_message})
 
     def process(self, item: JoinedItem, records: Mapping[str, Any]) -> Iterable[Notice]:
         """Feed one block and publish every estimate it completes."""
