@@ -17,35 +17,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sonar_tracking.passive.past import PastState
-from sonar_tracking.passive.subspace_method import identity_basis
+from sonar_tracking.passive.past import Past, PastState
 
 ComplexArray = NDArray[np.complex128]
 
 
 @dataclass(frozen=True)
-class OrthonormalPast:
-    """OPAST with an exponential window.
-
-    Attributes
-    ----------
-    forgetting_factor : float
-        beta, per snapshot.
-    """
-
-    forgetting_factor: float
-
-    @property
-    def update_snapshots(self) -> int:
-        """1: the snapshots may be given in portions of any size."""
-        return 1
-
-    def start(self, n_elements: int, n_columns: int, batch: tuple[int, ...] = ()) -> PastState:
-        """Return W = I(:, 1:N) and P = I."""
-        return PastState(
-            basis=identity_basis(n_elements, n_columns, batch),
-            inverse_correlation=identity_basis(n_columns, n_columns, batch),
-        )
+class OrthonormalPast(Past):
+    """OPAST with an exponential window; it starts as PAST does and has the same state."""
 
     def update(self, state: PastState, data: ComplexArray) -> PastState:
         """Return the state after all snapshots of ``data``, shape (..., n_snapshots, M)."""
@@ -68,10 +47,6 @@ class OrthonormalPast:
             p = tau * (basis @ q_column) + (1.0 + tau * q_power) * p
             basis += p * q_row
         return PastState(basis=basis, inverse_correlation=inverse)
-
-    def basis(self, state: PastState) -> ComplexArray:
-        """Return W."""
-        return state.basis
 
 
 def _normalising_factor(
