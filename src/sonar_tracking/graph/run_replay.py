@@ -177,7 +177,8 @@ def _offered(bag: Bag, descriptions: list[NodeDescription]) -> tuple[Topic, ...]
             for topic in bag.topics.values()
         )
         raise ConfigurationError(
-            f"{bag.path} holds no message of {', '.join(missing)} to replay; its topics are {there}."
+            f"{bag.path} holds no message of {', '.join(missing)} to replay; "
+            f"its topics are {there}."
         )
     return offered
 
