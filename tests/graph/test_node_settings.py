@@ -39,6 +39,21 @@ def test_a_wrong_parameter_names_place_and_remedy(
     assert sentence in str(error.value)
 
 
+@pytest.mark.parametrize("method", ["coherent", "joint_map"])
+def test_a_tracker_that_measures_in_the_covariance_needs_one(method: str) -> None:
+    pair = (SUBSPACE_ESTIMATOR, BEARING_TRACKER)
+    given: dict[str, dict[str, object]] = {"bearing_tracker": {"method": method}}
+    resolved_settings(given, pair, "here")
+    given["subspace_estimator"] = {"method": "past"}
+    with pytest.raises(ConfigurationError, match=f"here: .*{method} needs .*but that is past"):
+        resolved_settings(given, pair, "here")
+    # Alone a tracker may take what it is sent.
+    resolved_settings(given, (BEARING_TRACKER,), "here")
+    given["subspace_estimator"] = {"covariance_snapshots": 0, "source_count": 2}
+    with pytest.raises(ConfigurationError, match="covariance_snapshots above zero"):
+        resolved_settings(given, pair, "here")
+
+
 def test_both_forms_of_file_are_read(tmp_path: Path) -> None:
     file = tmp_path / "parameters.yaml"
     file.write_text("/one: {ros__parameters: {a: 1}}\ntwo: {b: 2.5}\n")

@@ -12,10 +12,11 @@ from dataclasses import dataclass
 from sonar_tracking.configuration import ConfigurationType, Value, describe, from_mapping
 from sonar_tracking.errors import Notice
 from sonar_tracking.evaluation.bearing_score import BearingScore, score_bearing_tracks
-from sonar_tracking.passive.bearing_tracker_stage import (
+from sonar_tracking.passive.bearing_tracker_configuration import (
     BearingTrackerConfiguration,
-    BearingTrackerStage,
+    check_estimator,
 )
+from sonar_tracking.passive.bearing_tracker_stage import BearingTrackerStage
 from sonar_tracking.passive.records import BearingTracks
 from sonar_tracking.passive.subspace_stage import SubspaceConfiguration, SubspaceStage
 from sonar_tracking.simulation.array_simulation import ArraySimulation
@@ -73,20 +74,19 @@ def run_offline_chain(scenario: Scenario) -> OfflineRun:
         If a stage rejects the data, e.g. of an array with fewer elements than sources.
     """
     estimator_name, tracker_name = "subspace_estimator", "bearing_tracker"
-    estimator = SubspaceStage(
-        stage_configuration(
-            SubspaceConfiguration,
-            scenario.nodes.get(estimator_name, {}),
-            f"{scenario.name}: nodes.{estimator_name}",
-        )
+    estimator_configuration = stage_configuration(
+        SubspaceConfiguration,
+        scenario.nodes.get(estimator_name, {}),
+        f"{scenario.name}: nodes.{estimator_name}",
     )
-    tracker = BearingTrackerStage(
-        stage_configuration(
-            BearingTrackerConfiguration,
-            scenario.nodes.get(tracker_name, {}),
-            f"{scenario.name}: nodes.{tracker_name}",
-        )
+    tracker_configuration = stage_configuration(
+        BearingTrackerConfiguration,
+        scenario.nodes.get(tracker_name, {}),
+        f"{scenario.name}: nodes.{tracker_name}",
     )
+    check_estimator(tracker_configuration, estimator_configuration)
+    estimator = SubspaceStage(estimator_configuration)
+    tracker = BearingTrackerStage(tracker_configuration)
     truth: list[BearingTracks] = []
     tracks: list[BearingTracks] = []
     notices: list[Notice] = []

@@ -7,10 +7,24 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from sonar_tracking.configuration import Value, from_mapping, unknown_name_text
+from sonar_tracking.configuration import (
+    ConfigurationType,
+    Value,
+    describe,
+    from_mapping,
+    unknown_name_text,
+)
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.graph.node_catalogue import NODES, NodeDescription
-from sonar_tracking.passive.bearing_tracker_configuration import BearingTrackerConfiguration
+from sonar_tracking.graph.node_catalogue import (
+    BEARING_TRACKER,
+    NODES,
+    SUBSPACE_ESTIMATOR,
+    NodeDescription,
+)
+from sonar_tracking.passive.bearing_tracker_configuration import (
+    BearingTrackerConfiguration,
+    check_estimator,
+)
 from sonar_tracking.passive.bearing_tracker_stage import BearingTrackerStage
 from sonar_tracking.passive.subspace_configuration import SubspaceConfiguration
 from sonar_tracking.passive.subspace_stage import SubspaceStage
@@ -48,7 +62,9 @@ def resolved_settings(
     for name in given:
         if name not in NODES:
             raise ConfigurationError(unknown_name_text(f"{where}: {name}", name, NODES))
-    return {node.name: _settings(node, given.get(node.name, {}), where) for node in nodes}
+    settings = {node.name: _settings(node, given.get(node.name, {}), where) for node in nodes}
+    _check_pair(settings, where)
+    return settings
 
 
 def read_settings(path: Path) -> dict[str, dict[str, Any]]:
@@ -90,3 +106,20 @@ def _settings(node: NodeDescription, given: Mapping[str, Any], where: str) -> di
                 raise ConfigurationError(f"{place}: {error}") from error
         settings |= {name: getattr(made, name) for name in sorted(names)}
     return settings
+
+
+def _check_pair(settings: NodeSettings, where: str) -> None:
+    """Refuse a tracker and an estimator that do not fit together."""
+    if not {SUBSPACE_ESTIMATOR.name, BEARING_TRACKER.name} <= set(settings):
+        return
+
+    def made(kind: type[ConfigurationType], name: str) -> ConfigurationType:
+        names = [description.name for description in describe(kind)]
+        return from_mapping(kind, {each: settings[name][each] for each in names}, where)
+
+    estimator = made(SubspaceConfiguration, SUBSPACE_ESTIMATOR.name)
+    tracker = made(BearingTrackerConfiguration, BEARING_TRACKER.name)
+    try:
+        check_estimator(tracker, estimator)
+    except ConfigurationError as error:
+        raise ConfigurationError(f"{where}: {error}") from error

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from sonar_tracking.configuration import parameter
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.passive.subspace_configuration import SubspaceConfiguration
+
+SQUARE_DEGREE = math.radians(1.0) ** 2
+"""rad^2."""
 
 
 @dataclass(frozen=True)
@@ -14,8 +19,16 @@ class BearingTrackerConfiguration:
 
     method: str = parameter(
         "ml_fusion",
-        "Measurement: the one subspace at the sample time (ryu), or all fused (ml_fusion)",
-        choices=("ryu", "ml_fusion"),
+        "One filter a target, measured in the one subspace at the sample time (ryu), in all fused "
+        "(ml_fusion) or by a fit to the block covariance (coherent); or one filter over all "
+        "targets, updated with the likelihood of the block covariance (joint_map)",
+        choices=("ryu", "ml_fusion", "coherent", "joint_map"),
+    )
+    source_rank: int = parameter(
+        0,
+        "Rank of the sources, less than their number if some are coherent (coherent, joint_map); "
+        "0 = found by MDL in every covariance",
+        minimum=0,
     )
     start: str = parameter(
         "automatic",
@@ -46,7 +59,8 @@ class BearingTrackerConfiguration:
     )
     measurement_variance_deg2: float = parameter(
         0.0,
-        "Variance R of one subspace's measurement; 0 = from the Fisher information",
+        "Variance R of one subspace's or block's measurement; 0 = from the Fisher information "
+        "(joint_map always takes what the block itself tells)",
         unit="deg^2",
         minimum=0.0,
     )
@@ -72,6 +86,16 @@ class BearingTrackerConfiguration:
     def variance_from_data(self) -> bool:
         """Whether the measurement variance is computed from the data."""
         return self.measurement_variance_deg2 == 0.0
+
+    @property
+    def process_noise_density(self) -> float:
+        """Spectral density q in rad^2/s^3."""
+        return self.process_noise_deg2 * SQUARE_DEGREE
+
+    @property
+    def needs_covariance(self) -> bool:
+        """Whether the method measures in the block covariance and not in the subspaces."""
+        return self.method in ("coherent", "joint_map")
 
 
 def check_configuration(configuration: BearingTrackerConfiguration) -> None:
@@ -99,4 +123,26 @@ def check_configuration(configuration: BearingTrackerConfiguration) -> None:
         raise ConfigurationError(
             f"initial_bearings_deg has {len(angles)} entries but initial_rates_deg has "
             f"{len(rates)}; give one rate for each bearing."
+        )
+
+
+def check_estimator(tracker: BearingTrackerConfiguration, estimator: SubspaceConfiguration) -> None:
+    """Refuse a subspace estimator that does not give what the tracker measures in.
+
+    Raises
+    ------
+    ConfigurationError
+        With a sentence that names both parameters.
+    """
+    if not tracker.needs_covariance:
+        return
+    if estimator.method != "covariance":
+        raise ConfigurationError(
+            f"bearing_tracker.method {tracker.method} needs subspace_estimator.method covariance, "
+            f"but that is {estimator.method}; set one of them to fit the other."
+        )
+    if estimator.covariance_snapshots == 0:
+        raise ConfigurationError(
+            f"bearing_tracker.method {tracker.method} measures in the sample covariance; set "
+            "subspace_estimator.covariance_snapshots above zero."
         )

@@ -1,10 +1,11 @@
 """Signal subspaces -> bearing tracks, without data association.
 
-Each target has its own Kalman filter with state [angle, rate]. Its measurement comes from the
-projection of its own predicted steering vector (Ryu, Park, Choi 2003, eq. 6), so that every target
-knows which measurement is its own. The filters run unbounded in angle; what is reported is folded
-into the half circle a line array can tell apart, which changes nothing but the names of angles:
-a line array cannot distinguish theta from pi - theta.
+Either each target has its own Kalman filter, with a measurement that starts from its own predicted
+steering vector (Ryu, Park, Choi 2003, eq. 6; Hwang et al. 2005, eqs. 18-21), so that every target
+knows which measurement is its own; or one filter holds all targets and takes the likelihood of all
+their angles at once. The filters run unbounded in angle; what is reported is folded into the half
+circle a line array can tell apart, which changes nothing but the names of angles: a line array
+cannot distinguish theta from pi - theta.
 """
 
 from __future__ import annotations
@@ -14,20 +15,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from sonar_tracking.errors import InputError, Notice, Severity
-from sonar_tracking.filtering.constant_velocity import process_noise_matrix, transition_matrix
-from sonar_tracking.filtering.kalman import KalmanState, predict, update
+from sonar_tracking.errors import InputError, Notice
+from sonar_tracking.filtering.kalman import KalmanState
+from sonar_tracking.passive.bearing_filters import BearingFilters
 from sonar_tracking.passive.bearing_measurement import (
     BearingMeasurement,
     estimated_sources,
-    measured_bearings,
     signal_to_noise_ratios,
 )
 from sonar_tracking.passive.bearing_start import BearingStart
 from sonar_tracking.passive.bearing_tracker_configuration import (
+    SQUARE_DEGREE,
     BearingTrackerConfiguration,
     check_configuration,
 )
+from sonar_tracking.passive.independent_filters import IndependentFilters
+from sonar_tracking.passive.joint_filters import JointFilters
 from sonar_tracking.passive.records import BearingTracks, SubspaceEstimates
 from sonar_tracking.passive.track_list import (
     TrackRows,
@@ -40,9 +43,7 @@ from sonar_tracking.passive.track_list import (
 
 __all__ = ["BearingTrackerConfiguration", "BearingTrackerStage", "TrackerUpdate"]
 
-FloatArray = NDArray[np.float64]
-
-_SQUARE_DEGREE = float(np.deg2rad(1.0) ** 2)
+ComplexArray = NDArray[np.complex128]
 
 
 @dataclass(frozen=True)
@@ -88,6 +89,10 @@ class BearingTrackerStage:
     def __init__(self, configuration: BearingTrackerConfiguration) -> None:
         check_configuration(configuration)
         self.configuration = configuration
+        joint = configuration.method == "joint_map"
+        self._filters: BearingFilters = (JointFilters if joint else IndependentFilters)(
+            configuration
+        )
         self._next_id = configuration.first_id
         self._state: _TrackerState | None = None
 
@@ -117,28 +122,42 @@ class BearingTrackerStage:
             If the estimate cannot be used; the stage is then as before.
         """
         check_estimates(estimates)
+        self._check_method(estimates)
+        measurement: BearingMeasurement | None = None
+        notices: tuple[Notice, ...] = ()
         if self._state is None and self.configuration.start == "given":
             state = self._given_state(estimates)
-            measurement, notices = None, list[Notice]()
-            sources = self._sources(estimates, state.filters)
+            sources = self._sources(estimates, state)
         else:
             state = self._predicted(estimates)
-            sources = self._sources(estimates, state.filters)
-            measurement, notices = self._measurement(estimates, state.filters, sources)
-            state = _corrected(state, measurement)
+            sources = self._sources(estimates, state)
+            if state.ids:
+                updated = self._filters.updated(state.filters, estimates, sources)
+                measurement, notices = updated.measurement, updated.notices
+                state = replace(state, filters=updated.filters)
+        targets = self._filters.targets(state.filters)
         rows = running_rows(
             state.ids,
-            state.filters,
+            targets,
             measurement,
-            signal_to_noise_ratios(estimates, sources, state.filters.mean.shape[:-1]),
+            signal_to_noise_ratios(estimates, sources, targets.mean.shape[:-1]),
             coasted=measurement is None and self._state is not None,
         )
         if self.configuration.start == "automatic":
-            state, new_rows = _with_started(state, estimates)
+            state, new_rows = self._with_started(state, estimates)
             rows = rows.appended(new_rows)
         self._state = state
         self._next_id = max(self._next_id, state.start.next_id)
-        return TrackerUpdate(bearing_tracks(estimates, rows), tuple(notices))
+        return TrackerUpdate(bearing_tracks(estimates, rows), notices)
+
+    def _check_method(self, estimates: SubspaceEstimates) -> None:
+        configuration = self.configuration
+        if configuration.needs_covariance and estimates.method != "covariance":
+            raise InputError(
+                f"method {configuration.method} needs estimates of method covariance, but these "
+                f"are of method {estimates.method}; set method = covariance in the subspace "
+                "estimator."
+            )
 
     def _given_state(self, estimates: SubspaceEstimates) -> _TrackerState:
         configuration = self.configuration
@@ -150,20 +169,21 @@ class BearingTrackerStage:
                 f"{len(estimates.element_positions)} elements; give fewer bearings than elements."
             )
         state = np.stack([angles, np.deg2rad(configuration.initial_rates_deg)], axis=-1)
-        variances = _SQUARE_DEGREE * np.array(
+        variances = SQUARE_DEGREE * np.array(
             [configuration.initial_angle_variance_deg2, configuration.initial_rate_variance_deg2]
         )
         shape = (*estimates.basis.shape[:-3], n_targets, 2)
-        filters = KalmanState(
+        targets = KalmanState(
             mean=np.broadcast_to(state, shape),
             covariance=np.broadcast_to(np.diag(variances), (*shape, 2)),
         )
+        filters = self._filters.started(targets)
         ids = tuple(range(self._next_id, self._next_id + n_targets))
         return _TrackerState(estimates.stamp, ids, filters, self._new_start(n_targets))
 
     def _new_start(self, n_given: int) -> BearingStart:
         return BearingStart(
-            process_noise=self.configuration.process_noise_deg2 * _SQUARE_DEGREE,
+            process_noise=self.configuration.process_noise_density,
             maximum_rate=float(np.deg2rad(self.configuration.maximum_rate_deg)),
             next_id=self._next_id + n_given,
         )
@@ -175,7 +195,7 @@ class BearingTrackerStage:
                 raise InputError(
                     "start = automatic cannot be used on a batch of runs; give the bearings."
                 )
-            none = KalmanState(np.empty((0, 2)), np.empty((0, 2, 2)))
+            none = self._filters.started(KalmanState(np.empty((0, 2)), np.empty((0, 2, 2))))
             return _TrackerState(estimates.stamp, (), none, self._new_start(0))
         interval = (estimates.stamp - state.stamp) * 1e-9
         if interval <= 0.0:
@@ -183,37 +203,26 @@ class BearingTrackerStage:
                 f"The estimate is {-interval:g} s earlier than the one before or repeats it; "
                 "estimates must follow each other in time."
             )
-        density = self.configuration.process_noise_deg2 * _SQUARE_DEGREE
-        filters = predict(
-            state.filters, transition_matrix(interval), process_noise_matrix(density, interval)
-        )
+        filters = self._filters.predicted(state.filters, interval)
         return replace(state, stamp=estimates.stamp, filters=filters)
 
-    def _sources(self, estimates: SubspaceEstimates, filters: KalmanState) -> NDArray | None:
-        if filters.mean.shape[-2] == 0:
+    def _sources(self, estimates: SubspaceEstimates, state: _TrackerState) -> ComplexArray | None:
+        if not state.ids:
             return None
-        return estimated_sources(estimates, filters.mean[..., 0], filters.mean[..., 1])
+        mean = self._filters.targets(state.filters).mean
+        return estimated_sources(estimates, mean[..., 0], mean[..., 1])
 
-    def _measurement(
-        self, estimates: SubspaceEstimates, filters: KalmanState, sources: NDArray | None
-    ) -> tuple[BearingMeasurement | None, list[Notice]]:
-        """Return the measurement of all tracks, or None and why there is none."""
-        if filters.mean.shape[-2] == 0:
-            return None, []
-        if estimates.basis.shape[-3] == 0:
-            text = "No subspace at this sample time; the tracks are predicted only."
-            return None, [Notice(Severity.WARN, "subspace", text)]
-        measurement = measured_bearings(
-            self.configuration, estimates, filters.mean[..., 0], filters.mean[..., 1], sources
-        )
-        if not np.isfinite(measurement.variance).all():
-            text = (
-                "The variance of the measurements is not known without a sample covariance; set "
-                "covariance_snapshots of the subspace estimator above source_count, or "
-                "measurement_variance_deg2 above zero."
-            )
-            return None, [Notice(Severity.ERROR, "measurement variance", text)]
-        return measurement, []
+    def _with_started(
+        self, state: _TrackerState, estimates: SubspaceEstimates
+    ) -> tuple[_TrackerState, TrackRows]:
+        """Let the automatic start see the estimate; return its new rows too."""
+        angles = self._filters.targets(state.filters).mean[..., 0]
+        folded, _ = folded_angles(angles, estimates.element_positions)
+        start, started = state.start.update(estimates, folded)
+        new = started_rows(started)
+        filters = self._filters.extended(state.filters, new.filters)
+        grown = replace(state, start=start, ids=state.ids + new.ids, filters=filters)
+        return grown, new.appended(tentative_rows(start.tentative, estimates.stamp))
 
 
 def check_estimates(estimates: SubspaceEstimates) -> None:
@@ -243,30 +252,3 @@ def check_estimates(estimates: SubspaceEstimates) -> None:
         raise InputError("A subspace holds values that are not finite numbers.")
     if estimates.covariance is not None and not np.isfinite(estimates.covariance).all():
         raise InputError("The covariance holds values that are not finite numbers.")
-
-
-def _corrected(state: _TrackerState, measurement: BearingMeasurement | None) -> _TrackerState:
-    if measurement is None:
-        return state
-    corrected = update(
-        state.filters,
-        measurement.angle[..., None],
-        np.array([[1.0, -measurement.age]]),
-        measurement.variance[..., None, None],
-    )
-    return replace(state, filters=corrected.state)
-
-
-def _with_started(
-    state: _TrackerState, estimates: SubspaceEstimates
-) -> tuple[_TrackerState, TrackRows]:
-    """Let the automatic start see the estimate; return its new rows too."""
-    angles = folded_angles(state.filters.mean[..., 0], estimates.element_positions)[0]
-    start, started = state.start.update(estimates, angles)
-    new = started_rows(started)
-    filters = KalmanState(
-        mean=np.concatenate([state.filters.mean, new.filters.mean]),
-        covariance=np.concatenate([state.filters.covariance, new.filters.covariance]),
-    )
-    grown = replace(state, start=start, ids=state.ids + new.ids, filters=filters)
-    return grown, new.appended(tentative_rows(start.tentative, estimates.stamp))

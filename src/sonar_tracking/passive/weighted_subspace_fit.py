@@ -24,6 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sonar_tracking.filtering.kalman import symmetrised
 from sonar_tracking.geometry import steering_pair
 from sonar_tracking.passive.signal_subspace import SignalSubspace
 
@@ -79,12 +80,9 @@ def weighted_subspace_fit(
     amplitudes = inverse @ subspace.vectors
     residuals = subspace.vectors - vectors @ amplitudes
     outside = derivatives - vectors @ (inverse @ derivatives)
-    noise = subspace.noise_power[..., None]
-    weights = np.maximum(subspace.eigenvalues - noise, 0.0) ** 2
-    weights = weights / np.maximum(subspace.eigenvalues, noise)
+    ratios = np.maximum(subspace.eigenvalues / subspace.noise_power[..., None], 1.0)
+    weights = 2.0 * snapshots * (ratios - 1.0) ** 2 / ratios
     weighted = amplitudes.conj() * weights[..., None, :]
     information = ((adjoint @ outside) * (weighted @ np.swapaxes(amplitudes, -1, -2))).real
-    information = 0.5 * (information + np.swapaxes(information, -1, -2))
     score = (weighted * (adjoint @ residuals)).real.sum(axis=-1)
-    scale = 2.0 * snapshots / noise
-    return SubspaceFit(score=scale * score, information=scale[..., None] * information)
+    return SubspaceFit(score=score, information=symmetrised(information))

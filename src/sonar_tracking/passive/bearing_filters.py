@@ -1,0 +1,78 @@
+"""The interface of the filters behind the bearing tracker: frozen state in, frozen state out.
+
+What the stage sees are targets with angle and rate each, ``KalmanState`` of shapes (..., n, 2) and
+(..., n, 2, 2); how the filters of all targets are kept together is a matter of their own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.errors import Notice
+from sonar_tracking.filtering.kalman import KalmanState
+from sonar_tracking.passive.bearing_measurement import BearingMeasurement
+from sonar_tracking.passive.records import SubspaceEstimates
+
+ComplexArray = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class FilterUpdate:
+    """What one estimate made of the filters.
+
+    Attributes
+    ----------
+    filters : KalmanState
+        After the estimate; as before if there was no measurement.
+    measurement : BearingMeasurement or None
+        What the estimate told of each target; None = nothing.
+    notices : tuple of Notice
+        Why there was no measurement.
+    """
+
+    filters: KalmanState
+    measurement: BearingMeasurement | None
+    notices: tuple[Notice, ...] = ()
+
+
+class BearingFilters(Protocol):
+    """The filters of all targets."""
+
+    def started(self, targets: KalmanState) -> KalmanState:
+        """Return the filters of uncorrelated targets, shapes (..., n, 2) and (..., n, 2, 2)."""
+        ...
+
+    def extended(self, filters: KalmanState, targets: KalmanState) -> KalmanState:
+        """Return the filters with more targets, uncorrelated with those there are."""
+        ...
+
+    def predicted(self, filters: KalmanState, interval: float) -> KalmanState:
+        """Return the filters after an interval in s."""
+        ...
+
+    def updated(
+        self,
+        filters: KalmanState,
+        estimates: SubspaceEstimates,
+        sources: ComplexArray | None,
+    ) -> FilterUpdate:
+        """Return the filters, of one target at least, after an estimate.
+
+        Parameters
+        ----------
+        filters : KalmanState
+            Predicted to the stamp of the estimate.
+        estimates : SubspaceEstimates
+            What was measured.
+        sources : ndarray, shape (..., n_targets, n_targets), complex, or None
+            Covariance of the sources at the predictions; None = not known.
+        """
+        ...
+
+    def targets(self, filters: KalmanState) -> KalmanState:
+        """Return angle and rate of each target, shapes (..., n, 2) and (..., n, 2, 2)."""
+        ...

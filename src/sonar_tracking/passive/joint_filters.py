@@ -1,0 +1,126 @@
+"""One filter over the angles and rates of all targets, behind the bearing tracker.
+
+The state of n targets is [n angles, n rates]. A block measures the angles at its middle, half a
+block before the sample time when it ends there, at the sample time when it is centred on it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.filtering.kalman import KalmanState
+from sonar_tracking.geometry import wavenumber
+from sonar_tracking.passive.bearing_filters import FilterUpdate
+from sonar_tracking.passive.bearing_measurement import BearingMeasurement
+from sonar_tracking.passive.bearing_tracker_configuration import BearingTrackerConfiguration
+from sonar_tracking.passive.block_subspace import block_subspace
+from sonar_tracking.passive.joint_bearing_filter import joint_prediction, joint_update
+from sonar_tracking.passive.records import SubspaceEstimates
+from sonar_tracking.passive.weighted_subspace_fit import SubspaceFit, weighted_subspace_fit
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+_LEAST_GAIN = 1e-9
+"""Share of its variance that an angle must lose for the block to count as a measurement of it."""
+
+
+@dataclass(frozen=True)
+class JointFilters:
+    """Filter of targets that share a covariance.
+
+    Attributes
+    ----------
+    configuration : BearingTrackerConfiguration
+        Parameters.
+    """
+
+    configuration: BearingTrackerConfiguration
+
+    def started(self, targets: KalmanState) -> KalmanState:
+        """Return the filter of uncorrelated targets."""
+        batch = targets.mean.shape[:-2]
+        nobody = KalmanState(np.empty((*batch, 0)), np.empty((*batch, 0, 0)))
+        return self.extended(nobody, targets)
+
+    def extended(self, filters: KalmanState, targets: KalmanState) -> KalmanState:
+        """Return the filter with more targets, uncorrelated with those there are."""
+        n_old = filters.mean.shape[-1] // 2
+        rows = _rows(n_old + targets.mean.shape[-2])
+        mean = np.empty((*targets.mean.shape[:-2], rows.size))
+        covariance = np.zeros((*mean.shape, rows.size))
+        old, new = rows[:n_old].T.reshape(-1), rows[n_old:]
+        mean[..., old], mean[..., new] = filters.mean, targets.mean
+        covariance[..., old[:, None], old] = filters.covariance
+        covariance[..., new[:, :, None], new[:, None, :]] = targets.covariance
+        return KalmanState(mean, covariance)
+
+    def predicted(self, filters: KalmanState, interval: float) -> KalmanState:
+        """Return the filter after an interval in s."""
+        return joint_prediction(filters, interval, self.configuration.process_noise_density)
+
+    def updated(
+        self,
+        filters: KalmanState,
+        estimates: SubspaceEstimates,
+        sources: ComplexArray | None,
+    ) -> FilterUpdate:
+        """Return the filter after the block of an estimate; the sources are not used."""
+        n_elements = len(estimates.element_positions)
+        subspace, notices = block_subspace(self.configuration, estimates, n_elements - 1)
+        if subspace is None:
+            return FilterUpdate(filters, None, notices)
+        number = wavenumber(estimates.center_frequency, estimates.sound_speed)
+
+        def fit(angles: FloatArray) -> SubspaceFit:
+            return weighted_subspace_fit(
+                subspace,
+                estimates.covariance_snapshots,
+                estimates.element_positions,
+                angles,
+                number,
+            )
+
+        age = -estimates.covariance_time_offset
+        corrected = joint_update(filters, age, fit)
+        measurement = _equivalent_measurement(self.targets(filters), self.targets(corrected), age)
+        return FilterUpdate(corrected, measurement, notices)
+
+    def targets(self, filters: KalmanState) -> KalmanState:
+        """Return angle and rate of each target."""
+        rows = _rows(filters.mean.shape[-1] // 2)
+        return KalmanState(
+            mean=filters.mean[..., rows],
+            covariance=filters.covariance[..., rows[:, :, None], rows[:, None, :]],
+        )
+
+
+def _rows(n_targets: int) -> NDArray[np.int_]:
+    """Return where angle and rate of each target stand in the state, shape (n_targets, 2)."""
+    return np.stack([np.arange(n_targets), n_targets + np.arange(n_targets)], axis=-1)
+
+
+def _equivalent_measurement(
+    before: KalmanState, after: KalmanState, age: float
+) -> BearingMeasurement:
+    """Return the measurement of each target by itself that would have changed it as the block did.
+
+    With the variances p and p' of an angle before and after, its variance is p p' / (p - p') and
+    its innovation the change of the angle times p / (p - p'); NaN where the block told nothing.
+    """
+    old_angle, old_variance = _angle_at(before, age)
+    new_angle, new_variance = _angle_at(after, age)
+    gained = old_variance - new_variance
+    gained = np.where(gained > _LEAST_GAIN * old_variance, gained, np.nan)
+    innovation = (new_angle - old_angle) * old_variance / gained
+    variance = old_variance * new_variance / gained
+    return BearingMeasurement(old_angle + innovation, innovation, variance, age)
+
+
+def _angle_at(targets: KalmanState, age: float) -> tuple[FloatArray, FloatArray]:
+    """Return the angles some time before and their variances, shape (..., n_targets)."""
+    direction = np.array([1.0, -age])
+    return targets.mean @ direction, targets.covariance @ direction @ direction
