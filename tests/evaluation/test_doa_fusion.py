@@ -11,6 +11,7 @@ import pytest
 
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.evaluation.doa_fusion import BOUND, bound_deg2
+from sonar_tracking.evaluation.doa_fusion_joint import CAUSAL, CENTRED
 from sonar_tracking.evaluation.doa_fusion_systems import (
     AUTOMATIC,
     AVERAGE_ONLY,
@@ -77,8 +78,23 @@ def test_automatic_start_succeeds_as_often_as_the_truth(study: Study) -> None:
 def test_nothing_beats_the_bound(study: Study) -> None:
     for level in LEVELS_DB:
         bound = metric(study, BOUND, level)
-        for system in (RYU, AVERAGE_ONLY, VARIANCE_ONLY, PROPOSED, CORRELATED, AUTOMATIC):
+        told = (RYU, AVERAGE_ONLY, VARIANCE_ONLY, PROPOSED, CORRELATED, AUTOMATIC, CENTRED)
+        for system in told:
             assert metric(study, system, level) > bound
+
+
+@pytest.mark.parametrize(
+    ("system", "of_proposed", "of_bound"), [(CENTRED, 0.25, 1.4), (CAUSAL, 0.33, 1.65)]
+)
+def test_joint_filter_stays_near_the_bound(
+    study: Study, system: str, of_proposed: float, of_bound: float
+) -> None:
+    for level in LEVELS_DB:
+        assert metric(study, system, level) < of_proposed * metric(study, PROPOSED, level)
+        assert metric(study, system, level, "success_percent") >= 90
+        assert metric(study, system, level, "rmse_over_bound") < of_bound
+        nees = metric(study, system, level, "median_nees_per_dimension")
+        assert nees == pytest.approx(1.0, abs=0.25)
 
 
 @pytest.mark.parametrize(("level", "expected"), [(-5, 0.0530), (-3, 0.0361), (0, 0.0207)])

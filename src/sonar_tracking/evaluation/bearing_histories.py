@@ -141,7 +141,8 @@ def bearing_metrics(histories: BearingHistories, truth: FloatArray) -> dict[str,
     -------
     dict of str to float
         Error figures in deg or deg^2, shares in per cent, NIS and NEES per dimension over the
-        successful runs with the 95 % band of a consistent filter for that many runs.
+        successful runs with the 95 % band of a consistent filter for that many runs; NEES of the
+        median of all runs.
     """
     kept = successful(histories.angle, truth)
     errors = mean_square_error_deg2(histories.angle, truth)
@@ -155,6 +156,9 @@ def bearing_metrics(histories: BearingHistories, truth: FloatArray) -> dict[str,
         "swaps_per_run": float(np.mean(histories.swaps)),
         "rmse_successful_deg": float(np.sqrt(np.mean(errors[kept]))) if n_kept else np.nan,
     }
+    with np.errstate(invalid="ignore"):
+        runs = np.nanmean(histories.nees, axis=(-2, -1))
+    metrics["median_nees_per_dimension"] = float(np.nanmedian(runs))
     if n_kept:
         for name, values, dimension in (("nis", histories.nis, 1), ("nees", histories.nees, 2)):
             low, high = chi_square_band(dimension, n_kept)

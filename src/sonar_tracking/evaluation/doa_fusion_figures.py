@@ -29,6 +29,8 @@ SYSTEM_STYLES = {
     "R/7 only": ("#CC79A7", "^"),
     "PROPOSED": ("#0072B2", "s"),
     "automatic start": ("#56B4E9", "D"),
+    "joint MAP, causal": ("#009E73", "P"),
+    "joint MAP, centred": ("#000000", "X"),
     "tracking bound": ("#555555", ""),
 }
 """Colour and marker of each system drawn against the level."""
@@ -101,7 +103,12 @@ def draw_run(
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(
-        1, len(angles), figsize=(11, 5), sharey=True, layout="constrained", squeeze=False
+        1,
+        len(angles),
+        figsize=(5.5 * len(angles), 5),
+        sharey=True,
+        layout="constrained",
+        squeeze=False,
     )
     for axis, (name, angle) in zip(axes[0], angles.items(), strict=True):
         _draw_bearings(axis, times, truth, angle)

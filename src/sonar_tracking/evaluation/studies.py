@@ -11,6 +11,7 @@ from sonar_tracking.configuration import unknown_name_text
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.evaluation.batch_runner import Workers, compute
 from sonar_tracking.evaluation.detection_threshold import DETECTION_THRESHOLD
+from sonar_tracking.evaluation.doa_coherent import DOA_COHERENT
 from sonar_tracking.evaluation.doa_fusion import DOA_FUSION
 from sonar_tracking.evaluation.room_array import ROOM_ARRAY, room_array
 from sonar_tracking.evaluation.study import Study, write_json
@@ -21,7 +22,9 @@ if TYPE_CHECKING:
 
     from sonar_tracking.evaluation.study_definition import StudyDefinition
 
-STUDIES = {definition.name: definition for definition in (DOA_FUSION, DETECTION_THRESHOLD)}
+STUDIES = {
+    definition.name: definition for definition in (DOA_FUSION, DOA_COHERENT, DETECTION_THRESHOLD)
+}
 """Studies by the name typed on the command line, in the order of ``all``."""
 
 
