@@ -11,6 +11,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import rclpy
+from rclpy.context import Context
+from rclpy.node import Node
+from rosgraph_msgs.msg import Clock
 
 from sonar_tracking import cli
 from sonar_tracking.bags.reader import read_bag
@@ -22,6 +26,7 @@ from tests.system.command_line import (
     PATIENCE,
     RunningCommand,
     digests,
+    environment,
     report_of,
     run_command,
 )
@@ -220,14 +225,34 @@ def test_nodes_do_not_outlive_a_killed_orchestration(
         time.sleep(0.05)
 
 
-def test_a_second_time_master_is_refused(tmp_path: Path, running: list[RunningCommand]) -> None:
-    first = RunningCommand(tmp_path, "run")
+def test_a_second_run_in_the_domain_is_refused_and_harms_nobody(
+    tmp_path: Path, running: list[RunningCommand]
+) -> None:
+    json = tmp_path / "report.json"
+    first = RunningCommand(tmp_path, "run", "--duration", "4", "--json", json)
     running.append(first)
     first.wait_for_text(FLOWING)
     second = run_command(tmp_path, "run", "--rate", "max")
-    assert second.returncode == 1
-    assert "ROS_DOMAIN_ID" in second.stdout
-    assert "/clock" in second.stdout
+    assert second.returncode == 2
+    assert "another run" in second.stdout and "ROS_DOMAIN_ID" in second.stdout
+    assert first.wait() == 0, first.output
+    assert report_of(json)["topics"][TRACKS]["messages"] == 4
+
+
+def test_a_foreign_clock_is_refused(tmp_path: Path) -> None:
+    context = Context()
+    domain = int(environment(tmp_path)["ROS_DOMAIN_ID"])
+    rclpy.init(args=[], context=context, domain_id=domain)
+    stranger = Node("stranger", context=context, use_global_arguments=False)
+    stranger.create_publisher(Clock, "/clock", 10)
+    try:
+        done = run_command(tmp_path, "run", "--rate", "max")
+    finally:
+        stranger.destroy_node()
+        rclpy.shutdown(context=context)
+    assert done.returncode == 1
+    assert "/clock by /orchestration, /stranger" in done.stdout
+    assert "ROS_DOMAIN_ID" in done.stdout
 
 
 BAD_REQUESTS = [

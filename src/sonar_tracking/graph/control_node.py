@@ -128,9 +128,10 @@ class ControlNode:
         """Publish a serialised message on a topic offered before."""
         self._publishers[topic].publish(data)
 
-    def clock_publishers(self) -> int:
-        """Return how many nodes publish ``/clock``, this one included."""
-        return self._node.count_publishers(CLOCK_TOPIC)
+    def publishers_of(self, topic: str) -> list[str]:
+        """Return the full names of the nodes that publish a topic."""
+        publishers = self._node.get_publishers_info_by_topic(topic)
+        return sorted(f"{p.node_namespace.rstrip('/')}/{p.node_name}" for p in publishers)
 
     def matched_subscriptions(self, topic: str) -> int:
         """Return how many subscriptions a topic offered before is matched with."""

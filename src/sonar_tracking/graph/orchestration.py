@@ -20,6 +20,7 @@ from sonar_tracking.graph.data_source import DataSource
 from sonar_tracking.graph.graph_plan import GraphPlan, process_plan
 from sonar_tracking.graph.process_supervisor import ProcessSupervisor, SupervisedProcess
 from sonar_tracking.graph.run_report import NodeReport, RunReport, TopicReport
+from sonar_tracking.graph.topics import CLOCK_TOPIC
 
 if TYPE_CHECKING:
     from sonar_tracking.graph.control_node import ControlNode
@@ -31,6 +32,7 @@ DRAIN_PATIENCE = 10.0
 INTERRUPTED_DRAIN_PATIENCE = 2.0
 STALL_SECONDS = 5.0
 REMATCH_SECONDS = 0.5
+FOREIGN_PATIENCE = 3.0
 _LONGEST_WAIT = 0.05
 _WATCH_SECONDS = 0.1
 
@@ -212,7 +214,7 @@ class Orchestration:
             activity = f"starting: {missing[0]}" if missing else "starting"
             self._wait(control, source, lambda: False, _WATCH_SECONDS, activity)
         if self._flow_started is None:
-            self._refuse_foreign(control)
+            self._refuse_foreign(control, source)
         elif not self.interrupted:
             # The others match the new process a moment after it has matched them; their own counts
             # still hold the old one, which nobody has said goodbye for.
@@ -239,14 +241,21 @@ class Orchestration:
         node = self._nodes[name]
         self.supervisor.start(process_plan(node, self._plan.transport, self._log_directory, number))
 
-    def _refuse_foreign(self, control: ControlNode) -> None:
-        foreign = self.edges.foreign_publishers()
-        if control.clock_publishers() > 1 and "/clock" not in foreign:
-            foreign.append("/clock")
-        if foreign and not self.interrupted:
+    def _refuse_foreign(self, control: ControlNode, source: DataSource) -> None:
+        """Refuse to start where somebody else publishes our topics."""
+
+        def foreign() -> list[str]:
+            names = set(self.edges.foreign_publishers())
+            return sorted(names | {t for t in (CLOCK_TOPIC,) if len(control.publishers_of(t)) > 1})
+
+        # Nodes of a run that has just ended may be listed for a moment.
+        if self._wait(control, source, lambda: not foreign(), FOREIGN_PATIENCE, "starting"):
+            return
+        if not self.interrupted:
+            found = "; ".join(f"{t} by {', '.join(control.publishers_of(t))}" for t in foreign())
             raise RunFailedError(
-                f"another program publishes {', '.join(foreign)} too: end it, or choose another "
-                "ROS_DOMAIN_ID for this run."
+                f"somebody else publishes too ({found}): end it, or choose another ROS_DOMAIN_ID "
+                "for this run."
             )
 
     def _own_offers_missing(self, control: ControlNode) -> bool:

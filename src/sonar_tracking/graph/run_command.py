@@ -11,6 +11,7 @@ from rich.console import Console
 
 from sonar_tracking.display.run_display import LineDisplay, LiveDisplay, RunDisplay
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.graph.domain_lock import domain_lock
 from sonar_tracking.graph.run_options import RunOptions, make_log_directory, rate_from_text
 from sonar_tracking.graph.run_report import RunReport
 
@@ -75,7 +76,7 @@ def _shown(display: bool, json: Path | None, work: Work) -> int:
     log_directory = make_log_directory()
     live = display and console.is_terminal
     try:
-        with LiveDisplay(console) if live else LineDisplay(console) as screen:
+        with domain_lock(), LiveDisplay(console) if live else LineDisplay(console) as screen:
             report = work(screen, log_directory)
     except ConfigurationError:
         shutil.rmtree(log_directory)

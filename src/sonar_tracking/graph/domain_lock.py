@@ -1,0 +1,54 @@
+"""One run at a time in a ROS domain: two would take each other's data for their own (no ROS)."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from sonar_tracking.errors import ConfigurationError
+
+
+@contextmanager
+def domain_lock(folder: Path | None = None) -> Iterator[None]:
+    """Hold the ROS domain of this process as long as the run lasts.
+
+    The lock ends with the process, however that ends. It guards one machine; a run on another one
+    is noticed when the nodes meet.
+
+    Parameters
+    ----------
+    folder : Path, optional
+        Where the lock files are; default: the folder for temporary files.
+
+    Raises
+    ------
+    ConfigurationError
+        If another run holds it.
+    """
+    domain = os.environ.get("ROS_DOMAIN_ID") or "0"
+    path = (folder or Path(tempfile.gettempdir())) / f"sonar_tracking-domain-{domain}.lock"
+    try:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+    except OSError:
+        # Made by another user: without the lock, the nodes still notice each other.
+        yield
+        return
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        holder = os.read(descriptor, 20).decode(errors="replace").strip() or "unknown"
+        os.close(descriptor)
+        raise ConfigurationError(
+            f"another run (process {holder}) uses ROS domain {domain}: wait for its end, or set "
+            "ROS_DOMAIN_ID to another number for this one."
+        ) from None
+    try:
+        os.ftruncate(descriptor, 0)
+        os.pwrite(descriptor, f"{os.getpid()}\n".encode(), 0)
+        yield
+    finally:
+        os.close(descriptor)
