@@ -57,16 +57,22 @@ class Estimator:
         self._clock = CLOCK_START
 
     def let_clock_run(self, condition: Callable[[], object], what: str) -> None:
-        """Let ``/clock`` advance second by second until a condition holds."""
+        """Let ``/clock`` advance second by second until a condition holds.
+
+        The clock inside rclpy subscribes best effort: a tick may be lost, so the next one does
+        not wait for its answer for ever.
+        """
 
         def told_after_tick() -> bool:
-            return bool(condition()) or len(self.probe.diagnostics) > heard
+            answered = len(self.probe.diagnostics) > heard
+            return bool(condition()) or answered or time.monotonic() > ticked + 1.0
 
         deadline = time.monotonic() + PATIENCE
         while not condition():
             assert time.monotonic() < deadline, f"not within {PATIENCE:g} s: {what}"
             heard = len(self.probe.diagnostics)
             self._clock += SECOND
+            ticked = time.monotonic()
             self.probe.tick(self._clock)
             self.probe.wait(told_after_tick, f"state of the node after a second, for {what}")
 
