@@ -55,4 +55,6 @@ def test_figures_of_every_method_and_size_are_written(
     assert {row["condition"] for row in content["rows"]} == {"M 6, N 2", "M 8, N 3"}
     assert all(value > 0 for row in content["rows"] for value in row["metrics"].values())
     assert study.row(bench.PEER, "M 6, N 2").metrics["speed_over_textbook"] == 1.0
+    trackers = {row.system for row in study.rows if "milliseconds_per_period" in row.metrics}
+    assert trackers == set(bench.TRACKERS)
     assert "snapshots/s" in capsys.readouterr().out

@@ -58,6 +58,14 @@ PEER = "peer: textbook PAST"
 SLOW_PEER = "peer: eigh each snapshot"
 SLOW_PEER_SNAPSHOTS = 40
 
+TRACKERS = {
+    "ryu, 1 subspace": "ryu",
+    "ml_fusion, 7 subspaces": "ml_fusion",
+    "coherent": "coherent",
+    "joint_map": "joint_map",
+}
+"""Methods of the tracker by the names of their rows."""
+
 LAYOUTS = (
     TableLayout(
         "Subspace tracking, one core",
@@ -72,7 +80,7 @@ LAYOUTS = (
     TableLayout(
         "Bearing tracking, one core",
         (Column("milliseconds_per_period", "ms/period", ".2f"),),
-        "All targets, with the variance from the Fisher information; subspaces already there.",
+        "All targets, with variances from the data; subspaces and covariance already there.",
     ),
 )
 
@@ -133,11 +141,10 @@ def measure_size(size: tuple[int, int]) -> tuple[StudyRow, ...]:
         for name, each in zip(names, seconds, strict=True)
     ]
     estimates = bench_estimates(data, n_sources)
-    methods = {"ryu, 1 subspace": "ryu", "ml_fusion, 7 subspaces": "ml_fusion"}
-    periods = _best_seconds([partial(run_tracker, m, estimates) for m in methods.values()])
+    periods = _best_seconds([partial(run_tracker, m, estimates) for m in TRACKERS.values()])
     trackers = [
         StudyRow(name, condition, {"milliseconds_per_period": 1e3 * best / len(estimates)})
-        for name, best in zip(methods, periods, strict=True)
+        for name, best in zip(TRACKERS, periods, strict=True)
     ]
     return (*subspaces, *trackers)
 
