@@ -16,6 +16,7 @@ from sonar_tracking.evaluation.doa_fusion import DOA_FUSION
 from sonar_tracking.evaluation.room_array import ROOM_ARRAY, room_array
 from sonar_tracking.evaluation.study import Study, write_json
 from sonar_tracking.evaluation.study_report import print_study
+from sonar_tracking.evaluation.tma_frequency_fusion import TMA_FREQUENCY_FUSION
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -23,7 +24,8 @@ if TYPE_CHECKING:
     from sonar_tracking.evaluation.study_definition import StudyDefinition
 
 STUDIES = {
-    definition.name: definition for definition in (DOA_FUSION, DOA_COHERENT, DETECTION_THRESHOLD)
+    definition.name: definition
+    for definition in (DOA_FUSION, DOA_COHERENT, TMA_FREQUENCY_FUSION, DETECTION_THRESHOLD)
 }
 """Studies by the name typed on the command line, in the order of ``all``."""
 

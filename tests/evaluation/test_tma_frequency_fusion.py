@@ -1,0 +1,97 @@
+"""Protects the tma-frequency-fusion study: its rows, its figures, its conclusions."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sonar_tracking.evaluation.batch_runner import run_batches
+from sonar_tracking.evaluation.studies import STUDIES
+from sonar_tracking.evaluation.study import Study
+from sonar_tracking.evaluation.tma_frequency_fusion import (
+    BOUND,
+    SCENARIOS,
+    TMA_FREQUENCY_FUSION,
+)
+from sonar_tracking.evaluation.tma_histories import frame_metrics
+from sonar_tracking.evaluation.tma_runs import SceneBatch, estimate_batch
+from sonar_tracking.evaluation.tma_systems import (
+    BEARINGS_ONLY,
+    CHAN,
+    JAUFFRET,
+    PROPOSED,
+    RANGE_BANK,
+    SYSTEMS,
+)
+
+RUNS = 20
+
+
+@pytest.fixture(scope="module")
+def results() -> Sequence[Any]:
+    return [task.function(task.argument) for task in TMA_FREQUENCY_FUSION.tasks(RUNS, 1)]
+
+
+@pytest.fixture(scope="module")
+def study(results: Sequence[Any]) -> Study:
+    return Study("tma-frequency-fusion", RUNS, 1, 1.0, TMA_FREQUENCY_FUSION.rows(results))
+
+
+def test_it_is_known_by_name() -> None:
+    assert STUDIES["tma-frequency-fusion"] is TMA_FREQUENCY_FUSION
+
+
+def test_every_estimator_has_a_row_in_every_scenario(study: Study) -> None:
+    for condition in SCENARIOS.values():
+        for system in (*SYSTEMS, BOUND):
+            assert study.row(system, condition).metrics["range_rmse_m"] > 0.0
+
+
+def test_table_3_stands_beside_s1_only(study: Study) -> None:
+    assert study.row(PROPOSED, SCENARIOS["S1"]).published["range_rmse_m"] == 102.0
+    assert study.row(CHAN, SCENARIOS["S1"]).published["course_rmse_deg"] == 49.3
+    assert not study.row(PROPOSED, SCENARIOS["S2"]).published
+
+
+def test_the_published_order_is_met(study: Study) -> None:
+    ranges = {
+        system: study.row(system, SCENARIOS["S1"]).metrics["range_rmse_m"] for system in SYSTEMS
+    }
+    assert ranges[CHAN] > 3.0 * ranges[PROPOSED]
+    assert ranges[JAUFFRET] > 2.0 * ranges[PROPOSED]
+    # The twin that hears no line does as well: the gap is not made by Doppler.
+    assert ranges[BEARINGS_ONLY] < 1.1 * ranges[PROPOSED]
+
+
+def test_the_default_is_far_ahead_where_doppler_matters(study: Study) -> None:
+    ranges = {
+        system: study.row(system, SCENARIOS["S2"]).metrics["range_rmse_m"] for system in SYSTEMS
+    }
+    assert ranges[PROPOSED] > 2.5 * ranges[RANGE_BANK]
+    assert ranges[BEARINGS_ONLY] > 8.0 * ranges[RANGE_BANK]
+
+
+def test_a_run_has_its_own_numbers(results: Sequence[Any]) -> None:
+    batches = run_batches(2, 1)
+    part = estimate_batch(SceneBatch("S1", batches[0])).systems[RANGE_BANK]
+    whole = next(one for one in results if getattr(one, "systems", None)).systems[RANGE_BANK]
+    np.testing.assert_allclose(part.error, whole.error[:2], rtol=1e-6, atol=1e-9)
+
+
+def test_figures_of_known_errors(results: Sequence[Any]) -> None:
+    histories = next(one for one in results if getattr(one, "systems", None)).systems[PROPOSED]
+    histories.error[:, -1] = np.array([3.0, 0.1, -2.0, 0.5])
+    bound = np.ones((400, 4))
+    metrics = frame_metrics(histories, bound, -1)
+    assert metrics["range_rmse_m"] == pytest.approx(3.0)
+    assert metrics["course_rmse_deg"] == pytest.approx(2.0)
+    assert metrics["lost_percent"] == 0.0
+    assert frame_metrics(histories, 0.5 * bound, -1)["lost_percent"] == 100.0
+
+
+def test_pictures_are_drawn(results: Sequence[Any], study: Study, tmp_path: Path) -> None:
+    pictures = TMA_FREQUENCY_FUSION.draw(results, study.rows, tmp_path)
+    assert len(pictures) == 6
+    assert all(picture.stat().st_size > 10_000 for picture in pictures)
