@@ -27,7 +27,7 @@ STATUS_PERIOD = 1.0
 STALLED_PERIODS = 5
 STALLED_AT_LEAST = 2 * NANOSECONDS
 """An input is stalled after so many of its periods, and not before this, ns of /clock."""
-STALLED_AT_START = 10 * NANOSECONDS
+STALLED_AT_START = 30 * NANOSECONDS
 """The same while its period is not known yet."""
 
 
