@@ -11,12 +11,15 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-from sonar_tracking.configuration import ParameterDescription
+from sonar_tracking.configuration import ParameterDescription, describe
 from sonar_tracking.graph.node_catalogue import NODES, NodeDescription
 from sonar_tracking.graph.recorder import PARAMETER_DESCRIPTIONS as RECORDER_PARAMETERS
 from sonar_tracking.graph.topics import Topic, TopicKind
+from sonar_tracking.simulation.array_configuration import ArrayConfiguration, NoiseConfiguration
+from sonar_tracking.simulation.platforms import OwnShipConfiguration, TurnConfiguration
 from sonar_tracking.simulation.scenario import load_scenario
 from sonar_tracking.simulation.scenario_file import scenario_names
+from sonar_tracking.simulation.target import MOTIONS, TargetConfiguration
 
 README = Path(__file__).resolve().parent.parent / "README.md"
 BEGIN, END = "<!-- reference: begin -->", "<!-- reference: end -->"
@@ -92,10 +95,7 @@ def _node(node: NodeDescription) -> str:
         flows.append("takes " + ", ".join(f"`{topic.name}`" for topic in node.inputs))
     if node.outputs:
         flows.append("gives " + ", ".join(f"`{topic.name}`" for topic in node.outputs))
-    rows = [
-        (f"`{entry.name}`", _default(entry), entry.unit, _allowed(entry), entry.description)
-        for entry in node.parameters
-    ]
+    rows = [(f"`{entry.name}`", *_cells(entry)) for entry in node.parameters]
     table = _table(("parameter", "default", "unit", "allowed", "what it does"), rows)
     introduction = f"{_sentence(node.description)} {_sentence('; '.join(flows))}"
     return f"### `{node.name}`\n\n{introduction}\n\n{table}"
@@ -112,7 +112,37 @@ def _scenarios() -> Iterable[str]:
     for name in scenario_names():
         scenario = load_scenario(name)
         rows.append((f"`{name}`", f"{scenario.duration:g}", _sentence(scenario.description)))
-    return ("### Scenarios", _table(("scenario", "seconds", "what it shows"), rows))
+    return (
+        "### Scenarios",
+        _table(("scenario", "seconds", "what it shows"), rows),
+        _scenario_keys(),
+    )
+
+
+def _scenario_keys() -> str:
+    sections: dict[str, type] = {
+        "array": ArrayConfiguration,
+        "noise": NoiseConfiguration,
+        "own_ship": OwnShipConfiguration,
+        "own_ship.turns[]": TurnConfiguration,
+        "targets[]": TargetConfiguration,
+    }
+    sections |= {f"targets[].motion, kind: {kind}": motion for kind, motion in MOTIONS.items()}
+    rows = [
+        (f"`{section}`", f"`{entry.name}`", *_cells(entry))
+        for section, configuration in sections.items()
+        for entry in describe(configuration)
+    ]
+    introduction = (
+        "Besides these: `name`, `description`, `epoch` (ISO 8601), `start` and `duration` (s), "
+        "`seed`, and `nodes`, the parameters of each node by its name. Times are seconds from the epoch."
+    )
+    table = _table(("section", "key", "default", "unit", "allowed", "what it is"), rows)
+    return f"### Keys of a scenario file\n\n{introduction}\n\n{table}"
+
+
+def _cells(entry: ParameterDescription) -> tuple[str, str, str, str]:
+    return _default(entry), entry.unit, _allowed(entry), entry.description
 
 
 def _sentence(text: str) -> str:
@@ -142,7 +172,8 @@ def _allowed(entry: ParameterDescription) -> str:
 
 def _table(header: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
     lines = [header, tuple("---" for _ in header), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+    escaped = ([cell.replace("|", r"\|").replace("<", "&lt;") for cell in line] for line in lines)
+    return "\n".join("| " + " | ".join(line) + " |" for line in escaped)
 
 
 if __name__ == "__main__":
