@@ -135,7 +135,8 @@ def _scenario_keys() -> str:
     ]
     introduction = (
         "Besides these: `name`, `description`, `epoch` (ISO 8601), `start` and `duration` (s), "
-        "`seed`, and `nodes`, the parameters of each node by its name. Times are seconds from the epoch."
+        "`seed`, and `nodes`, the parameters of each node by its name. Times are seconds from the "
+        "epoch."
     )
     table = _table(("section", "key", "default", "unit", "allowed", "what it is"), rows)
     return f"### Keys of a scenario file\n\n{introduction}\n\n{table}"
