@@ -108,6 +108,8 @@ def test_covariance_ends_at_the_sample_time_or_lies_around_it(
         assert np.allclose(estimate.covariance, part.T @ part.conj() / n_snapshots)
         middle = (0.5 * (n_snapshots - 1) - before) / 200.0
         assert estimate.covariance_time_offset == pytest.approx(middle, abs=1e-12)
+        newest = max(n_snapshots - 1 - before, (n_subspaces - 1) // 2 * 10) / 200.0
+        assert estimate.newest_offset == pytest.approx(newest, abs=1e-12)
 
 
 def test_centred_covariance_cut_off_by_a_gap_lies_before_it() -> None:
@@ -210,6 +212,7 @@ def test_gap_keeps_the_recursion_and_says_so() -> None:
     assert [(e.stamp - EPOCH) // SECOND for e in estimates] == [0, 1, 2, 3, 4]
     assert [len(e.time_offsets) for e in estimates] == [7, 0, 0, 7, 7]
     assert [e.covariance is None for e in estimates] == [False, True, True, False, False]
+    assert np.isnan(estimates[1].newest_offset)
     # Well after the gap nothing is left of it.
     whole, _ = fed(SubspaceStage(PAPER), blocks)
     first, second = np.linalg.qr(estimates[-1].basis).Q, np.linalg.qr(whole[-1].basis).Q

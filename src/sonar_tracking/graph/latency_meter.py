@@ -62,7 +62,7 @@ class LatencyMeter:
             del self._block_walls[:REMEMBERED_BLOCKS]
 
     def estimate_described(self, stamp: int, last_offset: float) -> None:
-        """Note an estimate and the time of its newest subspace relative to its stamp, s."""
+        """Note an estimate and the time of its newest snapshot relative to its stamp, s."""
         self._window_ends[stamp] = stamp + round(last_offset * 1e9)
         # The last window of the data may be cut short: the longest is what estimates wait for.
         self._algorithmic = float(np.fmax(self._algorithmic, last_offset * 1e3))

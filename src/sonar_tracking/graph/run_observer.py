@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 
 from rclpy.serialization import deserialize_message
@@ -79,8 +80,8 @@ class RunObserver:
             self.take_truth(data)
         elif topic == _ESTIMATES:
             estimates = subspaces_from_bytes(data)
-            if len(estimates.time_offsets):
-                self.latency.estimate_described(estimates.stamp, float(estimates.time_offsets[-1]))
+            if not math.isnan(estimates.newest_offset):
+                self.latency.estimate_described(estimates.stamp, estimates.newest_offset)
 
     def take_truth(self, data: bytes) -> None:
         """Take a true picture; it is decoded when the run is scored."""

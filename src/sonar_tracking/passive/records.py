@@ -150,6 +150,13 @@ class SubspaceEstimates:
     next_stamp: int = UNKNOWN_STAMP
     sensor: Sensor = field(default_factory=Sensor)
 
+    @property
+    def newest_offset(self) -> float:
+        """Time of the newest snapshot used relative to the stamp, s; NaN = none used."""
+        half = 0.5 * (self.covariance_snapshots - 1) * self.sample_period
+        ends = [*self.time_offsets[-1:], self.covariance_time_offset + half]
+        return float(np.fmax.reduce(ends))
+
 
 @dataclass(frozen=True)
 class BearingTracks:
