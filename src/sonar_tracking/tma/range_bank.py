@@ -135,7 +135,8 @@ class RangeBank:
             At the stamp of the measurement.
         """
         state = self.state if self.state is not None else self._started(measurement)
-        state = self._started_again(state, measurement)
+        lost = (state.refused >= REFUSED_AZIMUTHS) & np.isfinite(measurement.azimuth[..., 0])
+        state = self._started_again(state, measurement, lost)
         predicted = self._predicted(state, measurement)
         rows = rows_of(predicted, measurement)
         windows, changes = _watched(state.windows, predicted, rows)
@@ -154,7 +155,7 @@ class RangeBank:
         ).astype(np.int64)
         count = np.where(accepted, 0, state.refused + refused)
         self.state = RangeBankState(measurement.stamp, bank, windows, until, count)
-        return estimate_of(bank, measurement, changes.reborn, changes.manoeuvre)
+        return estimate_of(bank, measurement, changes.reborn, changes.manoeuvre, lost)
 
     def _started(self, measurement: TmaMeasurement) -> RangeBankState:
         parameters = self._configuration
@@ -164,12 +165,15 @@ class RangeBank:
         nothing = np.zeros(batch, dtype=np.int64)
         return RangeBankState(measurement.stamp, bank, windows, nothing, nothing)
 
-    def _started_again(self, state: RangeBankState, measurement: TmaMeasurement) -> RangeBankState:
+    def _started_again(
+        self, state: RangeBankState, measurement: TmaMeasurement, lost: BoolArray
+    ) -> RangeBankState:
         """Start anew where no hypothesis accepts the azimuths: the first one was an outlier."""
-        lost = (state.refused >= REFUSED_AZIMUTHS) & np.isfinite(measurement.azimuth[..., 0])
         if not np.any(lost):
             return state
         fresh = self._started(measurement)
+        if fresh.bank.log_weight.shape != state.bank.log_weight.shape:
+            return fresh  # a single run whose array now has another number of sides
         everything = Changes(np.zeros(state.bank.known.shape, dtype=bool), lost)
         return RangeBankState(
             state.stamp,

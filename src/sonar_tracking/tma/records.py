@@ -84,12 +84,12 @@ class TmaEstimate:
         Of the mean.
     source_frequency, source_frequency_deviation : ndarray, shape (..., n_lines)
         Hz; NaN = line never heard.
-    side_probability : ndarray, shape (..., n_sides)
-        Of the two sides of a line array; one column of ones where the azimuth is known.
     reborn : ndarray of bool, shape (..., n_lines)
         Lines that turned out to be another source now and were started anew.
     manoeuvre : ndarray of bool, shape (...)
         The target began to manoeuvre, says the detector, at this instant.
+    restarted : ndarray of bool, shape (...)
+        The estimator had lost the target and started anew.
     """
 
     stamp: int
@@ -97,6 +97,6 @@ class TmaEstimate:
     covariance: FloatArray
     source_frequency: FloatArray
     source_frequency_deviation: FloatArray
-    side_probability: FloatArray
     reborn: BoolArray
     manoeuvre: BoolArray
+    restarted: BoolArray

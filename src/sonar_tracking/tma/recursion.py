@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from sonar_tracking.motion import wrap_angle
 from sonar_tracking.tma.hypothesis_bank import (
     HypothesisBank,
     innovation_covariance,
@@ -30,9 +31,20 @@ def elapsed(previous_stamp: int, stamp: int) -> float:
 
 
 def rows_of(bank: HypothesisBank, measurement: TmaMeasurement) -> LinearisedRows:
-    """Return the measurement rows of each component; each side takes its own azimuth."""
-    n_ranges = bank.log_weight.shape[-1] // measurement.azimuth.shape[-1]
-    azimuth = np.repeat(measurement.azimuth, n_ranges, axis=-1)
+    """Return the measurement rows of each component.
+
+    Of the two azimuths of a line array each component takes the nearer one: they are mirror
+    images, so that it is the one on the component's own side of the array.
+    """
+    azimuth = measurement.azimuth
+    if azimuth.shape[-1] > 1:
+        offset = bank.mean[..., :2] - measurement.position[..., None, :]
+        expected = np.arctan2(offset[..., 1], offset[..., 0])[..., None]
+        candidates = np.broadcast_to(
+            azimuth[..., None, :], (*expected.shape[:-1], azimuth.shape[-1])
+        )
+        nearest = np.argmin(np.abs(wrap_angle(candidates - expected)), axis=-1)[..., None]
+        azimuth = np.take_along_axis(candidates, nearest, axis=-1)[..., 0]
     return linearise(bank.mean, measurement, bank.known, azimuth)
 
 
@@ -97,6 +109,7 @@ def estimate_of(
     measurement: TmaMeasurement,
     reborn: BoolArray | None = None,
     manoeuvre: BoolArray | None = None,
+    restarted: BoolArray | None = None,
 ) -> TmaEstimate:
     """Return the mixture's moments as the estimate of a frame.
 
@@ -106,14 +119,12 @@ def estimate_of(
         Posterior.
     measurement : TmaMeasurement
         The frame.
-    reborn, manoeuvre : ndarray of bool, optional
+    reborn, manoeuvre, restarted : ndarray of bool, optional
         As in :class:`TmaEstimate`; none if not given.
     """
     mean, covariance = mixture_moments(bank)
     lines = KINEMATIC + np.arange(bank.known.shape[-1])
     batch = bank.known.shape[:-1]
-    n_sides = measurement.azimuth.shape[-1]
-    sides = np.exp(bank.log_weight).reshape((*batch, n_sides, -1)).sum(axis=-1)
     deviation = np.sqrt(covariance[..., lines, lines])
     return TmaEstimate(
         stamp=measurement.stamp,
@@ -121,7 +132,7 @@ def estimate_of(
         covariance=covariance[..., :KINEMATIC, :KINEMATIC],
         source_frequency=np.where(bank.known, mean[..., KINEMATIC:], np.nan),
         source_frequency_deviation=np.where(bank.known, deviation, np.nan),
-        side_probability=sides,
         reborn=np.zeros(bank.known.shape, dtype=bool) if reborn is None else reborn,
         manoeuvre=np.zeros(batch, dtype=bool) if manoeuvre is None else manoeuvre,
+        restarted=np.zeros(batch, dtype=bool) if restarted is None else restarted,
     )
