@@ -1,0 +1,207 @@
+"""Which contacts lie in the gates of which tracks: a sparse list of pairs.
+
+A contact reflected a delay delta after the stamp is a measurement of position + delta velocity at
+the stamp, so that all contacts of a ping update the state at its transmit time. Pairs are found
+through the contacts sorted by x and tracks in portions, so that memory stays bounded.
+
+References
+----------
+Kim, Song (2007), equations 13-14: the gate is the local one, never the field of view.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.active.contact_positions import PlacedContacts, position_covariance
+from sonar_tracking.active.information_reduction import GATE_SIZE
+from sonar_tracking.active.track_bank import TrackBank
+
+FloatArray = NDArray[np.float64]
+IndexArray = NDArray[np.intp]
+
+TRACKS_PER_PORTION = 2048
+
+
+@dataclass(frozen=True)
+class SensorGeometry:
+    """What a gate needs to know of the sensor.
+
+    Attributes
+    ----------
+    position : ndarray, shape (2,)
+        In ``map``, m.
+    range_standard_deviation, azimuth_standard_deviation : float
+        m and rad.
+    sound_speed : float
+        m/s; 0 = the ping takes no time.
+    """
+
+    position: FloatArray
+    range_standard_deviation: float
+    azimuth_standard_deviation: float
+    sound_speed: float
+
+
+@dataclass(frozen=True)
+class TrackGates:
+    """Gates of all tracks.
+
+    Attributes
+    ----------
+    centre : ndarray, shape (n, 2)
+        Predicted position at the reflection time, m.
+    covariance : ndarray, shape (n, 2, 2)
+        Of the innovation, m^2.
+    volume : ndarray, shape (n,)
+        pi g^2 sqrt(det S), m^2.
+    distance : ndarray, shape (n,)
+        From the sensor, m.
+    """
+
+    centre: FloatArray
+    covariance: FloatArray
+    volume: FloatArray
+    distance: FloatArray
+
+
+@dataclass(frozen=True)
+class GatePairs:
+    """Contacts in gates, in the order of the tracks.
+
+    Attributes
+    ----------
+    track, contact : ndarray of int, shape (n_pairs,)
+        Rows of both.
+    """
+
+    track: IndexArray
+    contact: IndexArray
+
+    def kept(self, mask: NDArray[np.bool_]) -> GatePairs:
+        """Return some of the pairs."""
+        return GatePairs(self.track[mask], self.contact[mask])
+
+
+def predict_gates(bank: TrackBank, sensor: SensorGeometry) -> TrackGates:
+    """Return the gates of predicted tracks.
+
+    Parameters
+    ----------
+    bank : TrackBank
+        Predicted to the stamp of the ping.
+    sensor : SensorGeometry
+        Where the ping comes from.
+    """
+    mean, spread = bank.moments()
+    separation = mean[:, :2] - sensor.position
+    distance = np.maximum(np.hypot(separation[:, 0], separation[:, 1]), 1e-3)
+    delay = distance / sensor.sound_speed if sensor.sound_speed > 0.0 else np.zeros(len(bank))
+    noise = position_covariance(
+        separation / distance[:, None],
+        distance,
+        sensor.range_standard_deviation,
+        sensor.azimuth_standard_deviation,
+    )
+    covariance = delayed_position_covariance(spread, delay) + noise
+    volume = np.pi * GATE_SIZE**2 * np.sqrt(determinant(covariance))
+    centre = mean[:, :2] + delay[:, None] * mean[:, 2:]
+    return TrackGates(centre, covariance, volume, distance)
+
+
+def find_pairs(bank: TrackBank, gates: TrackGates, contacts: PlacedContacts) -> GatePairs:
+    """Return all pairs of a track and a contact in its gate.
+
+    Parameters
+    ----------
+    bank : TrackBank
+        Predicted tracks.
+    gates : TrackGates
+        Their gates.
+    contacts : PlacedContacts
+        Contacts of the ping.
+    """
+    order = np.argsort(contacts.position[:, 0], kind="stable")
+    sorted_x = contacts.position[order, 0]
+    mean, spread = bank.moments()
+    tracks, columns = [], []
+    for first in range(0, len(bank), TRACKS_PER_PORTION):
+        rows = np.arange(first, min(first + TRACKS_PER_PORTION, len(bank)))
+        pairs = _near(rows, gates, sorted_x, order, contacts)
+        inside = _in_gate(mean, spread, contacts, pairs)
+        tracks.append(pairs.track[inside])
+        columns.append(pairs.contact[inside])
+    if not tracks:
+        nothing = np.zeros(0, dtype=np.intp)
+        return GatePairs(nothing, nothing)
+    return GatePairs(np.concatenate(tracks), np.concatenate(columns))
+
+
+def delayed_position_covariance(covariance: FloatArray, delay: FloatArray) -> FloatArray:
+    """Return the covariance of position + delay * velocity.
+
+    Parameters
+    ----------
+    covariance : ndarray, shape (..., 4, 4)
+        Of x, y, vx, vy.
+    delay : ndarray, shape (...)
+        s.
+    """
+    step = delay[..., None, None]
+    crossed = covariance[..., :2, 2:]
+    velocity = covariance[..., 2:, 2:]
+    both = crossed + np.swapaxes(crossed, -1, -2)
+    return np.asarray(covariance[..., :2, :2] + step * both + step**2 * velocity)
+
+
+def determinant(matrix: FloatArray) -> FloatArray:
+    """Return the determinants of symmetric matrices, shape (..., 2, 2), in closed form."""
+    return np.asarray(matrix[..., 0, 0] * matrix[..., 1, 1] - matrix[..., 0, 1] ** 2)
+
+
+def inverse(matrix: FloatArray) -> FloatArray:
+    """Return the inverses of symmetric matrices, shape (..., 2, 2), in closed form."""
+    result = np.empty_like(matrix)
+    result[..., 0, 0] = matrix[..., 1, 1]
+    result[..., 1, 1] = matrix[..., 0, 0]
+    result[..., 0, 1] = result[..., 1, 0] = -matrix[..., 0, 1]
+    return np.asarray(result / determinant(matrix)[..., None, None])
+
+
+def _near(
+    rows: IndexArray,
+    gates: TrackGates,
+    sorted_x: FloatArray,
+    order: IndexArray,
+    contacts: PlacedContacts,
+) -> GatePairs:
+    """Return pairs in the box around each gate; a gate at a contact may be wider by its noise."""
+    margin = 1.5 * GATE_SIZE
+    half_x = margin * np.sqrt(gates.covariance[rows, 0, 0])
+    half_y = margin * np.sqrt(gates.covariance[rows, 1, 1])
+    low = np.searchsorted(sorted_x, gates.centre[rows, 0] - half_x)
+    high = np.searchsorted(sorted_x, gates.centre[rows, 0] + half_x)
+    counts = high - low
+    local = np.repeat(np.arange(len(rows)), counts)
+    starts = np.cumsum(counts) - counts
+    contact = order[np.arange(len(local)) - starts[local] + low[local]]
+    offset = np.abs(contacts.position[contact, 1] - gates.centre[rows[local], 1])
+    near = offset < half_y[local]
+    return GatePairs(rows[local][near], contact[near])
+
+
+def _in_gate(
+    mean: FloatArray, spread: FloatArray, contacts: PlacedContacts, pairs: GatePairs
+) -> NDArray[np.bool_]:
+    delay = contacts.delay[pairs.contact]
+    state = mean[pairs.track]
+    innovation = contacts.position[pairs.contact] - state[:, :2] - delay[:, None] * state[:, 2:]
+    covariance = delayed_position_covariance(spread[pairs.track], delay)
+    covariance = covariance + contacts.covariance[pairs.contact]
+    x, y = innovation[:, 0], innovation[:, 1]
+    square = covariance[:, 1, 1] * x**2 - 2.0 * covariance[:, 0, 1] * x * y
+    square = (square + covariance[:, 0, 0] * y**2) / determinant(covariance)
+    return np.asarray(square < GATE_SIZE**2)

@@ -1,0 +1,38 @@
+"""The tracker of contacts, whatever its method."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from sonar_tracking.active.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.multi_target_tracker import MultiTargetTracker
+from sonar_tracking.active.probability_hypothesis_density import DensityTracker
+from sonar_tracking.active.records import Contacts, ContactTrackerUpdate
+from sonar_tracking.active.region_tracker import RegionTracker
+
+
+class ContactTracker(Protocol):
+    """Tracks several targets from contacts in clutter, one ping after the other."""
+
+    def update(self, contacts: Contacts) -> ContactTrackerUpdate:
+        """Return the tracks after one ping."""
+
+
+def make_contact_tracker(configuration: ContactTrackerConfiguration) -> ContactTracker:
+    """Return the tracker of the configured method.
+
+    Parameters
+    ----------
+    configuration : ContactTrackerConfiguration
+        Method and parameters.
+
+    Raises
+    ------
+    ConfigurationError
+        If parameters do not fit together.
+    """
+    if configuration.method == "roi_clustering":
+        return RegionTracker(configuration)
+    if configuration.method == "smc_phd":
+        return DensityTracker(configuration)
+    return MultiTargetTracker(configuration)

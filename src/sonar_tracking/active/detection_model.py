@@ -1,0 +1,146 @@
+"""What the tracker takes for detection, clutter and amplitudes of one ping.
+
+The contacts say it, the parameters fill in. Clutter is uniform per square metre, or per resolution
+cell of range and azimuth: then its density falls with the distance, lambda = P_F / (dr dtheta r).
+
+References
+----------
+Kim, Song (2007), equations 4-5; Jung, Shin (2002), equations 2-3.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.active.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.detection_threshold import linear_from_decibel
+from sonar_tracking.active.gate_association import amplitude_likelihood_ratio
+from sonar_tracking.active.records import Contacts
+from sonar_tracking.errors import Notice, Severity
+
+FloatArray = NDArray[np.float64]
+
+SMALLEST_CLUTTER_DENSITY = 1e-14
+"""1/m^2; a density of zero would make every contact a certain target."""
+
+AVERAGED_LEVELS_DB = np.arange(3.0, 20.5, 1.0)
+"""Over which the amplitude likelihood is averaged where the ratio is not known."""
+
+
+@dataclass(frozen=True)
+class DetectionModel:
+    """Detection, clutter and amplitudes of one ping.
+
+    Attributes
+    ----------
+    detection_probability : float
+        P_D at the threshold of the detector.
+    signal_to_noise_ratio_linear : float
+        Of a target, power ratio.
+    averaged : bool
+        Whether amplitudes are judged by the average over levels.
+    threshold : float
+        tau of the detector, linear; NaN = unknown.
+    false_alarm_probability : float
+        P_F of the detector per resolution cell; NaN = unknown.
+    cell_size : float
+        dr dtheta, m rad: the area of a cell is that times the distance; NaN = unknown.
+    uniform_density : float
+        False contacts per m^2 at the threshold of the detector; NaN = uniform per cell.
+    maximum_range : float
+        m; infinite = no limit.
+    """
+
+    detection_probability: float
+    signal_to_noise_ratio_linear: float
+    averaged: bool
+    threshold: float
+    false_alarm_probability: float
+    cell_size: float
+    uniform_density: float
+    maximum_range: float
+
+    def clutter_density(self, distance: FloatArray) -> FloatArray:
+        """Return lambda at distances (m) from the sensor, 1/m^2, at the detector's threshold."""
+        if np.isfinite(self.uniform_density):
+            return np.full_like(distance, max(self.uniform_density, SMALLEST_CLUTTER_DENSITY))
+        area = self.cell_size * np.maximum(distance, 1.0)
+        return np.maximum(self.false_alarm_probability / area, SMALLEST_CLUTTER_DENSITY)
+
+    def amplitude_ratio(self, amplitudes: FloatArray, thresholds: FloatArray) -> FloatArray:
+        """Return e(a) of amplitudes above thresholds, 1 where either is not known."""
+        known = np.isfinite(amplitudes) & np.isfinite(thresholds)
+        levels = (
+            linear_from_decibel(AVERAGED_LEVELS_DB)
+            if self.averaged
+            else np.array([self.signal_to_noise_ratio_linear])
+        )
+        filled, limit = np.where(known, amplitudes, 0.0), np.where(known, thresholds, 0.0)
+        ratios = [amplitude_likelihood_ratio(filled, limit, float(level)) for level in levels]
+        return np.where(known, np.mean(ratios, axis=0), 1.0)
+
+
+def make_detection_model(
+    contacts: Contacts, configuration: ContactTrackerConfiguration
+) -> tuple[DetectionModel, tuple[Notice, ...]]:
+    """Return what is known of a ping, and what had to be guessed.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        The ping.
+    configuration : ContactTrackerConfiguration
+        Fills in what the ping does not carry.
+    """
+    cell_size = contacts.range_resolution * contacts.azimuth_resolution
+    per_cell = np.isfinite(cell_size * contacts.false_alarm_probability)
+    maximum_range = _known(contacts.maximum_range, configuration.maximum_range or np.inf)
+    density = contacts.clutter_density
+    notices: tuple[Notice, ...] = ()
+    if not np.isfinite(density) and not per_cell:
+        density = configuration.clutter_density or _counted_density(contacts, maximum_range)
+    if not np.isnan(density) and density <= 0.0:
+        text = "The clutter density is zero; the smallest one that makes sense is used instead."
+        notices = (Notice(Severity.WARN, "clutter_density", text),)
+    ratio = float(linear_from_decibel(configuration.signal_to_noise_ratio_db))
+    model = DetectionModel(
+        detection_probability=float(
+            np.clip(
+                _known(contacts.detection_probability, configuration.detection_probability),
+                0.01,
+                0.999,
+            )
+        ),
+        signal_to_noise_ratio_linear=_known(contacts.signal_to_noise_ratio_linear, ratio),
+        averaged=configuration.amplitude_model == "averaged",
+        threshold=_threshold(contacts),
+        false_alarm_probability=contacts.false_alarm_probability,
+        cell_size=cell_size,
+        uniform_density=density,
+        maximum_range=maximum_range,
+    )
+    return model, notices
+
+
+def _known(value: float, otherwise: float) -> float:
+    return value if np.isfinite(value) else otherwise
+
+
+def _threshold(contacts: Contacts) -> float:
+    if np.isfinite(contacts.detection_threshold):
+        return contacts.detection_threshold
+    if contacts.false_alarm_probability > 0.0:
+        return -float(np.log(contacts.false_alarm_probability))
+    # The weakest contact is a fair estimate of a threshold that nobody told.
+    return float(np.min(contacts.amplitude)) if len(contacts.amplitude) else np.nan
+
+
+def _counted_density(contacts: Contacts, maximum_range: float) -> float:
+    """Return the number of contacts over the area of the survey, a density that errs high."""
+    if not len(contacts.range):
+        return SMALLEST_CLUTTER_DENSITY
+    reach = maximum_range if np.isfinite(maximum_range) else float(np.max(contacts.range))
+    return len(contacts.range) / (np.pi * reach**2)

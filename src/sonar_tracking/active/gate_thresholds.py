@@ -1,0 +1,145 @@
+"""The detection threshold in each gate: the loop from the tracker back to detection.
+
+In the gate of a confirmed track the false-alarm probability is the one of least expected error for
+that gate's number of resolution cells; candidates take the search threshold. Both only raise the
+threshold of the detector. A higher threshold means less clutter and less detection in that gate.
+
+References
+----------
+Jung, Shin (2002), equation 25.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.active.contact_gating import TrackGates
+from sonar_tracking.active.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.detection_model import DetectionModel
+from sonar_tracking.active.detection_threshold import (
+    FalseAlarmLimits,
+    closed_form_false_alarm_probability,
+    detection_probability,
+    detection_threshold,
+)
+from sonar_tracking.active.records import GateThresholds
+from sonar_tracking.active.track_bank import TrackBank
+from sonar_tracking.errors import InputError
+
+FloatArray = NDArray[np.float64]
+
+SMALLEST_FALSE_ALARM_PROBABILITY = 1e-6
+
+
+@dataclass(frozen=True)
+class AppliedThresholds:
+    """Thresholds in force, one a track and one for the search.
+
+    Attributes
+    ----------
+    threshold, detection_probability : ndarray, shape (n,)
+        tau (linear; NaN = unknown) and P_D of each track.
+    clutter_share : ndarray, shape (n,)
+        False contacts above the threshold relative to those of the detector.
+    search_threshold, search_share : float
+        The same for contacts outside the gates.
+    published : GateThresholds or None
+        For those who want to follow; None where the tracker sets no thresholds.
+    """
+
+    threshold: FloatArray
+    detection_probability: FloatArray
+    clutter_share: FloatArray
+    search_threshold: float
+    search_share: float
+    published: GateThresholds | None
+
+
+def apply_thresholds(
+    bank: TrackBank,
+    gates: TrackGates,
+    model: DetectionModel,
+    configuration: ContactTrackerConfiguration,
+) -> AppliedThresholds:
+    """Return the thresholds in force.
+
+    Parameters
+    ----------
+    bank : TrackBank
+        Predicted tracks.
+    gates : TrackGates
+        Their gates.
+    model : DetectionModel
+        Of the ping.
+    configuration : ContactTrackerConfiguration
+        Which thresholds are wanted.
+
+    Raises
+    ------
+    InputError
+        If thresholds are wanted but the ping tells neither resolution nor false alarms.
+    """
+    base = model.false_alarm_probability
+    search = configuration.search_false_alarm_probability
+    own_gates = configuration.gate_threshold != "as_detected"
+    if not own_gates and search == 0.0:
+        return _as_detected(len(bank), model)
+    if not (np.isfinite(model.cell_size) and 0.0 < base < 1.0):
+        raise InputError(
+            "Thresholds in gates need range_resolution, azimuth_resolution and "
+            "false_alarm_probability of the ping; give them, or use gate_threshold as_detected."
+        )
+    search = min(search, base) if search > 0.0 else base
+    cells = gates.volume / (model.cell_size * np.maximum(gates.distance, 1.0))
+    probability = np.full(len(bank), search)
+    if own_gates:
+        wanted = _gate_probabilities(cells, base, model, configuration)
+        probability = np.where(bank.confirmed, wanted, probability)
+    threshold = detection_threshold(probability)
+    ratio = model.signal_to_noise_ratio_linear
+    rows = np.flatnonzero(bank.confirmed)
+    return AppliedThresholds(
+        threshold=threshold,
+        detection_probability=detection_probability(probability, ratio),
+        clutter_share=probability / base,
+        search_threshold=-float(np.log(search)),
+        search_share=search / base,
+        published=GateThresholds(
+            track_id=bank.id[rows],
+            false_alarm_probability=probability[rows],
+            threshold=threshold[rows],
+            resolution_cells=cells[rows],
+            gate_volume=gates.volume[rows],
+            predicted_position=gates.centre[rows],
+            gate_covariance=gates.covariance[rows],
+            search_false_alarm_probability=search,
+            search_threshold=-float(np.log(search)),
+        ),
+    )
+
+
+def _as_detected(n_tracks: int, model: DetectionModel) -> AppliedThresholds:
+    return AppliedThresholds(
+        threshold=np.full(n_tracks, model.threshold),
+        detection_probability=np.full(n_tracks, model.detection_probability),
+        clutter_share=np.ones(n_tracks),
+        search_threshold=model.threshold,
+        search_share=1.0,
+        published=None,
+    )
+
+
+def _gate_probabilities(
+    cells: FloatArray,
+    base: float,
+    model: DetectionModel,
+    configuration: ContactTrackerConfiguration,
+) -> FloatArray:
+    if configuration.gate_threshold == "fixed":
+        fixed = min(configuration.gate_false_alarm_probability, base)
+        return np.full(len(cells), fixed)
+    limits = FalseAlarmLimits(min(SMALLEST_FALSE_ALARM_PROBABILITY, 0.5 * base), base)
+    return closed_form_false_alarm_probability(cells, model.signal_to_noise_ratio_linear, limits)

@@ -1,0 +1,253 @@
+"""Automatic detection and tracking of several targets from contacts in clutter.
+
+At each ping: all tracks are predicted to its transmit time; contacts are paired with gates;
+association gives each track its contacts, its motion mode and its probability of existence; the
+states are updated; tracks are confirmed and ended; contacts that no track explains start
+candidates. All false contacts start candidates, too, so that everything is done on arrays.
+
+Association is by integrated multi-target PDA with amplitude likelihoods and turning motion modes
+(``integrated``, the most accurate), or by the published rule of the one contact best by amplitude
+rank (``hpda_kalman``; ``hpda_particle`` follows confirmed targets with particles).
+
+References
+----------
+Kim, Song (2007); Musicki, La Scala (2008); Jung, Shin (2002) for thresholds in the gates.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.active.contact_checks import check_ping
+from sonar_tracking.active.contact_gating import (
+    GatePairs,
+    SensorGeometry,
+    TrackGates,
+    find_pairs,
+    predict_gates,
+)
+from sonar_tracking.active.contact_positions import PlacedContacts, place_contacts
+from sonar_tracking.active.contact_tracker_configuration import (
+    ContactTrackerConfiguration,
+    check_configuration,
+)
+from sonar_tracking.active.detection_model import DetectionModel, make_detection_model
+from sonar_tracking.active.gate_thresholds import AppliedThresholds, apply_thresholds
+from sonar_tracking.active.integrated_association import (
+    BankAssociation,
+    PairEvidence,
+    associate_integrated,
+)
+from sonar_tracking.active.motion_modes import MotionModes
+from sonar_tracking.active.pair_updates import PairUpdates, mix_updates, update_pairs
+from sonar_tracking.active.particle_tracks import ParticleTracks
+from sonar_tracking.active.rank_association import associate_ranked
+from sonar_tracking.active.records import Contacts, ContactTrackerUpdate
+from sonar_tracking.active.track_bank import TrackBank, empty_bank, predict_bank
+from sonar_tracking.active.track_management import (
+    ListedTracks,
+    duplicates,
+    list_tracks,
+    start_candidates,
+    surviving,
+)
+
+FloatArray = NDArray[np.float64]
+
+LARGEST_CLAIM_OF_A_NEW_CONTACT = 0.5
+"""A contact that tracks explain with more than this probability starts no candidate."""
+
+
+@dataclass(frozen=True)
+class _Ping:
+    """Contacts of a ping and all that is known before they are associated."""
+
+    stamp: int
+    placed: PlacedContacts
+    amplitudes: FloatArray
+    model: DetectionModel
+    sensor: SensorGeometry
+
+
+class MultiTargetTracker:
+    """Tracks of several targets from contacts in clutter.
+
+    Parameters
+    ----------
+    configuration : ContactTrackerConfiguration
+        With method ``integrated``, ``hpda_kalman`` or ``hpda_particle``.
+
+    Raises
+    ------
+    ConfigurationError
+        If parameters do not fit together.
+    """
+
+    def __init__(self, configuration: ContactTrackerConfiguration) -> None:
+        check_configuration(configuration)
+        self._configuration = configuration
+        self._modes = MotionModes(
+            n_modes=3 if configuration.method == "integrated" else 1,
+            acceleration_deviation=configuration.acceleration_deviation,
+            lateral_acceleration=configuration.lateral_acceleration,
+            turn_probability=configuration.turn_probability,
+            stay_probability=configuration.stay_probability,
+        )
+        self._bank = empty_bank(self._modes.n_modes)
+        self._particles = ParticleTracks(configuration)
+        self._next_id = configuration.first_id
+        self._stamp: int | None = None
+
+    def update(self, contacts: Contacts) -> ContactTrackerUpdate:
+        """Return the tracks after one ping.
+
+        Parameters
+        ----------
+        contacts : Contacts
+            Of the ping; may be empty.
+
+        Raises
+        ------
+        InputError
+            If the ping cannot be used; the state is then unchanged.
+        """
+        contacts, notices = check_ping(contacts, self._stamp)
+        model, guessed = make_detection_model(contacts, self._configuration)
+        ping = self._placed(contacts, model)
+        bank = self._predicted(ping.stamp)
+        gates = predict_gates(bank, ping.sensor)
+        applied = apply_thresholds(bank, gates, model, self._configuration)
+        if self._particles.used:
+            bank = self._particles.predict(bank, self._interval(ping.stamp))
+            gates = predict_gates(bank, ping.sensor)
+        pairs = self._pairs(bank, gates, ping, applied)
+        updates = update_pairs(bank, ping.placed, pairs)
+        if self._particles.used:
+            updates = self._particles.pair_densities(bank, pairs, updates, ping.placed, ping.sensor)
+        association = self._associate(bank, gates, pairs, updates, ping, applied)
+        bank = mix_updates(association.bank, pairs, updates, association.weights)
+        if self._particles.used:
+            bank = self._particles.update(bank, pairs, association.weights[:, 0])
+        listed = self._managed(bank, pairs, association, ping)
+        bank = listed.bank.selected(listed.alive)
+        bank = self._with_candidates(bank, ping, applied, association.claimed)
+        self._bank, self._stamp = bank, ping.stamp
+        self._particles.keep(bank)
+        tracks = list_tracks(listed, ping.stamp, self._configuration.tentative_probability)
+        return ContactTrackerUpdate(
+            tracks=replace(tracks, next_stamp=contacts.next_stamp),
+            target_count=float(np.count_nonzero(bank.confirmed)),
+            thresholds=applied.published,
+            notices=(*notices, *guessed),
+        )
+
+    def _placed(self, contacts: Contacts, model: DetectionModel) -> _Ping:
+        sound_speed = self._configuration.sound_speed
+        measured = len(contacts.amplitude) > 0
+        return _Ping(
+            stamp=contacts.stamp,
+            placed=place_contacts(contacts, sound_speed),
+            amplitudes=contacts.amplitude if measured else np.full(len(contacts.range), np.nan),
+            model=model,
+            sensor=SensorGeometry(
+                np.array(contacts.sensor_position),
+                contacts.range_standard_deviation,
+                contacts.azimuth_standard_deviation,
+                sound_speed,
+            ),
+        )
+
+    def _interval(self, stamp: int) -> float:
+        return 0.0 if self._stamp is None else (stamp - self._stamp) * 1e-9
+
+    def _predicted(self, stamp: int) -> TrackBank:
+        survival = self._configuration.survival_probability
+        return predict_bank(self._bank, self._modes, self._interval(stamp), survival)
+
+    def _pairs(
+        self, bank: TrackBank, gates: TrackGates, ping: _Ping, applied: AppliedThresholds
+    ) -> GatePairs:
+        pairs = find_pairs(bank, gates, ping.placed)
+        # Written so that an amplitude or a threshold that is not known lets the contact pass.
+        below = ping.amplitudes[pairs.contact] < applied.threshold[pairs.track]
+        return pairs.kept(~below)
+
+    def _associate(
+        self,
+        bank: TrackBank,
+        gates: TrackGates,
+        pairs: GatePairs,
+        updates: PairUpdates,
+        ping: _Ping,
+        applied: AppliedThresholds,
+    ) -> BankAssociation:
+        density = ping.model.clutter_density(ping.placed.distance)[pairs.contact]
+        evidence = PairEvidence(
+            density=updates.density,
+            amplitude_ratio=ping.model.amplitude_ratio(
+                ping.amplitudes[pairs.contact], applied.threshold[pairs.track]
+            ),
+            clutter_density=density * applied.clutter_share[pairs.track],
+        )
+        detection = applied.detection_probability
+        if self._configuration.method == "integrated":
+            n_contacts = len(ping.amplitudes)
+            return associate_integrated(bank, pairs, evidence, detection, n_contacts)
+        ratio = ping.model.signal_to_noise_ratio_linear
+        return associate_ranked(
+            bank, pairs, evidence, ping.amplitudes, gates.volume, detection, ratio
+        )
+
+    def _managed(
+        self, bank: TrackBank, pairs: GatePairs, association: BankAssociation, ping: _Ping
+    ) -> ListedTracks:
+        detected, was_confirmed = association.detected, bank.confirmed
+        bank = replace(
+            bank,
+            confirmed=was_confirmed
+            | (bank.existence >= self._configuration.confirmation_probability),
+            updated=np.where(detected > 0.5, ping.stamp, bank.updated),
+        )
+        mean, _ = bank.moments()
+        distance = np.hypot(*(mean[:, :2] - ping.sensor.position).T)
+        model = ping.model
+        alive = surviving(
+            bank, distance, model.maximum_range, model.detection_probability, self._configuration
+        )
+        alive &= ~duplicates(bank, pairs)
+        return ListedTracks(bank, alive, was_confirmed, detected)
+
+    def _with_candidates(
+        self, bank: TrackBank, ping: _Ping, applied: AppliedThresholds, claimed: FloatArray
+    ) -> TrackBank:
+        below = ping.amplitudes < applied.search_threshold
+        rows = np.flatnonzero((claimed <= LARGEST_CLAIM_OF_A_NEW_CONTACT) & ~below)
+        candidates = start_candidates(
+            ping.placed.selected(rows),
+            self._initial_existence(ping, rows, applied.search_threshold),
+            ping.stamp,
+            self._next_id,
+            self._modes.mode_prior(),
+            self._configuration.initial_speed_deviation,
+        )
+        self._next_id += len(rows)
+        bank = bank.followed_by(candidates)
+        excess = len(bank) - self._configuration.maximum_tracks
+        if excess <= 0:
+            return bank
+        least = np.argsort(bank.existence + bank.confirmed, kind="stable")[:excess]
+        return bank.selected(np.delete(np.arange(len(bank)), least))
+
+    def _initial_existence(
+        self, ping: _Ping, rows: NDArray[np.intp], threshold: float
+    ) -> FloatArray:
+        initial = self._configuration.initial_existence
+        if self._configuration.method != "integrated":
+            return np.full(len(rows), initial)
+        amplitudes = ping.amplitudes[rows]
+        ratio = ping.model.amplitude_ratio(amplitudes, np.full(len(rows), threshold))
+        odds = initial / (1.0 - initial) * ratio
+        return np.minimum(odds / (1.0 + odds), 0.5 * self._configuration.confirmation_probability)

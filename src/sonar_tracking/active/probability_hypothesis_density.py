@@ -1,0 +1,179 @@
+"""Baseline: the probability hypothesis density of all targets as one cloud (SMC-PHD).
+
+The weights of the cloud integrate to the expected number of targets; targets have no identities.
+Births are drawn around the contacts of the ping before: at the present ones the contacts would be
+used twice and the count run away.
+
+References
+----------
+Vo, Singh, Doucet (2005), as compared with in Kim, Song (2007).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.active.contact_checks import check_ping
+from sonar_tracking.active.contact_gating import SensorGeometry
+from sonar_tracking.active.contact_positions import PlacedContacts, place_contacts
+from sonar_tracking.active.contact_tracker_configuration import (
+    ContactTrackerConfiguration,
+    check_configuration,
+)
+from sonar_tracking.active.detection_model import DetectionModel, make_detection_model
+from sonar_tracking.active.particle_cloud import (
+    ParticleCloud,
+    ParticleMotion,
+    particle_densities,
+    predict_cloud,
+    systematic_rows,
+)
+from sonar_tracking.active.records import Contacts, ContactTrackerUpdate, PositionTracks
+from sonar_tracking.active.state_extraction import extract_states
+from sonar_tracking.passive.records import TrackStatus
+
+FloatArray = NDArray[np.float64]
+
+SURVIVAL_PROBABILITY = 0.99
+BIRTH_MASS = 0.2
+BIRTH_PARTICLES = 500
+ROUGHENING = np.array([1.0, 1.0, 0.02, 0.02])
+"""Standard deviations added after resampling, m and m/s."""
+
+
+class DensityTracker:
+    """Number and states of several targets by SMC-PHD.
+
+    Parameters
+    ----------
+    configuration : ContactTrackerConfiguration
+        With method ``smc_phd``.
+
+    Raises
+    ------
+    ConfigurationError
+        If parameters do not fit together.
+    """
+
+    def __init__(self, configuration: ContactTrackerConfiguration) -> None:
+        check_configuration(configuration)
+        self._configuration = configuration
+        self._motion = ParticleMotion(
+            configuration.acceleration_deviation,
+            configuration.lateral_acceleration,
+            configuration.stay_probability,
+        )
+        self._generator = np.random.default_rng(configuration.seed)
+        nothing = np.zeros(0)
+        self._cloud = ParticleCloud(np.zeros((0, 4)), nothing.astype(np.int64), nothing)
+        self._before: PlacedContacts | None = None
+        self._next_id = configuration.first_id
+        self._stamp: int | None = None
+
+    def update(self, contacts: Contacts) -> ContactTrackerUpdate:
+        """Return number and states after one ping; each state gets an identity of its own.
+
+        Raises
+        ------
+        InputError
+            If the ping cannot be used; the state is then unchanged.
+        """
+        contacts, notices = check_ping(contacts, self._stamp)
+        model, guessed = make_detection_model(contacts, self._configuration)
+        placed = place_contacts(contacts, self._configuration.sound_speed)
+        sensor = SensorGeometry(
+            np.array(contacts.sensor_position),
+            contacts.range_standard_deviation,
+            contacts.azimuth_standard_deviation,
+            self._configuration.sound_speed,
+        )
+        interval = 0.0 if self._stamp is None else (contacts.stamp - self._stamp) * 1e-9
+        cloud = self._weighed(self._predicted(interval, model, sensor), placed, sensor, model)
+        mass = float(np.sum(cloud.weight))
+        states, covariances = extract_states(cloud, round(mass), self._generator)
+        self._cloud = self._resampled(cloud, mass)
+        self._before, self._stamp = placed, contacts.stamp
+        return ContactTrackerUpdate(
+            tracks=self._listed(states, covariances, contacts),
+            target_count=mass,
+            notices=(*notices, *guessed),
+        )
+
+    def _predicted(
+        self, interval: float, model: DetectionModel, sensor: SensorGeometry
+    ) -> ParticleCloud:
+        moved = predict_cloud(self._cloud, self._motion, interval, self._generator)
+        born = self._births(interval, model, sensor)
+        return ParticleCloud(
+            np.vstack([moved.state, born]),
+            np.concatenate([moved.mode, self._generator.integers(0, 3, BIRTH_PARTICLES)]),
+            np.concatenate(
+                [
+                    SURVIVAL_PROBABILITY * moved.weight,
+                    np.full(BIRTH_PARTICLES, BIRTH_MASS / BIRTH_PARTICLES),
+                ]
+            ),
+        )
+
+    def _births(self, interval: float, model: DetectionModel, sensor: SensorGeometry) -> FloatArray:
+        generator = self._generator
+        noise = generator.standard_normal((BIRTH_PARTICLES, 2))
+        state = np.zeros((BIRTH_PARTICLES, 4))
+        if self._before is not None and len(self._before.distance):
+            row = generator.integers(0, len(self._before.distance), BIRTH_PARTICLES)
+            separation = self._before.position[row] - sensor.position
+            distance = np.hypot(separation[:, 0], separation[:, 1])
+            azimuth = np.arctan2(separation[:, 1], separation[:, 0])
+            distance = distance + sensor.range_standard_deviation * noise[:, 0]
+            azimuth = azimuth + sensor.azimuth_standard_deviation * noise[:, 1]
+        else:
+            reach = model.maximum_range if np.isfinite(model.maximum_range) else 1e4
+            distance = reach * np.sqrt(generator.random(BIRTH_PARTICLES))
+            azimuth = 2.0 * np.pi * generator.random(BIRTH_PARTICLES)
+        state[:, 0] = sensor.position[0] + distance * np.cos(azimuth)
+        state[:, 1] = sensor.position[1] + distance * np.sin(azimuth)
+        speed = self._configuration.initial_speed_deviation
+        state[:, 2:] = speed * generator.standard_normal((BIRTH_PARTICLES, 2))
+        state[:, :2] += interval * state[:, 2:]
+        return state
+
+    def _weighed(
+        self,
+        cloud: ParticleCloud,
+        placed: PlacedContacts,
+        sensor: SensorGeometry,
+        model: DetectionModel,
+    ) -> ParticleCloud:
+        density = particle_densities(cloud.state, placed, sensor)
+        detected = model.detection_probability * density
+        total = model.clutter_density(placed.distance) + cloud.weight @ detected
+        factor = 1.0 - model.detection_probability + detected @ (1.0 / total)
+        return ParticleCloud(cloud.state, cloud.mode, cloud.weight * factor)
+
+    def _resampled(self, cloud: ParticleCloud, mass: float) -> ParticleCloud:
+        count = self._configuration.n_particles * max(1, round(mass))
+        rows = systematic_rows(cloud.weight, count, self._generator)
+        noise = ROUGHENING * self._generator.standard_normal((count, 4))
+        return ParticleCloud(
+            cloud.state[rows] + noise, cloud.mode[rows], np.full(count, mass / count)
+        )
+
+    def _listed(
+        self, states: FloatArray, covariances: FloatArray, contacts: Contacts
+    ) -> PositionTracks:
+        count = len(states)
+        identifiers = self._next_id + np.arange(count, dtype=np.int64)
+        self._next_id += count
+        stamps = np.full(count, contacts.stamp, dtype=np.int64)
+        return PositionTracks(
+            stamp=contacts.stamp,
+            id=identifiers,
+            status=np.full(count, int(TrackStatus.CONFIRMED), dtype=np.int64),
+            existence_probability=np.full(count, np.nan),
+            state=states,
+            covariance=covariances,
+            initiated=stamps,
+            updated=stamps,
+            next_stamp=contacts.next_stamp,
+        )

@@ -1,0 +1,246 @@
+"""Baseline: regions of interest start and end tracks, JPDA particle filters follow them.
+
+A region of interest seen at two successive pings away from all tracks starts a track; a track with
+no region for two pings ends. With a low probability of detection regions are missing more often
+than targets, which is why the method counts too few.
+
+References
+----------
+Ng, Li, Godsill, Vermaak (2005), as compared with in Kim, Song (2007).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.active.contact_checks import check_ping
+from sonar_tracking.active.contact_gating import SensorGeometry
+from sonar_tracking.active.contact_positions import (
+    PlacedContacts,
+    place_contacts,
+    position_covariance,
+)
+from sonar_tracking.active.contact_tracker_configuration import (
+    ContactTrackerConfiguration,
+    check_configuration,
+)
+from sonar_tracking.active.detection_model import DetectionModel, make_detection_model
+from sonar_tracking.active.gate_association import PROBABILITY_IN_GATE
+from sonar_tracking.active.information_reduction import GATE_SIZE
+from sonar_tracking.active.joint_association import associate_jointly
+from sonar_tracking.active.particle_cloud import (
+    ParticleCloud,
+    ParticleMotion,
+    gaussian_cloud,
+    particle_densities,
+    predict_cloud,
+    resample_cloud,
+)
+from sonar_tracking.active.records import Contacts, ContactTrackerUpdate, PositionTracks
+from sonar_tracking.active.regions_of_interest import WINDOW, PolarContacts, find_regions
+from sonar_tracking.passive.records import TrackStatus
+
+FloatArray = NDArray[np.float64]
+
+BIRTH_COUNT = 2
+DEATH_COUNT = 2
+
+
+@dataclass(frozen=True)
+class _RegionTrack:
+    """One confirmed track."""
+
+    track_id: int
+    cloud: ParticleCloud
+    misses: int
+    initiated: int
+    updated: int
+
+
+class RegionTracker:
+    """Tracks of several targets by regions of interest and JPDA particle filters.
+
+    Parameters
+    ----------
+    configuration : ContactTrackerConfiguration
+        With method ``roi_clustering``.
+
+    Raises
+    ------
+    ConfigurationError
+        If parameters do not fit together.
+    """
+
+    def __init__(self, configuration: ContactTrackerConfiguration) -> None:
+        check_configuration(configuration)
+        self._configuration = configuration
+        self._motion = ParticleMotion(
+            configuration.acceleration_deviation,
+            configuration.lateral_acceleration,
+            configuration.stay_probability,
+        )
+        self._generator = np.random.default_rng(configuration.seed)
+        self._tracks: list[_RegionTrack] = []
+        self._window: list[PolarContacts] = []
+        self._pending: list[tuple[FloatArray, int]] = []
+        self._next_id = configuration.first_id
+        self._stamp: int | None = None
+
+    def update(self, contacts: Contacts) -> ContactTrackerUpdate:
+        """Return the tracks after one ping.
+
+        Raises
+        ------
+        InputError
+            If the ping cannot be used; the state is then unchanged.
+        """
+        contacts, notices = check_ping(contacts, self._stamp)
+        model, guessed = make_detection_model(contacts, self._configuration)
+        placed = place_contacts(contacts, self._configuration.sound_speed)
+        sensor = SensorGeometry(
+            np.array(contacts.sensor_position),
+            contacts.range_standard_deviation,
+            contacts.azimuth_standard_deviation,
+            self._configuration.sound_speed,
+        )
+        interval = 0.0 if self._stamp is None else (contacts.stamp - self._stamp) * 1e-9
+        self._stamp = contacts.stamp
+        self._follow(placed, sensor, model, interval, contacts.stamp)
+        polar = PolarContacts(placed.position, placed.distance, contacts.azimuth)
+        self._window = [*self._window[-WINDOW:], polar]
+        regions = find_regions(
+            self._window,
+            sensor.range_standard_deviation,
+            sensor.azimuth_standard_deviation,
+            self._configuration.roi_distance,
+            model.detection_probability,
+        )
+        free = self._attributed(regions, sensor)
+        ended = [track for track in self._tracks if track.misses >= DEATH_COUNT]
+        self._tracks = [track for track in self._tracks if track.misses < DEATH_COUNT]
+        self._start(free, sensor)
+        return ContactTrackerUpdate(
+            tracks=replace(self._listed(ended), next_stamp=contacts.next_stamp),
+            target_count=float(len(self._tracks)),
+            notices=(*notices, *guessed),
+        )
+
+    def _follow(
+        self,
+        placed: PlacedContacts,
+        sensor: SensorGeometry,
+        model: DetectionModel,
+        interval: float,
+        stamp: int,
+    ) -> None:
+        """Predict and update all tracks with the joint association probabilities."""
+        clouds = [
+            predict_cloud(track.cloud, self._motion, interval, self._generator)
+            for track in self._tracks
+        ]
+        densities = [particle_densities(cloud.state, placed, sensor) for cloud in clouds]
+        ratios = np.zeros((len(clouds), len(placed.distance)))
+        clutter = model.clutter_density(placed.distance)
+        for row, (cloud, density) in enumerate(zip(clouds, densities, strict=True)):
+            inside = _inside_gate(cloud, placed)
+            mean_density = cloud.weight @ density / np.sum(cloud.weight)
+            ratios[row] = inside * model.detection_probability * mean_density / clutter
+        missed = 1.0 - model.detection_probability * PROBABILITY_IN_GATE
+        probabilities = associate_jointly(ratios, missed)
+        for row, (cloud, density) in enumerate(zip(clouds, densities, strict=True)):
+            beta, mean_density = probabilities[row], cloud.weight @ density / np.sum(cloud.weight)
+            relative = density / np.maximum(mean_density, 1e-300)
+            factor = 1.0 - np.sum(beta) + relative @ beta
+            weighed = ParticleCloud(cloud.state, cloud.mode, cloud.weight * factor)
+            updated = stamp if np.sum(beta) > 0.5 else self._tracks[row].updated
+            self._tracks[row] = replace(
+                self._tracks[row],
+                cloud=resample_cloud(weighed, self._generator),
+                updated=updated,
+            )
+
+    def _attributed(self, regions: FloatArray, sensor: SensorGeometry) -> FloatArray:
+        """Count misses of the tracks and return the regions that belong to none."""
+        noise = _region_covariances(regions, sensor)
+        free = np.ones(len(regions), dtype=bool)
+        for row, track in enumerate(self._tracks):
+            mean, covariance = track.cloud.moments()
+            difference = regions - mean[:2]
+            spread = 2.0 * noise + covariance[:2, :2]
+            scaled = np.linalg.solve(spread, difference[..., None])[..., 0]
+            own = free & (np.sum(difference * scaled, axis=1) < GATE_SIZE**2)
+            free &= ~own
+            self._tracks[row] = replace(track, misses=0 if np.any(own) else track.misses + 1)
+        return regions[free]
+
+    def _start(self, regions: FloatArray, sensor: SensorGeometry) -> None:
+        """Count free regions from ping to ping and start tracks of those that last."""
+        deviation = sensor.range_standard_deviation
+        single: list[FloatArray] = []
+        for region in regions:
+            if all(np.hypot(*(region - other)) >= 3.0 * deviation for other in single):
+                single.append(region)
+        pending = []
+        for region in single:
+            before = [
+                count
+                for other, count in self._pending
+                if np.hypot(*(region - other)) < 3.0 * np.sqrt(2.0) * deviation
+            ]
+            count = max(before, default=0) + 1
+            if count < BIRTH_COUNT:
+                pending.append((region, count))
+                continue
+            self._tracks.append(self._born(region, sensor))
+        self._pending = pending
+
+    def _born(self, region: FloatArray, sensor: SensorGeometry) -> _RegionTrack:
+        covariance = np.zeros((4, 4))
+        covariance[:2, :2] = _region_covariances(region[None], sensor)[0]
+        covariance[2:, 2:] = self._configuration.initial_speed_deviation**2 * np.eye(2)
+        mean = np.concatenate([region, np.zeros(2)])
+        cloud = gaussian_cloud(mean, covariance, self._configuration.n_particles, self._generator)
+        stamp = self._stamp or 0
+        track = _RegionTrack(self._next_id, cloud, 0, stamp, stamp)
+        self._next_id += 1
+        return track
+
+    def _listed(self, ended: list[_RegionTrack]) -> PositionTracks:
+        tracks = [*self._tracks, *ended]
+        status = [
+            TrackStatus.CONFIRMED if track.misses == 0 else TrackStatus.COASTED
+            for track in self._tracks
+        ]
+        moments = [track.cloud.moments() for track in tracks]
+        return PositionTracks(
+            stamp=self._stamp or 0,
+            id=np.array([track.track_id for track in tracks], dtype=np.int64),
+            status=np.array([*status, *[TrackStatus.TERMINATED] * len(ended)], dtype=np.int64),
+            existence_probability=np.full(len(tracks), np.nan),
+            state=np.array([mean for mean, _ in moments]).reshape(-1, 4),
+            covariance=np.array([spread for _, spread in moments]).reshape(-1, 4, 4),
+            initiated=np.array([track.initiated for track in tracks], dtype=np.int64),
+            updated=np.array([track.updated for track in tracks], dtype=np.int64),
+        )
+
+
+def _region_covariances(regions: FloatArray, sensor: SensorGeometry) -> FloatArray:
+    separation = regions - sensor.position
+    distance = np.maximum(np.hypot(separation[:, 0], separation[:, 1]), 1e-3)
+    return position_covariance(
+        separation / distance[:, None],
+        distance,
+        sensor.range_standard_deviation,
+        sensor.azimuth_standard_deviation,
+    )
+
+
+def _inside_gate(cloud: ParticleCloud, placed: PlacedContacts) -> NDArray[np.bool_]:
+    mean, covariance = cloud.moments()
+    difference = placed.position - mean[:2] - placed.delay[:, None] * mean[2:]
+    spread = placed.covariance + covariance[:2, :2]
+    scaled = np.linalg.solve(spread, difference[..., None])[..., 0]
+    return np.asarray(np.sum(difference * scaled, axis=1) < GATE_SIZE**2)

@@ -1,0 +1,91 @@
+"""States of the targets in a cloud of all targets: weighted k-means on position.
+
+References
+----------
+Vo, Singh, Doucet (2005), section 3.4; Arthur, Vassilvitskii (2007) for the seeding.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.active.particle_cloud import ParticleCloud
+
+FloatArray = NDArray[np.float64]
+
+ITERATIONS = 10
+
+
+def extract_states(
+    cloud: ParticleCloud, count: int, generator: np.random.Generator
+) -> tuple[FloatArray, FloatArray]:
+    """Return the weighted medians and the covariances of ``count`` clusters.
+
+    Parameters
+    ----------
+    cloud : ParticleCloud
+        Weighted particles of all targets.
+    count : int
+        Targets; 0 gives empty arrays.
+    generator : numpy.random.Generator
+        Of the seeding.
+
+    Returns
+    -------
+    states : ndarray, shape (n, 4)
+        At most ``count``: empty clusters are left out.
+    covariances : ndarray, shape (n, 4, 4)
+        Of the clusters.
+    """
+    useful = cloud.weight > 1e-12
+    cloud = ParticleCloud(cloud.state[useful], cloud.mode[useful], cloud.weight[useful])
+    if count <= 0 or not len(cloud.weight):
+        return np.zeros((0, 4)), np.zeros((0, 4, 4))
+    centres = _seeds(cloud, count, generator)
+    for _ in range(ITERATIONS):
+        label = _labels(cloud, centres)
+        mass = np.bincount(label, cloud.weight, count)
+        sums = np.stack(
+            [np.bincount(label, cloud.weight * cloud.state[:, k], count) for k in (0, 1)], axis=1
+        )
+        centres = np.where(mass[:, None] > 0.0, sums / np.maximum(mass, 1e-300)[:, None], centres)
+    label = _labels(cloud, centres)
+    clusters = [label == index for index in range(count) if np.any(label == index)]
+    parts = [
+        ParticleCloud(cloud.state[rows], cloud.mode[rows], cloud.weight[rows]) for rows in clusters
+    ]
+    return (
+        np.array([_weighted_median(part) for part in parts]),
+        np.array([part.moments()[1] for part in parts]),
+    )
+
+
+def _seeds(cloud: ParticleCloud, count: int, generator: np.random.Generator) -> FloatArray:
+    position = cloud.state[:, :2]
+    rows = [_draw(cloud.weight, generator)]
+    square = np.full(len(position), np.inf)
+    for _ in range(count - 1):
+        square = np.minimum(square, np.sum((position - position[rows[-1]]) ** 2, axis=1))
+        rows.append(_draw(cloud.weight * square + 1e-300, generator))
+    return position[rows]
+
+
+def _draw(weight: FloatArray, generator: np.random.Generator) -> int:
+    edges = np.cumsum(weight)
+    return int(min(np.searchsorted(edges, generator.random() * edges[-1]), len(weight) - 1))
+
+
+def _labels(cloud: ParticleCloud, centres: FloatArray) -> NDArray[np.intp]:
+    square = [np.sum((cloud.state[:, :2] - centre) ** 2, axis=1) for centre in centres]
+    return np.argmin(square, axis=0)
+
+
+def _weighted_median(cloud: ParticleCloud) -> FloatArray:
+    result = np.empty(4)
+    for column in range(4):
+        order = np.argsort(cloud.state[:, column], kind="stable")
+        edges = np.cumsum(cloud.weight[order])
+        row = order[np.searchsorted(edges, 0.5 * edges[-1])]
+        result[column] = cloud.state[row, column]
+    return result

@@ -1,0 +1,218 @@
+"""Birth, confirmation, coasting, end and duplicates of tracks.
+
+Every contact that no track explains starts one candidate. Existence confirms it; a confirmed track
+ends when existence falls below the termination probability, a candidate when it has not been
+detected about three times. Of two tracks whose positions and velocities cannot be told apart the
+younger one ends, so that no target has two identities.
+
+References
+----------
+Kim, Song (2007), section 3; the rules it leaves open are stated in the functions.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.active.contact_gating import GatePairs
+from sonar_tracking.active.contact_positions import PlacedContacts
+from sonar_tracking.active.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.records import PositionTracks
+from sonar_tracking.active.track_bank import TrackBank
+from sonar_tracking.passive.records import UNKNOWN_STAMP, TrackStatus
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+IndexArray = NDArray[np.intp]
+
+DUPLICATE_DISTANCE = 3.0
+"""Standard deviations of the difference of two states below which they are one target's."""
+
+MISSES_OF_A_CANDIDATE = 3
+RANGE_MARGIN = 1.2
+"""A track ends so far beyond the largest range."""
+
+
+def surviving(
+    bank: TrackBank,
+    distance: FloatArray,
+    maximum_range: float,
+    detection_probability: float,
+    configuration: ContactTrackerConfiguration,
+) -> BoolArray:
+    """Return which tracks go on.
+
+    Parameters
+    ----------
+    bank : TrackBank
+        After the update.
+    distance : ndarray, shape (n,)
+        From the sensor, m.
+    maximum_range : float
+        m.
+    detection_probability : float
+        P_D of candidates.
+    configuration : ContactTrackerConfiguration
+        Limits.
+    """
+    missed = (1.0 - detection_probability) ** MISSES_OF_A_CANDIDATE
+    least = np.where(
+        bank.confirmed,
+        configuration.termination_probability,
+        1.5 * configuration.initial_existence * missed,
+    )
+    _, covariance = bank.moments()
+    variance = covariance[:, 0, 0] + covariance[:, 1, 1]
+    good = (bank.existence >= least) & (variance <= configuration.maximum_position_variance)
+    return good & (distance <= RANGE_MARGIN * maximum_range)
+
+
+def duplicates(bank: TrackBank, pairs: GatePairs) -> BoolArray:
+    """Return which tracks repeat another one; only tracks that share a contact are compared.
+
+    Parameters
+    ----------
+    bank : TrackBank
+        After the update.
+    pairs : GatePairs
+        Contacts in the gates of this ping.
+    """
+    first, second = _sharing(pairs)
+    repeated = np.zeros(len(bank), dtype=bool)
+    if not len(first):
+        return repeated
+    mean, covariance = bank.moments()
+    difference = mean[first] - mean[second]
+    spread = covariance[first] + covariance[second]
+    scaled = np.linalg.solve(spread, difference[..., None])[..., 0]
+    near = np.sum(difference * scaled, axis=1) < DUPLICATE_DISTANCE**2
+    first, second = first[near], second[near]
+    # Rows are in order of age; a confirmed track never ends for a candidate.
+    ends = np.where(bank.confirmed[second] & ~bank.confirmed[first], first, second)
+    repeated[ends] = True
+    return repeated
+
+
+def start_candidates(
+    contacts: PlacedContacts,
+    existence: FloatArray,
+    stamp: int,
+    first_id: int,
+    mode_prior: FloatArray,
+    speed_deviation: float,
+) -> TrackBank:
+    """Return one candidate a contact: at rest, its velocity unknown.
+
+    Parameters
+    ----------
+    contacts : PlacedContacts
+        Contacts that no track explains.
+    existence : ndarray, shape (n_contacts,)
+        Existence probability of each.
+    stamp : int
+        Of the ping, ns.
+    first_id : int
+        Identifier of the first one.
+    mode_prior : ndarray, shape (n_modes,)
+        Probabilities of the motion modes.
+    speed_deviation : float
+        Per axis, m/s.
+    """
+    count, n_modes = len(existence), len(mode_prior)
+    mean = np.zeros((count, 4))
+    mean[:, :2] = contacts.position
+    variance = speed_deviation**2 * np.eye(2)
+    delay = contacts.delay[:, None, None]
+    covariance = np.zeros((count, 4, 4))
+    # The position is that at the reflection: at the stamp it was delay * velocity before.
+    covariance[:, :2, :2] = contacts.covariance + delay**2 * variance
+    covariance[:, :2, 2:] = covariance[:, 2:, :2] = -delay * variance
+    covariance[:, 2:, 2:] = variance
+    return TrackBank(
+        id=first_id + np.arange(count, dtype=np.int64),
+        existence=existence,
+        confirmed=np.zeros(count, dtype=bool),
+        initiated=np.full(count, stamp, dtype=np.int64),
+        updated=np.full(count, stamp, dtype=np.int64),
+        mean=np.repeat(mean[:, None], n_modes, axis=1),
+        covariance=np.repeat(covariance[:, None], n_modes, axis=1),
+        mode_probability=np.tile(mode_prior, (count, 1)),
+    )
+
+
+@dataclass(frozen=True)
+class ListedTracks:
+    """Which tracks are shown.
+
+    Attributes
+    ----------
+    bank : TrackBank
+        After the update, before tracks were removed.
+    alive : ndarray of bool, shape (n,)
+        Tracks that go on.
+    was_confirmed : ndarray of bool, shape (n,)
+        Confirmed already at the ping before.
+    detected : ndarray, shape (n,)
+        Probability that a contact was the track's.
+    """
+
+    bank: TrackBank
+    alive: BoolArray
+    was_confirmed: BoolArray
+    detected: FloatArray
+
+
+def list_tracks(listed: ListedTracks, stamp: int, tentative_probability: float) -> PositionTracks:
+    """Return the complete picture: confirmed tracks, likely candidates, and what has ended.
+
+    Parameters
+    ----------
+    listed : ListedTracks
+        Tracks and what became of them.
+    stamp : int
+        Of the ping, ns.
+    tentative_probability : float
+        Existence from which a candidate is shown.
+    """
+    bank = listed.bank
+    status = np.full(len(bank), int(TrackStatus.TENTATIVE), dtype=np.int64)
+    status[bank.confirmed] = TrackStatus.CONFIRMED
+    status[bank.confirmed & (listed.detected < 0.5)] = TrackStatus.COASTED
+    status[~listed.alive] = TrackStatus.TERMINATED
+    likely = bank.confirmed | (bank.existence >= tentative_probability)
+    rows = np.flatnonzero((listed.alive & likely) | (listed.was_confirmed & ~listed.alive))
+    mean, covariance = bank.moments()
+    return PositionTracks(
+        stamp=stamp,
+        id=bank.id[rows],
+        status=status[rows],
+        existence_probability=bank.existence[rows],
+        state=mean[rows],
+        covariance=covariance[rows],
+        initiated=bank.initiated[rows],
+        updated=bank.updated[rows],
+        next_stamp=UNKNOWN_STAMP,
+    )
+
+
+def _sharing(pairs: GatePairs) -> tuple[IndexArray, IndexArray]:
+    """Return pairs of tracks (older, younger) with a common contact."""
+    order = np.argsort(pairs.contact, kind="stable")
+    contact, track = pairs.contact[order], pairs.track[order]
+    first, second = [], []
+    lag = 1
+    while lag < len(contact):
+        same = contact[lag:] == contact[:-lag]
+        if not np.any(same):
+            break
+        first.append(track[:-lag][same])
+        second.append(track[lag:][same])
+        lag += 1
+    if not first:
+        nothing = np.zeros(0, dtype=np.intp)
+        return nothing, nothing
+    one, other = np.concatenate(first), np.concatenate(second)
+    return np.minimum(one, other), np.maximum(one, other)

@@ -1,0 +1,116 @@
+"""Pictures of the multi-target-clutter study: Figs. 4 to 9 of Kim and Song (2007)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.evaluation.multi_target_clutter_runs import ClutterRun
+from sonar_tracking.evaluation.multi_target_clutter_scene import PING_INTERVAL
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+FloatArray = NDArray[np.float64]
+
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+"""Okabe and Ito's palette: told apart by colour-blind readers, too."""
+
+
+def draw_scene(path: Path, truth: Sequence[FloatArray]) -> Path:
+    """Draw the true paths.
+
+    Parameters
+    ----------
+    path : Path
+        Picture to write; missing directories are made.
+    truth : sequence of ndarray, shape (n_targets, 3)
+        Identity, x and y at each ping.
+    """
+    figure, axes = _tactical("Paths of the targets")
+    _draw_truth(axes, truth)
+    axes.legend(fontsize="small")
+    return _saved(figure, path)
+
+
+def draw_tracks(path: Path, run: ClutterRun, system: str) -> Path:
+    """Draw the estimates of one tracker in one run over the true paths.
+
+    Parameters
+    ----------
+    path : Path
+        Picture to write; missing directories are made.
+    run : ClutterRun
+        The run.
+    system : str
+        Name of the tracker.
+    """
+    figure, axes = _tactical(f"{system}, {run.condition}, one run")
+    _draw_truth(axes, run.truth)
+    estimates = np.concatenate(run.systems[system].estimates)
+    axes.plot(estimates[:, 1], estimates[:, 2], "k.", markersize=1.5, label="estimates")
+    axes.legend(fontsize="small")
+    return _saved(figure, path)
+
+
+def draw_counts(path: Path, runs: Sequence[ClutterRun], systems: Sequence[str]) -> Path:
+    """Draw the true and the run-averaged estimated number of targets over time.
+
+    Parameters
+    ----------
+    path : Path
+        Picture to write; missing directories are made.
+    runs : sequence of ClutterRun
+        Of one environment.
+    systems : sequence of str
+        Trackers drawn.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8.0, 4.5), layout="constrained")
+    axes = figure.add_subplot()
+    times = PING_INTERVAL * np.arange(len(runs[0].true_count))
+    for colour, name in zip(COLOURS, systems, strict=False):
+        count = np.mean([run.systems[name].count for run in runs], axis=0)
+        axes.plot(times, count, color=colour, linewidth=1.2, label=name)
+    axes.plot(times, runs[0].true_count, "k--", linewidth=1.5, label="truth")
+    axes.set_xlabel("time (s)")
+    axes.set_ylabel("number of targets")
+    axes.set_title(f"Number of targets, {runs[0].condition}")
+    axes.grid(alpha=0.3)
+    axes.legend(fontsize="small")
+    return _saved(figure, path)
+
+
+def _tactical(title: str) -> tuple[Figure, Axes]:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(6.5, 6.0), layout="constrained")
+    axes = figure.add_subplot()
+    axes.set_aspect("equal")
+    axes.set_xlabel("x, east (m)")
+    axes.set_ylabel("y, north (m)")
+    axes.set_title(title)
+    axes.grid(alpha=0.3)
+    axes.plot(0.0, 0.0, "k^", markersize=8)
+    return figure, axes
+
+
+def _draw_truth(axes: Axes, truth: Sequence[FloatArray]) -> None:
+    points = np.concatenate(truth)
+    for colour, identity in zip(COLOURS, np.unique(points[:, 0]), strict=False):
+        own = points[points[:, 0] == identity]
+        label = f"target {identity:.0f}"
+        axes.plot(own[:, 1], own[:, 2], color=colour, linewidth=1.5, label=label)
+        axes.plot(own[0, 1], own[0, 2], "o", color=colour)
+
+
+def _saved(figure: Figure, path: Path) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=120)
+    return path
