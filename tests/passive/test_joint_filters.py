@@ -25,6 +25,7 @@ from tests.passive.crossing_scene import (
     crossing_angles,
     crossing_data,
     crossing_rates,
+    snapshots_of,
 )
 
 METHODS = ["coherent", "joint_map"]
@@ -208,3 +209,62 @@ def test_more_targets_leave_the_others_as_they_are() -> None:
     assert filters.targets(
         filters.started(KalmanState(np.empty((0, 2)), np.empty((0, 2, 2))))
     ).mean.shape == (0, 2)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_two_targets_started_at_one_bearing_stay_finite(method: str) -> None:
+    data = snapshots_of(
+        np.random.default_rng(10), np.broadcast_to(np.deg2rad([-5.0, 10.0]), (1204, 2)), 0.0
+    )
+    configuration = given(
+        method=method,
+        source_rank=2,
+        initial_bearings_deg=(3.0, 3.0),
+        initial_rates_deg=(0.0, 0.0),
+    )
+    tracks = tracked(estimated(data, replace(CAUSAL, source_count=2)), configuration)
+    assert len(set(tracks[-1].id.tolist())) == 2
+    for track in tracks:
+        assert np.isfinite(track.arrival_angle).all()
+        assert np.linalg.eigvalsh(track.covariance).min() > 0.0
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_target_near_endfire_is_held_and_known_to_be_uncertain(method: str) -> None:
+    times = np.arange(-200, 2004) / 200.0
+    angles = np.stack([np.deg2rad(80.0 + 1.5 * times), np.full(len(times), 0.2)], axis=-1)
+    data = snapshots_of(np.random.default_rng(11), angles, 0.0)
+    configuration = given(
+        method=method,
+        source_rank=2,
+        initial_bearings_deg=(80.0, float(np.rad2deg(0.2))),
+        initial_rates_deg=(1.5, 0.0),
+    )
+    tracks = tracked(estimated(data, replace(CAUSAL, source_count=2)), configuration)
+    last = tracks[-1]
+    assert np.isfinite(last.arrival_angle).all()
+    assert np.all(np.abs(last.arrival_angle) <= 0.5 * np.pi)
+    assert last.covariance[0, 0, 0] > 3.0 * last.covariance[1, 0, 0]
+    # 95 degrees cannot be told from 85.
+    assert np.rad2deg(last.arrival_angle) == pytest.approx([85.0, np.rad2deg(0.2)], abs=3.0)
+
+
+@pytest.mark.parametrize("spoiled", [0.0, 30.0])
+@pytest.mark.parametrize("method", METHODS)
+def test_a_dead_or_noisy_element_does_not_lose_the_targets(method: str, spoiled: float) -> None:
+    data = crossing_data(12, 0.0, 6.0)
+    noise = circular_noise(np.random.default_rng(13), len(data))
+    data[200:, 6] = spoiled * noise[200:]
+    tracks = tracked(estimated(data, CAUSAL), given(method=method, source_rank=5))
+    errors = errors_deg(tracks)
+    assert np.isfinite(errors).all()
+    if spoiled == 0.0:
+        assert np.abs(errors).max() < 3.0
+
+
+def test_more_bearings_than_elements_are_refused() -> None:
+    estimates = estimated(crossing_data(14, 0.0, 1.0), CAUSAL)
+    many = tuple(np.linspace(-60.0, 60.0, 20))
+    configuration = given(initial_bearings_deg=many, initial_rates_deg=(0.0,) * 20)
+    with pytest.raises(InputError, match="20 bearings but the array has only 15"):
+        BearingTrackerStage(configuration).update(estimates[0])

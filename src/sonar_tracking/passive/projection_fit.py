@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sonar_tracking.geometry import steering_pair, steering_vectors
+from sonar_tracking.passive.steering_span import steering_span
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -32,9 +33,6 @@ STEPS = 3
 LARGEST_STEP = float(np.deg2rad(0.5))
 
 _HALVINGS = 8
-_LEAST_SEPARABLE = 1e-12
-"""Singular values of the steering matrix below this share of the largest are not inverted."""
-
 _DAMPING = 1e-12
 """Share of the mean curvature added to the diagonal: equal predictions stay solvable."""
 
@@ -60,8 +58,7 @@ class ProjectionProblem:
     def error(self, angles: FloatArray) -> FloatArray:
         """Return sum_m ||P_S b_m||^2, shape (...), at angles of shape (..., n_targets)."""
         vectors = steering_vectors(self.positions, angles, self.wavenumber)
-        inverse = np.linalg.pinv(vectors, rcond=_LEAST_SEPARABLE)
-        residuals = self.combinations - vectors @ (inverse @ self.combinations)
+        residuals = steering_span(vectors).outside(self.combinations)
         return np.asarray((residuals.real**2 + residuals.imag**2).sum(axis=(-2, -1)))
 
     def curvature_and_slope(self, angles: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -77,10 +74,10 @@ class ProjectionProblem:
         ndarray, shape (..., n_targets, n_targets), and ndarray, shape (..., n_targets)
         """
         vectors, derivatives = steering_pair(self.positions, angles, self.wavenumber)
-        inverse = np.linalg.pinv(vectors, rcond=_LEAST_SEPARABLE)
-        amplitudes = inverse @ self.combinations
-        residuals = self.combinations - vectors @ amplitudes
-        outside = derivatives - vectors @ (inverse @ derivatives)
+        span = steering_span(vectors)
+        amplitudes = span.inverse @ self.combinations
+        residuals = span.outside(self.combinations)
+        outside = span.outside(derivatives)
         adjoint = np.swapaxes(outside, -1, -2).conj()
         powers = amplitudes.conj() @ np.swapaxes(amplitudes, -1, -2)
         curvature = ((adjoint @ outside) * powers).real

@@ -27,11 +27,9 @@ from numpy.typing import NDArray
 from sonar_tracking.filtering.kalman import symmetrised
 from sonar_tracking.geometry import steering_pair
 from sonar_tracking.passive.signal_subspace import SignalSubspace
+from sonar_tracking.passive.steering_span import steering_span
 
 FloatArray = NDArray[np.float64]
-
-LEAST_SEPARABLE = 1e-8
-"""Singular values of the steering matrix below this share of the largest are not inverted."""
 
 
 @dataclass(frozen=True)
@@ -75,11 +73,11 @@ def weighted_subspace_fit(
     vectors, derivatives = (
         subspace.whitened(each) for each in steering_pair(positions, angles, wavenumber)
     )
-    adjoint = np.swapaxes(derivatives, -1, -2).conj()
-    inverse = np.linalg.pinv(vectors, rcond=LEAST_SEPARABLE)
-    amplitudes = inverse @ subspace.vectors
-    residuals = subspace.vectors - vectors @ amplitudes
-    outside = derivatives - vectors @ (inverse @ derivatives)
+    span = steering_span(vectors)
+    amplitudes = span.inverse @ subspace.vectors
+    residuals = span.outside(subspace.vectors)
+    outside = span.outside(derivatives)
+    adjoint = np.swapaxes(outside, -1, -2).conj()
     ratios = np.maximum(subspace.eigenvalues / subspace.noise_power[..., None], 1.0)
     weights = 2.0 * snapshots * (ratios - 1.0) ** 2 / ratios
     weighted = amplitudes.conj() * weights[..., None, :]
