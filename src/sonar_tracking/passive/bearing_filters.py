@@ -50,6 +50,10 @@ class BearingFilters(Protocol):
         """Return the filters with more targets, uncorrelated with those there are."""
         ...
 
+    def kept(self, filters: KalmanState, rows: NDArray[np.intp]) -> KalmanState:
+        """Return the filters of some of the targets, by their rows."""
+        ...
+
     def predicted(self, filters: KalmanState, interval: float) -> KalmanState:
         """Return the filters after an interval in s."""
         ...

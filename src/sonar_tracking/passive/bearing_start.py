@@ -6,6 +6,10 @@ the line through those joined already. Four joined bearings start a track: a lea
 gives its angle and rate (tracks started with rate zero are lost), and the covariance of the line
 plus the process noise of its duration is its first covariance. Only covariances that share no
 snapshots are used. A peak nearer than half a beamwidth to a track belongs to that track.
+
+How many tracks there may be is either the number of columns of the subspace, or, where the tracker
+measures in the block covariance, the number of sources counted in each one. MUSIC then uses the
+smoothed covariance where the count exceeds the rank, so that coherent sources are found too.
 """
 
 from __future__ import annotations
@@ -17,10 +21,11 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from sonar_tracking.filtering.constant_velocity import process_noise_matrix
-from sonar_tracking.geometry import beamwidth, wavenumber
+from sonar_tracking.geometry import beamwidth, is_uniform_line, wavenumber
 from sonar_tracking.passive.bearing_measurement import estimated_sources, fisher_variance
 from sonar_tracking.passive.music import music_bearings
 from sonar_tracking.passive.records import SubspaceEstimates
+from sonar_tracking.passive.source_number import forward_backward_smoothed, smoothed_size
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -30,6 +35,12 @@ POINTS_TO_START = 4
 
 _GATE = 16.0
 _MISSES_ALLOWED = 1
+
+_FIRST_ODDS = 0.25
+_ODDS_OF_BEARING = 5.0
+_ODDS_OF_MISS = 0.5
+"""Odds of existence of a tentative track at its first bearing, and their factors for each bearing
+joined and each miss: four bearings in a row make a probability of 0.97."""
 
 
 @dataclass(frozen=True)
@@ -53,6 +64,13 @@ class TentativeTrack:
     angles: tuple[float, ...]
     variances: tuple[float, ...]
     misses: int = 0
+
+    @property
+    def existence_probability(self) -> float:
+        """Probability that a source made these bearings."""
+        joined = _ODDS_OF_BEARING ** (len(self.stamps) - 1)
+        odds = _FIRST_ODDS * joined * _ODDS_OF_MISS**self.misses
+        return odds / (1.0 + odds)
 
     def line(self, stamp: int) -> tuple[FloatArray, FloatArray]:
         """Return mean (2,) and covariance (2, 2) of angle and rate at an instant, least squares."""
@@ -98,6 +116,9 @@ class BearingStart:
         Not started yet.
     last_covariance : int or None
         Middle of the last covariance used, ns.
+    follows_count : bool
+        Whether the sources counted in each covariance, and not the columns of the subspace, limit
+        the number of tracks.
     """
 
     process_noise: float
@@ -105,9 +126,10 @@ class BearingStart:
     next_id: int
     tentative: tuple[TentativeTrack, ...] = ()
     last_covariance: int | None = None
+    follows_count: bool = False
 
     def update(
-        self, estimates: SubspaceEstimates, tracked_angles: FloatArray
+        self, estimates: SubspaceEstimates, tracked_angles: FloatArray, n_seen: int | None = None
     ) -> tuple[BearingStart, tuple[StartedTrack, ...]]:
         """Return the start after one more estimate and the tracks started by it.
 
@@ -117,11 +139,15 @@ class BearingStart:
             Of a single run; without a covariance nothing happens.
         tracked_angles : ndarray, shape (n_tracks,)
             Arrival angles of the tracks that run already, rad.
+        n_seen : int, optional
+            How many of them have a source in this covariance; all if not given.
         """
-        wanted = estimates.basis.shape[-1] - len(tracked_angles)
+        n_sources = _number_of_sources(estimates, self.follows_count)
+        wanted = n_sources - (len(tracked_angles) if n_seen is None else n_seen)
+        wanted = min(wanted, len(estimates.element_positions) - 1 - len(tracked_angles))
         if estimates.covariance is None:
             return self, ()
-        if wanted <= 0:
+        if wanted <= 0 and not self.follows_count:
             return replace(self, tentative=()), ()
         middle = estimates.stamp + round(estimates.covariance_time_offset * 1e9)
         duration = estimates.covariance_snapshots * estimates.sample_period
@@ -129,9 +155,15 @@ class BearingStart:
         if last is not None and (middle - last) * 1e-9 < 0.999 * duration:
             # Shared snapshots would make the bearings look more certain than they are.
             return self, ()
-        angles, variances = _resolved_bearings(estimates, estimates.covariance, tracked_angles)
+        angles, variances = np.empty(0), np.empty(0)
+        if wanted > 0:
+            smooth = self.follows_count and 0 <= estimates.rank < n_sources
+            angles, variances = _resolved_bearings(
+                estimates, estimates.covariance, n_sources, tracked_angles, smooth
+            )
         joined = self._joined(middle, angles, variances)
-        ready = [track for track in joined if len(track.stamps) >= POINTS_TO_START][:wanted]
+        ready = [track for track in joined if len(track.stamps) >= POINTS_TO_START]
+        ready = ready[: max(wanted, 0)]
         started = tuple(self._started(track, estimates.stamp) for track in ready)
         tentative = tuple(track for track in joined if track not in ready)
         next_id = max([self.next_id, *(track.id + 1 for track in joined)])
@@ -193,19 +225,31 @@ def _extended(track: TentativeTrack, middle: int, angle: float, variance: float)
     )
 
 
+def _number_of_sources(estimates: SubspaceEstimates, follows_count: bool) -> int:
+    """Return how many sources MUSIC is to look for."""
+    if not follows_count:
+        return estimates.basis.shape[-1]
+    count = estimates.source_count if estimates.source_count >= 0 else estimates.rank
+    return min(count, len(estimates.element_positions) - 1)
+
+
 def _resolved_bearings(
-    estimates: SubspaceEstimates, covariance: ComplexArray, tracked_angles: FloatArray
+    estimates: SubspaceEstimates,
+    covariance: ComplexArray,
+    n_sources: int,
+    tracked_angles: FloatArray,
+    smooth: bool,
 ) -> tuple[FloatArray, FloatArray]:
     """Return the MUSIC bearings that belong to no track yet, and their variances."""
     positions = estimates.element_positions
     number = wavenumber(estimates.center_frequency, estimates.sound_speed)
-    angles = music_bearings(
-        covariance,
-        estimates.basis.shape[-1],
-        positions,
-        number,
-        estimates.noise_covariance,
-    )
+    seen, noise, used = covariance, estimates.noise_covariance, positions
+    size = smoothed_size(len(positions), estimates.covariance_snapshots)
+    if smooth and n_sources < size and is_uniform_line(positions):
+        # Coherent sources: their rank is restored by smoothing.
+        seen, used = forward_backward_smoothed(covariance, size), positions[:size]
+        noise = None if noise is None else forward_backward_smoothed(noise, size)
+    angles = music_bearings(seen, n_sources, used, number, noise)
     still = np.zeros_like(angles)
     sources = estimated_sources(replace(estimates, covariance_time_offset=0.0), angles, still)
     variances = fisher_variance(estimates, angles, sources, float(estimates.covariance_snapshots))

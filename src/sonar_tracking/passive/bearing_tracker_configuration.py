@@ -54,6 +54,13 @@ class BearingTrackerConfiguration:
     maximum_rate_deg: float = parameter(
         5.0, "Fastest bearing that the automatic start looks for", unit="deg/s", minimum=1e-3
     )
+    silence_time: float = parameter(
+        1.5,
+        "How long a source may be silent before it counts against its existence; a track without "
+        "a source coasts about seven times as long and then ends (start = automatic)",
+        unit="s",
+        minimum=1e-3,
+    )
     process_noise_deg2: float = parameter(
         0.01, "Spectral density q of the bearing acceleration", unit="deg^2/s^3", minimum=0.0
     )
@@ -91,6 +98,16 @@ class BearingTrackerConfiguration:
     def process_noise_density(self) -> float:
         """Spectral density q in rad^2/s^3."""
         return self.process_noise_deg2 * SQUARE_DEGREE
+
+    @property
+    def ends_tracks(self) -> bool:
+        """Whether tracks end when their source stays away.
+
+        Not with given bearings, nor in the published trackers, whose measurement variance is given
+        and whose number of targets is that of the columns of the subspace.
+        """
+        published = not self.needs_covariance and not self.variance_from_data
+        return self.start == "automatic" and not published
 
     @property
     def needs_covariance(self) -> bool:

@@ -31,7 +31,13 @@ from sonar_tracking.passive.bearing_tracker_configuration import (
 )
 from sonar_tracking.passive.independent_filters import IndependentFilters
 from sonar_tracking.passive.joint_filters import JointFilters
-from sonar_tracking.passive.records import BearingTracks, SubspaceEstimates
+from sonar_tracking.passive.records import BearingTracks, SubspaceEstimates, TrackStatus
+from sonar_tracking.passive.track_existence import (
+    ENDED,
+    Evidence,
+    existence_evidence,
+    no_evidence,
+)
 from sonar_tracking.passive.track_list import (
     TrackRows,
     bearing_tracks,
@@ -43,6 +49,7 @@ from sonar_tracking.passive.track_list import (
 
 __all__ = ["BearingTrackerConfiguration", "BearingTrackerStage", "TrackerUpdate"]
 
+FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 
@@ -70,6 +77,13 @@ class _TrackerState:
     ids: tuple[int, ...]
     filters: KalmanState
     start: BearingStart
+    existence: FloatArray
+
+    def kept(self, filters: BearingFilters, rows: NDArray[np.intp]) -> _TrackerState:
+        """Return the state with some of the tracks only."""
+        ids = tuple(self.ids[row] for row in rows)
+        left = filters.kept(self.filters, rows)
+        return replace(self, ids=ids, filters=left, existence=self.existence[rows])
 
 
 class BearingTrackerStage:
@@ -136,15 +150,18 @@ class BearingTrackerStage:
                 measurement, notices = updated.measurement, updated.notices
                 state = replace(state, filters=updated.filters)
         targets = self._filters.targets(state.filters)
+        automatic = self.configuration.start == "automatic"
+        state, evidence = self._with_existence(state, estimates, targets)
         rows = running_rows(
             state.ids,
             targets,
             measurement,
             signal_to_noise_ratios(estimates, sources, targets.mean.shape[:-1]),
-            coasted=measurement is None and self._state is not None,
+            self._status(state, evidence, measurement),
+            state.existence if automatic else None,
         )
-        if self.configuration.start == "automatic":
-            state, new_rows = self._with_started(state, estimates)
+        if automatic:
+            state, new_rows = self._with_started(state, estimates, evidence)
             rows = rows.appended(new_rows)
         self._state = state
         self._next_id = max(self._next_id, state.start.next_id)
@@ -179,13 +196,15 @@ class BearingTrackerStage:
         )
         filters = self._filters.started(targets)
         ids = tuple(range(self._next_id, self._next_id + n_targets))
-        return _TrackerState(estimates.stamp, ids, filters, self._new_start(n_targets))
+        start = self._new_start(n_targets)
+        return _TrackerState(estimates.stamp, ids, filters, start, np.full(n_targets, np.nan))
 
     def _new_start(self, n_given: int) -> BearingStart:
         return BearingStart(
             process_noise=self.configuration.process_noise_density,
             maximum_rate=float(np.deg2rad(self.configuration.maximum_rate_deg)),
             next_id=self._next_id + n_given,
+            follows_count=self.configuration.needs_covariance,
         )
 
     def _predicted(self, estimates: SubspaceEstimates) -> _TrackerState:
@@ -196,7 +215,7 @@ class BearingTrackerStage:
                     "start = automatic cannot be used on a batch of runs; give the bearings."
                 )
             none = self._filters.started(KalmanState(np.empty((0, 2)), np.empty((0, 2, 2))))
-            return _TrackerState(estimates.stamp, (), none, self._new_start(0))
+            return _TrackerState(estimates.stamp, (), none, self._new_start(0), np.empty(0))
         interval = (estimates.stamp - state.stamp) * 1e-9
         if interval <= 0.0:
             raise InputError(
@@ -212,16 +231,55 @@ class BearingTrackerStage:
         mean = self._filters.targets(state.filters).mean
         return estimated_sources(estimates, mean[..., 0], mean[..., 1])
 
+    def _with_existence(
+        self, state: _TrackerState, estimates: SubspaceEstimates, targets: KalmanState
+    ) -> tuple[_TrackerState, Evidence]:
+        """Let the estimate tell which tracks have a source."""
+        if self.configuration.start == "given" or self._state is None:
+            return state, no_evidence(len(state.ids))
+        interval = (estimates.stamp - self._state.stamp) * 1e-9
+        angles, rates = targets.mean[..., 0], targets.mean[..., 1]
+        evidence = existence_evidence(estimates, angles, rates, interval)
+        silence = self.configuration.silence_time
+        return replace(
+            state, existence=evidence.updated(state.existence, interval, silence)
+        ), evidence
+
+    def _status(
+        self,
+        state: _TrackerState,
+        evidence: Evidence,
+        measurement: BearingMeasurement | None,
+    ) -> tuple[TrackStatus, ...]:
+        """Return the status of each running track; TERMINATED is told once."""
+        coasted = np.full(len(state.ids), measurement is None and self._state is not None)
+        if not self.configuration.ends_tracks:
+            return tuple(np.where(coasted, TrackStatus.COASTED, TrackStatus.CONFIRMED).tolist())
+        status = np.where(coasted | evidence.unseen, TrackStatus.COASTED, TrackStatus.CONFIRMED)
+        status[state.existence < ENDED] = TrackStatus.TERMINATED
+        return tuple(status.tolist())
+
     def _with_started(
-        self, state: _TrackerState, estimates: SubspaceEstimates
+        self, state: _TrackerState, estimates: SubspaceEstimates, evidence: Evidence
     ) -> tuple[_TrackerState, TrackRows]:
-        """Let the automatic start see the estimate; return its new rows too."""
+        """Drop ended tracks and let the automatic start see the estimate; return its rows too."""
+        n_seen = None
+        if self.configuration.ends_tracks:
+            rows = np.flatnonzero(state.existence >= ENDED)
+            n_seen = int(np.count_nonzero(~evidence.unseen[rows]))
+            state = state.kept(self._filters, rows)
         angles = self._filters.targets(state.filters).mean[..., 0]
         folded, _ = folded_angles(angles, estimates.element_positions)
-        start, started = state.start.update(estimates, folded)
+        start, started = state.start.update(estimates, folded, n_seen)
         new = started_rows(started)
         filters = self._filters.extended(state.filters, new.filters)
-        grown = replace(state, start=start, ids=state.ids + new.ids, filters=filters)
+        grown = replace(
+            state,
+            start=start,
+            ids=state.ids + new.ids,
+            filters=filters,
+            existence=np.concatenate([state.existence, new.existence_probability]),
+        )
         return grown, new.appended(tentative_rows(start.tentative, estimates.stamp))
 
 

@@ -47,6 +47,10 @@ class IndependentFilters:
             covariance=np.concatenate([filters.covariance, targets.covariance], axis=-3),
         )
 
+    def kept(self, filters: KalmanState, rows: NDArray[np.intp]) -> KalmanState:
+        """Return the filters of some of the targets."""
+        return KalmanState(filters.mean[..., rows, :], filters.covariance[..., rows, :, :])
+
     def predicted(self, filters: KalmanState, interval: float) -> KalmanState:
         """Return the filters after an interval in s."""
         density = self.configuration.process_noise_density

@@ -58,6 +58,13 @@ class JointFilters:
         covariance[..., new[:, :, None], new[:, None, :]] = targets.covariance
         return KalmanState(mean, covariance)
 
+    def kept(self, filters: KalmanState, rows: NDArray[np.intp]) -> KalmanState:
+        """Return the filter of some of the targets, with their correlations."""
+        entries = _rows(filters.mean.shape[-1] // 2)[rows].T.reshape(-1)
+        return KalmanState(
+            filters.mean[..., entries], filters.covariance[..., entries[:, None], entries]
+        )
+
     def predicted(self, filters: KalmanState, interval: float) -> KalmanState:
         """Return the filter after an interval in s."""
         return joint_prediction(filters, interval, self.configuration.process_noise_density)

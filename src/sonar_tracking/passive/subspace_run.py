@@ -139,9 +139,11 @@ def _summary(configuration: SubspaceConfiguration, run: SubspaceRun, end: int) -
     begin_of_history = run.timing.last_index + 1 - run.history.shape[-2]
     stop = max(end + 1 - begin_of_history, 0)
     start = max(stop - configuration.covariance_snapshots, 0)
+    # The columns of the covariance method are no limit to what is in a covariance of its own.
+    counted = configuration.method == "covariance" and configuration.source_count == 0
     return summarise_covariance(
         run.history[..., start:stop, :],
-        run.n_columns,
+        0 if counted else run.n_columns,
         run.header,
         run.whitening,
         math.radians(configuration.maximum_rate_deg),

@@ -12,6 +12,7 @@ from sonar_tracking.geometry import is_line
 from sonar_tracking.passive.bearing_measurement import BearingMeasurement
 from sonar_tracking.passive.bearing_start import StartedTrack, TentativeTrack
 from sonar_tracking.passive.records import BearingTracks, SubspaceEstimates, TrackStatus
+from sonar_tracking.passive.track_existence import STARTED
 
 FloatArray = NDArray[np.float64]
 
@@ -32,6 +33,8 @@ class TrackRows:
         Measured angle, its difference from the prediction, its variance; NaN = none.
     signal_to_noise_ratio : ndarray, shape (..., n_rows)
         Linear; NaN = not known.
+    existence_probability : ndarray, shape (..., n_rows)
+        NaN = not known.
     """
 
     ids: tuple[int, ...]
@@ -41,6 +44,7 @@ class TrackRows:
     innovation: FloatArray
     variance: FloatArray
     signal_to_noise_ratio: FloatArray
+    existence_probability: FloatArray
 
     def appended(self, other: TrackRows) -> TrackRows:
         """Return the rows of both, in order."""
@@ -55,6 +59,7 @@ class TrackRows:
             np.concatenate([self.innovation, other.innovation], axis=-1),
             np.concatenate([self.variance, other.variance], axis=-1),
             np.concatenate([self.signal_to_noise_ratio, other.signal_to_noise_ratio], axis=-1),
+            np.concatenate([self.existence_probability, other.existence_probability], axis=-1),
         )
 
 
@@ -63,25 +68,26 @@ def running_rows(
     filters: KalmanState,
     measurement: BearingMeasurement | None,
     signal_to_noise_ratio: FloatArray,
-    coasted: bool,
+    status: tuple[TrackStatus, ...],
+    existence_probability: FloatArray | None,
 ) -> TrackRows:
-    """Return the rows of the running tracks, CONFIRMED or COASTED."""
-    status = TrackStatus.COASTED if coasted else TrackStatus.CONFIRMED
+    """Return the rows of the running tracks and of those that end."""
     unknown = np.full(filters.mean.shape[:-1], np.nan)
     return TrackRows(
         ids,
-        (status,) * len(ids),
+        status,
         filters,
         unknown if measurement is None else measurement.angle,
         unknown if measurement is None else measurement.innovation,
         unknown if measurement is None else measurement.variance,
         signal_to_noise_ratio,
+        unknown if existence_probability is None else existence_probability,
     )
 
 
 def started_rows(started: tuple[StartedTrack, ...]) -> TrackRows:
     """Return the rows of tracks at their first instant."""
-    return _rows(started, TrackStatus.CONFIRMED)
+    return _rows(started, TrackStatus.CONFIRMED, np.full(len(started), STARTED))
 
 
 def tentative_rows(tentative: tuple[TentativeTrack, ...], stamp: int) -> TrackRows:
@@ -94,10 +100,13 @@ def tentative_rows(tentative: tuple[TentativeTrack, ...], stamp: int) -> TrackRo
         covariance = np.full((2, 2), np.nan)
         covariance[0, 0] = track.variances[0]
         seen.append(StartedTrack(track.id, np.array([track.angles[0], np.nan]), covariance))
-    return _rows(tuple(seen), TrackStatus.TENTATIVE)
+    existence = np.array([track.existence_probability for track in tentative])
+    return _rows(tuple(seen), TrackStatus.TENTATIVE, existence)
 
 
-def _rows(tracks: tuple[StartedTrack, ...], status: TrackStatus) -> TrackRows:
+def _rows(
+    tracks: tuple[StartedTrack, ...], status: TrackStatus, existence_probability: FloatArray
+) -> TrackRows:
     count = len(tracks)
     unknown = np.full(count, np.nan)
     return TrackRows(
@@ -111,6 +120,7 @@ def _rows(tracks: tuple[StartedTrack, ...], status: TrackStatus) -> TrackRows:
         unknown,
         unknown,
         unknown,
+        existence_probability,
     )
 
 
@@ -166,7 +176,7 @@ def bearing_tracks(estimates: SubspaceEstimates, rows: TrackRows) -> BearingTrac
         measurement_variance=rows.variance,
         innovation=signs * rows.innovation,
         signal_to_noise_ratio=rows.signal_to_noise_ratio,
-        existence_probability=np.full(mean.shape[:-1], np.nan),
+        existence_probability=rows.existence_probability,
         ambiguous=np.full(mean.shape[-2], is_line(positions)),
         next_stamp=estimates.next_stamp,
         sensor=estimates.sensor,

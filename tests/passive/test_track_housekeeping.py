@@ -1,0 +1,217 @@
+"""From nothing: tracks are confirmed, held through crossings, coasted, ended, never renamed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sonar_tracking.geometry import steering_vectors
+from sonar_tracking.passive.bearing_tracker_stage import (
+    BearingTrackerConfiguration,
+    BearingTrackerStage,
+)
+from sonar_tracking.passive.records import BearingTracks, TrackStatus
+from sonar_tracking.passive.subspace_stage import SubspaceConfiguration, SubspaceStage
+from tests.passive.crossing_scene import (
+    EPOCH,
+    POSITIONS,
+    WAVENUMBER,
+    ComplexArray,
+    FloatArray,
+    blocks_of,
+    circular_noise,
+    snapshots_of,
+)
+
+FIVE = np.deg2rad([-50.0, -25.0, 0.0, 25.0, 50.0])
+
+
+def times_of(duration: float) -> FloatArray:
+    """Return the instants of the snapshots, s."""
+    return np.arange(round(duration * 200.0)) / 200.0
+
+
+def scene(seed: int, angles_deg: FloatArray, level_db: FloatArray) -> ComplexArray:
+    """Return snapshots of sources whose levels (n_snapshots, n_sources) may change."""
+    generator = np.random.default_rng(seed)
+    vectors = steering_vectors(POSITIONS, np.deg2rad(angles_deg), WAVENUMBER)
+    sources = 10.0 ** (level_db / 20.0) * circular_noise(generator, *angles_deg.shape)
+    noise = circular_noise(generator, len(angles_deg), len(POSITIONS))
+    return np.matmul(vectors, sources[..., None])[..., 0] + noise
+
+
+def tracked(
+    data: ComplexArray, method: str = "joint_map", period: float = 0.5
+) -> list[BearingTracks]:
+    """Return the tracks of snapshots that begin at t = 0, told nothing."""
+    subspaces = SubspaceConfiguration(n_subspaces=1, period=period, covariance_snapshots=100)
+    stage = SubspaceStage(subspaces)
+    tracker = BearingTrackerStage(BearingTrackerConfiguration(method=method))
+    return [
+        tracker.update(estimates).tracks
+        for block in blocks_of(data, 100, EPOCH)
+        for estimates in stage.update(block).estimates
+    ]
+
+
+def established(tracks: BearingTracks) -> dict[int, float]:
+    """Return the angles of confirmed and coasted tracks in degrees, by identifier."""
+    rows = np.isin(tracks.status, (TrackStatus.CONFIRMED, TrackStatus.COASTED))
+    angles = np.rad2deg(tracks.arrival_angle[rows])
+    return dict(zip(tracks.id[rows].tolist(), angles.tolist(), strict=True))
+
+
+def all_ids(tracks: list[BearingTracks]) -> set[int]:
+    """Return the identifiers of all tracks that were ever confirmed."""
+    return {number for entry in tracks for number in established(entry)}
+
+
+def seconds(entry: BearingTracks) -> float:
+    """Return the time of a track list, s."""
+    return (entry.stamp - EPOCH) * 1e-9
+
+
+@pytest.mark.parametrize(("level_db", "within"), [(-5.0, 4.0), (0.0, 2.0)])
+def test_five_targets_are_confirmed_in_time_and_stay_five(level_db: float, within: float) -> None:
+    angles = np.broadcast_to(FIVE, (12000, 5))
+    tracks = tracked(snapshots_of(np.random.default_rng(1), angles, level_db))
+    first = next(entry for entry in tracks if len(established(entry)) == 5)
+    assert seconds(first) <= within
+    assert len(all_ids(tracks)) == 5
+    for entry in tracks[tracks.index(first) :]:
+        errors = np.sort(list(established(entry).values())) - np.rad2deg(FIVE)
+        assert np.abs(errors).max() < 2.0
+        confirmed = entry.status == TrackStatus.CONFIRMED
+        assert np.all(entry.existence_probability[confirmed] > 0.5)
+        assert np.all(entry.existence_probability <= 0.99)
+
+
+@pytest.mark.parametrize("level_db", [10.0, 20.0])
+def test_strong_turning_targets_bring_no_extra_track(level_db: float) -> None:
+    times = times_of(60.0)
+    angles = FIVE + np.deg2rad(10.0) * np.sin(0.3 * times[:, None] + np.arange(5))
+    tracks = tracked(snapshots_of(np.random.default_rng(2), angles, level_db))
+    assert len(all_ids(tracks)) == 5
+    assert len(established(tracks[-1])) == 5
+
+
+def test_new_source_is_found_in_mid_run_and_ends_when_it_stays_away() -> None:
+    times = times_of(40.0)
+    angles = np.broadcast_to([-30.0, 20.0], (len(times), 2))
+    level = np.zeros((len(times), 2))
+    level[(times < 10.0) | (times >= 20.0), 1] = -300.0
+    tracks = tracked(scene(3, angles, level))
+    found = next(entry for entry in tracks if len(established(entry)) == 2)
+    assert 10.0 < seconds(found) <= 13.0
+    names = [n for n, angle in established(found).items() if angle > 0.0]
+    told = [entry for entry in tracks if TrackStatus.TERMINATED in entry.status]
+    assert len(told) == 1
+    assert told[0].id[told[0].status == TrackStatus.TERMINATED].tolist() == names
+    assert 24.0 < seconds(told[0]) < 34.0
+    assert len(established(tracks[-1])) == 1
+    assert len(all_ids(tracks)) == 2
+
+
+def test_short_fade_is_coasted_under_the_same_name() -> None:
+    times = times_of(30.0)
+    angles = np.stack([np.full_like(times, -30.0), 10.0 + times], axis=-1)
+    level = np.zeros((len(times), 2))
+    level[(times >= 12.0) & (times < 16.0), 1] = -300.0
+    tracks = tracked(scene(4, angles, level))
+    assert len(all_ids(tracks)) == 2
+    status = {seconds(e): set(e.status.tolist()) for e in tracks}
+    assert status[14.0] == {TrackStatus.CONFIRMED, TrackStatus.COASTED}
+    assert status[20.0] == {TrackStatus.CONFIRMED}
+    assert max(established(tracks[-1]).values()) == pytest.approx(39.5, abs=1.0)
+
+
+@pytest.mark.parametrize("coherent", [False, True])
+def test_crossing_ends_no_track(coherent: bool) -> None:
+    times = times_of(60.0)
+    angles = np.stack([-20.0 + 0.7 * times, 20.0 - 0.6 * times], axis=-1)
+    data = scene(5, angles, np.full((len(times), 2), 3.0))
+    if coherent:
+        generator = np.random.default_rng(6)
+        vectors = steering_vectors(POSITIONS, np.deg2rad(angles), WAVENUMBER)
+        source = 1.5 * circular_noise(generator, len(times), 1) * np.array([[1.0, 0.8j]])
+        noise = circular_noise(generator, len(times), len(POSITIONS))
+        data = np.matmul(vectors, source[..., None])[..., 0] + noise
+    tracks = tracked(data)
+    assert len(all_ids(tracks)) == 2
+    at_start, at_end = established(tracks[8]), established(tracks[-1])
+    assert set(at_start) == set(at_end)
+    first = min(at_start, key=lambda number: at_start[number])
+    assert at_end[first] == pytest.approx(-20.0 + 0.7 * 59.5, abs=2.0)
+
+
+def test_two_sources_that_part_become_two_tracks() -> None:
+    times = times_of(40.0)
+    angles = np.stack([-0.5 * times, 0.5 * times], axis=-1)
+    tracks = tracked(scene(7, angles, np.zeros((len(times), 2))))
+    assert len(established(tracks[6])) == 1
+    assert len(established(tracks[-1])) == 2
+    assert sorted(established(tracks[-1]).values()) == pytest.approx([-19.75, 19.75], abs=2.0)
+
+
+def test_all_fade_at_once_and_come_back_as_new_tracks() -> None:
+    times = times_of(60.0)
+    angles = np.broadcast_to([-30.0, 0.0, 30.0], (len(times), 3))
+    level = np.full((len(times), 3), 0.0)
+    level[(times >= 10.0) & (times < 40.0)] = -300.0
+    tracks = tracked(scene(8, angles, level))
+    before = {n for e in tracks if seconds(e) < 10.0 for n in established(e)}
+    assert all(not established(e) for e in tracks if 30.0 < seconds(e) < 40.0)
+    after = set(established(tracks[-1]))
+    assert len(before) == len(after) == 3
+    assert min(after) > max(before)
+
+
+def test_empty_ocean_has_no_tracks() -> None:
+    tracks = tracked(circular_noise(np.random.default_rng(9), 24000, 15))
+    assert not all_ids(tracks)
+
+
+def dead(data: ComplexArray) -> ComplexArray:
+    """Return the data with a silent element from the second second on."""
+    data = data.copy()
+    data[200:, 4] = 0.0
+    return data
+
+
+def saturated(data: ComplexArray) -> ComplexArray:
+    """Return the data with an element whose every sample is at full scale."""
+    data = data.copy()
+    data[:, 4] = 30.0 * np.exp(1j * np.round(np.angle(data[:, 4]) * 2.0 / np.pi) * np.pi / 2.0)
+    return data
+
+
+def test_dead_element_costs_no_track() -> None:
+    angles = np.broadcast_to([-30.0, 10.0], (6000, 2))
+    tracks = tracked(dead(scene(10, angles, np.full((6000, 2), 3.0))))
+    assert sorted(established(tracks[-1]).values()) == pytest.approx([-30.0, 10.0], abs=2.0)
+    assert len(all_ids(tracks)) == 2
+
+
+def test_saturated_element_hides_sources_but_makes_none() -> None:
+    # Its own noise, 30 dB above that of the others, is no plane wave.
+    angles = np.broadcast_to([-30.0, 10.0], (6000, 2))
+    tracks = tracked(saturated(scene(10, angles, np.full((6000, 2), 3.0))))
+    found = [angle for entry in tracks for angle in established(entry).values()]
+    assert all(min(abs(angle + 30.0), abs(angle - 10.0)) < 3.0 for angle in found)
+
+
+def test_source_at_endfire_is_one_track() -> None:
+    angles = np.broadcast_to([89.0, 0.0], (8000, 2))
+    tracks = tracked(scene(11, angles, np.full((8000, 2), 5.0)))
+    assert len(all_ids(tracks)) <= 2
+    final = tracks[-1]
+    assert np.isfinite(final.arrival_angle).all()
+    assert np.abs(final.arrival_angle).max() <= np.pi / 2
+
+
+def test_more_sources_than_elements_do_not_crash() -> None:
+    angles = np.broadcast_to(np.linspace(-80.0, 80.0, 20), (4000, 20))
+    tracks = tracked(scene(12, angles, np.zeros((4000, 20))))
+    for entry in tracks:
+        assert len(established(entry)) < 15
+        assert np.isfinite(entry.arrival_angle).all()
