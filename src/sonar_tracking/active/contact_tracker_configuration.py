@@ -41,6 +41,12 @@ class ContactTrackerConfiguration:
     sound_speed: float = parameter(
         1500.0, "For reflection times; 0 = a ping takes no time", unit="m/s", minimum=0.0
     )
+    motion: str = parameter(
+        "turning",
+        "Of method integrated: straight, left and right turns as interacting modes, or straight "
+        "alone (acceleration_deviation then has to cover turns)",
+        choices=("turning", "straight"),
+    )
     acceleration_deviation: float = parameter(
         0.0015, "White acceleration of a target; hpda_kalman needs it to cover turns", unit="m/s^2"
     )

@@ -75,27 +75,15 @@ def apply_thresholds(
     model : DetectionModel
         Of the ping.
     configuration : ContactTrackerConfiguration
-        Which thresholds are wanted.
-
-    Raises
-    ------
-    InputError
-        If thresholds are wanted but the ping tells neither resolution nor false alarms.
+        Which thresholds are wanted; :func:`check_thresholds` has passed.
     """
-    base = model.false_alarm_probability
-    search = configuration.search_false_alarm_probability
-    own_gates = configuration.gate_threshold != "as_detected"
-    if not own_gates and search == 0.0:
+    if not _wanted(configuration):
         return _as_detected(len(bank), model)
-    if not (np.isfinite(model.cell_size) and 0.0 < base < 1.0):
-        raise InputError(
-            "Thresholds in gates need range_resolution, azimuth_resolution and "
-            "false_alarm_probability of the ping; give them, or use gate_threshold as_detected."
-        )
-    search = min(search, base) if search > 0.0 else base
+    base = model.false_alarm_probability
+    search = min(configuration.search_false_alarm_probability or base, base)
     cells = gates.volume / (model.cell_size * np.maximum(gates.distance, 1.0))
     probability = np.full(len(bank), search)
-    if own_gates:
+    if configuration.gate_threshold != "as_detected":
         wanted = _gate_probabilities(cells, base, model, configuration)
         probability = np.where(bank.confirmed, wanted, probability)
     threshold = detection_threshold(probability)
@@ -119,6 +107,27 @@ def apply_thresholds(
             search_threshold=-float(np.log(search)),
         ),
     )
+
+
+def check_thresholds(model: DetectionModel, configuration: ContactTrackerConfiguration) -> None:
+    """Refuse a ping in which thresholds are wanted but cannot be set.
+
+    Raises
+    ------
+    InputError
+        If the ping tells neither resolution nor false alarms.
+    """
+    known = np.isfinite(model.cell_size) and 0.0 < model.false_alarm_probability < 1.0
+    if _wanted(configuration) and not known:
+        raise InputError(
+            "Thresholds in gates need range_resolution, azimuth_resolution and "
+            "false_alarm_probability of the ping; give them, or use gate_threshold as_detected."
+        )
+
+
+def _wanted(configuration: ContactTrackerConfiguration) -> bool:
+    own_gates = configuration.gate_threshold != "as_detected"
+    return own_gates or configuration.search_false_alarm_probability > 0.0
 
 
 def _as_detected(n_tracks: int, model: DetectionModel) -> AppliedThresholds:

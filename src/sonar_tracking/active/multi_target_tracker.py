@@ -35,7 +35,11 @@ from sonar_tracking.active.contact_tracker_configuration import (
     check_configuration,
 )
 from sonar_tracking.active.detection_model import DetectionModel, make_detection_model
-from sonar_tracking.active.gate_thresholds import AppliedThresholds, apply_thresholds
+from sonar_tracking.active.gate_thresholds import (
+    AppliedThresholds,
+    apply_thresholds,
+    check_thresholds,
+)
 from sonar_tracking.active.integrated_association import (
     BankAssociation,
     PairEvidence,
@@ -90,7 +94,7 @@ class MultiTargetTracker:
         check_configuration(configuration)
         self._configuration = configuration
         self._modes = MotionModes(
-            n_modes=3 if configuration.method == "integrated" else 1,
+            n_modes=3 if _turning(configuration) else 1,
             acceleration_deviation=configuration.acceleration_deviation,
             lateral_acceleration=configuration.lateral_acceleration,
             turn_probability=configuration.turn_probability,
@@ -117,12 +121,12 @@ class MultiTargetTracker:
         contacts, notices = check_ping(contacts, self._stamp)
         model, guessed = make_detection_model(contacts, self._configuration)
         ping = self._placed(contacts, model)
+        check_thresholds(model, self._configuration)
         bank = self._predicted(ping.stamp)
-        gates = predict_gates(bank, ping.sensor)
-        applied = apply_thresholds(bank, gates, model, self._configuration)
         if self._particles.used:
             bank = self._particles.predict(bank, self._interval(ping.stamp))
-            gates = predict_gates(bank, ping.sensor)
+        gates = predict_gates(bank, ping.sensor)
+        applied = apply_thresholds(bank, gates, model, self._configuration)
         pairs = self._pairs(bank, gates, ping, applied)
         updates = update_pairs(bank, ping.placed, pairs)
         if self._particles.used:
@@ -251,3 +255,8 @@ class MultiTargetTracker:
         ratio = ping.model.amplitude_ratio(amplitudes, np.full(len(rows), threshold))
         odds = initial / (1.0 - initial) * ratio
         return np.minimum(odds / (1.0 + odds), 0.5 * self._configuration.confirmation_probability)
+
+
+def _turning(configuration: ContactTrackerConfiguration) -> bool:
+    """Return whether tracks have turning motion modes, which HPDA's one contact does not serve."""
+    return configuration.method == "integrated" and configuration.motion == "turning"
