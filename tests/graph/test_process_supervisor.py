@@ -95,3 +95,16 @@ def test_a_death_is_reported_once_and_the_next_process_has_its_own_log_tail(
     wait_for(lambda: supervisor.log_tail("node") == "ready")
     assert supervisor.processes["node"].restarts == 1
     supervisor.stop(["node"])
+
+
+def test_a_process_that_ends_just_before_it_is_told_to_is_still_accounted_for(
+    tmp_path: Path, plan: Callable[[str], ProcessPlan]
+) -> None:
+    supervisor = ProcessSupervisor(tmp_path)
+    supervisor.start(plan("raise SystemExit(3)"))
+    pid = supervisor.processes["node"].popen.pid
+    # Ended, but not collected yet.
+    os.waitid(os.P_PID, pid, os.WEXITED | os.WNOWAIT)
+    supervisor.stop(["node"])
+    assert supervisor.processes["node"].exit_code == 3
+    assert supervisor.running() == []

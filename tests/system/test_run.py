@@ -130,6 +130,14 @@ def test_ctrl_c_ends_a_healthy_run_in_order(
     assert all(phrase.startswith("identical:") for phrase in compared.values())
 
 
+def test_an_early_ctrl_c_is_no_failure(tmp_path: Path, running: list[RunningCommand]) -> None:
+    command = RunningCommand(tmp_path, "run")
+    running.append(command)
+    command.wait_for(lambda: len(command.node_processes()) == 3)
+    command.interrupt()
+    assert command.wait() == 0, command.output
+
+
 def test_a_killed_tracker_is_restarted_and_reported(
     tmp_path: Path, running: list[RunningCommand]
 ) -> None:

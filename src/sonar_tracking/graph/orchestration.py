@@ -98,9 +98,10 @@ class Orchestration:
         """Wait until all nodes are matched, let the data flow, drain."""
         try:
             self._bring_up(control, source)
+            if self.interrupted:
+                return
             self._flow_started = time.monotonic()
-            if not self.interrupted:
-                self._display.say(f"{len(self._nodes)} nodes are connected: data flow")
+            self._display.say(f"{len(self._nodes)} nodes are connected: data flow")
             self._flow(control, source)
             self._drain(control, source)
         except RunFailedError as error:
@@ -114,6 +115,7 @@ class Orchestration:
         self.supervisor.stop(names, hurry=lambda: self._stops > 1)
         for number, handler in self._handlers.items():
             signal.signal(number, handler)  # type: ignore[arg-type]
+        # Told to stop while it was starting, a node may end by the signal itself.
         for name in names if self._flow_started is not None else ():
             process = self.supervisor.processes[name]
             if process.exit_code != 0:

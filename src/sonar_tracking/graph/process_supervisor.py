@@ -130,7 +130,9 @@ class ProcessSupervisor:
         for stage, patience in STOP_STAGES:
             waiting = [n for n in names if n in self.running()]
             for name in waiting:
-                self.processes[name].popen.send_signal(stage)
+                # Not Popen.send_signal: it would reap a process that has just ended, and with it
+                # its processor time. Until it is reaped here its number stays its own.
+                os.kill(self.processes[name].popen.pid, stage)
             deadline = time.monotonic() + patience
             while waiting and time.monotonic() < deadline:
                 if hurry() and stage != signal.SIGKILL:
