@@ -152,6 +152,11 @@ def _missing_package(error: ModuleNotFoundError) -> str:
     return f"the Python package {error.name} is missing: {remedy}."
 
 
+def _unusable_file(error: OSError) -> str:
+    """Return the sentence for a file or folder that cannot be read or written."""
+    return f"{error.filename} cannot be used ({error.strerror}); give another path, or make room."
+
+
 def main() -> int:
     """Run the command; a wrong request is one sentence and exit code 2."""
     try:
@@ -161,6 +166,11 @@ def main() -> int:
         return REFUSED
     except ModuleNotFoundError as error:
         print(f"sonar-tracking: {_missing_package(error)}", file=sys.stderr)
+        return REFUSED
+    except OSError as error:
+        if error.filename is None:
+            raise
+        print(f"sonar-tracking: {_unusable_file(error)}", file=sys.stderr)
         return REFUSED
     return 0
 

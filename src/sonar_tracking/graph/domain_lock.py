@@ -11,6 +11,9 @@ from pathlib import Path
 
 from sonar_tracking.errors import ConfigurationError
 
+LARGEST_DOMAIN = 232
+"""DDS computes its UDP ports from the domain; above this they do not exist."""
+
 
 @contextmanager
 def domain_lock(folder: Path | None = None) -> Iterator[None]:
@@ -27,9 +30,14 @@ def domain_lock(folder: Path | None = None) -> Iterator[None]:
     Raises
     ------
     ConfigurationError
-        If another run holds it.
+        If another run holds it, or there is no such domain.
     """
     domain = os.environ.get("ROS_DOMAIN_ID") or "0"
+    if not (domain.isdecimal() and int(domain) <= LARGEST_DOMAIN):
+        raise ConfigurationError(
+            f"ROS_DOMAIN_ID is {domain!r}; set it to a number from 0 to {LARGEST_DOMAIN}, "
+            "or unset it."
+        )
     path = (folder or Path(tempfile.gettempdir())) / f"sonar_tracking-domain-{domain}.lock"
     try:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)

@@ -36,16 +36,28 @@ class RunOptions:
         Raises
         ------
         ConfigurationError
-            If a file to write cannot be written, or the bag exists.
+            If a file to write cannot be written, or the bag exists or cannot be made.
         """
         if self.record is not None and self.record.exists():
             raise ConfigurationError(
                 f"--record: {self.record} exists already; give another name or remove it."
             )
+        if self.record is not None:
+            _check_can_be_made(self.record)
         if self.json is not None and not self.json.resolve().parent.is_dir():
             raise ConfigurationError(
                 f"--json: the folder {self.json.resolve().parent} does not exist; make it first."
             )
+
+
+def _check_can_be_made(bag: Path) -> None:
+    try:
+        bag.mkdir(parents=True)
+        bag.rmdir()
+    except OSError as error:
+        raise ConfigurationError(
+            f"--record: {bag} cannot be made ({error.strerror}); give another place."
+        ) from error
 
 
 def rate_from_text(text: str) -> float:

@@ -1,0 +1,42 @@
+"""Whatever goes wrong with a request is one sentence, never a traceback."""
+
+from pathlib import Path
+
+import pytest
+
+from sonar_tracking import cli
+
+
+def refused(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, *arguments: str
+) -> str:
+    monkeypatch.setattr("sys.argv", ["sonar-tracking", *arguments])
+    assert cli.main() == cli.REFUSED
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    return said
+
+
+def test_a_folder_that_cannot_be_made_is_named(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "file").touch()
+    pictures = str(tmp_path / "file" / "pictures")
+
+    class Plotter:
+        @staticmethod
+        def plot_bag(bag: Path, output: Path) -> None:
+            output.mkdir(parents=True)
+
+    monkeypatch.setattr(cli, "_needs", lambda module: Plotter)
+    said = refused(capsys, monkeypatch, "plot", "bag", "--output", pictures)
+    assert pictures in said and "another path" in said
+
+
+def test_a_bag_that_cannot_be_made_is_refused_before_the_run(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "file").touch()
+    bag = str(tmp_path / "file" / "bag")
+    said = refused(capsys, monkeypatch, "run", "--record", bag)
+    assert f"--record: {bag} cannot be made" in said
