@@ -31,6 +31,12 @@ class ContactTrackerConfiguration:
         "Likelihood of amplitudes: for the one ratio (given), or averaged over 3 to 20 dB",
         choices=("given", "averaged"),
     )
+    outlier_share: float = parameter(
+        0.01,
+        "Of false contacts that are as strong as targets; bounds what a single amplitude can say",
+        minimum=0.0,
+        maximum=1.0,
+    )
     clutter_density: float = parameter(
         0.0,
         "False contacts where the contacts do not tell; 0 = from their number and the largest "

@@ -42,6 +42,8 @@ class DetectionModel:
         Of a target, power ratio.
     averaged : bool
         Whether amplitudes are judged by the average over levels.
+    outlier_share : float
+        Of false contacts as strong as targets: no amplitude says more than its inverse.
     threshold : float
         tau of the detector, linear; NaN = unknown.
     false_alarm_probability : float
@@ -52,23 +54,36 @@ class DetectionModel:
         False contacts per m^2 at the threshold of the detector; NaN = uniform per cell.
     maximum_range : float
         m; infinite = no limit.
+    clutter_factor : float
+        By which there is more clutter than claimed.
     """
 
     detection_probability: float
     signal_to_noise_ratio_linear: float
     averaged: bool
+    outlier_share: float
     threshold: float
     false_alarm_probability: float
     cell_size: float
     uniform_density: float
     maximum_range: float
+    clutter_factor: float = 1.0
+
+    def expected_clutter(self) -> float:
+        """Return the mean number of false contacts in a ping; infinite or NaN if unknown."""
+        if np.isfinite(self.uniform_density):
+            return float(self.uniform_density * np.pi * self.maximum_range**2)
+        cells = 2.0 * np.pi * self.maximum_range / self.cell_size
+        return float(self.false_alarm_probability * cells)
 
     def clutter_density(self, distance: FloatArray) -> FloatArray:
         """Return lambda at distances (m) from the sensor, 1/m^2, at the detector's threshold."""
         if np.isfinite(self.uniform_density):
-            return np.full_like(distance, max(self.uniform_density, SMALLEST_CLUTTER_DENSITY))
-        area = self.cell_size * np.maximum(distance, 1.0)
-        return np.maximum(self.false_alarm_probability / area, SMALLEST_CLUTTER_DENSITY)
+            density = np.full_like(distance, self.uniform_density)
+        else:
+            area = self.cell_size * np.maximum(distance, 1.0)
+            density = self.false_alarm_probability / area
+        return np.maximum(self.clutter_factor * density, SMALLEST_CLUTTER_DENSITY)
 
     def amplitude_ratio(self, amplitudes: FloatArray, thresholds: FloatArray) -> FloatArray:
         """Return e(a) of amplitudes above thresholds, 1 where either is not known."""
@@ -80,7 +95,9 @@ class DetectionModel:
         )
         filled, limit = np.where(known, amplitudes, 0.0), np.where(known, thresholds, 0.0)
         ratios = [amplitude_likelihood_ratio(filled, limit, float(level)) for level in levels]
-        return np.where(known, np.mean(ratios, axis=0), 1.0)
+        ratio = np.mean(ratios, axis=0)
+        share = self.outlier_share
+        return np.where(known, ratio / (1.0 - share + share * ratio), 1.0)
 
 
 def make_detection_model(
@@ -116,6 +133,7 @@ def make_detection_model(
         ),
         signal_to_noise_ratio_linear=_known(contacts.signal_to_noise_ratio_linear, ratio),
         averaged=configuration.amplitude_model == "averaged",
+        outlier_share=configuration.outlier_share,
         threshold=_threshold(contacts),
         false_alarm_probability=contacts.false_alarm_probability,
         cell_size=cell_size,

@@ -21,6 +21,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from sonar_tracking.active.clutter_monitor import ClutterMonitor
 from sonar_tracking.active.contact_checks import check_ping
 from sonar_tracking.active.contact_gating import (
     GatePairs,
@@ -102,6 +103,7 @@ class MultiTargetTracker:
         )
         self._bank = empty_bank(self._modes.n_modes)
         self._particles = ParticleTracks(configuration)
+        self._clutter = ClutterMonitor()
         self._next_id = configuration.first_id
         self._stamp: int | None = None
 
@@ -120,13 +122,15 @@ class MultiTargetTracker:
         """
         contacts, notices = check_ping(contacts, self._stamp)
         model, guessed = make_detection_model(contacts, self._configuration)
-        ping = self._placed(contacts, model)
         check_thresholds(model, self._configuration)
+        n_confirmed = int(np.count_nonzero(self._bank.confirmed))
+        self._clutter = self._clutter.after(len(contacts.range), n_confirmed, model)
+        ping = self._placed(contacts, self._clutter.corrected(model))
         bank = self._predicted(ping.stamp)
         if self._particles.used:
             bank = self._particles.predict(bank, self._interval(ping.stamp))
         gates = predict_gates(bank, ping.sensor)
-        applied = apply_thresholds(bank, gates, model, self._configuration)
+        applied = apply_thresholds(bank, gates, ping.model, self._configuration)
         pairs = self._pairs(bank, gates, ping, applied)
         updates = update_pairs(bank, ping.placed, pairs)
         if self._particles.used:
@@ -145,7 +149,7 @@ class MultiTargetTracker:
             tracks=replace(tracks, next_stamp=contacts.next_stamp),
             target_count=float(np.count_nonzero(bank.confirmed)),
             thresholds=applied.published,
-            notices=(*notices, *guessed),
+            notices=(*notices, *guessed, *self._clutter.notices()),
         )
 
     def _placed(self, contacts: Contacts, model: DetectionModel) -> _Ping:
