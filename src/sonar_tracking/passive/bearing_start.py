@@ -25,7 +25,11 @@ from sonar_tracking.geometry import beamwidth, is_uniform_line, wavenumber
 from sonar_tracking.passive.bearing_measurement import estimated_sources, fisher_variance
 from sonar_tracking.passive.music import music_bearings
 from sonar_tracking.passive.records import SubspaceEstimates
-from sonar_tracking.passive.source_number import forward_backward_smoothed, smoothed_size
+from sonar_tracking.passive.source_number import (
+    counting_snapshots,
+    forward_backward_smoothed,
+    smoothed_size,
+)
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -142,7 +146,7 @@ class BearingStart:
         n_seen : int, optional
             How many of them have a source in this covariance; all if not given.
         """
-        n_sources = _number_of_sources(estimates, self.follows_count)
+        n_sources = _number_of_sources(estimates, self.follows_count, self.maximum_rate)
         wanted = n_sources - (len(tracked_angles) if n_seen is None else n_seen)
         wanted = min(wanted, len(estimates.element_positions) - 1 - len(tracked_angles))
         if estimates.covariance is None:
@@ -225,12 +229,24 @@ def _extended(track: TentativeTrack, middle: int, angle: float, variance: float)
     )
 
 
-def _number_of_sources(estimates: SubspaceEstimates, follows_count: bool) -> int:
-    """Return how many sources MUSIC is to look for."""
+def _number_of_sources(
+    estimates: SubspaceEstimates, follows_count: bool, maximum_rate: float
+) -> int:
+    """Return how many sources MUSIC is to look for.
+
+    The rank of the whole array sees weaker sources than the smoothed count does, but strong moving
+    ones twice: it is believed only where all are too weak for that.
+    """
     if not follows_count:
         return estimates.basis.shape[-1]
+    positions, snapshots = estimates.element_positions, estimates.covariance_snapshots
     count = estimates.source_count if estimates.source_count >= 0 else estimates.rank
-    return min(count, len(estimates.element_positions) - 1)
+    if estimates.rank > count and estimates.eigenvalues.size:
+        number = wavenumber(estimates.center_frequency, estimates.sound_speed)
+        turn = maximum_rate * estimates.sample_period
+        still = counting_snapshots(estimates.eigenvalues, snapshots, positions, number, turn)
+        count = estimates.rank if still == snapshots else count
+    return min(count, len(positions) - 1)
 
 
 def _resolved_bearings(

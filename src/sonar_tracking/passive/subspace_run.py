@@ -125,6 +125,9 @@ def starting_columns(configuration: SubspaceConfiguration, run: SubspaceRun) -> 
     summary = _summary(configuration, run, run.timing.last_index)
     positions = run.header.element_positions
     count = summary.source_count if is_uniform_line(positions) else summary.rank
+    if count == 0 and configuration.method == "covariance":
+        # The whole array sees weaker sources than the smoothed count does.
+        count = summary.rank
     return min(max(count, 0), len(positions) - 1)
 
 
