@@ -145,6 +145,18 @@ def test_the_bag_can_be_replayed_and_scored(tmp_path: Path) -> None:
     assert times == sorted(times)
 
 
+def test_a_file_that_is_cut_off_is_imported_as_far_as_it_goes_and_told(tmp_path: Path) -> None:
+    wavfile.write(tmp_path / "whole.wav", RATE, plane_wave(4.0).astype(np.float32))
+    whole = (tmp_path / "whole.wav").read_bytes()
+    (tmp_path / "a.wav").write_bytes(whole[: len(whole) // 2])
+    (tmp_path / "array.yaml").write_text(GEOMETRY)
+    summary = import_wav(
+        tmp_path / "a.wav", tmp_path / "array.yaml", FREQUENCY, 100.0, tmp_path / "bag"
+    )
+    assert summary.seconds == pytest.approx(2.0, abs=0.01)
+    assert "announces 4.0 s and holds 2.0 s" in summary.text()
+
+
 def test_snapshots_that_are_not_numbers_are_left_out_and_told(tmp_path: Path) -> None:
     samples = plane_wave(4.0)
     samples[RATE, 2] = np.nan

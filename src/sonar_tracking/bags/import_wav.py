@@ -68,7 +68,8 @@ class ImportSummary:
     n_snapshots, n_blocks : int
         Written to the bag.
     dropped : tuple of str
-        One sentence for each block that was left out because of samples that are not numbers.
+        A sentence if the file ends early, and one for each block that was left out because of
+        samples that are not numbers.
     seconds : float
         Length of the file, s.
     """
@@ -140,11 +141,11 @@ def import_wav(
     columns = array.columns(wav.n_channels, str(wav.path))
     band = _checked_band(array, wav, frequency, bandwidth)
     surveyed = read_surveyed_bearings(truth) if truth is not None else []
-    dropped: list[str] = []
+    dropped = _missing_end(wav)
     blocks = _finite_blocks(wav, columns, band, dropped)
     first = next(blocks, None)
     if first is None:
-        raise ConfigurationError(dropped[0] if dropped else _too_short(wav, band))
+        raise ConfigurationError(dropped[-1] if dropped else _too_short(wav, band))
     information = _information(wav, array, band, node_parameters, bool(surveyed))
     messages = heapq.merge(
         _snapshot_messages(first, blocks, wav, array, band), _truth_messages(surveyed, array)
@@ -180,6 +181,16 @@ def _written_bag(
         n_blocks += topic == SNAPSHOTS_TOPIC
     writer.close()
     return writer.path, n_snapshots, n_blocks
+
+
+def _missing_end(wav: WavFile) -> list[str]:
+    if not wav.missing_samples:
+        return []
+    announced = (wav.n_samples + wav.missing_samples) / wav.sample_rate
+    return [
+        f"{wav.path} is cut off: it announces {announced:.1f} s and holds "
+        f"{wav.n_samples / wav.sample_rate:.1f} s; copy it again if the rest is wanted."
+    ]
 
 
 def _too_short(wav: WavFile, band: Band) -> str:

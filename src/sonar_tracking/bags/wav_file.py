@@ -38,6 +38,8 @@ class WavFile:
         Bits per sample.
     data : ndarray of uint8
         The sample bytes, mapped.
+    missing_samples : int
+        Samples per channel that the file announces and does not hold.
     """
 
     path: Path
@@ -47,6 +49,7 @@ class WavFile:
     is_float: bool
     sample_bits: int
     data: NDArray[np.uint8]
+    missing_samples: int = 0
 
     def samples(self, start: int, stop: int) -> NDArray[np.float64]:
         """Return samples ``start`` to ``stop``, shape (n, n_channels), full scale 1."""
@@ -99,8 +102,16 @@ def _described(path: Path, chunks: dict[str, tuple[int, int]]) -> WavFile:
     n_samples = min(size, path.stat().st_size - position) // frame
     if n_samples <= 0:
         raise ConfigurationError(f"{path} holds no samples.")
-    data = np.memmap(path, np.uint8, "r", position, (n_samples * frame,))
-    return WavFile(path, sample_rate, n_channels, n_samples, kind == _FLOAT, sample_bits, data)
+    return WavFile(
+        path=path,
+        sample_rate=sample_rate,
+        n_channels=n_channels,
+        n_samples=n_samples,
+        is_float=kind == _FLOAT,
+        sample_bits=sample_bits,
+        data=np.memmap(path, np.uint8, "r", position, (n_samples * frame,)),
+        missing_samples=size // frame - n_samples,
+    )
 
 
 def _chunks(path: Path) -> dict[str, tuple[int, int]]:
@@ -115,7 +126,7 @@ def _chunks(path: Path) -> dict[str, tuple[int, int]]:
             if name == b"ds64":
                 _, long_data_size = struct.unpack("<QQ", file.read(16).ljust(16, b"\0"))
             if name == b"data" and size == _SIZE_ELSEWHERE:
-                size = long_data_size or end
+                size = long_data_size or end - position - 8
             found.setdefault(name.decode("latin-1"), (position + 8, size))
             position += 8 + size + size % 2
     return found

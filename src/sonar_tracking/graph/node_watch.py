@@ -51,18 +51,19 @@ class NodeWatch:
 
     def check_publishers(self, source: DataInput) -> None:
         """Report an input that more than one node publishes."""
+        # The name of an endpoint arrives a little later than the endpoint itself.
         publishers = self._node.get_publishers_info_by_topic(source.name)
-        names = sorted(_full_name(info) for info in publishers)
-        if len(names) < 2:
-            severity, sentence = Severity.OK, ""
-        else:
+        names = sorted(_full_name(info) for info in publishers if "UNKNOWN" not in info.node_name)
+        severity, remedy = Severity.OK, ""
+        if len(set(names)) > 1:
+            severity, remedy = Severity.ERROR, "stop all but one"
+        elif len(names) > 1:
             # A node that was killed and started again is listed twice until its lease ends.
-            severity = Severity.ERROR if len(set(names)) > 1 else Severity.WARN
-            sentence = (
-                f"{source.name} has {len(names)} publishers: {', '.join(names)}; data that do not "
-                "continue those of the first are rejected; stop all but one, or give each its own "
-                "namespace."
-            )
+            severity, remedy = Severity.WARN, "unless one was killed just now, stop all but one"
+        sentence = (
+            f"{source.name} has {len(names)} publishers: {', '.join(names)}; data that do not "
+            f"continue those of the first are rejected; {remedy}, or give each its own namespace."
+        )
         concern = input_concern(source)
         self._node.diagnostics.report(concern, "publishers", severity, sentence, lasting=True)
 
@@ -99,9 +100,6 @@ class NodeWatch:
 
 
 def _full_name(info: TopicEndpointInfo) -> str:
-    """Name of the node of an endpoint; it arrives a little later than the endpoint itself."""
-    if "UNKNOWN" in info.node_name:
-        return "(not named yet)"
     return f"{info.node_namespace.rstrip('/')}/{info.node_name}"
 
 

@@ -204,6 +204,6 @@ def _dead_channel(element: int) -> Notice:
     return Notice(
         Severity.WARN,
         f"element {element}",
-        f"Element {element} is silent (zero, or more than 30 dB below the median of the array); "
-        "check its cable and its gain. The data are used as they are.",
+        f"Element {element} is silent (zero, or more than 30 dB below the median of the array; "
+        "elements count from 0); check its cable and its gain. The data are used as they are.",
     )
