@@ -7,15 +7,18 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sonar_tracking.evaluation import tma_frequency_fusion
 from sonar_tracking.evaluation.batch_runner import run_batches
 from sonar_tracking.evaluation.studies import STUDIES
 from sonar_tracking.evaluation.study import Study
+from sonar_tracking.evaluation.tma_batch_rows import LIKELIHOOD, PATH
 from sonar_tracking.evaluation.tma_frequency_fusion import (
     BOUND,
     SCENARIOS,
     TMA_FREQUENCY_FUSION,
 )
 from sonar_tracking.evaluation.tma_histories import frame_metrics
+from sonar_tracking.evaluation.tma_random_scenes import random_scene
 from sonar_tracking.evaluation.tma_runs import SceneBatch, estimate_batch
 from sonar_tracking.evaluation.tma_systems import (
     BEARINGS_ONLY,
@@ -31,7 +34,10 @@ RUNS = 20
 
 @pytest.fixture(scope="module")
 def results() -> Sequence[Any]:
-    return [task.function(task.argument) for task in TMA_FREQUENCY_FUSION.tasks(RUNS, 1)]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(tma_frequency_fusion, "BOUND_PATHS", 40)
+        tasks = TMA_FREQUENCY_FUSION.tasks(RUNS, 1)
+    return [task.function(task.argument) for task in tasks]
 
 
 @pytest.fixture(scope="module")
@@ -71,6 +77,35 @@ def test_the_default_is_far_ahead_where_doppler_matters(study: Study) -> None:
     }
     assert ranges[PROPOSED] > 2.5 * ranges[RANGE_BANK]
     assert ranges[BEARINGS_ONLY] > 8.0 * ranges[RANGE_BANK]
+
+
+def test_bad_data_and_turns_cost_little(study: Study) -> None:
+    alarms = {
+        "target turns 90 deg in 30 s, S1": "manoeuvre_percent",
+        "one line is another source, S2": "reborn_percent",
+        "one line is another, well-measured source, S3": "reborn_percent",
+        "one line 3 sigma off, S2": "reborn_percent",
+    }
+    for case, alarm in alarms.items():
+        metrics = study.row(RANGE_BANK, f"gone wrong: {case}").metrics
+        assert metrics[alarm] >= 95.0
+        assert metrics["nees_settled"] < 2.0
+    assert study.row(RANGE_BANK, "gone wrong: 5 % outliers, S1").metrics["range_per_clean"] < 1.3
+
+
+def test_batch_estimators_are_told_apart(study: Study) -> None:
+    moving = "batch: random accelerations, S1"
+    assert study.row(LIKELIHOOD, moving).metrics["nees_per_dimension"] > 5.0
+    assert study.row(PATH, moving).metrics["nees_per_dimension"] < 2.0
+
+
+def test_random_scenes_are_different() -> None:
+    one = random_scene(np.random.default_rng(1))
+    other = random_scene(np.random.default_rng(2))
+    assert not np.array_equal(one.target, other.target)
+    assert 2000.0 <= np.hypot(*one.target[:2]) <= 12_000.0
+    assert one.heard.any()
+    assert not one.heard.all()
 
 
 def test_a_run_has_its_own_numbers(results: Sequence[Any]) -> None:

@@ -17,8 +17,20 @@ import numpy as np
 from sonar_tracking.evaluation.batch_runner import RunBatch, Task, run_batches
 from sonar_tracking.evaluation.study import StudyRow
 from sonar_tracking.evaluation.study_definition import Column, StudyDefinition, TableLayout
+from sonar_tracking.evaluation.tma_batch_rows import (
+    BatchHistories,
+    batch_rows,
+    estimate_whole_batch,
+)
+from sonar_tracking.evaluation.tma_cases import CASES, case_bound, case_rows, estimate_case
 from sonar_tracking.evaluation.tma_figures import draw_errors, draw_scene
 from sonar_tracking.evaluation.tma_histories import TmaHistories, frame_metrics, joined
+from sonar_tracking.evaluation.tma_random_scenes import (
+    RUNS_PER_SCENE,
+    RandomSceneResults,
+    estimate_random_scenes,
+    random_scene_rows,
+)
 from sonar_tracking.evaluation.tma_runs import (
     BOUND_PATHS,
     SceneBatch,
@@ -76,17 +88,57 @@ LAYOUTS = (
         "",
         condition="S",
     ),
+    TableLayout(
+        "What goes wrong at sea",
+        (
+            Column("case_range_rmse_m", "range", ".0f"),
+            Column("range_per_bound", "/bound", ".2f"),
+            Column("range_per_clean", "/clean", ".2f"),
+            Column("nees_settled", "NEES", ".2f"),
+            Column("manoeuvre_percent", "manoeuvre %", ".1f"),
+            Column("reborn_percent", "reborn %", ".1f"),
+        ),
+        "/clean: over the RMSE of the same runs with nothing wrong. NEES: the largest from frame "
+        "330 on. manoeuvre, reborn: share of runs with such an alarm from frame 250 on.",
+    ),
+    TableLayout(
+        "All frames at once",
+        (
+            Column("batch_range_rmse_m", "range", ".0f"),
+            Column("range_per_bound", "/bound", ".2f"),
+            Column("nees_per_dimension", "NEES", ".2f"),
+            Column("lost_percent", "lost %", ".1f"),
+        ),
+        "maximum likelihood takes the target to move straight: where it does not, its covariance "
+        "is wrong.",
+    ),
+    TableLayout(
+        "Random scenes",
+        (
+            Column("random_per_bound", "range/bound", ".2f"),
+            Column("random_median_per_bound", "median", ".2f"),
+            Column("random_lost_percent", "lost %", ".1f"),
+            Column("random_nees", "NEES", ".2f"),
+            Column("scenes", "scenes", ".0f"),
+        ),
+        "Of the last frame; only scenes whose bound is below a tenth of the range.",
+    ),
 )
 
 
 def tasks(runs: int, seed: int) -> tuple[Task, ...]:
     """Return what the workers compute: every batch of every scenario, and the bounds."""
     batches = run_batches(runs, seed)
-    estimated = [
-        Task(estimate_batch, SceneBatch(name, batch)) for name in SCENARIOS for batch in batches
-    ]
     paths = RunBatch(0, tuple(np.random.SeedSequence((seed, 1)).spawn(BOUND_PATHS)))
-    return (*(Task(bound_of, SceneBatch(name, paths)) for name in SCENARIOS), *estimated)
+    scenes = run_batches(max(1, runs // RUNS_PER_SCENE), seed, part=2)
+    return (
+        *(Task(bound_of, SceneBatch(name, paths)) for name in SCENARIOS),
+        *(Task(case_bound, SceneBatch(name, paths)) for name in CASES),
+        *(Task(estimate_batch, SceneBatch(name, batch)) for name in SCENARIOS for batch in batches),
+        *(Task(estimate_case, SceneBatch(name, batch)) for name in CASES for batch in batches),
+        *(Task(estimate_whole_batch, batch) for batch in batches),
+        *(Task(estimate_random_scenes, batch) for batch in scenes),
+    )
 
 
 def rows(results: Sequence[Any]) -> tuple[StudyRow, ...]:
@@ -103,7 +155,14 @@ def rows(results: Sequence[Any]) -> tuple[StudyRow, ...]:
             )
         best = dict(zip(ERRORS, bound[-1].tolist(), strict=True))
         table.append(StudyRow(BOUND, condition, best))
-    return tuple(table)
+    whole = [one for one in results if isinstance(one, BatchHistories)]
+    scenes = [one for one in results if isinstance(one, RandomSceneResults)]
+    return (
+        *table,
+        *case_rows(histories, bounds),
+        *batch_rows(whole, bounds["S1"]),
+        *random_scene_rows(scenes),
+    )
 
 
 def draw(results: Sequence[Any], rows: Sequence[StudyRow], directory: Path) -> tuple[Path, ...]:
@@ -134,12 +193,13 @@ def _bounds(results: Sequence[Any]) -> dict[str, FloatArray]:
 
 def _histories(results: Sequence[Any]) -> dict[str, dict[str, TmaHistories]]:
     parts = [one for one in results if isinstance(one, SceneHistories)]
+    grouped: dict[str, dict[str, list[TmaHistories]]] = {}
+    for part in parts:
+        for system, one in part.systems.items():
+            grouped.setdefault(part.scenario, {}).setdefault(system, []).append(one)
     return {
-        name: {
-            system: joined([part.systems[system] for part in parts if part.scenario == name])
-            for system in SYSTEMS
-        }
-        for name in SCENARIOS
+        name: {system: joined(own) for system, own in systems.items()}
+        for name, systems in grouped.items()
     }
 
 

@@ -23,9 +23,11 @@ WINDOW = 20
 LINE_WINDOW = 10
 """The newest innovations, which judge a line."""
 
-LINE_CLIP = 6.0
-MOTION_CLIP = 3.0
-"""Normalised innovations count at most this much: an outlier is no change."""
+CLIP = 3.0
+"""Normalised innovations count at most this much: a few outliers are no change."""
+
+OUTLIER, OUTLIER_COUNT = 4.0, 1.5
+"""Beyond the first, an innovation says little of the motion and counts as the second there."""
 
 LINE_THRESHOLD = 4.5
 MOTION_THRESHOLD = 3.85
@@ -84,10 +86,9 @@ def extend_windows(
     present : ndarray of bool, shape (..., 1 + n_lines)
         Which of them there are.
     """
-    clipped = np.clip(normalised, -LINE_CLIP, LINE_CLIP)
     return InnovationWindows(
-        _pushed(windows.lines, clipped[..., 1:], present[..., 1:]),
-        _pushed(windows.azimuth, clipped[..., 0], present[..., 0]),
+        _pushed(windows.lines, normalised[..., 1:], present[..., 1:]),
+        _pushed(windows.azimuth, normalised[..., 0], present[..., 0]),
     )
 
 
@@ -102,7 +103,8 @@ def judge(windows: InnovationWindows, present: BoolArray) -> Changes:
         Rows that the newest frame had.
     """
     there = present[..., 1:]
-    line = np.sum(windows.lines[..., -LINE_WINDOW:], axis=-1) / np.sqrt(LINE_WINDOW)
+    clipped = np.clip(windows.lines[..., -LINE_WINDOW:], -CLIP, CLIP)
+    line = np.sum(clipped, axis=-1) / np.sqrt(LINE_WINDOW)
     out = (np.abs(line) > LINE_THRESHOLD) & there
     recent, _ = _others(windows, there, LINE_WINDOW)
     supported = recent * np.sign(line) > OTHERS_THRESHOLD
@@ -128,8 +130,10 @@ def clear_windows(windows: InnovationWindows, changes: Changes) -> InnovationWin
 
 
 def _deviate(window: FloatArray, length: int) -> FloatArray:
-    clipped = np.clip(window[..., -length:], -MOTION_CLIP, MOTION_CLIP)
-    return np.asarray(np.sum(clipped, axis=-1) / np.sqrt(length))
+    recent = window[..., -length:]
+    counted = np.clip(recent, -CLIP, CLIP)
+    counted = np.where(np.abs(recent) > OUTLIER, OUTLIER_COUNT * np.sign(recent), counted)
+    return np.asarray(np.sum(counted, axis=-1) / np.sqrt(length))
 
 
 def _others(
