@@ -13,6 +13,7 @@ from sonar_tracking.evaluation.batch_runner import Workers, compute
 from sonar_tracking.evaluation.detection_threshold import DETECTION_THRESHOLD
 from sonar_tracking.evaluation.doa_coherent import DOA_COHERENT
 from sonar_tracking.evaluation.doa_fusion import DOA_FUSION
+from sonar_tracking.evaluation.doa_start import DOA_START
 from sonar_tracking.evaluation.multi_target_clutter import MULTI_TARGET_CLUTTER
 from sonar_tracking.evaluation.room_array import ROOM_ARRAY, room_array
 from sonar_tracking.evaluation.study import Study, write_json
@@ -29,6 +30,7 @@ STUDIES = {
     for definition in (
         DOA_FUSION,
         DOA_COHERENT,
+        DOA_START,
         TMA_FREQUENCY_FUSION,
         DETECTION_THRESHOLD,
         MULTI_TARGET_CLUTTER,
