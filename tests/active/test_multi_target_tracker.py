@@ -172,6 +172,7 @@ def test_single_bad_contacts_are_left_out(method: str) -> None:
         ({"range_standard_deviation": 0.0}, "range_standard_deviation"),
         ({"azimuth_standard_deviation": np.nan}, "azimuth_standard_deviation"),
         ({"sensor_position": (np.nan, 0.0)}, "sensor"),
+        ({"range_standard_deviation": np.ones(3)}, "3 entries for 6 contacts"),
         ({"azimuth": np.zeros(2)}, "equally many"),
     ],
 )
@@ -240,6 +241,36 @@ def test_a_sensor_that_jumps_loses_no_track_list() -> None:
     for number in range(16, 20):
         update = tracker.update(ping(number, generator))
     assert known <= set(update.tracks.id[confirmed(update)].tolist())
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_each_contact_may_have_its_own_errors(method: str) -> None:
+    states = []
+    for own in (False, True):
+        generator = np.random.default_rng(17)
+        tracker = start(method)
+        for number in range(15):
+            contacts = ping(number, generator)
+            if own:
+                count = len(contacts.range)
+                contacts = replace(
+                    contacts,
+                    range_standard_deviation=np.full(count, 20.0),
+                    azimuth_standard_deviation=np.full(count, 0.002),
+                )
+            update = tracker.update(contacts)
+        states.append(update.tracks.state)
+        none = replace(
+            contacts,
+            stamp=contacts.stamp + 10 * SECOND,
+            range=NOTHING,
+            azimuth=NOTHING,
+            amplitude=NOTHING,
+            range_standard_deviation=NOTHING if own else 20.0,
+            azimuth_standard_deviation=NOTHING if own else 0.002,
+        )
+        assert np.all(np.isfinite(tracker.update(none).tracks.state))
+    assert np.array_equal(states[0], states[1])
 
 
 def test_two_tracks_of_one_target_become_one() -> None:

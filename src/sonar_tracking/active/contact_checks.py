@@ -9,8 +9,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from sonar_tracking.active.records import Contacts
+from sonar_tracking.active.records import Contacts, FloatArray
 from sonar_tracking.errors import InputError, Notice, Severity
 
 
@@ -41,9 +42,14 @@ def check_ping(contacts: Contacts, last_stamp: int | None) -> tuple[Contacts, tu
             f"{len(contacts.amplitude)} amplitudes; give equally many (amplitudes may be empty)."
         )
     for name in ("range_standard_deviation", "azimuth_standard_deviation"):
-        value = getattr(contacts, name)
-        if not (np.isfinite(value) and value > 0.0):
-            raise InputError(f"{name} of the ping is {value:g}; it must be positive.")
+        values = np.asarray(getattr(contacts, name))
+        if values.shape not in ((), (n_contacts,)):
+            raise InputError(
+                f"{name} of the ping has {values.size} entries for {n_contacts} contacts; give "
+                "one, or one a contact."
+            )
+        if not (np.all(np.isfinite(values)) and np.all(values > 0.0)):
+            raise InputError(f"{name} of the ping is not positive; give the errors of the sensor.")
     where = (*contacts.sensor_position, *contacts.sensor_velocity)
     if not np.all(np.isfinite(where)):
         raise InputError("Position or velocity of the sensor is unknown; give own-ship motion.")
@@ -67,8 +73,14 @@ def _usable(contacts: Contacts) -> tuple[Contacts, tuple[Notice, ...]]:
             range=contacts.range[good],
             azimuth=contacts.azimuth[good],
             amplitude=contacts.amplitude[good] if measured else contacts.amplitude,
+            range_standard_deviation=_kept(contacts.range_standard_deviation, good),
+            azimuth_standard_deviation=_kept(contacts.azimuth_standard_deviation, good),
         )
     if not measured and len(contacts.range):
         text = "The contacts have no amplitudes; they are associated by distance alone."
         notices.append(Notice(Severity.WARN, "amplitude", text))
     return contacts, tuple(notices)
+
+
+def _kept(values: float | FloatArray, good: NDArray[np.bool_]) -> float | FloatArray:
+    return values[good] if isinstance(values, np.ndarray) and values.ndim else values

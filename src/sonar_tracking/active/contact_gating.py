@@ -18,12 +18,14 @@ from numpy.typing import NDArray
 
 from sonar_tracking.active.contact_positions import PlacedContacts, position_covariance
 from sonar_tracking.active.information_reduction import GATE_SIZE
+from sonar_tracking.active.records import Contacts
 from sonar_tracking.active.track_bank import TrackBank
 
 FloatArray = NDArray[np.float64]
 IndexArray = NDArray[np.intp]
 
 TRACKS_PER_PORTION = 2048
+SMALLEST_DEVIATION = 1e-6
 
 
 @dataclass(frozen=True)
@@ -35,7 +37,7 @@ class SensorGeometry:
     position : ndarray, shape (2,)
         In ``map``, m.
     range_standard_deviation, azimuth_standard_deviation : float
-        m and rad.
+        The largest of the contacts, m and rad.
     sound_speed : float
         m/s; 0 = the ping takes no time.
     """
@@ -44,6 +46,21 @@ class SensorGeometry:
     range_standard_deviation: float
     azimuth_standard_deviation: float
     sound_speed: float
+
+
+def sensor_geometry(contacts: Contacts, sound_speed: float) -> SensorGeometry:
+    """Return the geometry of a ping; gates are made for the least precise contact."""
+    return SensorGeometry(
+        np.array(contacts.sensor_position),
+        _largest(contacts.range_standard_deviation),
+        _largest(contacts.azimuth_standard_deviation),
+        sound_speed,
+    )
+
+
+def _largest(deviation: float | FloatArray) -> float:
+    # Without contacts there are no deviations, and the gates are not used.
+    return float(np.max(deviation)) if np.size(deviation) else SMALLEST_DEVIATION
 
 
 @dataclass(frozen=True)

@@ -81,8 +81,8 @@ def place_contacts(contacts: Contacts, sound_speed: float) -> PlacedContacts:
 def position_covariance(
     direction: FloatArray,
     distance: FloatArray,
-    range_standard_deviation: float,
-    azimuth_standard_deviation: float,
+    range_standard_deviation: float | FloatArray,
+    azimuth_standard_deviation: float | FloatArray,
 ) -> FloatArray:
     """Return rot diag(sigma_r^2, (r sigma_theta)^2) rot^T.
 
@@ -92,7 +92,7 @@ def position_covariance(
         Unit vectors from the sensor.
     distance : ndarray, shape (n,)
         m.
-    range_standard_deviation, azimuth_standard_deviation : float
+    range_standard_deviation, azimuth_standard_deviation : float or ndarray, shape (n,)
         m and rad.
 
     Returns
@@ -100,7 +100,7 @@ def position_covariance(
     ndarray, shape (n, 2, 2)
         m^2.
     """
-    along = range_standard_deviation**2
+    along = np.broadcast_to(np.square(range_standard_deviation), np.shape(distance))
     across = (distance * azimuth_standard_deviation) ** 2
     outer = direction[:, :, None] * direction[:, None, :]
     return across[:, None, None] * np.eye(2) + (along - across)[:, None, None] * outer

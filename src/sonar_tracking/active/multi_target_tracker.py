@@ -29,6 +29,7 @@ from sonar_tracking.active.contact_gating import (
     TrackGates,
     find_pairs,
     predict_gates,
+    sensor_geometry,
 )
 from sonar_tracking.active.contact_positions import PlacedContacts, place_contacts
 from sonar_tracking.active.contact_tracker_configuration import (
@@ -160,12 +161,7 @@ class MultiTargetTracker:
             placed=place_contacts(contacts, sound_speed),
             amplitudes=contacts.amplitude if measured else np.full(len(contacts.range), np.nan),
             model=model,
-            sensor=SensorGeometry(
-                np.array(contacts.sensor_position),
-                contacts.range_standard_deviation,
-                contacts.azimuth_standard_deviation,
-                sound_speed,
-            ),
+            sensor=sensor_geometry(contacts, sound_speed),
         )
 
     def _interval(self, stamp: int) -> float:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sonar_tracking.active.contact_checks import check_ping
-from sonar_tracking.active.contact_gating import SensorGeometry
+from sonar_tracking.active.contact_gating import SensorGeometry, sensor_geometry
 from sonar_tracking.active.contact_positions import PlacedContacts, place_contacts
 from sonar_tracking.active.contact_tracker_configuration import (
     ContactTrackerConfiguration,
@@ -82,12 +82,7 @@ class DensityTracker:
         contacts, notices = check_ping(contacts, self._stamp)
         model, guessed = make_detection_model(contacts, self._configuration)
         placed = place_contacts(contacts, self._configuration.sound_speed)
-        sensor = SensorGeometry(
-            np.array(contacts.sensor_position),
-            contacts.range_standard_deviation,
-            contacts.azimuth_standard_deviation,
-            self._configuration.sound_speed,
-        )
+        sensor = sensor_geometry(contacts, self._configuration.sound_speed)
         interval = 0.0 if self._stamp is None else (contacts.stamp - self._stamp) * 1e-9
         cloud = self._weighed(self._predicted(interval, model, sensor), placed, sensor, model)
         mass = float(np.sum(cloud.weight))

@@ -63,8 +63,7 @@ def associate_ranked(
     weights = np.zeros(len(pairs.track))
     free = np.ones(len(amplitudes), dtype=bool)
     first = np.searchsorted(pairs.track, np.arange(len(bank) + 1))
-    occupied = np.flatnonzero(np.diff(first))
-    for row in occupied[np.lexsort((-bank.existence[occupied], ~bank.confirmed[occupied]))]:
+    for row in _in_order_of_choice(bank, np.flatnonzero(np.diff(first))):
         own = np.arange(first[row], first[row + 1])
         own = own[free[pairs.contact[own]]]
         if not len(own):
@@ -88,3 +87,9 @@ def associate_ranked(
         claimed=np.where(free, 0.0, 1.0),
         detected=summed(pairs.track, weights, len(bank)),
     )
+
+
+def _in_order_of_choice(bank: TrackBank, rows: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Return the tracks, confirmed ones first, then by existence probability."""
+    order = np.lexsort((-bank.existence[rows], ~bank.confirmed[rows]))
+    return np.asarray(rows[order])

@@ -32,8 +32,8 @@ class Contacts:
         Direction of arrival in ``map``, rad.
     amplitude : ndarray, shape (n,) or (0,)
         Linear power, noise mean 1; empty = not measured.
-    range_standard_deviation, azimuth_standard_deviation : float
-        m and rad.
+    range_standard_deviation, azimuth_standard_deviation : float or ndarray, shape (n,)
+        m and rad; the same for all contacts, or one a contact.
     sensor_position, sensor_velocity : tuple of float
         Of the sensor at the transmit time, in ``map``, m and m/s.
     detection_probability : float
@@ -58,8 +58,8 @@ class Contacts:
     range: FloatArray
     azimuth: FloatArray
     amplitude: FloatArray
-    range_standard_deviation: float
-    azimuth_standard_deviation: float
+    range_standard_deviation: float | FloatArray
+    azimuth_standard_deviation: float | FloatArray
     sensor_position: tuple[float, float] = (0.0, 0.0)
     sensor_velocity: tuple[float, float] = (0.0, 0.0)
     detection_probability: float = np.nan

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sonar_tracking.active.contact_checks import check_ping
-from sonar_tracking.active.contact_gating import SensorGeometry
+from sonar_tracking.active.contact_gating import SensorGeometry, sensor_geometry
 from sonar_tracking.active.contact_positions import (
     PlacedContacts,
     place_contacts,
@@ -100,12 +100,7 @@ class RegionTracker:
         contacts, notices = check_ping(contacts, self._stamp)
         model, guessed = make_detection_model(contacts, self._configuration)
         placed = place_contacts(contacts, self._configuration.sound_speed)
-        sensor = SensorGeometry(
-            np.array(contacts.sensor_position),
-            contacts.range_standard_deviation,
-            contacts.azimuth_standard_deviation,
-            self._configuration.sound_speed,
-        )
+        sensor = sensor_geometry(contacts, self._configuration.sound_speed)
         interval = 0.0 if self._stamp is None else (contacts.stamp - self._stamp) * 1e-9
         self._stamp = contacts.stamp
         self._follow(placed, sensor, model, interval, contacts.stamp)
