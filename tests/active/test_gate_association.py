@@ -89,6 +89,22 @@ def test_likelihood_ratio_has_mean_one_without_target() -> None:
     assert abs(np.mean(ratios) - 1.0) < 4.0 * np.std(ratios) / np.sqrt(len(ratios))
 
 
+@pytest.mark.parametrize(("clutter", "expected", "margin"), [(0.1, 1.0, 0.08), (5.0, 1.22, 0.08)])
+def test_selection_favours_targets_in_dense_gates_only(
+    clutter: float, expected: float, margin: float
+) -> None:
+    """Mean likelihood ratio of HPDA without a target: a property of the published rule."""
+    generator = np.random.default_rng(3)
+    model = GateModel(16.0 * np.pi, clutter / (16.0 * np.pi), 0.9)
+    ratios = []
+    for _ in range(6000):
+        count = generator.poisson(clutter)
+        density = np.exp(-0.5 * 16.0 * generator.random(count)) / (2 * np.pi)
+        amplitudes = generator.exponential(size=count)
+        ratios.append(associate_by_rank(density, amplitudes, model, 10.0).likelihood_ratio)
+    assert np.mean(ratios) == pytest.approx(expected, abs=margin)
+
+
 def test_rank_selects_one_contact_by_strength_and_distance() -> None:
     model = GateModel(1e4, 1e-4, 0.9)
     densities = np.array([2e-4, 2e-4, 1e-7])

@@ -54,7 +54,10 @@ class ContactTrackerConfiguration:
         choices=("turning", "straight"),
     )
     acceleration_deviation: float = parameter(
-        0.0015, "White acceleration of a target; hpda_kalman needs it to cover turns", unit="m/s^2"
+        0.0015,
+        "White acceleration of a target; hpda_kalman needs it to cover turns",
+        unit="m/s^2",
+        minimum=0.0,
     )
     lateral_acceleration: float = parameter(
         0.01, "Of a target in a turn", unit="m/s^2", minimum=0.0
