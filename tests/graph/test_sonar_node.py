@@ -15,6 +15,7 @@ from rclpy.signals import SignalHandlerOptions
 from sonar_tracking.errors import InputError, Notice, Severity
 from sonar_tracking.graph import conversions
 from sonar_tracking.graph.data_flow import Received
+from sonar_tracking.graph.diagnostics import UNEXPECTED
 from sonar_tracking.graph.event_time_join import JoinedItem
 from sonar_tracking.graph.node_catalogue import NodeDescription
 from sonar_tracking.graph.node_configuration import NodeConfiguration
@@ -156,7 +157,10 @@ def test_a_node_joins_reports_and_survives(live: Live) -> None:
     live.node.failure = ZeroDivisionError("division by zero")
     live.send_tracks(START + 2 * SECOND)
     live.wait(lambda: live.finished("/passive/bearing_tracks") == 2)
-    live.wait(lambda: "ZeroDivisionError: division by zero" in live.probe.sentences(INPUT)[-1])
+    live.wait(lambda: live.probe.sentences(f"example: {UNEXPECTED}"))
+    assert (
+        "ZeroDivisionError: division by zero" in live.probe.sentences(f"example: {UNEXPECTED}")[-1]
+    )
 
     live.node.failure = InputError("The tracks are upside down; turn them.")
     live.send_tracks(START + 3 * SECOND)

@@ -23,7 +23,7 @@ from rosgraph_msgs.msg import Clock
 from sonar_tracking_msgs.msg import Progress
 
 from sonar_tracking.graph import quality_of_service
-from sonar_tracking.graph.diagnostics import MATCHED
+from sonar_tracking.graph.diagnostics import MATCHED, UNEXPECTED
 from sonar_tracking.graph.flow_ledger import FlowLedger
 from sonar_tracking.graph.graph_plan import CONTROL_NODE, resolved
 from sonar_tracking.graph.matched_edges import MatchedEdges
@@ -57,6 +57,8 @@ class ControlNode:
         Instant up to which the simulator has served the clock, ns.
     notices : dict of str to str
         The latest sentence of every status that is, or was, not in order.
+    errors : dict of str to str
+        The same of errors of the nodes themselves.
     """
 
     def __init__(
@@ -70,6 +72,7 @@ class ControlNode:
         self._publishers: dict[str, Publisher] = {}
         self.served: int | None = None
         self.notices: dict[str, str] = {}
+        self.errors: dict[str, str] = {}
         self._context = Context()
         rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
         self._node = Node(CONTROL_NODE, context=self._context, use_global_arguments=False)
@@ -165,4 +168,5 @@ class ControlNode:
             if concern == MATCHED:
                 self._matched.report(node, {item.key: int(item.value) for item in status.values})
             elif status.level != DiagnosticStatus.OK:
-                self.notices[status.name] = f"{node}: {status.message}"
+                told = self.errors if concern == UNEXPECTED else self.notices
+                told[status.name] = f"{node}: {status.message}"

@@ -27,6 +27,9 @@ MATCHED = "matched"
 PARAMETERS = "parameters"
 """Concern: what is wrong with the parameters given."""
 
+UNEXPECTED = "unexpected errors"
+"""Concern: errors of the program itself, not of its input. A run in which they occur has failed."""
+
 PERMANENT = None
 """Data time of a problem that stays until the node ends."""
 

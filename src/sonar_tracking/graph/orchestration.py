@@ -67,6 +67,7 @@ class Orchestration:
         self._flow_ended: float | None = None
         self._handlers: dict[int, object] = {}
         self._notices: dict[str, str] = {}
+        self._errors: set[str] = set()
         self.supervisor = ProcessSupervisor(log_directory)
         self.ledger = plan.ledger()
         self.edges = plan.edges()
@@ -104,6 +105,7 @@ class Orchestration:
             self._display.say(f"{len(self._nodes)} nodes are connected: data flow")
             self._flow(control, source)
             self._drain(control, source)
+            self._take_notices(control)
         except RunFailedError as error:
             self._fail(str(error))
         finally:
@@ -292,10 +294,7 @@ class Orchestration:
             return
         self._watched = wall
         self._ended.extend(self.supervisor.poll())
-        for status, sentence in control.notices.items():
-            if status not in self._notices:
-                self._display.say(sentence)
-            self._notices[status] = sentence
+        self._take_notices(control)
         if self.ledger.changes != self._progress[0]:
             self._progress = (self.ledger.changes, wall)
         backlogs = self.ledger.backlogs()
@@ -316,6 +315,16 @@ class Orchestration:
                 activity,
             )
             self._display.show(state, wall)
+
+    def _take_notices(self, control: ControlNode) -> None:
+        """Show what the nodes have said for the first time; errors of their own are failures."""
+        for status, sentence in control.notices.items():
+            if status not in self._notices:
+                self._display.say(sentence)
+            self._notices[status] = sentence
+        for status in sorted(control.errors.keys() - self._errors):
+            self._errors.add(status)
+            self._fail(control.errors[status])
 
     def _fail(self, sentence: str) -> None:
         self.failures.append(sentence)

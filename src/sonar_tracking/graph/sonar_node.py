@@ -17,7 +17,7 @@ from sonar_tracking.configuration import describe
 from sonar_tracking.errors import ConfigurationError, InputError, Notice, Severity
 from sonar_tracking.graph import parameters, quality_of_service
 from sonar_tracking.graph.data_flow import DataInput, DataOutput, ProgressReporter, Received
-from sonar_tracking.graph.diagnostics import PARAMETERS, Diagnostics, kind_of
+from sonar_tracking.graph.diagnostics import PARAMETERS, UNEXPECTED, Diagnostics, kind_of
 from sonar_tracking.graph.event_time_join import EventTimeJoin, Interpolation, JoinedItem
 from sonar_tracking.graph.node_catalogue import NodeDescription
 from sonar_tracking.graph.node_configuration import NodeConfiguration
@@ -251,6 +251,7 @@ class SonarNode(Node):
             if isinstance(error, InputError):
                 sentence = f"{received.source.name} {at}: rejected: {error}"
             else:
+                concern = UNEXPECTED
                 sentence = (
                     f"{received.source.name} {at}: rejected after an unexpected "
                     f"{type(error).__name__}: {error}; please report it with the recording."
