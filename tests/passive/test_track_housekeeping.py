@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from sonar_tracking.errors import InputError
 from sonar_tracking.geometry import steering_vectors
 from sonar_tracking.passive.bearing_tracker_stage import (
     BearingTrackerConfiguration,
@@ -12,6 +15,7 @@ from sonar_tracking.passive.bearing_tracker_stage import (
 )
 from sonar_tracking.passive.records import BearingTracks, TrackStatus
 from sonar_tracking.passive.subspace_stage import SubspaceConfiguration, SubspaceStage
+from tests.passive.block_scene import noise_colour
 from tests.passive.crossing_scene import (
     EPOCH,
     POSITIONS,
@@ -215,3 +219,67 @@ def test_more_sources_than_elements_do_not_crash() -> None:
     for entry in tracks:
         assert len(established(entry)) < 15
         assert np.isfinite(entry.arrival_angle).all()
+
+
+def test_rank_drop_in_mid_run_keeps_names() -> None:
+    # Two sources become one waveform after 10 s, as a target and its echo.
+    times = times_of(25.0)
+    generator = np.random.default_rng(13)
+    waveforms = 1.5 * circular_noise(generator, len(times), 2)
+    waveforms[times >= 10.0, 1] = 0.8j * waveforms[times >= 10.0, 0]
+    angles = np.stack([-20.0 + 0.2 * times, 15.0 - 0.2 * times], axis=-1)
+    vectors = steering_vectors(POSITIONS, np.deg2rad(angles), WAVENUMBER)
+    data = np.matmul(vectors, waveforms[..., None])[..., 0]
+    tracks = tracked(data + circular_noise(generator, *data.shape))
+    assert len(all_ids(tracks)) == 2
+    at_end = [angle for _, angle in sorted(established(tracks[-1]).items())]
+    assert sorted(at_end) == pytest.approx([-15.1, 10.1], abs=1.0)
+
+
+@pytest.mark.parametrize("method", ["joint_map", "coherent"])
+def test_coherent_sources_start_from_nothing(method: str) -> None:
+    times = times_of(20.0)
+    generator = np.random.default_rng(14)
+    waveforms = circular_noise(generator, len(times), 1) * np.array([[1.0, 0.7j]])
+    vectors = steering_vectors(POSITIONS, np.deg2rad([-20.0, 15.0]), WAVENUMBER)
+    data = waveforms @ vectors.T + circular_noise(generator, len(times), 15)
+    tracks = tracked(data, method)
+    assert sorted(established(tracks[-1]).values()) == pytest.approx([-20.0, 15.0], abs=1.0)
+    assert len(all_ids(tracks)) == 2
+
+
+@pytest.mark.parametrize("running", [False, True], ids=["no tracks yet", "tracks"])
+@pytest.mark.parametrize(
+    ("noise", "reason"),
+    [
+        (np.diag([1.0] * 14 + [-1.0]).astype(complex), "not positive definite"),
+        (np.eye(15) + 0.1j * np.eye(15, k=1), "not Hermitian"),
+        (np.eye(14, dtype=complex), "15 by 15"),
+        (np.full((15, 15), np.nan, dtype=complex), "finite"),
+    ],
+)
+def test_wrong_noise_covariance_is_refused(noise: ComplexArray, reason: str, running: bool) -> None:
+    data = scene(15, np.broadcast_to([-30.0, 30.0], (1600, 2)), np.full((1600, 2), 5.0))
+    stage = SubspaceStage(SubspaceConfiguration(n_subspaces=1, period=0.5))
+    tracker = BearingTrackerStage(BearingTrackerConfiguration(method="joint_map"))
+    estimates = [e for block in blocks_of(data, 100, EPOCH) for e in stage.update(block).estimates]
+    good = estimates[:8] if running else []
+    for each in good:
+        tracker.update(each)
+    with pytest.raises(InputError, match=reason):
+        tracker.update(replace(estimates[len(good)], noise_covariance=noise))
+    # The stage is as before: the same estimate without the fault is taken.
+    last = [tracker.update(each).tracks for each in estimates[len(good) :]][-1]
+    assert set(established(last)) == {1, 2}
+
+
+def test_coloured_noise_alone_is_no_source() -> None:
+    generator = np.random.default_rng(16)
+    colour = noise_colour(0.6)
+    data = circular_noise(generator, 6000, 15) @ np.linalg.cholesky(colour).T
+    subspaces = SubspaceConfiguration(n_subspaces=1, period=0.5)
+    stage = SubspaceStage(subspaces)
+    tracker = BearingTrackerStage(BearingTrackerConfiguration(method="joint_map"))
+    for block in blocks_of(data, 100, EPOCH, noise_covariance=colour):
+        for estimates in stage.update(block).estimates:
+            assert not established(tracker.update(estimates).tracks)

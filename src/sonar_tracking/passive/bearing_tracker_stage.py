@@ -32,6 +32,7 @@ from sonar_tracking.passive.bearing_tracker_configuration import (
 from sonar_tracking.passive.independent_filters import IndependentFilters
 from sonar_tracking.passive.joint_filters import JointFilters
 from sonar_tracking.passive.records import BearingTracks, SubspaceEstimates, TrackStatus
+from sonar_tracking.passive.signal_subspace import noise_factor
 from sonar_tracking.passive.track_existence import (
     ENDED,
     Evidence,
@@ -284,7 +285,7 @@ class BearingTrackerStage:
 
 
 def check_estimates(estimates: SubspaceEstimates) -> None:
-    """Reject estimates whose columns do not fit together or that are not finite.
+    """Reject estimates whose parts do not fit together, are not finite or no covariance of noise.
 
     Raises
     ------
@@ -310,3 +311,11 @@ def check_estimates(estimates: SubspaceEstimates) -> None:
         raise InputError("A subspace holds values that are not finite numbers.")
     if estimates.covariance is not None and not np.isfinite(estimates.covariance).all():
         raise InputError("The covariance holds values that are not finite numbers.")
+    noise = estimates.noise_covariance
+    if noise is not None:
+        if noise.shape != (n_elements, n_elements) or not np.isfinite(noise).all():
+            raise InputError(
+                f"The noise covariance has shape {noise.shape} or values that are not finite; it "
+                f"must be {n_elements} by {n_elements} finite numbers."
+            )
+        noise_factor(noise)

@@ -51,18 +51,18 @@ def counted_sources(
     if n_snapshots < LEAST_COUNTING_SNAPSHOTS:
         return -1
     number = wavenumber(header.center_frequency, header.sound_speed)
-    positions = header.element_positions
+    positions, noise = header.element_positions, header.noise_covariance
     fastest = maximum_rate * header.sample_period
     used = counting_snapshots(eigenvalues, n_snapshots, positions, number, fastest)
-    count = _count_on_newest(snapshots, used)
+    count = _count_on_newest(snapshots, used, noise)
     while count == 0 and used < n_snapshots:
         used = min(2 * used, n_snapshots)
-        count = _count_on_newest(snapshots, used)
+        count = _count_on_newest(snapshots, used, noise)
     if count == 0 or used == n_snapshots or not thorough:
         return count
-    turn = _largest_turn(snapshots, count, positions, number)
+    turn = _largest_turn(snapshots, count, positions, number, noise)
     allowed = counting_snapshots(eigenvalues, n_snapshots, positions, number, min(turn, fastest))
-    return max(count, _count_on_newest(snapshots, allowed)) if allowed > used else count
+    return max(count, _count_on_newest(snapshots, allowed, noise)) if allowed > used else count
 
 
 def sample_covariance(snapshots: ComplexArray) -> ComplexArray:
@@ -70,19 +70,23 @@ def sample_covariance(snapshots: ComplexArray) -> ComplexArray:
     return np.swapaxes(snapshots, -1, -2) @ snapshots.conj() / snapshots.shape[-2]
 
 
-def _count_on_newest(snapshots: ComplexArray, used: int) -> int:
-    return source_count(sample_covariance(snapshots[-used:]), used)
+def _count_on_newest(snapshots: ComplexArray, used: int, noise: ComplexArray | None) -> int:
+    return source_count(sample_covariance(snapshots[-used:]), used, noise)
 
 
 def _largest_turn(
-    snapshots: ComplexArray, count: int, positions: FloatArray, number: float
+    snapshots: ComplexArray,
+    count: int,
+    positions: FloatArray,
+    number: float,
+    noise: ComplexArray | None,
 ) -> float:
     """Return the largest change of the strong bearings per snapshot, rad; inf = not known."""
     half = len(snapshots) // 2
     if count >= min(half, len(positions)):
         return np.inf
     early, late = (
-        music_bearings(sample_covariance(part), count, positions, number)
+        music_bearings(sample_covariance(part), count, positions, number, noise)
         for part in (snapshots[:half], snapshots[-half:])
     )
     if len(early) != count or len(late) != count:

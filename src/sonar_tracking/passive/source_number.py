@@ -124,7 +124,9 @@ def counting_snapshots(
     return min(max(most, LEAST_COUNTING_SNAPSHOTS), n_snapshots)
 
 
-def source_count(covariance: ComplexArray, n_snapshots: int) -> int:
+def source_count(
+    covariance: ComplexArray, n_snapshots: int, noise_covariance: ComplexArray | None = None
+) -> int:
     """Return the number of sources, coherent or not, seen by a uniform line array.
 
     Parameters
@@ -133,7 +135,14 @@ def source_count(covariance: ComplexArray, n_snapshots: int) -> int:
         Sample covariance, not whitened (whitening breaks the shift structure).
     n_snapshots : int
         Snapshots in it.
+    noise_covariance : ndarray, shape (n_elements, n_elements), complex, optional
+        Positive; None = white. Smoothed like the covariance and then whitened with: the shift
+        structure is no longer needed there.
     """
     size = smoothed_size(len(covariance), n_snapshots)
     smoothed = forward_backward_smoothed(covariance, size)
+    if noise_covariance is not None:
+        factor = np.linalg.cholesky(forward_backward_smoothed(noise_covariance, size))
+        half = np.linalg.solve(factor, smoothed)
+        smoothed = np.asarray(np.linalg.solve(factor, half.conj().T), dtype=np.complex128)
     return minimum_description_length(np.linalg.eigvalsh(smoothed)[::-1], n_snapshots)
