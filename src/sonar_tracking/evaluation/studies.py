@@ -16,6 +16,7 @@ from sonar_tracking.evaluation.doa_fusion import DOA_FUSION
 from sonar_tracking.evaluation.doa_start import DOA_START
 from sonar_tracking.evaluation.multi_target_clutter import MULTI_TARGET_CLUTTER
 from sonar_tracking.evaluation.room_array import ROOM_ARRAY, room_array
+from sonar_tracking.evaluation.ship_bearings import SHIP_BEARINGS, ship_bearings
 from sonar_tracking.evaluation.study import Study, write_json
 from sonar_tracking.evaluation.study_report import print_study
 from sonar_tracking.evaluation.tma_frequency_fusion import TMA_FREQUENCY_FUSION
@@ -68,7 +69,8 @@ def run_study(
     plots : Path, optional
         Directory for the pictures.
     data : Path, optional
-        Measured responses, needed by ``"room-array"``.
+        Measured responses for ``"room-array"`` (and ``"all"``), or measured bearings for
+        ``"ship-bearings"``.
 
     Returns
     -------
@@ -82,12 +84,16 @@ def run_study(
     """
     from rich.console import Console
 
-    known = (*STUDIES, ROOM_ARRAY, "all")
+    known = (*STUDIES, ROOM_ARRAY, SHIP_BEARINGS, "all")
     if name not in known:
         raise ConfigurationError(unknown_name_text(f"study {name}", name, known))
-    if name == ROOM_ARRAY and data is None:
-        raise ConfigurationError(f"The study {name} needs measured responses; give --data FILE.")
-    available = STUDIES if data is None else {**STUDIES, ROOM_ARRAY: room_array(data)}
+    if name in (ROOM_ARRAY, SHIP_BEARINGS) and data is None:
+        raise ConfigurationError(f"The study {name} needs measured data; give --data FILE.")
+    available = dict(STUDIES)
+    if data is not None and name == SHIP_BEARINGS:
+        available[SHIP_BEARINGS] = ship_bearings(data)
+    elif data is not None:
+        available[ROOM_ARRAY] = room_array(data)
     definitions = tuple(available.values()) if name == "all" else (available[name],)
     where = Workers(workers if workers is not None else os.cpu_count() or 1, scheduler or "")
     console = Console()
