@@ -1,0 +1,92 @@
+"""Which bearing of another station belongs to which target.
+
+The likelihood of an azimuth is that of the mixture over range: a target whose range is unknown can
+be anywhere along its bearing, and so can its azimuth from elsewhere. Pairs outside every gate are
+forbidden; among the others the most likely assignment is taken, and a bearing that no target
+explains better than chance stays free.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+
+from sonar_tracking.motion import wrap_angle
+from sonar_tracking.tma.hypothesis_bank import HypothesisBank, predict_bank
+from sonar_tracking.tma.records import FloatArray
+
+FREE = -1
+"""In place of a target: none."""
+
+CHANCE_DENSITY = 1.0 / (2.0 * np.pi)
+"""Of a bearing that belongs to no target: from anywhere, rad^-1."""
+
+
+def azimuth_log_likelihood(
+    bank: HypothesisBank,
+    interval: float,
+    acceleration: float,
+    position: FloatArray,
+    azimuths: FloatArray,
+    variances: FloatArray,
+    gate: float = 4.0,
+) -> FloatArray:
+    """Return the log likelihood of azimuths measured from anywhere, if they are of this target.
+
+    Parameters
+    ----------
+    bank : HypothesisBank
+        Of the target, a single run.
+    interval : float
+        From the bank's time to the azimuths', s.
+    acceleration : float
+        Process noise in between, m/s^2.
+    position : ndarray, shape (2,)
+        Of the station, m.
+    azimuths, variances : ndarray, shape (n_bearings,)
+        rad and rad^2.
+    gate : float
+        Standard deviations within which a hypothesis may explain an azimuth.
+
+    Returns
+    -------
+    ndarray, shape (n_bearings,)
+        Of the density per rad; -inf = outside the gate of every hypothesis.
+    """
+    moved = predict_bank(bank, interval, np.asarray(acceleration))
+    offset = moved.mean[:, :2] - position
+    distance = np.maximum(np.hypot(offset[:, 0], offset[:, 1]), 1.0)
+    across = np.stack([-offset[:, 1], offset[:, 0]], axis=1) / distance[:, None] ** 2
+    own = np.einsum("ci,cij,cj->c", across, moved.covariance[:, :2, :2], across)
+    spread = own[:, None] + variances
+    innovation = wrap_angle(azimuths - np.arctan2(offset[:, 1], offset[:, 0])[:, None])
+    squared = innovation**2 / spread
+    density = -0.5 * (squared + np.log(2.0 * np.pi * spread)) + moved.log_weight[:, None]
+    density = np.where(squared <= gate**2, density, -np.inf)
+    return np.asarray(np.logaddexp.reduce(density, axis=0))
+
+
+def associate(log_likelihood: FloatArray) -> NDArray[np.int_]:
+    """Return the target of each bearing.
+
+    Parameters
+    ----------
+    log_likelihood : ndarray, shape (n_targets, n_bearings)
+        Of one scan, or summed over scans of bearings that keep their identity; then less
+        ``(n_scans - 1) * log(CHANCE_DENSITY)``. -inf = forbidden.
+
+    Returns
+    -------
+    ndarray of int, shape (n_bearings,)
+        Index of the target, each at most once; :data:`FREE` where chance explains it better.
+    """
+    n_targets, n_bearings = log_likelihood.shape
+    gain = log_likelihood - np.log(CHANCE_DENSITY)
+    # One place for chance a bearing: it costs nothing and gains nothing.
+    cost = np.concatenate([np.where(gain > 0.0, -gain, 1.0), np.zeros((n_bearings, n_bearings))])
+    rows, columns = linear_sum_assignment(cost)
+    target = np.full(n_bearings, FREE)
+    taken = rows < n_targets
+    target[columns[taken]] = rows[taken]
+    return target
