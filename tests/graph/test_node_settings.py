@@ -7,7 +7,11 @@ import pytest
 from sonar_tracking.configuration import describe
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.node_catalogue import BEARING_TRACKER, NODES, SUBSPACE_ESTIMATOR
-from sonar_tracking.graph.node_settings import read_settings, resolved_settings
+from sonar_tracking.graph.node_settings import (
+    read_settings,
+    resolved_settings,
+    with_room_for_bursts,
+)
 
 
 def test_every_parameter_has_a_value() -> None:
@@ -61,3 +65,15 @@ def test_both_forms_of_file_are_read(tmp_path: Path) -> None:
     file.write_text("one: 3\n")
     with pytest.raises(ConfigurationError, match="one must be a mapping"):
         read_settings(file)
+
+
+@pytest.mark.parametrize(("period", "depth"), [(1.0, 10), (0.1, 10), (0.03, 32), (0.001, 800)])
+def test_queues_hold_all_estimates_the_blocks_in_the_graph_set_off(
+    period: float, depth: int
+) -> None:
+    given = {SUBSPACE_ESTIMATOR.name: {"period": period}}
+    settings = with_room_for_bursts(resolved_settings(given, tuple(NODES.values()), "here"), 0.1)
+    # Four blocks of 0.1 s may be under way, twice over; ten messages are the default.
+    assert settings[SUBSPACE_ESTIMATOR.name]["flow_depth"] == depth
+    assert settings[BEARING_TRACKER.name]["flow_depth"] == depth
+    assert settings["array_simulator"]["flow_depth"] == 10

@@ -31,7 +31,7 @@ from sonar_tracking.graph.message_fields import message_class, time_from_stamp
 from sonar_tracking.graph.topics import CLOCK_TOPIC, DIAGNOSTICS_TOPIC, PROGRESS_TOPIC, Topic
 from sonar_tracking.messages.fields import stamp_from_time
 
-_OBSERVER_DEPTH = 100
+_OBSERVER_DEPTH = 10_000
 
 Observer = Callable[[str, bytes, float], None]
 Announced = Callable[[str, int, float], None]

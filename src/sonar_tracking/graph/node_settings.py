@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import fields
 from pathlib import Path
@@ -15,6 +16,7 @@ from sonar_tracking.configuration import (
     unknown_name_text,
 )
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.graph.graph_plan import FLOW_WINDOW
 from sonar_tracking.graph.node_catalogue import (
     BEARING_TRACKER,
     NODES,
@@ -35,6 +37,9 @@ _STAGES: Mapping[type, Callable[[Any], object]] = {
     BearingTrackerConfiguration: BearingTrackerStage,
 }
 """What refuses parameters that do not fit together, by their configuration."""
+
+_DEEPEST = 10_000
+"""Largest flow_depth that is allowed."""
 
 NodeSettings = dict[str, dict[str, Value]]
 
@@ -65,6 +70,31 @@ def resolved_settings(
     settings = {node.name: _settings(node, given.get(node.name, {}), where) for node in nodes}
     _check_pair(settings, where)
     return settings
+
+
+def with_room_for_bursts(settings: NodeSettings, block_seconds: float) -> NodeSettings:
+    """Return settings whose queues hold what the blocks in the graph set off at once.
+
+    The clock moves by whole blocks, and one block completes several estimates when their period
+    is shorter: all of them are published before the next node has read the first.
+
+    Parameters
+    ----------
+    settings : mapping
+        Of every node.
+    block_seconds : float
+        Length of a block of snapshots, s.
+    """
+    period = settings.get(SUBSPACE_ESTIMATOR.name, {}).get("period")
+    if not isinstance(period, float):
+        return settings
+    needed = 2 * FLOW_WINDOW * math.ceil(block_seconds / period)
+    return {
+        name: {**values, "flow_depth": min(max(int(str(values["flow_depth"])), needed), _DEEPEST)}
+        if name in (SUBSPACE_ESTIMATOR.name, BEARING_TRACKER.name)
+        else values
+        for name, values in settings.items()
+    }
 
 
 def read_settings(path: Path) -> dict[str, dict[str, Any]]:

@@ -63,8 +63,9 @@ def overridable() -> QoSOverridingOptions:
 LATE_READER = _profile(1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 """Subscription of displays and other late readers of a track list: the current picture."""
 
-PROGRESS = _profile(100)
-"""Publishers and subscriptions of ``flow/done``."""
+PROGRESS = _profile(5000)
+"""Publishers and subscriptions of ``flow/done``. All nodes share the queue of its reader: were it
+short, a burst of one would push out the last word of another, and the run would wait for it."""
 
 DIAGNOSTICS = _profile(100)
 """Publishers and subscriptions of ``/diagnostics``."""

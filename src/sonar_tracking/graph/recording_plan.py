@@ -52,6 +52,7 @@ def planned_recorder(
             "types": (*(topic.message_type for topic in recorded), CLOCK_TYPE),
             "roles": (*roles.values(), "other"),
             "recording": str(information_file),
+            "flow_depth": max(int(str(values["flow_depth"])) for values in settings.values()),
         },
     )
 

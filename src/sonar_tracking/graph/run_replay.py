@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -13,14 +14,20 @@ from sonar_tracking.display.run_display import RunDisplay
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.graph_plan import FLOW_WINDOW, GraphPlan, resolved
 from sonar_tracking.graph.node_catalogue import NODES, NodeDescription
-from sonar_tracking.graph.node_settings import NodeSettings, read_settings, resolved_settings
+from sonar_tracking.graph.node_settings import (
+    NodeSettings,
+    read_settings,
+    resolved_settings,
+    with_room_for_bursts,
+)
 from sonar_tracking.graph.orchestration import Orchestration
 from sonar_tracking.graph.recording_plan import planned_recorder, recording_hint
 from sonar_tracking.graph.replay_comparison import ReplayComparison
 from sonar_tracking.graph.run_options import RunOptions
 from sonar_tracking.graph.run_report import RunReport
 from sonar_tracking.graph.run_scenario import planned
-from sonar_tracking.graph.topics import TRUE_BEARING_TRACKS, Topic
+from sonar_tracking.graph.time_master import NANOSECONDS
+from sonar_tracking.graph.topics import SNAPSHOTS, TRUE_BEARING_TRACKS, Topic
 from sonar_tracking.graph.transport_profile import choose_transport
 
 
@@ -111,6 +118,7 @@ def plan_replay(
     """
     descriptions = [NODES[name] for name in settings]
     offered = _offered(bag, descriptions)
+    settings = with_room_for_bursts(settings, _block_seconds(bag))
     nodes = tuple(planned(description, settings) for description in descriptions)
     scenario = dict(bag.recording.scenario) if bag.recording else {}
     if options.record is not None:
@@ -181,6 +189,12 @@ def _offered(bag: Bag, descriptions: list[NodeDescription]) -> tuple[Topic, ...]
             f"its topics are {there}."
         )
     return offered
+
+
+def _block_seconds(bag: Bag) -> float:
+    """Return the time between the first two blocks of snapshots, s; 0 = there are not two."""
+    stamps = [m.log_time for m in islice(bag.messages({resolved(SNAPSHOTS)}), 2)]
+    return (stamps[-1] - stamps[0]) / NANOSECONDS if stamps else 0.0
 
 
 def _largest_input_bytes(bag: Bag, offered: tuple[Topic, ...]) -> int:

@@ -15,7 +15,7 @@ from sonar_tracking.graph.node_catalogue import (
     SUBSPACE_ESTIMATOR,
     NodeDescription,
 )
-from sonar_tracking.graph.node_settings import NodeSettings, resolved_settings
+from sonar_tracking.graph.node_settings import NodeSettings, resolved_settings, with_room_for_bursts
 from sonar_tracking.graph.orchestration import Orchestration
 from sonar_tracking.graph.recording_plan import planned_recorder, recording_hint
 from sonar_tracking.graph.run_options import RunOptions
@@ -118,6 +118,9 @@ def plan_scenario(
     """
     descriptions = tuple(NODES.values())
     settings = resolved_settings(scenario.nodes, descriptions, f"{where}: nodes")
+    _check_source_count(scenario, settings, where)
+    array = scenario.array
+    settings = with_room_for_bursts(settings, array.block_snapshots / array.snapshot_rate)
     scenario_file = log_directory / "scenario.yaml"
     scenario_file.write_text(scenario_to_yaml(scenario), encoding="utf-8")
     simulator = settings[ARRAY_SIMULATOR.name]
@@ -133,6 +136,16 @@ def plan_scenario(
         nodes=nodes,
         transport=choose_transport(_largest_message_bytes(scenario, settings), n_publishers=2),
     )
+
+
+def _check_source_count(scenario: Scenario, settings: NodeSettings, where: str) -> None:
+    n_elements = len(scenario.array.element_positions())
+    source_count = settings[SUBSPACE_ESTIMATOR.name]["source_count"]
+    if isinstance(source_count, int) and source_count >= n_elements:
+        raise ConfigurationError(
+            f"{where}: nodes: {SUBSPACE_ESTIMATOR.name}.source_count is {source_count}, but the "
+            f"array has only {n_elements} elements; give at most {n_elements - 1} sources."
+        )
 
 
 def planned(description: NodeDescription, settings: NodeSettings) -> PlannedNode:
