@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sonar_tracking.evaluation import tma_frequency_fusion
+from sonar_tracking.evaluation import tma_frequency_fusion, tma_observability
 from sonar_tracking.evaluation.batch_runner import run_batches
 from sonar_tracking.evaluation.studies import STUDIES
 from sonar_tracking.evaluation.study import Study
@@ -36,8 +36,9 @@ RUNS = 20
 def results() -> Sequence[Any]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(tma_frequency_fusion, "BOUND_PATHS", 40)
+        patch.setattr(tma_observability, "RUNS", 1)
         tasks = TMA_FREQUENCY_FUSION.tasks(RUNS, 1)
-    return [task.function(task.argument) for task in tasks]
+        return [task.function(task.argument) for task in tasks]
 
 
 @pytest.fixture(scope="module")
@@ -97,6 +98,17 @@ def test_batch_estimators_are_told_apart(study: Study) -> None:
     moving = "batch: random accelerations, S1"
     assert study.row(LIKELIHOOD, moving).metrics["nees_per_dimension"] > 5.0
     assert study.row(PATH, moving).metrics["nees_per_dimension"] < 2.0
+
+
+def test_what_cannot_be_known_is_said_to_be_unknown(study: Study) -> None:
+    cases = {row.system: row.metrics for row in study.rows if row.condition == "observability"}
+    for case in ("own ship straight, no line", "constant bearing, lines 0.05 Hz"):
+        assert cases[case]["unobservable_percent"] == 100.0
+        assert cases[case]["observability"] < 0.05
+    assert cases["own ship turns, no line"]["unobservable_percent"] == 0.0
+    sides = cases["line array, own ship turns, no line"]
+    assert (sides["early_sides"], sides["last_sides"]) == (2.0, 1.0)
+    assert sides["right_side_percent"] == 100.0
 
 
 def test_random_scenes_are_different() -> None:

@@ -1,6 +1,5 @@
 """Protects the stage of one target: sides, stations, honesty, what it refuses."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -8,6 +7,7 @@ import numpy as np
 import pytest
 
 from sonar_tracking.errors import InputError
+from sonar_tracking.evaluation.tma_observability import target_observations
 from sonar_tracking.evaluation.tma_scenarios import scene_of_legs
 from sonar_tracking.simulation.tma_scene import TmaRuns, TmaScene, simulate_runs
 from sonar_tracking.tma.target_records import MAXIMUM_LINES, TargetObservation
@@ -20,37 +20,13 @@ def one_run(scene: TmaScene, seed: int = 4) -> TmaRuns:
     return simulate_runs(scene, [np.random.SeedSequence(seed)])
 
 
-def observations(
-    runs: TmaRuns, array: bool = False, sensor: str = "bow"
-) -> Iterator[TargetObservation]:
-    """Yield the observations of one run; an array along own ship's heading has two sides."""
-    for frame in runs.frames():
-        azimuth = float(frame.azimuth[0, 0])
-        heading = float(np.arctan2(frame.velocity[1], frame.velocity[0]))
-        both = tuple(
-            sorted((azimuth, 2 * heading - azimuth), key=lambda one: -np.sin(one - heading))
-        )
-        heard = np.flatnonzero(frame.heard[0])
-        yield TargetObservation(
-            stamp=frame.stamp,
-            sensor_id=sensor,
-            position=(float(frame.position[0]), float(frame.position[1])),
-            velocity=(float(frame.velocity[0]), float(frame.velocity[1])),
-            azimuths=(both[0], both[1]) if array else (azimuth,),
-            azimuth_variance=float(frame.azimuth_variance),
-            line_ids=tuple(int(line) + 1 for line in heard),
-            frequencies=tuple(frame.frequency[0, heard].tolist()),
-            frequency_deviations=tuple(frame.frequency_deviation[0, heard].tolist()),
-        )
-
-
 def silent(scene: TmaScene) -> TmaScene:
     return replace(scene, heard=np.zeros_like(scene.heard))
 
 
 def test_bearings_only_is_unobservable_until_own_ship_turns() -> None:
     solver, figures = TargetSolver(), []
-    for observation in observations(one_run(silent(scene_of_legs(TURNING, 1.0)))):
+    for observation in target_observations(one_run(silent(scene_of_legs(TURNING, 1.0))), 0):
         (solution,) = solver.update(observation)
         figures.append(solution.observability)
         assert solution.observable == (figures[-1] >= 0.5)
@@ -62,7 +38,7 @@ def test_bearings_only_is_unobservable_until_own_ship_turns() -> None:
 def test_an_unobservable_range_is_not_claimed_to_be_known() -> None:
     solver = TargetSolver()
     runs = one_run(silent(scene_of_legs(STRAIGHT, 1.0)))
-    for observation in observations(runs):
+    for observation in target_observations(runs, 0):
         (solution,) = solver.update(observation)
     assert not solution.observable
     offset = solution.mean[:2] - observation.position
@@ -73,7 +49,7 @@ def test_an_unobservable_range_is_not_claimed_to_be_known() -> None:
 def test_both_sides_stand_until_own_ship_turns() -> None:
     solver = TargetSolver()
     runs = one_run(silent(scene_of_legs(TURNING, 1.0)))
-    for index, observation in enumerate(observations(runs, array=True)):
+    for index, observation in enumerate(target_observations(runs, 0, array=True)):
         solutions = solver.update(observation)
         if index < 100:
             assert [one.side for one in solutions] == [LEFT, RIGHT]
@@ -89,8 +65,8 @@ def test_a_second_station_resolves_side_and_range() -> None:
     scene = silent(scene_of_legs(STRAIGHT, 1.0))
     still = np.zeros((400, 2))
     other = replace(scene, sensor_position=still + np.array([0.0, 3000.0]), sensor_velocity=still)
-    here = observations(one_run(scene, 1), array=True, sensor="ship")
-    there = observations(one_run(other, 1), sensor="buoy")
+    here = target_observations(one_run(scene, 1), 0, array=True, sensor="ship")
+    there = target_observations(one_run(other, 1), 0, sensor="buoy")
     solver = TargetSolver()
     for first, second in zip(here, there, strict=True):
         solver.update(first)
@@ -105,7 +81,7 @@ def test_a_second_station_resolves_side_and_range() -> None:
 def test_lines_come_and_go_without_end() -> None:
     solver = TargetSolver()
     runs = one_run(scene_of_legs(TURNING, 1.0))
-    for index, observation in enumerate(observations(runs)):
+    for index, observation in enumerate(target_observations(runs, 0)):
         if index < 60:
             ids = tuple(1000 * (index // 2) + number for number in observation.line_ids)
             observation = replace(observation, line_ids=ids)

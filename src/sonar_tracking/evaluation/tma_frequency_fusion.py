@@ -25,6 +25,13 @@ from sonar_tracking.evaluation.tma_batch_rows import (
 from sonar_tracking.evaluation.tma_cases import CASES, case_bound, case_rows, estimate_case
 from sonar_tracking.evaluation.tma_figures import draw_errors, draw_scene
 from sonar_tracking.evaluation.tma_histories import TmaHistories, frame_metrics, joined
+from sonar_tracking.evaluation.tma_observability import (
+    ObservabilityPart,
+    ObservabilityResult,
+    observability_cases,
+    observability_rows,
+    observe_cases,
+)
 from sonar_tracking.evaluation.tma_random_scenes import (
     RUNS_PER_SCENE,
     RandomSceneResults,
@@ -123,6 +130,18 @@ LAYOUTS = (
         ),
         "Of the last frame; only scenes whose bound is below a tenth of the range.",
     ),
+    TableLayout(
+        "What is said to be known",
+        (
+            Column("observability", "observability", ".3f"),
+            Column("unobservable_percent", "unobservable %", ".0f"),
+            Column("early_sides", "sides at first", ".1f"),
+            Column("last_sides", "at last", ".1f"),
+            Column("right_side_percent", "right side %", ".0f"),
+        ),
+        "In the last frame, of a few runs; below 0.5 the range is what was assumed, not what was "
+        "measured. sides: solutions that stand before own ship's first turn and in the last frame.",
+    ),
 )
 
 
@@ -137,6 +156,10 @@ def tasks(runs: int, seed: int) -> tuple[Task, ...]:
         *(Task(estimate_batch, SceneBatch(name, batch)) for name in SCENARIOS for batch in batches),
         *(Task(estimate_case, SceneBatch(name, batch)) for name in CASES for batch in batches),
         *(Task(estimate_whole_batch, batch) for batch in batches),
+        *(
+            Task(observe_cases, ObservabilityPart(case, batches[0]))
+            for case in observability_cases()
+        ),
         *(Task(estimate_random_scenes, batch) for batch in scenes),
     )
 
@@ -162,6 +185,7 @@ def rows(results: Sequence[Any]) -> tuple[StudyRow, ...]:
         *case_rows(histories, bounds),
         *batch_rows(whole, bounds["S1"]),
         *random_scene_rows(scenes),
+        *observability_rows([one for one in results if isinstance(one, ObservabilityResult)]),
     )
 
 
