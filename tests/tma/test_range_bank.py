@@ -50,6 +50,20 @@ def test_turning_the_scene_turns_the_result(angle_deg: float) -> None:
     np.testing.assert_allclose(there.mean, expected, rtol=1e-6)
 
 
+def test_true_frame_intervals_are_used() -> None:
+    scene = scenario("S1")
+    intervals = np.exp(np.random.default_rng(9).uniform(np.log(0.25), np.log(4.0), 400))
+    times = np.cumsum(intervals / intervals.mean())
+    steps = scene.sensor_velocity[:-1] * np.diff(times)[:, None]
+    position = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
+    histories = history_of(
+        RangeBank(), runs_of(replace(scene, times=times, sensor_position=position))
+    )
+    # The truth's accelerations last a frame each: longer frames make it swerve more than assumed.
+    assert np.mean(histories.nees[:, -1]) < 2.0
+    assert last_range_rmse(histories) < 2.0 * BOUND_S1
+
+
 def test_a_blackout_is_bridged_by_bearings() -> None:
     scene = scenario("S3")
     heard = scene.heard.copy()
