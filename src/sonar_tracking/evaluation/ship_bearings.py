@@ -32,7 +32,7 @@ from sonar_tracking.tma.records import FloatArray, TmaMeasurement
 
 SHIP_BEARINGS = "ship-bearings"
 
-DIRECTION_DEVIATION_DEG = 0.5
+DIRECTION_DEVIATION_DEG = 0.8
 MISFIT_DEVIATION_DEG, MISFIT_SCALE = 0.08, 30.0
 LENGTH_DEVIATION_DEG, LENGTH_SCALE = 30.0, 0.05
 """Standard deviation of a direction: at best; per microsecond that the six delays misfit; per unit
