@@ -31,7 +31,9 @@ app.add_typer(import_app, name="import")
 RateOption = Annotated[
     str, typer.Option(help="Factor of real time, or max: as fast as the graph takes it.")
 ]
-RecordOption = Annotated[Path | None, typer.Option(help="Record all data topics and /clock in this bag.")]
+RecordOption = Annotated[
+    Path | None, typer.Option(help="Record all data topics and /clock in this bag.")
+]
 JsonOption = Annotated[Path | None, typer.Option(help="Write the figures to this file.")]
 NoDisplayOption = Annotated[
     bool, typer.Option("--no-display", help="Lines of text instead of the live table.")
