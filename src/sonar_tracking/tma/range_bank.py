@@ -48,6 +48,9 @@ ROW_ELEVATION = 1
 REFUSED_AZIMUTHS = 5
 """So many azimuths in a row outside every gate: the filter is elsewhere than the target."""
 
+REFUSED_AT_START = 3
+"""So many suffice right after the first azimuth: later a near hypothesis could have moved there."""
+
 
 @dataclass(frozen=True)
 class RangeBankConfiguration:
@@ -134,6 +137,7 @@ class RangeBank:
         TmaEstimate
             At the stamp of the measurement.
         """
+        new = self.state is None
         state = self.state if self.state is not None else self._started(measurement)
         lost = (state.refused >= REFUSED_AZIMUTHS) & np.isfinite(measurement.azimuth[..., 0])
         state = self._started_again(state, measurement, lost)
@@ -154,6 +158,7 @@ class RangeBank:
             changes.manoeuvre, measurement.stamp + duration, state.manoeuvre_until
         ).astype(np.int64)
         count = np.where(accepted, 0, state.refused + refused)
+        count = np.where(lost | new, REFUSED_AZIMUTHS - REFUSED_AT_START, count)
         self.state = RangeBankState(measurement.stamp, bank, windows, until, count)
         return estimate_of(bank, measurement, changes.reborn, changes.manoeuvre, lost)
 
