@@ -99,6 +99,7 @@ def tracker(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tracker]:
     log = tmp_path_factory.mktemp("tracker") / "log.txt"
     parameters = {
         "use_sim_time": True,
+        "method": "ml_fusion",
         "start": "given",
         "initial_bearings_deg": "[10.0,-20.0]",
         "initial_rates_deg": "[0.0,0.0]",

@@ -25,6 +25,7 @@ from tests.passive.crossing_scene import (
 )
 
 PUBLISHED = BearingTrackerConfiguration(
+    method="ml_fusion",
     process_noise_deg2=1.0,
     measurement_variance_deg2=36.0,
     fused_variance="independent",

@@ -36,6 +36,7 @@ PAST = SubspaceConfiguration(method="past", forgetting_factor=0.86, source_count
 def given(**changes: object) -> BearingTrackerConfiguration:
     """Return the published tracker started from the truth of the crossing scene."""
     values: dict[str, object] = {
+        "method": "ml_fusion",
         "start": "given",
         "initial_bearings_deg": tuple(np.rad2deg(crossing_angles(0.0))),
         "initial_rates_deg": tuple(np.rad2deg(crossing_rates(0.0))),

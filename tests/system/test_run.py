@@ -183,7 +183,7 @@ array: {n_elements: 256, center_frequency: 1.0e+6, bandwidth: 500.0, snapshot_ra
 targets: [{level_db: 0.0, motion: {kind: linear, offset_deg: 10.0, rate_deg: 0.1}}]
 nodes:
   subspace_estimator: {method: block_past, update_snapshots: 50, n_subspaces: 1, source_count: 1}
-  bearing_tracker: {start: given, initial_bearings_deg: [10.0], initial_rates_deg: [0.1]}
+  bearing_tracker: {method: ryu, start: given, initial_bearings_deg: [10], initial_rates_deg: [0.1]}
 """
 
 

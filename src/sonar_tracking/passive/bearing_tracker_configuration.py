@@ -18,7 +18,7 @@ class BearingTrackerConfiguration:
     """Parameters of the stage that tracks bearings."""
 
     method: str = parameter(
-        "ml_fusion",
+        "joint_map",
         "One filter a target, measured in the one subspace at the sample time (ryu), in all fused "
         "(ml_fusion) or by a fit to the block covariance (coherent); or one filter over all "
         "targets, updated with the likelihood of the block covariance (joint_map)",
