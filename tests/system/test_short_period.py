@@ -10,7 +10,8 @@ array: {n_elements: 8, snapshot_rate: 200.0, block_snapshots: 20}
 targets: [{level_db: 0.0, motion: {kind: linear, offset_deg: 10.0, rate_deg: 0.5}}]
 nodes:
   subspace_estimator: {method: past, period: 0.005, n_subspaces: 1, source_count: SOURCES}
-  bearing_tracker: {start: given, initial_bearings_deg: [10.0], initial_rates_deg: [0.5]}
+  bearing_tracker:
+    {method: ml_fusion, start: given, initial_bearings_deg: [10.0], initial_rates_deg: [0.5]}
 """
 
 
