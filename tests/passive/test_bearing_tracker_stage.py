@@ -14,7 +14,12 @@ from sonar_tracking.passive.bearing_tracker_stage import (
     BearingTrackerConfiguration,
     BearingTrackerStage,
 )
-from sonar_tracking.passive.records import BearingTracks, SubspaceEstimates, TrackStatus
+from sonar_tracking.passive.records import (
+    END_OF_DATA,
+    BearingTracks,
+    SubspaceEstimates,
+    TrackStatus,
+)
 from sonar_tracking.passive.subspace_stage import SubspaceConfiguration, SubspaceStage
 from sonar_tracking.passive.track_list import folded_angles
 from tests.passive.crossing_scene import (
@@ -178,6 +183,8 @@ def test_without_subspaces_tracks_are_predicted() -> None:
     assert np.isnan(after.measurement).all()
     assert [notice.culprit for notice in update.notices] == ["subspace"]
     assert set(stage.update(estimates[3]).tracks.status) == {TrackStatus.CONFIRMED}
+    last = replace(empty, stamp=estimates[4].stamp, next_stamp=END_OF_DATA)
+    assert stage.update(last).notices == ()
 
 
 def test_rejected_estimates_leave_the_tracker_as_it_was() -> None:

@@ -31,7 +31,12 @@ from sonar_tracking.passive.bearing_tracker_configuration import (
 )
 from sonar_tracking.passive.independent_filters import IndependentFilters
 from sonar_tracking.passive.joint_filters import JointFilters
-from sonar_tracking.passive.records import BearingTracks, SubspaceEstimates, TrackStatus
+from sonar_tracking.passive.records import (
+    END_OF_DATA,
+    BearingTracks,
+    SubspaceEstimates,
+    TrackStatus,
+)
 from sonar_tracking.passive.signal_subspace import noise_factor
 from sonar_tracking.passive.track_existence import (
     ENDED,
@@ -166,6 +171,8 @@ class BearingTrackerStage:
             rows = rows.appended(new_rows)
         self._state = state
         self._next_id = max(self._next_id, state.start.next_id)
+        if estimates.next_stamp == END_OF_DATA and estimates.basis.shape[-3] == 0:
+            notices = ()  # An estimate that only carries the end of the data is empty by nature.
         return TrackerUpdate(bearing_tracks(estimates, rows), notices)
 
     def _check_method(self, estimates: SubspaceEstimates) -> None:
