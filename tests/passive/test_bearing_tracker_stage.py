@@ -183,7 +183,7 @@ def test_without_subspaces_tracks_are_predicted() -> None:
     assert np.isnan(after.measurement).all()
     assert [notice.culprit for notice in update.notices] == ["subspace"]
     assert set(stage.update(estimates[3]).tracks.status) == {TrackStatus.CONFIRMED}
-    last = replace(empty, stamp=estimates[4].stamp, next_stamp=END_OF_DATA)
+    last = replace(empty, stamp=estimates[3].stamp + 10**9, next_stamp=END_OF_DATA)
     assert stage.update(last).notices == ()
 
 
