@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from sonar_tracking.active.contact_gating import SensorGeometry
 from sonar_tracking.active.contact_positions import PlacedContacts
+from sonar_tracking.active.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.active.motion_modes import SMALLEST_SPEED, TURN_DIRECTIONS, turn_coefficients
 from sonar_tracking.motion import wrap_angle
 
@@ -43,6 +44,15 @@ class ParticleMotion:
     acceleration_deviation: float
     lateral_acceleration: float
     stay_probability: float
+
+    @classmethod
+    def configured(cls, configuration: ContactTrackerConfiguration) -> ParticleMotion:
+        """Return the motion a tracker is configured for."""
+        return cls(
+            configuration.acceleration_deviation,
+            configuration.lateral_acceleration,
+            configuration.stay_probability,
+        )
 
 
 @dataclass(frozen=True)

@@ -46,11 +46,7 @@ class ParticleTracks:
     def __init__(self, configuration: ContactTrackerConfiguration) -> None:
         self.used = configuration.method == "hpda_particle"
         self._count = configuration.n_particles
-        self._motion = ParticleMotion(
-            configuration.acceleration_deviation,
-            configuration.lateral_acceleration,
-            configuration.stay_probability,
-        )
+        self._motion = ParticleMotion.configured(configuration)
         self._generator = np.random.default_rng(configuration.seed)
         self._clouds: dict[int, ParticleCloud] = {}
         self._densities: dict[int, FloatArray] = {}

@@ -59,11 +59,7 @@ class DensityTracker:
     def __init__(self, configuration: ContactTrackerConfiguration) -> None:
         check_configuration(configuration)
         self._configuration = configuration
-        self._motion = ParticleMotion(
-            configuration.acceleration_deviation,
-            configuration.lateral_acceleration,
-            configuration.stay_probability,
-        )
+        self._motion = ParticleMotion.configured(configuration)
         self._generator = np.random.default_rng(configuration.seed)
         nothing = np.zeros(0)
         self._cloud = ParticleCloud(np.zeros((0, 4)), nothing.astype(np.int64), nothing)

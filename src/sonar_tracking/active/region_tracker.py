@@ -77,11 +77,7 @@ class RegionTracker:
     def __init__(self, configuration: ContactTrackerConfiguration) -> None:
         check_configuration(configuration)
         self._configuration = configuration
-        self._motion = ParticleMotion(
-            configuration.acceleration_deviation,
-            configuration.lateral_acceleration,
-            configuration.stay_probability,
-        )
+        self._motion = ParticleMotion.configured(configuration)
         self._generator = np.random.default_rng(configuration.seed)
         self._tracks: list[_RegionTrack] = []
         self._window: list[PolarContacts] = []
