@@ -5,7 +5,8 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sonar_tracking.graph.time_master import NANOSECONDS, TimeMaster
+from sonar_tracking.graph.time_master import TimeMaster
+from sonar_tracking.passive.records import NANOSECONDS
 
 START = 1_767_225_600 * NANOSECONDS
 BLOCK = NANOSECONDS // 10

@@ -26,7 +26,7 @@ from sonar_tracking.bags.recording_information import RecordingInformation
 from sonar_tracking.bags.wav_file import WavFile, open_wav
 from sonar_tracking.bags.writer import BagWriter
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.passive.records import END_OF_DATA
+from sonar_tracking.passive.records import END_OF_DATA, NANOSECONDS
 from sonar_tracking.simulation.scenario_checks import NARROWBAND_LIMIT
 
 SNAPSHOTS_TOPIC = "/array/snapshots"
@@ -45,7 +45,6 @@ DEFAULT_NODE_PARAMETERS: Mapping[str, Mapping[str, Any]] = {
 """Nodes a replay starts where nothing else is asked for, with their default parameters."""
 
 _SAMPLES_AT_ONCE = 1 << 16
-_NANOSECONDS = 1_000_000_000
 
 _Message = tuple[int, str, bytes, int]
 """Stamp, topic, serialised message, snapshots in it."""
@@ -276,7 +275,7 @@ def _snapshot_messages(
 
 
 def _truth_messages(surveyed: list[SurveyedBearings], array: RecordedArray) -> Iterator[_Message]:
-    stamps = [array.epoch + round(bearings.time * _NANOSECONDS) for bearings in surveyed]
+    stamps = [array.epoch + round(bearings.time * NANOSECONDS) for bearings in surveyed]
     for bearings, stamp, next_stamp in zip(
         surveyed, stamps, [*stamps[1:], END_OF_DATA], strict=False
     ):
@@ -284,7 +283,7 @@ def _truth_messages(surveyed: list[SurveyedBearings], array: RecordedArray) -> I
 
 
 def _stamp(array: RecordedArray, wav: WavFile, sample: int) -> int:
-    return array.epoch + (sample * _NANOSECONDS + wav.sample_rate // 2) // wav.sample_rate
+    return array.epoch + (sample * NANOSECONDS + wav.sample_rate // 2) // wav.sample_rate
 
 
 def _information(

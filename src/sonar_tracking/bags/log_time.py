@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import struct
 
+from sonar_tracking.passive.records import NANOSECONDS
+
 CLOCK_TYPE = "rosgraph_msgs/msg/Clock"
 
 _ENCAPSULATION_BYTES = 4
-_NANOSECONDS = 1_000_000_000
 
 
 class LogClock:
@@ -58,7 +59,7 @@ def head_stamp(data: bytes) -> int:
         return 0
     order = "<" if data[1] & 1 else ">"
     seconds, nanoseconds = struct.unpack_from(order + "iI", data, _ENCAPSULATION_BYTES)
-    return max(int(seconds) * _NANOSECONDS + int(nanoseconds), 0)
+    return max(int(seconds) * NANOSECONDS + int(nanoseconds), 0)
 
 
 def begins_with_header(definition_text: str) -> bool:

@@ -11,11 +11,10 @@ from sonar_tracking.bags.array_geometry_file import RecordedArray
 from sonar_tracking.bags.bag_records import BEARING_TRACKS_TYPE, SNAPSHOTS_TYPE
 from sonar_tracking.bags.bearing_truth_file import SurveyedBearings
 from sonar_tracking.bags.message_definitions import installed_typestore
-from sonar_tracking.passive.records import TrackStatus
+from sonar_tracking.passive.records import NANOSECONDS, TrackStatus
 
 _FRAME = "own_ship/array"
 _CONE = 0
-_NANOSECONDS = 1_000_000_000
 
 
 def snapshots_cdr(
@@ -99,7 +98,7 @@ def _head(array: RecordedArray, stamp: int, next_stamp: int, type_name: str) -> 
 
 
 def _time(types: dict[str, Any], stamp: int) -> Any:
-    seconds, nanoseconds = divmod(stamp, _NANOSECONDS)
+    seconds, nanoseconds = divmod(stamp, NANOSECONDS)
     return types["builtin_interfaces/msg/Time"](seconds, nanoseconds)
 
 

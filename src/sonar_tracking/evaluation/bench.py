@@ -32,6 +32,7 @@ from sonar_tracking.passive.exponential_covariance import ExponentialCovariance
 from sonar_tracking.passive.orthonormal_past import OrthonormalPast
 from sonar_tracking.passive.past import Past
 from sonar_tracking.passive.records import (
+    NANOSECONDS,
     ArraySnapshots,
     ComplexArray,
     FloatArray,
@@ -51,7 +52,6 @@ REPETITIONS = 5
 FORGETTING_FACTOR = 0.97
 SOUND_SPEED = 1500.0
 WAVELENGTH = 0.075
-NANOSECONDS = 1_000_000_000
 SEED = 1
 
 PEER = "peer: textbook PAST"

@@ -39,7 +39,7 @@ from sonar_tracking.passive.bearing_tracker_stage import (
     BearingTrackerConfiguration,
     BearingTrackerStage,
 )
-from sonar_tracking.passive.records import BearingTracks, TrackStatus
+from sonar_tracking.passive.records import NANOSECONDS, BearingTracks, TrackStatus
 from sonar_tracking.passive.subspace_stage import SubspaceConfiguration, SubspaceStage
 
 FloatArray = NDArray[np.float64]
@@ -72,8 +72,6 @@ FOUND_DEG = 10.0
 """A source is found where a confirmed track is nearer than this to it."""
 APART_DEG = 20.0
 """Pairs at least so far apart are what the array must resolve."""
-
-_NANOSECONDS = 1_000_000_000
 
 
 @dataclass(frozen=True)
@@ -245,7 +243,7 @@ def _compared(
     shape = (n_sub_arrays, len(sources))
     truth, tracked = np.full(shape, np.nan), np.full(shape, np.nan)
     for sub_array in range(n_sub_arrays):
-        instant = epoch + round(evaluation_time(sub_array) * _NANOSECONDS)
+        instant = epoch + round(evaluation_time(sub_array) * NANOSECONDS)
         truth[sub_array] = run.truth[_last_at(truth_stamps, instant)].arrival_angle
         index = _last_at(track_stamps, instant)
         if index >= 0:

@@ -16,7 +16,7 @@ from rclpy.impl.rcutils_logger import RcutilsLogger
 
 from sonar_tracking.errors import Severity
 from sonar_tracking.graph.message_fields import time_from_stamp
-from sonar_tracking.messages.fields import NANOSECONDS
+from sonar_tracking.passive.records import NANOSECONDS
 
 REPEAT_AFTER = 10 * NANOSECONDS
 """A problem is active, and not said again, for this long in data time, ns."""

@@ -15,8 +15,7 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from numpy.typing import NDArray
 
-from sonar_tracking.messages.fields import NANOSECONDS
-from sonar_tracking.passive.records import Sensor
+from sonar_tracking.passive.records import NANOSECONDS, Sensor
 
 _TYPE_CODES = {"float64": "d", "float32": "f", "uint64": "Q", "uint32": "I", "uint8": "B"}
 

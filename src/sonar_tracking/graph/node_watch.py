@@ -12,8 +12,7 @@ from sonar_tracking.errors import Severity
 from sonar_tracking.graph.data_flow import DataInput
 from sonar_tracking.graph.diagnostics import MATCHED
 from sonar_tracking.graph.topics import CLOCK_TOPIC
-from sonar_tracking.messages.fields import NANOSECONDS
-from sonar_tracking.passive.records import END_OF_DATA
+from sonar_tracking.passive.records import END_OF_DATA, NANOSECONDS
 
 if TYPE_CHECKING:
     from sonar_tracking.graph.sonar_node import SonarNode

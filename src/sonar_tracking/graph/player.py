@@ -10,7 +10,7 @@ from sonar_tracking.graph.control_node import ControlNode
 from sonar_tracking.graph.data_source import IDLE_SECONDS
 from sonar_tracking.graph.flow_ledger import FlowLedger
 from sonar_tracking.graph.graph_plan import CONTROL_NODE
-from sonar_tracking.graph.time_master import NANOSECONDS
+from sonar_tracking.passive.records import NANOSECONDS
 
 CLOCK_PERIOD = NANOSECONDS // 10
 """Data time between two clock messages, ns."""

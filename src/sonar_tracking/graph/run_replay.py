@@ -26,9 +26,9 @@ from sonar_tracking.graph.replay_comparison import ReplayComparison
 from sonar_tracking.graph.run_options import RunOptions
 from sonar_tracking.graph.run_report import RunReport
 from sonar_tracking.graph.run_scenario import planned
-from sonar_tracking.graph.time_master import NANOSECONDS
 from sonar_tracking.graph.topics import SNAPSHOTS, TRUE_BEARING_TRACKS, Topic
 from sonar_tracking.graph.transport_profile import choose_transport
+from sonar_tracking.passive.records import NANOSECONDS
 
 
 def replay_bag(

@@ -20,8 +20,9 @@ from sonar_tracking.graph.orchestration import Orchestration
 from sonar_tracking.graph.recording_plan import planned_recorder, recording_hint
 from sonar_tracking.graph.run_options import RunOptions
 from sonar_tracking.graph.run_report import RunReport
-from sonar_tracking.graph.time_master import NANOSECONDS, TimeMaster
+from sonar_tracking.graph.time_master import TimeMaster
 from sonar_tracking.graph.transport_profile import choose_transport
+from sonar_tracking.passive.records import NANOSECONDS
 from sonar_tracking.passive.subspace_configuration import SubspaceConfiguration
 from sonar_tracking.simulation.scenario import (
     Scenario,

@@ -5,7 +5,8 @@ from __future__ import annotations
 from sonar_tracking.graph.control_node import ControlNode
 from sonar_tracking.graph.data_source import IDLE_SECONDS, RESEND_SECONDS
 from sonar_tracking.graph.flow_ledger import FlowLedger
-from sonar_tracking.graph.time_master import NANOSECONDS, TimeMaster
+from sonar_tracking.graph.time_master import TimeMaster
+from sonar_tracking.passive.records import NANOSECONDS
 
 
 class SimulatedSource:

@@ -24,7 +24,7 @@ from sonar_tracking.graph.node_configuration import NodeConfiguration
 from sonar_tracking.graph.node_watch import NodeWatch, input_concern
 from sonar_tracking.graph.stamp_guard import Verdict, seconds_text
 from sonar_tracking.graph.topics import DIAGNOSTICS_TOPIC, Topic
-from sonar_tracking.messages.fields import NANOSECONDS
+from sonar_tracking.passive.records import NANOSECONDS
 
 ConfigurationType = TypeVar("ConfigurationType")
 EndpointType = TypeVar("EndpointType")

@@ -10,9 +10,7 @@ from collections import deque
 from dataclasses import dataclass
 from enum import Enum
 
-from sonar_tracking.passive.records import END_OF_DATA, UNKNOWN_STAMP
-
-NANOSECONDS = 1_000_000_000
+from sonar_tracking.passive.records import END_OF_DATA, NANOSECONDS, UNKNOWN_STAMP
 
 TOLERANCE = 1_000
 """Rounding of stamps that is not a gap or an overlap, ns."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-NANOSECONDS = 1_000_000_000
+from sonar_tracking.passive.records import NANOSECONDS
 
 
 class TimeMaster:

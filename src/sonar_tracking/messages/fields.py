@@ -13,9 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sonar_tracking.errors import InputError
-from sonar_tracking.passive.records import Sensor
-
-NANOSECONDS = 1_000_000_000
+from sonar_tracking.passive.records import NANOSECONDS, Sensor
 
 
 def stamp_from_time(time: Any) -> int:

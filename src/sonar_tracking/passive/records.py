@@ -16,7 +16,10 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
-END_OF_DATA = 2_147_483_647 * 1_000_000_000
+NANOSECONDS = 1_000_000_000
+"""In a second; stamps are counted in them."""
+
+END_OF_DATA = 2_147_483_647 * NANOSECONDS
 """Watermark that says that no more data will follow, ns."""
 
 UNKNOWN_STAMP = 0

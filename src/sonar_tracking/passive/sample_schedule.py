@@ -18,7 +18,8 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 
-NANOSECONDS = 1_000_000_000
+from sonar_tracking.passive.records import NANOSECONDS
+
 _FINEST_DENOMINATOR = 1_000_000_000
 _TIE_TOLERANCE = Fraction(1, 1000)
 

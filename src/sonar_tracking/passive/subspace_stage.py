@@ -20,9 +20,13 @@ from sonar_tracking.passive.block_checks import (
     check_first_block,
     check_unchanged,
 )
-from sonar_tracking.passive.records import END_OF_DATA, ArraySnapshots, SubspaceEstimates
-from sonar_tracking.passive.sample_schedule import (
+from sonar_tracking.passive.records import (
+    END_OF_DATA,
     NANOSECONDS,
+    ArraySnapshots,
+    SubspaceEstimates,
+)
+from sonar_tracking.passive.sample_schedule import (
     SampleSchedule,
     Window,
     first_timing,

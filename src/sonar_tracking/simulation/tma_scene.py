@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sonar_tracking.passive.records import NANOSECONDS
 from sonar_tracking.tma.records import BoolArray, FloatArray, TmaMeasurement
 
-NANOSECONDS = 1_000_000_000
 EPOCH = 1_767_225_600 * NANOSECONDS
 """Stamp of the first frame, ns."""
 
