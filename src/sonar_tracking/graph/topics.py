@@ -97,3 +97,66 @@ ODOMETRY = Topic(
     TopicRole.INPUT,
     "own ship's pose in map and twist in own_ship/base_link",
 )
+SAMPLES = Topic(
+    "array/samples",
+    "sonar_tracking_msgs/msg/ArraySamples",
+    TopicKind.DATA,
+    TopicRole.INPUT,
+    "contiguous blocks of broadband element time series",
+)
+LOFAR = Topic(
+    "array/lofar",
+    "sensor_msgs/msg/Image",
+    TopicKind.DATA,
+    TopicRole.OUTPUT,
+    "normalised spectrum of each beam, row by row",
+)
+FREQUENCY_LINES = Topic(
+    "passive/frequency_lines",
+    "sonar_tracking_msgs/msg/FrequencyLines",
+    TopicKind.DATA,
+    TopicRole.OUTPUT,
+    "narrowband lines heard at one instant",
+)
+PASSIVE_TRACKS = Topic(
+    "passive/tracks",
+    "sonar_tracking_msgs/msg/Tracks",
+    TopicKind.TRACKS,
+    TopicRole.OUTPUT,
+    "positions of the targets heard, with both sides of an ambiguous bearing",
+)
+PASSIVE_MARKERS = Topic(
+    "passive/markers",
+    "visualization_msgs/msg/MarkerArray",
+    TopicKind.TRACKS,
+    TopicRole.OUTPUT,
+    "passive/tracks for RViz and Foxglove, with uncertainty ellipses",
+)
+CONTACTS = Topic(
+    "active/contacts",
+    "sonar_tracking_msgs/msg/Contacts",
+    TopicKind.DATA,
+    TopicRole.INPUT,
+    "contacts of an active sonar, ping by ping",
+)
+ACTIVE_TRACKS = Topic(
+    "active/tracks",
+    "sonar_tracking_msgs/msg/Tracks",
+    TopicKind.TRACKS,
+    TopicRole.OUTPUT,
+    "positions of the targets that return echoes",
+)
+ACTIVE_THRESHOLD = Topic(
+    "active/threshold",
+    "sonar_tracking_msgs/msg/DetectionThreshold",
+    TopicKind.DATA,
+    TopicRole.OUTPUT,
+    "detection thresholds used in the gates of the tracks",
+)
+ACTIVE_MARKERS = Topic(
+    "active/markers",
+    "visualization_msgs/msg/MarkerArray",
+    TopicKind.TRACKS,
+    TopicRole.OUTPUT,
+    "active/tracks for RViz and Foxglove, with uncertainty ellipses",
+)
