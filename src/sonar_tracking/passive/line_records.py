@@ -1,0 +1,62 @@
+"""What flows out of the line tracker: narrowband lines heard at one instant.
+
+Stamps are integer nanoseconds, angles arrival angles: radians from array broadside, positive
+towards increasing element x.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.passive.records import UNKNOWN_STAMP, Sensor
+
+FloatArray = NDArray[np.float64]
+
+NOT_ATTRIBUTED = 0
+"""``track_id`` of a line that belongs to no bearing track."""
+
+
+@dataclass(frozen=True)
+class FrequencyLines:
+    """All lines heard at one instant; entry n of each column belongs to line n.
+
+    Attributes
+    ----------
+    stamp : int
+        Middle of the integration interval, ns.
+    track_id : ndarray of uint64, shape (n_lines,)
+        Bearing track the line belongs to; 0 = not attributed.
+    arrival_angle : ndarray, shape (n_lines,)
+        rad; NaN = unknown.
+    arrival_angle_variance : ndarray, shape (n_lines,)
+        rad^2; NaN = unknown.
+    line_id : ndarray of uint64, shape (n_lines,)
+        Identity of the line, never reused within a run.
+    frequency : ndarray, shape (n_lines,)
+        Received, Hz.
+    standard_deviation : ndarray, shape (n_lines,)
+        Of the frequency, Hz.
+    signal_to_noise_ratio : ndarray, shape (n_lines,)
+        Linear, in the analysis bandwidth; NaN = not estimated.
+    integration_time : ndarray, shape (n_lines,)
+        s; NaN = unknown.
+    next_stamp : int
+        Watermark, ns.
+    sensor : Sensor
+        The sensor that made the data.
+    """
+
+    stamp: int
+    track_id: NDArray[np.uint64]
+    arrival_angle: FloatArray
+    arrival_angle_variance: FloatArray
+    line_id: NDArray[np.uint64]
+    frequency: FloatArray
+    standard_deviation: FloatArray
+    signal_to_noise_ratio: FloatArray
+    integration_time: FloatArray
+    next_stamp: int = UNKNOWN_STAMP
+    sensor: Sensor = field(default_factory=Sensor)
