@@ -156,7 +156,8 @@ def _default(entry: ParameterDescription) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, tuple):
-        return "[" + ", ".join(f"{each:g}" for each in value) + "]"
+        entries = (each if isinstance(each, str) else f"{each:g}" for each in value)
+        return "[" + ", ".join(entries) + "]"
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 

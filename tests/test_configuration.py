@@ -38,6 +38,7 @@ class Example:
     loss: float = parameter(0.0, "how little", maximum=1.0)
     method: str = parameter("fast", "which", choices=("fast", "good"))
     angles_deg: tuple[float, ...] = parameter((), "where", unit="deg", minimum=-90, maximum=90)
+    topics: tuple[str, ...] = parameter(("a",), "which")
     part: Part = field(default=Part(), metadata=SECTION)
 
 
@@ -45,9 +46,9 @@ DESCRIPTIONS = {description.name: description for description in describe(Exampl
 
 
 def test_descriptions_hold_what_was_declared() -> None:
-    assert list(DESCRIPTIONS) == ["flag", "count", "gain", "loss", "method", "angles_deg"]
+    assert list(DESCRIPTIONS) == ["flag", "count", "gain", "loss", "method", "angles_deg", "topics"]
     kinds = [description.kind for description in DESCRIPTIONS.values()]
-    assert kinds == [bool, int, float, float, str, tuple]
+    assert kinds == [bool, int, float, float, str, tuple, tuple]
     gain = DESCRIPTIONS["gain"]
     assert (gain.default, gain.unit, gain.minimum, gain.maximum) == (0.5, "V", 0.0, None)
     assert DESCRIPTIONS["method"].choices == ("fast", "good")
@@ -62,6 +63,7 @@ def test_descriptions_hold_what_was_declared() -> None:
         ("method", "good", "good"),
         ("angles_deg", [1, -90.0], (1.0, -90.0)),
         ("angles_deg", [], ()),
+        ("topics", ["b", "c"], ("b", "c")),
     ],
 )
 def test_good_values_get_the_type_of_the_parameter(name: str, value: Any, expected: Any) -> None:
@@ -83,6 +85,7 @@ def test_good_values_get_the_type_of_the_parameter(name: str, value: Any, expect
         ("method", "best", "node.method is 'best'; it must be one of fast, good."),
         ("method", 3, "node.method is 3; it must be a text."),
         ("angles_deg", 3.0, "node.angles_deg is 3.0; it must be a list of numbers."),
+        ("topics", [1.0], "node.topics is [1.0]; it must be a list of texts."),
         ("angles_deg", [0.0, True], "it must be a list of numbers."),
         ("angles_deg", [0.0, 91.0], "node.angles_deg is 91.0; it must be between -90 and 90 deg."),
     ],

@@ -20,7 +20,7 @@ from sonar_tracking.errors import ConfigurationError
 SECTION = {"section": True}
 """Metadata of a dataclass field that holds nested configurations and is no parameter itself."""
 
-Value = bool | int | float | str | tuple[float, ...]
+Value = bool | int | float | str | tuple[float, ...] | tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,9 @@ class ParameterDescription:
     name : str
         Field name, which is also the ROS parameter name.
     kind : type
-        ``bool``, ``int``, ``float``, ``str`` or ``tuple`` (of floats).
+        ``bool``, ``int``, ``float``, ``str`` or ``tuple``.
+    entry_kind : type
+        ``float`` or ``str``: of the entries of a tuple.
     default : Value
         Default value.
     description : str
@@ -53,6 +55,7 @@ class ParameterDescription:
     minimum: float | None
     maximum: float | None
     choices: tuple[str, ...]
+    entry_kind: type = float
 
 
 def parameter(
@@ -68,7 +71,7 @@ def parameter(
 
     Parameters
     ----------
-    default : bool, int, float, str or tuple of float
+    default : bool, int, float, str, tuple of float or tuple of str
         Default value.
     description : str
         One line of what it does.
@@ -77,7 +80,7 @@ def parameter(
     minimum, maximum : float, optional
         Inclusive range.
     choices : tuple of str
-        Allowed values of a string.
+        Allowed values of a string, or of each entry of a tuple.
     """
     metadata = {
         "description": description,
@@ -103,7 +106,13 @@ def describe(configuration: type) -> tuple[ParameterDescription, ...]:
         kind = typing.get_origin(hint) or hint
         default: Any = field.default
         descriptions.append(
-            ParameterDescription(name=field.name, kind=kind, default=default, **field.metadata)
+            ParameterDescription(
+                name=field.name,
+                kind=kind,
+                default=default,
+                entry_kind=typing.get_args(hint)[0] if kind is tuple else float,
+                **field.metadata,
+            )
         )
     return tuple(descriptions)
 
@@ -128,7 +137,7 @@ def checked_value(description: ParameterDescription, value: Any, where: str) -> 
         above = description.maximum is not None and entry > description.maximum
         if below or above:
             raise ConfigurationError(f"{name} is {entry}; it must be {range_text(description)}.")
-    if description.choices and converted not in description.choices:
+    if description.choices and not set(entries) <= set(description.choices):
         raise ConfigurationError(
             f"{name} is {converted!r}; it must be one of {', '.join(description.choices)}."
         )
@@ -159,14 +168,17 @@ def _converted(description: ParameterDescription, value: Any, name: str) -> Valu
             return value
         if kind is float and isinstance(value, int | float):
             return float(value)
-        if kind is tuple and isinstance(value, list | tuple) and _all_numbers(value):
-            return tuple(float(v) for v in value)
+        if kind is tuple and isinstance(value, list | tuple):
+            if description.entry_kind is str and all(isinstance(v, str) for v in value):
+                return tuple(value)
+            if description.entry_kind is float and _all_numbers(value):
+                return tuple(float(v) for v in value)
     expected = {
         bool: "true or false",
         int: "a whole number",
         float: "a number",
         str: "a text",
-        tuple: "a list of numbers",
+        tuple: "a list of texts" if description.entry_kind is str else "a list of numbers",
     }[kind]
     raise ConfigurationError(f"{name} is {value!r}; it must be {expected}.")
 

@@ -124,6 +124,8 @@ def overrides_of(node: Node) -> dict[str, Any]:
 def _sent(value: Value) -> Any:
     """Return a value as rclpy takes it: it refuses an empty array, but not an empty list."""
     if isinstance(value, tuple):
+        if value and isinstance(value[0], str):
+            return list(value)
         return array.array("d", value) if value else []
     return value
 
