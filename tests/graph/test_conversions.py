@@ -23,7 +23,7 @@ from sonar_tracking.passive.records import (
     Sensor,
     SubspaceEstimates,
 )
-from sonar_tracking.simulation.records import OwnShipState, TruthTracks
+from sonar_tracking.simulation.records import OwnShipState
 
 reals = st.floats(allow_nan=True, allow_infinity=True)
 stamps = st.integers(1, 2**31 * 10**9 - 1)
@@ -169,21 +169,6 @@ def test_odometry_without_an_orientation_is_refused() -> None:
     message.pose.pose.orientation.w = 0.0
     with pytest.raises(InputError, match="orientation of length zero"):
         reading.own_ship_from_message(message)
-
-
-def test_truth_tracks_carry_every_target() -> None:
-    record = TruthTracks(
-        stamp=5,
-        id=np.array([3, 9], np.uint64),
-        position=np.array([[1.0, 2.0], [3.0, 4.0]]),
-        velocity=np.array([[5.0, 6.0], [7.0, 8.0]]),
-    )
-    message = through_the_wire(conversions.truth_tracks_to_message(record))
-    assert list(message.id) == [3, 9]
-    assert [list(message.x), list(message.y)] == [[1.0, 3.0], [2.0, 4.0]]
-    assert [list(message.vx), list(message.vy)] == [[5.0, 7.0], [6.0, 8.0]]
-    assert list(message.source) == [message.TRUTH] * 2
-    assert message.header.frame_id == "map"
 
 
 def good_snapshots() -> Any:

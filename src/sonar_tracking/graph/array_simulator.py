@@ -18,6 +18,7 @@ from sonar_tracking.graph.diagnostics import PARAMETERS
 from sonar_tracking.graph.node_catalogue import ARRAY_SIMULATOR
 from sonar_tracking.graph.node_configuration import ArraySimulatorConfiguration
 from sonar_tracking.graph.node_process import run_node
+from sonar_tracking.graph.position_conversions import truth_tracks_to_message
 from sonar_tracking.graph.sonar_node import SonarNode
 from sonar_tracking.graph.topics import (
     CLOCK_TOPIC,
@@ -108,7 +109,7 @@ class ArraySimulator(SonarNode):
     def _publish(self, block: SimulatedBlock) -> None:
         for state in block.own_ship:
             self._odometry.publish(conversions.own_ship_to_message(state))
-        self._true_tracks.publish(conversions.truth_tracks_to_message(block.truth_tracks))
+        self._true_tracks.publish(truth_tracks_to_message(block.truth_tracks))
         self._true_bearings.publish(conversions.bearing_tracks_to_message(block.truth_bearings))
         self._snapshots.publish(conversions.snapshots_to_message(block.snapshots))
         self.diagnostics.advance(block.snapshots.stamp)

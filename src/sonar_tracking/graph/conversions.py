@@ -1,5 +1,7 @@
 """Records of the stages to messages; the other way is :mod:`sonar_tracking.messages.reading`.
 
+Position tracks have a module of their own, :mod:`sonar_tracking.graph.position_conversions`.
+
 Every message is checked before it is published: columns of unequal length raise
 :class:`sonar_tracking.errors.InputError` naming message, field and lengths.
 """
@@ -9,12 +11,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
 from nav_msgs.msg import Odometry
 from sonar_tracking_msgs.msg import ArraySnapshots as ArraySnapshotsMessage
 from sonar_tracking_msgs.msg import BearingTracks as BearingTracksMessage
 from sonar_tracking_msgs.msg import SubspaceEstimates as SubspaceEstimatesMessage
-from sonar_tracking_msgs.msg import Tracks as TracksMessage
 
 from sonar_tracking.errors import InputError
 from sonar_tracking.graph.message_fields import (
@@ -36,15 +36,10 @@ from sonar_tracking.messages.reading import (
     bearing_tracks_from_message,
     check_eigenvalues,
 )
-from sonar_tracking.passive.records import (
-    ArraySnapshots,
-    BearingTracks,
-    SubspaceEstimates,
-    TrackStatus,
-)
-from sonar_tracking.simulation.records import OwnShipState, TruthTracks
+from sonar_tracking.passive.records import ArraySnapshots, BearingTracks, SubspaceEstimates
+from sonar_tracking.position_tracks import MAP_FRAME
+from sonar_tracking.simulation.records import OwnShipState
 
-MAP_FRAME = "map"
 BASE_FRAME = "own_ship/base_link"
 
 
@@ -107,21 +102,6 @@ def bearing_tracks_to_message(record: BearingTracks) -> BearingTracksMessage:
     for name in TRACK_REALS:
         setattr(message, name, packed(getattr(record, name)))
     check_columns(message, "id", TRACK_WIDTHS)
-    return message
-
-
-def truth_tracks_to_message(record: TruthTracks) -> TracksMessage:
-    """Return true positions as a track list of source TRUTH."""
-    rows = len(record.id)
-    message = TracksMessage()
-    set_stamps(message, record.stamp, record.next_stamp)
-    message.header.frame_id = MAP_FRAME
-    message.id = packed(record.id, "uint64")
-    message.status = packed(np.full(rows, TrackStatus.CONFIRMED), "uint8")
-    message.source = packed(np.full(rows, TracksMessage.TRUTH), "uint8")
-    message.existence_probability = packed(np.ones(rows))
-    message.x, message.y = packed(record.position[:, 0]), packed(record.position[:, 1])
-    message.vx, message.vy = packed(record.velocity[:, 0]), packed(record.velocity[:, 1])
     return message
 
 
