@@ -25,6 +25,24 @@ MOTIONS: dict[str, type[TargetMotion]] = {
     "kinematic": KinematicMotion,
 }
 
+
+@dataclass(frozen=True)
+class LineConfiguration:
+    """A tonal that a target emits."""
+
+    frequency: float = parameter(300.0, "at rest", unit="Hz", minimum=1e-3)
+    level_db: float = parameter(
+        20.0, "power over that of an element's noise in 1 Hz", unit="dB", minimum=-100, maximum=200
+    )
+    present: tuple[float, ...] = parameter(
+        (), "times from, to, from, to, ... between which it is emitted; empty = always", unit="s"
+    )
+
+    def is_present(self, times: ArrayLike) -> NDArray[np.bool_]:
+        """Return at which times (s) the line is there; intervals are half open."""
+        return within(self.present, times)
+
+
 PHASES = ("fixed", "random", "turning", "random_per_block")
 
 
@@ -51,10 +69,24 @@ class TargetConfiguration:
     )
     coherent_phase_deg: float = parameter(0.0, "phase at scenario time 0", unit="deg")
     coherent_phase_rate_deg: float = parameter(0.0, "for turning", unit="deg/s")
+    lines: tuple[LineConfiguration, ...] = field(default=(), metadata=SECTION)
     motion: TargetMotion = field(default_factory=ArctangentMotion, metadata=SECTION)
 
     def is_present(self, times: ArrayLike) -> NDArray[np.bool_]:
         """Return at which reception times (s) the target is heard; intervals are half open."""
-        if not self.present:
-            return np.ones(np.shape(times), dtype=bool)
-        return np.searchsorted(self.present, times, side="right") % 2 == 1
+        return within(self.present, times)
+
+
+def within(schedule: tuple[float, ...], times: ArrayLike) -> NDArray[np.bool_]:
+    """Return which times lie in the half open intervals from, to, from, to, ...; empty = all.
+
+    Parameters
+    ----------
+    schedule : tuple of float
+        Ascending, s.
+    times : array_like, shape (...)
+        s.
+    """
+    if not schedule:
+        return np.ones(np.shape(times), dtype=bool)
+    return np.searchsorted(schedule, times, side="right") % 2 == 1
