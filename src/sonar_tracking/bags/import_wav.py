@@ -1,7 +1,7 @@
 """A multichannel WAV file becomes a bag of narrowband snapshots that can be replayed.
 
 The snapshots are made by demodulation, low-pass filtering and decimation; see
-:mod:`sonar_tracking.bags.demodulation` for why. Their stamps are those of the samples the filter
+:mod:`sonar_tracking.passive.demodulation` for why. Their stamps are those of the samples the filter
 is centred on: ``epoch + sample / sample_rate``.
 """
 
@@ -19,13 +19,13 @@ from numpy.typing import NDArray
 from sonar_tracking.bags.array_geometry_file import RecordedArray, read_array_geometry
 from sonar_tracking.bags.bag_records import BEARING_TRACKS_TYPE, SNAPSHOTS_TYPE
 from sonar_tracking.bags.bearing_truth_file import SurveyedBearings, read_surveyed_bearings
-from sonar_tracking.bags.demodulation import Band, Demodulator, design_band
 from sonar_tracking.bags.metadata import OfferedQuality
 from sonar_tracking.bags.recorded_messages import snapshots_cdr, truth_cdr
 from sonar_tracking.bags.recording_information import RecordingInformation
 from sonar_tracking.bags.wav_file import WavFile, open_wav
 from sonar_tracking.bags.writer import BagWriter
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.passive.demodulation import Band, Demodulator, design_band
 from sonar_tracking.passive.records import END_OF_DATA, NANOSECONDS
 from sonar_tracking.simulation.scenario_checks import NARROWBAND_LIMIT
 

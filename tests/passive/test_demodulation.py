@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sonar_tracking.bags.demodulation import Demodulator, design_band
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.passive.demodulation import Demodulator, design_band
 
 RATE = 48_000.0
 
