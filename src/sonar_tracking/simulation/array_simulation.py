@@ -10,17 +10,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sonar_tracking.motion import KinematicState, wrap_angle
-from sonar_tracking.passive.records import (
-    END_OF_DATA,
-    ArraySnapshots,
-    BearingTracks,
-    Sensor,
-    TrackStatus,
-)
-from sonar_tracking.simulation.kinematic_motion import KinematicMotion
-from sonar_tracking.simulation.records import OwnShipState, SimulatedBlock, TruthTracks
+from sonar_tracking.passive.records import END_OF_DATA, ArraySnapshots, Sensor
+from sonar_tracking.simulation.records import SimulatedBlock
 from sonar_tracking.simulation.scenario import Scenario
+from sonar_tracking.simulation.scene_truth import own_ship_at, true_bearings, true_tracks
 from sonar_tracking.simulation.snapshot_synthesis import (
     circular_gaussian,
     rounded_to_single,
@@ -65,16 +58,14 @@ class ArraySimulation:
         self._next = last
 
         next_stamp = END_OF_DATA if last == self._n_snapshots else self._stamp(last)
-        own_ship = self._own_ship(first)
-        sensor = self._sensor(first)
-        states = (own_ship,) if first == 0 else ()
+        begin = self._time(first)
+        truth = true_bearings(self._scenario, begin, (angles[0], rates[0]), next_stamp)
+        states = (own_ship_at(self._scenario, begin),) if first == 0 else ()
         return SimulatedBlock(
-            snapshots=self._snapshots(times, angles, self._stamp(first), next_stamp, sensor),
-            truth_bearings=self._truth_bearings(
-                times[0], angles[0], rates[0], self._stamp(first), next_stamp, sensor
-            ),
-            truth_tracks=self._truth_tracks(times[0], self._stamp(first), next_stamp),
-            own_ship=(*states, self._own_ship(last)),
+            snapshots=self._snapshots(times, angles, truth.stamp, next_stamp, truth.sensor),
+            truth_bearings=truth,
+            truth_tracks=true_tracks(self._scenario, begin, next_stamp),
+            own_ship=(*states, own_ship_at(self._scenario, self._time(last))),
         )
 
     def _time(self, index: int) -> float:
@@ -117,71 +108,4 @@ class ArraySimulation:
             noise_covariance=self._noise_covariance,
             next_stamp=next_stamp,
             sensor=sensor,
-        )
-
-    def _truth_bearings(
-        self,
-        time: float,
-        angles: FloatArray,
-        rates: FloatArray,
-        stamp: int,
-        next_stamp: int,
-        sensor: Sensor,
-    ) -> BearingTracks:
-        targets = self._scenario.targets
-        rows = [index for index, target in enumerate(targets) if target.is_present(time)]
-        levels = np.array([10.0 ** (targets[index].level_db / 10.0) for index in rows])
-        unknown = np.full(len(rows), np.nan)
-        return BearingTracks(
-            stamp=stamp,
-            id=np.array(rows, dtype=np.uint64) + np.uint64(1),
-            status=np.full(len(rows), TrackStatus.CONFIRMED, dtype=np.uint8),
-            arrival_angle=angles[rows],
-            arrival_angle_rate=rates[rows],
-            covariance=np.zeros((len(rows), 2, 2)),
-            measurement=unknown,
-            measurement_variance=unknown,
-            innovation=unknown,
-            signal_to_noise_ratio=levels,
-            existence_probability=np.ones(len(rows)),
-            ambiguous=np.full(len(rows), self._receiver.ambiguous),
-            next_stamp=next_stamp,
-            sensor=sensor,
-        )
-
-    def _truth_tracks(self, time: float, stamp: int, next_stamp: int) -> TruthTracks:
-        rows, states = [], []
-        for index, target in enumerate(self._scenario.targets):
-            if isinstance(target.motion, KinematicMotion) and target.is_present(time):
-                rows.append(index + 1)
-                states.append(target.motion.trajectory.state(time))
-        return TruthTracks(
-            stamp=stamp,
-            id=np.array(rows, dtype=np.uint64),
-            position=np.array([state.position for state in states]).reshape(-1, 2),
-            velocity=np.array([state.velocity for state in states]).reshape(-1, 2),
-            next_stamp=next_stamp,
-        )
-
-    def _own_ship_state(self, index: int) -> KinematicState:
-        return self._receiver.trajectory.state(self._time(index))
-
-    def _own_ship(self, index: int) -> OwnShipState:
-        state = self._own_ship_state(index)
-        return OwnShipState(
-            stamp=self._stamp(index),
-            position=(float(state.position[0]), float(state.position[1])),
-            yaw=float(wrap_angle(state.azimuth)),
-            velocity=(self._scenario.own_ship.speed, 0.0),
-            yaw_rate=float(state.turn_rate),
-        )
-
-    def _sensor(self, index: int) -> Sensor:
-        state = self._own_ship_state(index)
-        half_yaw = 0.5 * float(wrap_angle(state.azimuth + self._receiver.mounting_yaw))
-        return Sensor(
-            sensor_id=self._scenario.array.sensor_id,
-            position=(float(state.position[0]), float(state.position[1]), 0.0),
-            orientation=(0.0, 0.0, float(np.sin(half_yaw)), float(np.cos(half_yaw))),
-            velocity=(float(state.velocity[0]), float(state.velocity[1]), 0.0),
         )
