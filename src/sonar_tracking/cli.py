@@ -116,9 +116,12 @@ def evaluate(
 def score(
     bag: Annotated[Path, typer.Argument(help="Bag with tracks and truth.")],
     json: JsonOption = None,
+    cutoff: Annotated[
+        float, typer.Option(help="Distance from which on a track is none of a target, m.")
+    ] = 200.0,
 ) -> None:
-    """Score the bearing tracks in a bag against the truth in the bag."""
-    _needs("sonar_tracking.evaluation.score_bag").score_bag(bag, json)
+    """Score the bearing and position tracks in a bag against the truth in the bag."""
+    _needs("sonar_tracking.evaluation.score_bag").score_bag(bag, json, cutoff)
 
 
 @app.command()

@@ -1,4 +1,4 @@
-"""Snapshots and bearing tracks of a bag as the records the stages use, without ROS."""
+"""Messages of a bag as the records the stages use, without ROS."""
 
 from __future__ import annotations
 
@@ -9,11 +9,14 @@ from sonar_tracking.bags.digest import decoded_message
 from sonar_tracking.bags.message_definitions import typestore_of
 from sonar_tracking.bags.reader import Bag
 from sonar_tracking.errors import InputError
+from sonar_tracking.messages.position_reading import position_tracks_from_message
 from sonar_tracking.messages.reading import bearing_tracks_from_message, snapshots_from_message
 from sonar_tracking.passive.records import ArraySnapshots, BearingTracks
+from sonar_tracking.position_tracks import PositionTracks
 
 SNAPSHOTS_TYPE = "sonar_tracking_msgs/msg/ArraySnapshots"
 BEARING_TRACKS_TYPE = "sonar_tracking_msgs/msg/BearingTracks"
+POSITION_TRACKS_TYPE = "sonar_tracking_msgs/msg/Tracks"
 
 Record = TypeVar("Record")
 
@@ -58,6 +61,16 @@ def bearing_tracks_of(
     Parameters and errors are those of :func:`snapshots_of`.
     """
     yield from _converted(bag, topic, bearing_tracks_from_message, rejected)
+
+
+def position_tracks_of(
+    bag: Bag, topic: str, rejected: list[str] | None = None
+) -> Iterator[PositionTracks]:
+    """Yield the position tracks of a topic in log order; a column not reported is NaN or zero.
+
+    Parameters and errors are those of :func:`snapshots_of`.
+    """
+    yield from _converted(bag, topic, position_tracks_from_message, rejected)
 
 
 def _converted(

@@ -6,8 +6,6 @@ least sum of squared distances, cut off at 5 degrees; everything else follows fr
 
 from __future__ import annotations
 
-import dataclasses
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -15,13 +13,22 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from sonar_tracking.evaluation.bearing_truth import BearingTruth, TrueBearings
+from sonar_tracking.evaluation.bearing_truth import BearingTruth
 from sonar_tracking.evaluation.identity_score import (
     IdentityScore,
     ScoredPeriod,
     score_identities,
+    scored_period,
 )
-from sonar_tracking.evaluation.set_distances import Assignment, assign, gospa, ospa
+from sonar_tracking.evaluation.score_statistics import (
+    flat_mapping,
+    joined,
+    mean,
+    median,
+    median_period,
+    normalised_square_error,
+)
+from sonar_tracking.evaluation.set_distances import assign, gospa, ospa
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.passive.records import BearingTracks, TrackStatus
 
@@ -72,10 +79,7 @@ class BearingScore:
 
     def to_mapping(self) -> dict[str, object]:
         """Return the score as one flat mapping for JSON; unknown is None."""
-        values = dataclasses.asdict(self)
-        values.update(values.pop("identities"))
-        values["nees_band"] = list(self.nees_band)
-        return {name: _json_value(value) for name, value in values.items()}
+        return flat_mapping(self)
 
 
 def score_bearing_tracks(
@@ -106,24 +110,29 @@ def score_bearing_tracks(
         apart = np.degrees(np.abs(error))
         assignment = assign(apart, CUTOFF_DEG, ORDER)
         pairs = assignment.truths, assignment.estimates
-        scored.append(_scored_period(entry, rows, reference, assignment, apart))
+        scored.append(
+            scored_period(entry.stamp, reference.id, entry.id[rows], assignment, apart < CUTOFF_DEG)
+        )
         ospas.append(ospa(assignment, CUTOFF_DEG, ORDER))
         gospas.append(gospa(assignment, CUTOFF_DEG, ORDER))
         errors.append(apart[pairs])
-        nees.append(_nees(entry, rows[pairs[1]], error[pairs], reference.rate[pairs[0]]))
+        held = rows[pairs[1]]
+        rate_error = entry.arrival_angle_rate[held] - reference.rate[pairs[0]]
+        both = np.stack([error[pairs], rate_error], axis=-1)
+        nees.append(normalised_square_error(both, entry.covariance[held]))
 
-    period = _period(tracks)
+    period = median_period(tracks)
     return BearingScore(
         periods=len(scored),
         unscored_periods=len(tracks) - len(scored),
         targets=len({target for entry in scored for target in entry.truth_ids}),
         period=period,
-        rmse_deg=_mean(_joined(errors) ** 2) ** 0.5,
-        median_error_deg=_median(_joined(errors)),
-        ospa_deg=_mean(np.array(ospas)),
-        gospa_deg=_mean(np.array(gospas)),
-        nees_per_dimension=_mean(_joined(nees)) / 2.0,
-        nees_median_per_dimension=_median(_joined(nees)) / 2.0,
+        rmse_deg=mean(joined(errors) ** 2) ** 0.5,
+        median_error_deg=median(joined(errors)),
+        ospa_deg=mean(np.array(ospas)),
+        gospa_deg=mean(np.array(gospas)),
+        nees_per_dimension=mean(joined(nees)) / 2.0,
+        nees_median_per_dimension=median(joined(nees)) / 2.0,
         nees_band=(float(chi2.ppf(0.025, 2)) / 2.0, float(chi2.ppf(0.975, 2)) / 2.0),
         identities=score_identities(scored, period, true_bearings.first_seen()),
     )
@@ -132,61 +141,3 @@ def score_bearing_tracks(
 def _established(entry: BearingTracks) -> NDArray[np.intp]:
     status = np.isin(entry.status, (TrackStatus.CONFIRMED, TrackStatus.COASTED))
     return np.flatnonzero(status & np.isfinite(entry.arrival_angle))
-
-
-def _scored_period(
-    entry: BearingTracks,
-    rows: NDArray[np.intp],
-    reference: TrueBearings,
-    assignment: Assignment,
-    apart: FloatArray,
-) -> ScoredPeriod:
-    track_ids = tuple(int(identifier) for identifier in entry.id[rows])
-    truth_ids = tuple(int(identifier) for identifier in reference.id)
-    near = np.flatnonzero((apart < CUTOFF_DEG).any(axis=0))
-    return ScoredPeriod(
-        stamp=entry.stamp,
-        truth_ids=truth_ids,
-        track_ids=track_ids,
-        held={
-            truth_ids[row]: track_ids[column]
-            for row, column in zip(assignment.truths, assignment.estimates, strict=True)
-        },
-        near=frozenset(track_ids[column] for column in near),
-    )
-
-
-def _nees(
-    entry: BearingTracks, rows: NDArray[np.intp], angle_error: FloatArray, true_rate: FloatArray
-) -> FloatArray:
-    """Return e^T P^-1 e of angle and rate for the pairs whose covariance is proper."""
-    error = np.stack([angle_error, entry.arrival_angle_rate[rows] - true_rate], axis=-1)
-    covariance = entry.covariance[rows]
-    determinant = (
-        covariance[:, 0, 0] * covariance[:, 1, 1] - covariance[:, 0, 1] * covariance[:, 1, 0]
-    )
-    proper = (determinant > 0.0) & (covariance[:, 0, 0] > 0.0) & np.isfinite(error).all(axis=-1)
-    error, covariance = error[proper], covariance[proper]
-    return np.sum(error * np.linalg.solve(covariance, error[..., None])[..., 0], axis=-1)
-
-
-def _period(tracks: Sequence[BearingTracks]) -> float:
-    if len(tracks) < 2:
-        return 0.0
-    return float(np.median(np.diff([entry.stamp for entry in tracks]))) * 1e-9
-
-
-def _joined(parts: Sequence[FloatArray]) -> FloatArray:
-    return np.concatenate(parts) if parts else np.empty(0)
-
-
-def _mean(values: FloatArray) -> float:
-    return float(np.mean(values)) if values.size else math.nan
-
-
-def _median(values: FloatArray) -> float:
-    return float(np.median(values)) if values.size else math.nan
-
-
-def _json_value(value: object) -> object:
-    return None if isinstance(value, float) and math.isnan(value) else value

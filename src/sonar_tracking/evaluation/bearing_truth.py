@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sonar_tracking.evaluation.truth_samples import TruthSamples
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.passive.records import BearingTracks
 
@@ -42,17 +42,11 @@ class BearingTruth:
     """
 
     def __init__(self, samples: Sequence[BearingTracks]) -> None:
-        by_stamp = {sample.stamp: sample for sample in samples}
-        self._stamps = sorted(by_stamp)
-        self._samples = [by_stamp[stamp] for stamp in self._stamps]
+        self._samples = TruthSamples(samples)
 
     def first_seen(self) -> dict[int, int]:
         """Return the stamp (ns) of the first appearance of each target."""
-        seen: dict[int, int] = {}
-        for sample in self._samples:
-            for identifier in sample.id:
-                seen.setdefault(int(identifier), sample.stamp)
-        return seen
+        return self._samples.first_seen()
 
     def at(self, stamp: int) -> TrueBearings | None:
         """Return the truth at an instant, or None if the samples do not reach it.
@@ -60,20 +54,17 @@ class BearingTruth:
         Between two samples a target is there if it is in both. Beyond the last sample its rate
         carries on for as long as the last two samples are apart.
         """
-        index = bisect_right(self._stamps, stamp) - 1
-        if index < 0:
+        around = self._samples.around(stamp)
+        if around is None:
             return None
-        before = self._samples[index]
-        if before.stamp == stamp:
-            return TrueBearings(before.id, before.arrival_angle, before.arrival_angle_rate)
+        before, after = around
+        if after is not None:
+            return _between(before, after, stamp)
         elapsed = (stamp - before.stamp) * 1e-9
-        if index + 1 == len(self._samples):
-            reach = before.stamp - self._samples[index - 1].stamp
-            if stamp - before.stamp > reach:
-                return None
-            angle = before.arrival_angle + elapsed * before.arrival_angle_rate
-            return TrueBearings(before.id, angle, before.arrival_angle_rate)
-        return _between(before, self._samples[index + 1], stamp)
+        angle = before.arrival_angle
+        if elapsed > 0.0:
+            angle = angle + elapsed * before.arrival_angle_rate
+        return TrueBearings(before.id, angle, before.arrival_angle_rate)
 
 
 def _between(before: BearingTracks, after: BearingTracks, stamp: int) -> TrueBearings:

@@ -11,6 +11,9 @@ from dataclasses import dataclass
 from itertools import groupby, pairwise
 
 import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.evaluation.set_distances import Assignment
 
 LOST_PERIODS = 5
 """A target without identity for so many periods is lost; a swap that holds so long is lasting."""
@@ -37,6 +40,40 @@ class ScoredPeriod:
     track_ids: tuple[int, ...]
     held: Mapping[int, int]
     near: frozenset[int]
+
+
+def scored_period(
+    stamp: int,
+    truth_ids: NDArray[np.uint64],
+    track_ids: NDArray[np.uint64],
+    assignment: Assignment,
+    near: NDArray[np.bool_],
+) -> ScoredPeriod:
+    """Return one scored period.
+
+    Parameters
+    ----------
+    stamp : int
+        ns.
+    truth_ids, track_ids : ndarray, shape (n_truths,) and (n_tracks,)
+        Who is there.
+    assignment : Assignment
+        Of the rows of one to the rows of the other.
+    near : ndarray of bool, shape (n_truths, n_tracks)
+        Which are closer than the cut-off.
+    """
+    truths = tuple(int(identifier) for identifier in truth_ids)
+    tracks = tuple(int(identifier) for identifier in track_ids)
+    return ScoredPeriod(
+        stamp=stamp,
+        truth_ids=truths,
+        track_ids=tracks,
+        held={
+            truths[row]: tracks[column]
+            for row, column in zip(assignment.truths, assignment.estimates, strict=True)
+        },
+        near=frozenset(tracks[column] for column in np.flatnonzero(near.any(axis=0))),
+    )
 
 
 @dataclass(frozen=True)
