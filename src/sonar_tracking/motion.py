@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -67,6 +68,13 @@ class KinematicState:
     velocity: FloatArray
     azimuth: FloatArray
     turn_rate: FloatArray
+
+
+class Path(Protocol):
+    """Anything that moves."""
+
+    def state(self, times: ArrayLike) -> KinematicState:
+        """Return the state at the given times, s."""
 
 
 class Trajectory:
@@ -138,7 +146,7 @@ class Trajectory:
 
 
 def emission_times(
-    target: Trajectory,
+    target: Path,
     receiver_positions: ArrayLike,
     reception_times: ArrayLike,
     sound_speed: float,
@@ -150,7 +158,7 @@ def emission_times(
 
     Parameters
     ----------
-    target : Trajectory
+    target : Path
         The source, slower than ``sound_speed``.
     receiver_positions : array_like, shape (..., 2)
         Receiver at the reception times, m.

@@ -26,6 +26,15 @@ UNKNOWN_STAMP = 0
 """Watermark that says nothing, ns."""
 
 
+class AngleKind(IntEnum):
+    """What the angles of bearing tracks are, as in the messages."""
+
+    CONE = 0
+    """From array broadside, positive towards increasing element x."""
+    AZIMUTH = 1
+    """Anticlockwise from +x of the frame of the sensor."""
+
+
 class TrackStatus(IntEnum):
     """Status of a track, as in the messages."""
 
@@ -187,6 +196,10 @@ class BearingTracks:
         True where the sides of a line array cannot be told apart.
     next_stamp, sensor
         As in :class:`ArraySnapshots`.
+    angle_kind : AngleKind
+        What the angles are.
+    elevation, elevation_variance : ndarray, shape (n_tracks,), or empty
+        Above the horizontal, rad and rad^2; empty = none.
     """
 
     stamp: int
@@ -203,3 +216,6 @@ class BearingTracks:
     ambiguous: NDArray[np.bool_]
     next_stamp: int = UNKNOWN_STAMP
     sensor: Sensor = field(default_factory=Sensor)
+    angle_kind: AngleKind = AngleKind.CONE
+    elevation: FloatArray = field(default_factory=lambda: np.empty(0))
+    elevation_variance: FloatArray = field(default_factory=lambda: np.empty(0))

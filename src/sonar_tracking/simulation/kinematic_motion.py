@@ -17,8 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sonar_tracking.configuration import SECTION, parameter
-from sonar_tracking.motion import Trajectory, emission_times, wrap_angle
+from sonar_tracking.motion import Path, emission_times, wrap_angle
 from sonar_tracking.simulation.platforms import Receiver, TurnConfiguration, make_trajectory
+from sonar_tracking.simulation.wandering_path import WanderingPath
 
 FloatArray = NDArray[np.float64]
 
@@ -33,12 +34,23 @@ class KinematicMotion:
     )
     course_deg: float = parameter(0.0, "compass course until the first turn", unit="deg")
     speed: float = parameter(0.0, "constant speed", unit="m/s", minimum=0.0, maximum=100.0)
+    acceleration: float = parameter(
+        0.0,
+        "standard deviation per axis of a random acceleration, new each second",
+        unit="m/s^2",
+        minimum=0.0,
+        maximum=10.0,
+    )
+    acceleration_seed: int = parameter(1, "of the random acceleration", minimum=0)
     turns: tuple[TurnConfiguration, ...] = field(default=(), metadata=SECTION)
 
     @cached_property
-    def trajectory(self) -> Trajectory:
+    def trajectory(self) -> Path:
         """Motion of the target."""
-        return make_trajectory(self.position, self.course_deg, self.speed, self.turns)
+        planned = make_trajectory(self.position, self.course_deg, self.speed, self.turns)
+        if self.acceleration == 0.0:
+            return planned
+        return WanderingPath(planned, self.acceleration, self.acceleration_seed)
 
     def arrival(self, times: FloatArray, receiver: Receiver) -> tuple[FloatArray, FloatArray]:
         """Return the arrival angle (rad) and its rate (rad/s) at reception times (s)."""
