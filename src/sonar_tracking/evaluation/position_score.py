@@ -203,4 +203,4 @@ def _scored(
 def _established(entry: PositionTracks) -> NDArray[np.intp]:
     """Return the rows that claim a target, at a position that is known."""
     status = np.isin(entry.status, (TrackStatus.CONFIRMED, TrackStatus.COASTED))
-    return np.flatnonzero(status & np.isfinite(entry.state[:, :2]).all(axis=-1))
+    return np.flatnonzero(status & np.all(np.isfinite(entry.state[:, :2]), axis=-1))

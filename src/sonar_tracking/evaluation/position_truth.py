@@ -45,7 +45,7 @@ class PositionTruth:
 
     def __init__(self, samples: Sequence[PositionTracks]) -> None:
         placed = [
-            sample.selected(np.isfinite(sample.state[:, :2]).all(axis=-1)) for sample in samples
+            sample.selected(np.all(np.isfinite(sample.state[:, :2]), axis=-1)) for sample in samples
         ]
         self._samples = TruthSamples(placed)
 

@@ -108,7 +108,12 @@ def _scores_of_kind(
     remarks: list[str],
 ) -> Scores:
     truths = topics_of_type(bag, type_name, "truth")
-    topics = [name for name in topics_of_type(bag, type_name) if name not in truths]
+    # Bearings that a simulator or a station delivers are measurements, not tracks to be scored.
+    topics = [
+        name
+        for name in topics_of_type(bag, type_name)
+        if bag.topics[name].role not in ("truth", "input")
+    ]
     if not topics:
         return {}
     if not truths:

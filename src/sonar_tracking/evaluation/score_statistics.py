@@ -47,15 +47,15 @@ def normalised_square_error(error: FloatArray, covariance: FloatArray) -> FloatA
     covariance : ndarray, shape (n, n_dimensions, n_dimensions)
         As the tracker gives it; a row that is not positive definite, or not finite, is left out.
     """
-    finite = np.isfinite(covariance).all(axis=(-2, -1)) & np.isfinite(error).all(axis=-1)
+    finite = np.all(np.isfinite(covariance), axis=(-2, -1)) & np.all(np.isfinite(error), axis=-1)
     error, covariance = error[finite], covariance[finite]
     # Scaled to unit variances first: metres and metres per second differ by orders.
     scale = np.sqrt(np.maximum(np.diagonal(covariance, axis1=-2, axis2=-1), 0.0))
-    positive = (scale > 0.0).all(axis=-1)
+    positive = np.all(scale > 0.0, axis=-1)
     error, covariance, scale = error[positive], covariance[positive], scale[positive]
     error = error / scale
     covariance = covariance / (scale[:, :, None] * scale[:, None, :])
-    proper = np.linalg.eigvalsh(covariance)[:, 0] > 1e-12 if len(error) else positive[positive]
+    proper = np.linalg.eigvalsh(covariance)[:, 0] > 1e-12
     error, covariance = error[proper], covariance[proper]
     return np.sum(error * np.linalg.solve(covariance, error[..., None])[..., 0], axis=-1)
 
