@@ -6,7 +6,7 @@ reported, since the others are still good.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,27 +14,59 @@ from numpy.typing import NDArray
 from sonar_tracking.active.records import Contacts, FloatArray
 from sonar_tracking.errors import InputError, Notice, Severity
 
+LARGEST_JUMP = 100.0
+LARGEST_ACCELERATION = 1.0
+"""Of own ship, m and m/s^2: a position that needs more than both has jumped."""
 
-def check_ping(contacts: Contacts, last_stamp: int | None) -> tuple[Contacts, tuple[Notice, ...]]:
+
+@dataclass(frozen=True)
+class PingOrigin:
+    """When and from where a ping was sent.
+
+    Attributes
+    ----------
+    stamp : int
+        ns.
+    position, velocity : tuple of float
+        Of the sensor in ``map``, m and m/s.
+    """
+
+    stamp: int
+    position: tuple[float, float]
+    velocity: tuple[float, float]
+
+    def interval(self, stamp: int) -> float:
+        """Return the time from this ping to a stamp, s."""
+        return (stamp - self.stamp) * 1e-9
+
+    def moved_to(self, stamp: int) -> PingOrigin:
+        """Return where the sensor is at another stamp if it goes on as it does."""
+        interval = self.interval(stamp)
+        x, y = (p + interval * v for p, v in zip(self.position, self.velocity, strict=True))
+        return PingOrigin(stamp, (x, y), self.velocity)
+
+
+def origin_of(contacts: Contacts) -> PingOrigin:
+    """Return when and from where a ping was sent."""
+    return PingOrigin(contacts.stamp, contacts.sensor_position, contacts.sensor_velocity)
+
+
+def check_ping(contacts: Contacts, last: PingOrigin | None) -> tuple[Contacts, tuple[Notice, ...]]:
     """Return the usable contacts of a ping and what was wrong with the others.
 
     Parameters
     ----------
     contacts : Contacts
         As received.
-    last_stamp : int or None
-        Stamp of the ping before, ns; None at the first.
+    last : PingOrigin or None
+        The ping before; None at the first.
 
     Raises
     ------
     InputError
         If the ping as a whole cannot be used; one sentence for the first thing that is wrong.
     """
-    if last_stamp is not None and contacts.stamp <= last_stamp:
-        raise InputError(
-            f"The ping at {contacts.stamp} ns is not later than the one before at "
-            f"{last_stamp} ns; duplicates and pings out of order are left out."
-        )
+    check_order(contacts.stamp, last)
     n_contacts = len(contacts.range)
     if len(contacts.azimuth) != n_contacts or len(contacts.amplitude) not in (0, n_contacts):
         raise InputError(
@@ -53,7 +85,40 @@ def check_ping(contacts: Contacts, last_stamp: int | None) -> tuple[Contacts, tu
     where = (*contacts.sensor_position, *contacts.sensor_velocity)
     if not np.all(np.isfinite(where)):
         raise InputError("Position or velocity of the sensor is unknown; give own-ship motion.")
-    return _usable(contacts)
+    usable, notices = _usable(contacts)
+    return usable, (*notices, *_jump_notices(contacts, last))
+
+
+def check_order(stamp: int, last: PingOrigin | None) -> None:
+    """Refuse a stamp that is not later than that of the ping before.
+
+    Raises
+    ------
+    InputError
+        If it is not.
+    """
+    if last is not None and stamp <= last.stamp:
+        raise InputError(
+            f"The ping at {stamp} ns is not later than the one before at {last.stamp} ns; "
+            "duplicates and pings out of order are left out."
+        )
+
+
+def _jump_notices(contacts: Contacts, last: PingOrigin | None) -> tuple[Notice, ...]:
+    """Say that the sensor is not where its motion takes it; its contacts are still used."""
+    if last is None:
+        return ()
+    interval = last.interval(contacts.stamp)
+    velocity = 0.5 * (np.array(last.velocity) + np.array(contacts.sensor_velocity))
+    expected = np.array(last.position) + interval * velocity
+    jump = float(np.hypot(*(np.array(contacts.sensor_position) - expected)))
+    if jump <= LARGEST_JUMP + 0.5 * LARGEST_ACCELERATION * interval**2:
+        return ()
+    text = (
+        f"The sensor is {jump:.0f} m from where its motion takes it; contacts are placed from its "
+        "new position, and tracks coast if they do not fit. Check own-ship navigation."
+    )
+    return (Notice(Severity.WARN, "sensor_position", text),)
 
 
 def _usable(contacts: Contacts) -> tuple[Contacts, tuple[Notice, ...]]:

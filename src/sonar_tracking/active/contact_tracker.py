@@ -1,4 +1,8 @@
-"""The tracker of contacts, whatever its method."""
+"""The tracker of contacts, whatever its method.
+
+One ping after the other goes into :meth:`ContactTracker.update`; a ping that could not be used is
+replaced by :meth:`ContactTracker.coast`, so that there is one picture for each.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +19,26 @@ class ContactTracker(Protocol):
     """Tracks several targets from contacts in clutter, one ping after the other."""
 
     def update(self, contacts: Contacts) -> ContactTrackerUpdate:
-        """Return the tracks after one ping."""
+        """Return the tracks after one ping.
+
+        Raises
+        ------
+        InputError
+            If the ping cannot be used; the state is then unchanged.
+        """
+
+    def coast(self, stamp: int, next_stamp: int) -> ContactTrackerUpdate:
+        """Return the tracks predicted to a ping of which nothing else is known.
+
+        Raises
+        ------
+        InputError
+            If the stamp is not later than that of the ping before.
+        """
+
+    @property
+    def next_id(self) -> int:
+        """Identifier the next track will get."""
 
 
 def make_contact_tracker(configuration: ContactTrackerConfiguration) -> ContactTracker:

@@ -56,6 +56,10 @@ class DetectionModel:
         m; infinite = no limit.
     clutter_factor : float
         By which there is more clutter than claimed.
+    minimum_range : float
+        Of the survey, m.
+    sector : float
+        Width of the survey, rad.
     """
 
     detection_probability: float
@@ -68,12 +72,15 @@ class DetectionModel:
     uniform_density: float
     maximum_range: float
     clutter_factor: float = 1.0
+    minimum_range: float = 0.0
+    sector: float = 2.0 * np.pi
 
     def expected_clutter(self) -> float:
         """Return the mean number of false contacts in a ping; infinite or NaN if unknown."""
         if np.isfinite(self.uniform_density):
-            return float(self.uniform_density * np.pi * self.maximum_range**2)
-        cells = 2.0 * np.pi * self.maximum_range / self.cell_size
+            area = 0.5 * self.sector * (self.maximum_range**2 - self.minimum_range**2)
+            return float(self.uniform_density * area)
+        cells = self.sector * (self.maximum_range - self.minimum_range) / self.cell_size
         return float(self.false_alarm_probability * cells)
 
     def clutter_density(self, distance: FloatArray) -> FloatArray:
@@ -115,10 +122,13 @@ def make_detection_model(
     cell_size = contacts.range_resolution * contacts.azimuth_resolution
     per_cell = np.isfinite(cell_size * contacts.false_alarm_probability)
     maximum_range = _known(contacts.maximum_range, configuration.maximum_range or np.inf)
+    minimum_range = _known(contacts.minimum_range, 0.0)
+    sector = _known(contacts.azimuth_width, 2.0 * np.pi)
     density = contacts.clutter_density
     notices: tuple[Notice, ...] = ()
     if not np.isfinite(density) and not per_cell:
-        density = configuration.clutter_density or _counted_density(contacts, maximum_range)
+        density = configuration.clutter_density
+        density = density or _counted_density(contacts, minimum_range, maximum_range, sector)
     if not np.isnan(density) and density <= 0.0:
         text = "The clutter density is zero; the smallest one that makes sense is used instead."
         notices = (Notice(Severity.WARN, "clutter_density", text),)
@@ -139,6 +149,8 @@ def make_detection_model(
         cell_size=cell_size,
         uniform_density=density,
         maximum_range=maximum_range,
+        minimum_range=minimum_range,
+        sector=sector,
     )
     return model, notices
 
@@ -156,9 +168,12 @@ def _threshold(contacts: Contacts) -> float:
     return float(np.min(contacts.amplitude)) if len(contacts.amplitude) else np.nan
 
 
-def _counted_density(contacts: Contacts, maximum_range: float) -> float:
+def _counted_density(
+    contacts: Contacts, minimum_range: float, maximum_range: float, sector: float
+) -> float:
     """Return the number of contacts over the area of the survey, a density that errs high."""
     if not len(contacts.range):
         return SMALLEST_CLUTTER_DENSITY
     reach = maximum_range if np.isfinite(maximum_range) else float(np.max(contacts.range))
-    return len(contacts.range) / (np.pi * reach**2)
+    area = 0.5 * sector * (reach**2 - minimum_range**2)
+    return len(contacts.range) / max(area, 1.0)

@@ -12,6 +12,7 @@ Jung, Shin (2002), equation 25.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,8 +47,8 @@ class AppliedThresholds:
         False contacts above the threshold relative to those of the detector.
     search_threshold, search_share : float
         The same for contacts outside the gates.
-    published : GateThresholds or None
-        For those who want to follow; None where the tracker sets no thresholds.
+    published : GateThresholds
+        For those who want to follow.
     """
 
     threshold: FloatArray
@@ -55,7 +56,7 @@ class AppliedThresholds:
     clutter_share: FloatArray
     search_threshold: float
     search_share: float
-    published: GateThresholds | None
+    published: GateThresholds
 
 
 def apply_thresholds(
@@ -63,6 +64,7 @@ def apply_thresholds(
     gates: TrackGates,
     model: DetectionModel,
     configuration: ContactTrackerConfiguration,
+    stamp: int,
 ) -> AppliedThresholds:
     """Return the thresholds in force.
 
@@ -76,19 +78,20 @@ def apply_thresholds(
         Of the ping.
     configuration : ContactTrackerConfiguration
         Which thresholds are wanted; :func:`check_thresholds` has passed.
+    stamp : int
+        Of the ping, ns.
     """
+    cells = gates.volume / (model.cell_size * np.maximum(gates.distance, 1.0))
     if not _wanted(configuration):
-        return _as_detected(len(bank), model)
+        return _as_detected(bank, gates, model, cells, stamp)
     base = model.false_alarm_probability
     search = min(configuration.search_false_alarm_probability or base, base)
-    cells = gates.volume / (model.cell_size * np.maximum(gates.distance, 1.0))
     probability = np.full(len(bank), search)
     if configuration.gate_threshold != "as_detected":
         wanted = _gate_probabilities(cells, base, model, configuration)
         probability = np.where(bank.confirmed, wanted, probability)
     threshold = detection_threshold(probability)
     ratio = model.signal_to_noise_ratio_linear
-    rows = np.flatnonzero(bank.confirmed)
     return AppliedThresholds(
         threshold=threshold,
         detection_probability=detection_probability(probability, ratio),
@@ -96,15 +99,13 @@ def apply_thresholds(
         search_threshold=-float(np.log(search)),
         search_share=search / base,
         published=GateThresholds(
-            track_id=bank.id[rows],
-            false_alarm_probability=probability[rows],
-            threshold=threshold[rows],
-            resolution_cells=cells[rows],
-            gate_volume=gates.volume[rows],
-            predicted_position=gates.centre[rows],
-            gate_covariance=gates.covariance[rows],
+            **_gates_of_confirmed(bank, gates, cells, ratio),
+            stamp=stamp,
+            false_alarm_probability=probability[bank.confirmed],
+            threshold=threshold[bank.confirmed],
             search_false_alarm_probability=search,
             search_threshold=-float(np.log(search)),
+            method=configuration.gate_threshold,
         ),
     )
 
@@ -130,15 +131,42 @@ def _wanted(configuration: ContactTrackerConfiguration) -> bool:
     return own_gates or configuration.search_false_alarm_probability > 0.0
 
 
-def _as_detected(n_tracks: int, model: DetectionModel) -> AppliedThresholds:
+def _as_detected(
+    bank: TrackBank, gates: TrackGates, model: DetectionModel, cells: FloatArray, stamp: int
+) -> AppliedThresholds:
+    n_tracks, n_confirmed = len(bank), int(np.count_nonzero(bank.confirmed))
+    ratio = model.signal_to_noise_ratio_linear
     return AppliedThresholds(
         threshold=np.full(n_tracks, model.threshold),
         detection_probability=np.full(n_tracks, model.detection_probability),
         clutter_share=np.ones(n_tracks),
         search_threshold=model.threshold,
         search_share=1.0,
-        published=None,
+        published=GateThresholds(
+            **_gates_of_confirmed(bank, gates, cells, ratio),
+            stamp=stamp,
+            false_alarm_probability=np.full(n_confirmed, model.false_alarm_probability),
+            threshold=np.full(n_confirmed, model.threshold),
+            search_false_alarm_probability=model.false_alarm_probability,
+            search_threshold=model.threshold,
+            method="as_detected",
+        ),
     )
+
+
+def _gates_of_confirmed(
+    bank: TrackBank, gates: TrackGates, cells: FloatArray, ratio: float
+) -> dict[str, Any]:
+    """Return what describes the gates of the confirmed tracks, whatever their thresholds."""
+    rows = np.flatnonzero(bank.confirmed)
+    return {
+        "track_id": bank.id[rows],
+        "resolution_cells": cells[rows],
+        "gate_volume": gates.volume[rows],
+        "predicted_position": gates.centre[rows],
+        "gate_covariance": gates.covariance[rows],
+        "signal_to_noise_ratio_linear": np.full(len(rows), ratio),
+    }
 
 
 def _gate_probabilities(

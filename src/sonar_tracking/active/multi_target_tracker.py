@@ -22,7 +22,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sonar_tracking.active.clutter_monitor import ClutterMonitor
-from sonar_tracking.active.contact_checks import check_ping
+from sonar_tracking.active.contact_checks import (
+    PingOrigin,
+    check_order,
+    check_ping,
+    origin_of,
+)
 from sonar_tracking.active.contact_gating import (
     GatePairs,
     SensorGeometry,
@@ -51,8 +56,9 @@ from sonar_tracking.active.motion_modes import MotionModes
 from sonar_tracking.active.pair_updates import PairUpdates, mix_updates, update_pairs
 from sonar_tracking.active.particle_tracks import ParticleTracks
 from sonar_tracking.active.rank_association import associate_ranked
-from sonar_tracking.active.records import Contacts, ContactTrackerUpdate
+from sonar_tracking.active.records import Contacts, ContactTrackerUpdate, GateThresholds
 from sonar_tracking.active.track_bank import TrackBank, empty_bank, predict_bank
+from sonar_tracking.active.track_list import shown_tracks, thresholds_without_gates
 from sonar_tracking.active.track_management import (
     ListedTracks,
     duplicates,
@@ -60,6 +66,7 @@ from sonar_tracking.active.track_management import (
     start_candidates,
     surviving,
 )
+from sonar_tracking.errors import Notice
 
 FloatArray = NDArray[np.float64]
 
@@ -106,7 +113,12 @@ class MultiTargetTracker:
         self._particles = ParticleTracks(configuration)
         self._clutter = ClutterMonitor()
         self._next_id = configuration.first_id
-        self._stamp: int | None = None
+        self._last: PingOrigin | None = None
+
+    @property
+    def next_id(self) -> int:
+        """Identifier the next track will get."""
+        return self._next_id
 
     def update(self, contacts: Contacts) -> ContactTrackerUpdate:
         """Return the tracks after one ping.
@@ -121,17 +133,15 @@ class MultiTargetTracker:
         InputError
             If the ping cannot be used; the state is then unchanged.
         """
-        contacts, notices = check_ping(contacts, self._stamp)
+        contacts, notices = check_ping(contacts, self._last)
         model, guessed = make_detection_model(contacts, self._configuration)
         check_thresholds(model, self._configuration)
         n_confirmed = int(np.count_nonzero(self._bank.confirmed))
         self._clutter = self._clutter.after(len(contacts.range), n_confirmed, model)
         ping = self._placed(contacts, self._clutter.corrected(model))
         bank = self._predicted(ping.stamp)
-        if self._particles.used:
-            bank = self._particles.predict(bank, self._interval(ping.stamp))
         gates = predict_gates(bank, ping.sensor)
-        applied = apply_thresholds(bank, gates, ping.model, self._configuration)
+        applied = apply_thresholds(bank, gates, ping.model, self._configuration, ping.stamp)
         pairs = self._pairs(bank, gates, ping, applied)
         updates = update_pairs(bank, ping.placed, pairs)
         if self._particles.used:
@@ -143,14 +153,47 @@ class MultiTargetTracker:
         listed = self._managed(bank, pairs, association, ping)
         bank = listed.bank.selected(listed.alive)
         bank = self._with_candidates(bank, ping, applied, association.claimed)
-        self._bank, self._stamp = bank, ping.stamp
+        self._bank, self._last = bank, origin_of(contacts)
         self._particles.keep(bank)
-        tracks = list_tracks(listed, ping.stamp, self._configuration.tentative_probability)
+        return self._update(
+            listed,
+            replace(applied.published, next_stamp=contacts.next_stamp),
+            (*notices, *guessed, *self._clutter.notices()),
+        )
+
+    def coast(self, stamp: int, next_stamp: int) -> ContactTrackerUpdate:
+        """Return the tracks predicted to a ping of which nothing else is known.
+
+        Parameters
+        ----------
+        stamp, next_stamp : int
+            Of the ping, ns.
+
+        Raises
+        ------
+        InputError
+            If the stamp is not later than that of the ping before.
+        """
+        check_order(stamp, self._last)
+        bank = self._predicted(stamp)
+        model = self._configuration
+        nowhere = np.zeros(len(bank))
+        alive = surviving(bank, nowhere, np.inf, model.detection_probability, model)
+        listed = ListedTracks(bank, alive, bank.confirmed, detected=nowhere)
+        self._bank = bank.selected(alive)
+        self._last = self._last and self._last.moved_to(stamp)
+        self._particles.keep(self._bank)
+        return self._update(listed, thresholds_without_gates(stamp, next_stamp), ())
+
+    def _update(
+        self, listed: ListedTracks, thresholds: GateThresholds, notices: tuple[Notice, ...]
+    ) -> ContactTrackerUpdate:
+        rows = list_tracks(listed, self._configuration.tentative_probability)
         return ContactTrackerUpdate(
-            tracks=replace(tracks, next_stamp=contacts.next_stamp),
-            target_count=float(np.count_nonzero(bank.confirmed)),
-            thresholds=applied.published,
-            notices=(*notices, *guessed, *self._clutter.notices()),
+            tracks=shown_tracks(rows, thresholds.stamp, thresholds.next_stamp),
+            target_count=float(np.count_nonzero(self._bank.confirmed)),
+            thresholds=thresholds,
+            notices=notices,
         )
 
     def _placed(self, contacts: Contacts, model: DetectionModel) -> _Ping:
@@ -164,12 +207,11 @@ class MultiTargetTracker:
             sensor=sensor_geometry(contacts, sound_speed),
         )
 
-    def _interval(self, stamp: int) -> float:
-        return 0.0 if self._stamp is None else (stamp - self._stamp) * 1e-9
-
     def _predicted(self, stamp: int) -> TrackBank:
+        interval = 0.0 if self._last is None else self._last.interval(stamp)
         survival = self._configuration.survival_probability
-        return predict_bank(self._bank, self._modes, self._interval(stamp), survival)
+        bank = predict_bank(self._bank, self._modes, interval, survival)
+        return self._particles.predict(bank, interval) if self._particles.used else bank
 
     def _pairs(
         self, bank: TrackBank, gates: TrackGates, ping: _Ping, applied: AppliedThresholds

@@ -14,7 +14,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sonar_tracking.active.contact_checks import check_ping
+from sonar_tracking.active.contact_checks import (
+    PingOrigin,
+    check_order,
+    check_ping,
+    origin_of,
+)
 from sonar_tracking.active.contact_gating import SensorGeometry, sensor_geometry
 from sonar_tracking.active.contact_positions import PlacedContacts, place_contacts
 from sonar_tracking.active.contact_tracker_configuration import (
@@ -29,8 +34,9 @@ from sonar_tracking.active.particle_cloud import (
     predict_cloud,
     systematic_rows,
 )
-from sonar_tracking.active.records import Contacts, ContactTrackerUpdate, PositionTracks
+from sonar_tracking.active.records import Contacts, ContactTrackerUpdate
 from sonar_tracking.active.state_extraction import extract_states
+from sonar_tracking.active.track_list import TrackRows, shown_tracks, thresholds_without_gates
 from sonar_tracking.passive.records import TrackStatus
 
 FloatArray = NDArray[np.float64]
@@ -65,7 +71,12 @@ class DensityTracker:
         self._cloud = ParticleCloud(np.zeros((0, 4)), nothing.astype(np.int64), nothing)
         self._before: PlacedContacts | None = None
         self._next_id = configuration.first_id
-        self._stamp: int | None = None
+        self._last: PingOrigin | None = None
+
+    @property
+    def next_id(self) -> int:
+        """Identifier the next estimate will get."""
+        return self._next_id
 
     def update(self, contacts: Contacts) -> ContactTrackerUpdate:
         """Return number and states after one ping; each state gets an identity of its own.
@@ -75,21 +86,47 @@ class DensityTracker:
         InputError
             If the ping cannot be used; the state is then unchanged.
         """
-        contacts, notices = check_ping(contacts, self._stamp)
+        contacts, notices = check_ping(contacts, self._last)
         model, guessed = make_detection_model(contacts, self._configuration)
         placed = place_contacts(contacts, self._configuration.sound_speed)
         sensor = sensor_geometry(contacts, self._configuration.sound_speed)
-        interval = 0.0 if self._stamp is None else (contacts.stamp - self._stamp) * 1e-9
+        interval = self._interval(contacts.stamp)
         cloud = self._weighed(self._predicted(interval, model, sensor), placed, sensor, model)
         mass = float(np.sum(cloud.weight))
         states, covariances = extract_states(cloud, round(mass), self._generator)
         self._cloud = self._resampled(cloud, mass)
-        self._before, self._stamp = placed, contacts.stamp
+        self._before, self._last = placed, origin_of(contacts)
+        rows = self._listed(states, covariances, contacts.stamp)
         return ContactTrackerUpdate(
-            tracks=self._listed(states, covariances, contacts),
+            tracks=shown_tracks(rows, contacts.stamp, contacts.next_stamp),
             target_count=mass,
+            thresholds=thresholds_without_gates(contacts.stamp, contacts.next_stamp, model),
             notices=(*notices, *guessed),
         )
+
+    def coast(self, stamp: int, next_stamp: int) -> ContactTrackerUpdate:
+        """Return number and states predicted to a ping of which nothing else is known.
+
+        Raises
+        ------
+        InputError
+            If the stamp is not later than that of the ping before.
+        """
+        check_order(stamp, self._last)
+        interval = self._interval(stamp)
+        self._cloud = predict_cloud(self._cloud, self._motion, interval, self._generator)
+        self._last = self._last and self._last.moved_to(stamp)
+        mass = float(np.sum(self._cloud.weight))
+        states, covariances = extract_states(self._cloud, round(mass), self._generator)
+        rows = self._listed(states, covariances, stamp)
+        return ContactTrackerUpdate(
+            tracks=shown_tracks(rows, stamp, next_stamp),
+            target_count=mass,
+            thresholds=thresholds_without_gates(stamp, next_stamp),
+        )
+
+    def _interval(self, stamp: int) -> float:
+        return 0.0 if self._last is None else self._last.interval(stamp)
 
     def _predicted(
         self, interval: float, model: DetectionModel, sensor: SensorGeometry
@@ -150,21 +187,17 @@ class DensityTracker:
             cloud.state[rows] + noise, cloud.mode[rows], np.full(count, mass / count)
         )
 
-    def _listed(
-        self, states: FloatArray, covariances: FloatArray, contacts: Contacts
-    ) -> PositionTracks:
+    def _listed(self, states: FloatArray, covariances: FloatArray, stamp: int) -> TrackRows:
         count = len(states)
         identifiers = self._next_id + np.arange(count, dtype=np.int64)
         self._next_id += count
-        stamps = np.full(count, contacts.stamp, dtype=np.int64)
-        return PositionTracks(
-            stamp=contacts.stamp,
+        stamps = np.full(count, stamp, dtype=np.int64)
+        return TrackRows(
             id=identifiers,
             status=np.full(count, int(TrackStatus.CONFIRMED), dtype=np.int64),
-            existence_probability=np.full(count, np.nan),
+            existence=np.full(count, np.nan),
             state=states,
             covariance=covariances,
             initiated=stamps,
             updated=stamps,
-            next_stamp=contacts.next_stamp,
         )

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from sonar_tracking.errors import Notice
 from sonar_tracking.passive.records import UNKNOWN_STAMP
+from sonar_tracking.position_tracks import MAP_FRAME, PositionTracks
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -29,13 +30,13 @@ class Contacts:
     range : ndarray, shape (n,)
         Half the two-way travel time times the sound speed, m.
     azimuth : ndarray, shape (n,)
-        Direction of arrival in ``map``, rad.
+        Direction of arrival in ``frame_id``, rad.
     amplitude : ndarray, shape (n,) or (0,)
         Linear power, noise mean 1; empty = not measured.
     range_standard_deviation, azimuth_standard_deviation : float or ndarray, shape (n,)
-        m and rad; the same for all contacts, or one a contact.
+        m and rad; the same for all contacts, or one a contact. NaN = unknown.
     sensor_position, sensor_velocity : tuple of float
-        Of the sensor at the transmit time, in ``map``, m and m/s.
+        Of the sensor at the transmit time, in ``map``, m and m/s; NaN = unknown.
     detection_probability : float
         P_D at the threshold in force; NaN = take the parameter.
     false_alarm_probability : float
@@ -52,6 +53,20 @@ class Contacts:
         Of the survey, m; NaN = unknown.
     next_stamp : int
         Watermark, ns.
+    minimum_range : float
+        Of the survey, m; NaN = unknown.
+    minimum_azimuth, azimuth_width : float
+        Where the surveyed sector begins, in ``frame_id``, and how wide it is, rad; NaN = all
+        round.
+    ping_interval : float
+        To the next ping, s; NaN = unknown.
+    sensor_id : str
+        Name of the sensor, constant during a run.
+    frame_id : str
+        Frame of the azimuths: ``map``, or one that turns with the sensor.
+    sensor_yaw : float
+        Azimuth of +x of the sensor in ``map``, rad; NaN = unknown. Needed where the azimuths are
+        not in ``map``.
     """
 
     stamp: int
@@ -71,41 +86,13 @@ class Contacts:
     azimuth_resolution: float = np.nan
     maximum_range: float = np.nan
     next_stamp: int = UNKNOWN_STAMP
-
-
-@dataclass(frozen=True)
-class PositionTracks:
-    """Tracks at the stamp of a ping.
-
-    Attributes
-    ----------
-    stamp : int
-        Instant the states refer to, ns.
-    id : ndarray of int, shape (n,)
-        Never reused within a run.
-    status : ndarray of int, shape (n,)
-        Values of :class:`~sonar_tracking.passive.records.TrackStatus`.
-    existence_probability : ndarray, shape (n,)
-        0..1; NaN = not estimated.
-    state : ndarray, shape (n, 4)
-        x, y, vx, vy in ``map``.
-    covariance : ndarray, shape (n, 4, 4)
-        Of the state.
-    initiated, updated : ndarray of int, shape (n,)
-        Stamps of the first and the last contact, ns.
-    next_stamp : int
-        Watermark, ns.
-    """
-
-    stamp: int
-    id: IntArray
-    status: IntArray
-    existence_probability: FloatArray
-    state: FloatArray
-    covariance: FloatArray
-    initiated: IntArray
-    updated: IntArray
-    next_stamp: int = UNKNOWN_STAMP
+    minimum_range: float = np.nan
+    minimum_azimuth: float = np.nan
+    azimuth_width: float = np.nan
+    ping_interval: float = np.nan
+    sensor_id: str = "sonar"
+    frame_id: str = MAP_FRAME
+    sensor_yaw: float = np.nan
 
 
 @dataclass(frozen=True)
@@ -114,6 +101,8 @@ class GateThresholds:
 
     Attributes
     ----------
+    stamp : int
+        Of the ping, ns.
     track_id : ndarray of int, shape (n,)
         Track the gate belongs to.
     false_alarm_probability, threshold : ndarray, shape (n,)
@@ -126,8 +115,15 @@ class GateThresholds:
         Of the innovation, m^2.
     search_false_alarm_probability, search_threshold : float
         Outside the gates; NaN = unknown.
+    signal_to_noise_ratio_linear : ndarray, shape (n,)
+        Power ratio the thresholds were computed for.
+    method : str
+        How they were computed: a value of the parameter ``gate_threshold``.
+    next_stamp : int
+        Watermark, ns.
     """
 
+    stamp: int
     track_id: IntArray
     false_alarm_probability: FloatArray
     threshold: FloatArray
@@ -137,6 +133,9 @@ class GateThresholds:
     gate_covariance: FloatArray
     search_false_alarm_probability: float
     search_threshold: float
+    signal_to_noise_ratio_linear: FloatArray
+    method: str
+    next_stamp: int = UNKNOWN_STAMP
 
 
 @dataclass(frozen=True)
@@ -149,13 +148,13 @@ class ContactTrackerUpdate:
         The complete picture; a terminated track is told once.
     target_count : float
         Expected number of targets.
-    thresholds : GateThresholds or None
-        What was used in the gates; None where the tracker sets none.
+    thresholds : GateThresholds
+        What was used in the gates; without rows where the tracker has no gates.
     notices : tuple of Notice
         What a user should know.
     """
 
     tracks: PositionTracks
     target_count: float
-    thresholds: GateThresholds | None = None
+    thresholds: GateThresholds
     notices: tuple[Notice, ...] = field(default=())

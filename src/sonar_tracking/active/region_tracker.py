@@ -16,7 +16,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from sonar_tracking.active.contact_checks import check_ping
+from sonar_tracking.active.contact_checks import (
+    PingOrigin,
+    check_order,
+    check_ping,
+    origin_of,
+)
 from sonar_tracking.active.contact_gating import SensorGeometry, sensor_geometry
 from sonar_tracking.active.contact_positions import (
     PlacedContacts,
@@ -39,8 +44,9 @@ from sonar_tracking.active.particle_cloud import (
     predict_cloud,
     resample_cloud,
 )
-from sonar_tracking.active.records import Contacts, ContactTrackerUpdate, PositionTracks
+from sonar_tracking.active.records import Contacts, ContactTrackerUpdate
 from sonar_tracking.active.regions_of_interest import WINDOW, PolarContacts, find_regions
+from sonar_tracking.active.track_list import TrackRows, shown_tracks, thresholds_without_gates
 from sonar_tracking.passive.records import TrackStatus
 
 FloatArray = NDArray[np.float64]
@@ -83,7 +89,12 @@ class RegionTracker:
         self._window: list[PolarContacts] = []
         self._pending: list[tuple[FloatArray, int]] = []
         self._next_id = configuration.first_id
-        self._stamp: int | None = None
+        self._last: PingOrigin | None = None
+
+    @property
+    def next_id(self) -> int:
+        """Identifier the next track will get."""
+        return self._next_id
 
     def update(self, contacts: Contacts) -> ContactTrackerUpdate:
         """Return the tracks after one ping.
@@ -93,13 +104,13 @@ class RegionTracker:
         InputError
             If the ping cannot be used; the state is then unchanged.
         """
-        contacts, notices = check_ping(contacts, self._stamp)
+        contacts, notices = check_ping(contacts, self._last)
         model, guessed = make_detection_model(contacts, self._configuration)
         placed = place_contacts(contacts, self._configuration.sound_speed)
         sensor = sensor_geometry(contacts, self._configuration.sound_speed)
-        interval = 0.0 if self._stamp is None else (contacts.stamp - self._stamp) * 1e-9
-        self._stamp = contacts.stamp
-        self._follow(placed, sensor, model, interval, contacts.stamp)
+        self._predict(contacts.stamp)
+        self._last = origin_of(contacts)
+        self._follow(placed, sensor, model, contacts.stamp)
         polar = PolarContacts(placed.position, placed.distance, contacts.azimuth)
         self._window = [*self._window[-WINDOW:], polar]
         regions = find_regions(
@@ -112,26 +123,51 @@ class RegionTracker:
         free = self._attributed(regions, sensor)
         ended = [track for track in self._tracks if track.misses >= DEATH_COUNT]
         self._tracks = [track for track in self._tracks if track.misses < DEATH_COUNT]
-        self._start(free, sensor)
+        self._start(free, sensor, contacts.stamp)
         return ContactTrackerUpdate(
-            tracks=replace(self._listed(ended), next_stamp=contacts.next_stamp),
+            tracks=shown_tracks(self._listed(ended), contacts.stamp, contacts.next_stamp),
             target_count=float(len(self._tracks)),
+            thresholds=thresholds_without_gates(contacts.stamp, contacts.next_stamp, model),
             notices=(*notices, *guessed),
         )
+
+    def coast(self, stamp: int, next_stamp: int) -> ContactTrackerUpdate:
+        """Return the tracks predicted to a ping of which nothing else is known.
+
+        Raises
+        ------
+        InputError
+            If the stamp is not later than that of the ping before.
+        """
+        check_order(stamp, self._last)
+        self._predict(stamp)
+        self._last = self._last and self._last.moved_to(stamp)
+        rows = self._listed([])
+        coasted = np.full(len(rows.id), int(TrackStatus.COASTED), dtype=np.int64)
+        return ContactTrackerUpdate(
+            tracks=shown_tracks(replace(rows, status=coasted), stamp, next_stamp),
+            target_count=float(len(self._tracks)),
+            thresholds=thresholds_without_gates(stamp, next_stamp),
+        )
+
+    def _predict(self, stamp: int) -> None:
+        interval = 0.0 if self._last is None else self._last.interval(stamp)
+        self._tracks = [
+            replace(
+                track, cloud=predict_cloud(track.cloud, self._motion, interval, self._generator)
+            )
+            for track in self._tracks
+        ]
 
     def _follow(
         self,
         placed: PlacedContacts,
         sensor: SensorGeometry,
         model: DetectionModel,
-        interval: float,
         stamp: int,
     ) -> None:
-        """Predict and update all tracks with the joint association probabilities."""
-        clouds = [
-            predict_cloud(track.cloud, self._motion, interval, self._generator)
-            for track in self._tracks
-        ]
+        """Update all tracks with the joint association probabilities."""
+        clouds = [track.cloud for track in self._tracks]
         densities = [particle_densities(cloud.state, placed, sensor) for cloud in clouds]
         ratios = np.zeros((len(clouds), len(placed.distance)))
         clutter = model.clutter_density(placed.distance)
@@ -167,7 +203,7 @@ class RegionTracker:
             self._tracks[row] = replace(track, misses=0 if np.any(own) else track.misses + 1)
         return regions[free]
 
-    def _start(self, regions: FloatArray, sensor: SensorGeometry) -> None:
+    def _start(self, regions: FloatArray, sensor: SensorGeometry, stamp: int) -> None:
         """Count free regions from ping to ping and start tracks of those that last."""
         deviation = sensor.range_standard_deviation
         single: list[FloatArray] = []
@@ -185,32 +221,30 @@ class RegionTracker:
             if count < BIRTH_COUNT:
                 pending.append((region, count))
                 continue
-            self._tracks.append(self._born(region, sensor))
+            self._tracks.append(self._born(region, sensor, stamp))
         self._pending = pending
 
-    def _born(self, region: FloatArray, sensor: SensorGeometry) -> _RegionTrack:
+    def _born(self, region: FloatArray, sensor: SensorGeometry, stamp: int) -> _RegionTrack:
         covariance = np.zeros((4, 4))
         covariance[:2, :2] = _region_covariances(region[None], sensor)[0]
         covariance[2:, 2:] = self._configuration.initial_speed_deviation**2 * np.eye(2)
         mean = np.concatenate([region, np.zeros(2)])
         cloud = gaussian_cloud(mean, covariance, self._configuration.n_particles, self._generator)
-        stamp = self._stamp or 0
         track = _RegionTrack(self._next_id, cloud, 0, stamp, stamp)
         self._next_id += 1
         return track
 
-    def _listed(self, ended: list[_RegionTrack]) -> PositionTracks:
+    def _listed(self, ended: list[_RegionTrack]) -> TrackRows:
         tracks = [*self._tracks, *ended]
         status = [
             TrackStatus.CONFIRMED if track.misses == 0 else TrackStatus.COASTED
             for track in self._tracks
         ]
         moments = [track.cloud.moments() for track in tracks]
-        return PositionTracks(
-            stamp=self._stamp or 0,
+        return TrackRows(
             id=np.array([track.track_id for track in tracks], dtype=np.int64),
             status=np.array([*status, *[TrackStatus.TERMINATED] * len(ended)], dtype=np.int64),
-            existence_probability=np.full(len(tracks), np.nan),
+            existence=np.full(len(tracks), np.nan),
             state=np.array([mean for mean, _ in moments]).reshape(-1, 4),
             covariance=np.array([spread for _, spread in moments]).reshape(-1, 4, 4),
             initiated=np.array([track.initiated for track in tracks], dtype=np.int64),

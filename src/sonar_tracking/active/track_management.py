@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 from sonar_tracking.active.contact_gating import GatePairs
 from sonar_tracking.active.contact_positions import PlacedContacts
 from sonar_tracking.active.contact_tracker_configuration import ContactTrackerConfiguration
-from sonar_tracking.active.records import PositionTracks
 from sonar_tracking.active.track_bank import TrackBank
-from sonar_tracking.passive.records import UNKNOWN_STAMP, TrackStatus
+from sonar_tracking.active.track_list import TrackRows
+from sonar_tracking.passive.records import TrackStatus
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -165,15 +165,13 @@ class ListedTracks:
     detected: FloatArray
 
 
-def list_tracks(listed: ListedTracks, stamp: int, tentative_probability: float) -> PositionTracks:
+def list_tracks(listed: ListedTracks, tentative_probability: float) -> TrackRows:
     """Return the complete picture: confirmed tracks, likely candidates, and what has ended.
 
     Parameters
     ----------
     listed : ListedTracks
         Tracks and what became of them.
-    stamp : int
-        Of the ping, ns.
     tentative_probability : float
         Existence from which a candidate is shown.
     """
@@ -185,16 +183,14 @@ def list_tracks(listed: ListedTracks, stamp: int, tentative_probability: float) 
     likely = bank.confirmed | (bank.existence >= tentative_probability)
     rows = np.flatnonzero((listed.alive & likely) | (listed.was_confirmed & ~listed.alive))
     mean, covariance = bank.moments()
-    return PositionTracks(
-        stamp=stamp,
+    return TrackRows(
         id=bank.id[rows],
         status=status[rows],
-        existence_probability=bank.existence[rows],
+        existence=bank.existence[rows],
         state=mean[rows],
         covariance=covariance[rows],
         initiated=bank.initiated[rows],
         updated=bank.updated[rows],
-        next_stamp=UNKNOWN_STAMP,
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -174,7 +175,8 @@ class _Scored:
         tracks = update.tracks
         shown = np.isin(tracks.status, (TrackStatus.CONFIRMED, TrackStatus.COASTED))
         identity, state = tracks.id[shown], tracks.state[shown]
-        age = (tracks.stamp - tracks.initiated[shown]) * 1e-9 / PING_INTERVAL
+        # Stamps in seconds are rounded to a fraction of a microsecond; pings are whole numbers.
+        age = np.round((tracks.stamp * 1e-9 - tracks.initiated[shown]) / PING_INTERVAL, 3)
         separation = ping.state[:, None, :2] - state[None, :, :2]
         distance = np.hypot(separation[..., 0], separation[..., 1])
         assignment = assign(distance, CUTOFF, ORDER)
@@ -195,5 +197,5 @@ class _Scored:
         return cls(assignment, period, distance[pairs] ** 2, settled, estimates)
 
 
-def _identified(identity: NDArray[np.int64], state: FloatArray) -> FloatArray:
+def _identified(identity: NDArray[Any], state: FloatArray) -> FloatArray:
     return np.column_stack([identity.astype(np.float64), state[:, :2]])
