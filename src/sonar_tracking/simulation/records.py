@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sonar_tracking.passive.records import UNKNOWN_STAMP, ArraySnapshots, BearingTracks
+from sonar_tracking.passive.sample_records import ArraySamples
 
 FloatArray = NDArray[np.float64]
 
@@ -78,6 +79,34 @@ class SimulatedBlock:
     """
 
     snapshots: ArraySnapshots
+    truth_bearings: BearingTracks
+    truth_tracks: TruthTracks
+    own_ship: tuple[OwnShipState, ...]
+
+    @property
+    def start_stamp(self) -> int:
+        """Stamp of the first snapshot, ns."""
+        return self.snapshots.stamp
+
+    @property
+    def due_stamp(self) -> int:
+        """End of the block, ns."""
+        return self.own_ship[-1].stamp
+
+
+@dataclass(frozen=True)
+class SimulatedSamples:
+    """Everything that belongs to one block of element time series.
+
+    Attributes
+    ----------
+    samples : ArraySamples
+        The data.
+    truth_bearings, truth_tracks, own_ship
+        As in :class:`SimulatedBlock`.
+    """
+
+    samples: ArraySamples
     truth_bearings: BearingTracks
     truth_tracks: TruthTracks
     own_ship: tuple[OwnShipState, ...]
