@@ -30,7 +30,6 @@ from sonar_tracking.graph.message_fields import (
 from sonar_tracking.messages.fields import check_columns
 from sonar_tracking.messages.reading import (
     ARRAY_REALS,
-    CONE,
     TRACK_REALS,
     TRACK_WIDTHS,
     bearing_tracks_from_message,
@@ -91,14 +90,16 @@ def subspaces_to_message(record: SubspaceEstimates) -> SubspaceEstimatesMessage:
 
 
 def bearing_tracks_to_message(record: BearingTracks) -> BearingTracksMessage:
-    """Return bearing tracks (cone angles) as a message."""
-    message = BearingTracksMessage(angle_kind=CONE)
+    """Return bearing tracks as a message."""
+    message = BearingTracksMessage(angle_kind=int(record.angle_kind))
     set_stamps(message, record.stamp, record.next_stamp)
     set_sensor(message, record.sensor)
     message.id = packed(record.id, "uint64")
     message.status = packed(record.status, "uint8")
     message.covariance = packed(record.covariance)
     message.ambiguous = [bool(value) for value in record.ambiguous]
+    message.elevation = packed(record.elevation)
+    message.elevation_variance = packed(record.elevation_variance)
     for name in TRACK_REALS:
         setattr(message, name, packed(getattr(record, name)))
     check_columns(message, "id", TRACK_WIDTHS)

@@ -22,7 +22,12 @@ from sonar_tracking.messages.fields import (
     sensor,
     stamp_from_time,
 )
-from sonar_tracking.passive.records import ArraySnapshots, BearingTracks, SubspaceEstimates
+from sonar_tracking.passive.records import (
+    AngleKind,
+    ArraySnapshots,
+    BearingTracks,
+    SubspaceEstimates,
+)
 from sonar_tracking.simulation.records import OwnShipState
 
 CONE = 0
@@ -106,11 +111,43 @@ def subspaces_from_message(message: Any) -> SubspaceEstimates:
 
 
 def bearing_tracks_from_message(message: Any) -> BearingTracks:
-    """Return the bearing tracks a message carries; a column not reported is NaN (or zero)."""
+    """Return the bearing tracks a message carries, if they are cone angles.
+
+    Raises
+    ------
+    InputError
+        When they are azimuths, or columns have unequal lengths.
+    """
     if message.angle_kind != CONE:
         raise InputError(
             f"BearingTracks.angle_kind is {message.angle_kind}; only cone angles (0) are "
             "understood here, so send arrival angles from array broadside."
+        )
+    return directions_from_message(message)
+
+
+def directions_from_message(message: Any) -> BearingTracks:
+    """Return the bearing tracks a message carries, cone angles or azimuths.
+
+    Parameters
+    ----------
+    message : BearingTracks
+        Received, or decoded from a bag.
+
+    Returns
+    -------
+    BearingTracks
+        A column not reported is NaN (or zero); elevations stay empty then.
+
+    Raises
+    ------
+    InputError
+        When the kind of angle is not known, or columns have unequal lengths.
+    """
+    if message.angle_kind not in tuple(AngleKind):
+        raise InputError(
+            f"BearingTracks.angle_kind is {message.angle_kind}; it must be 0 (cone angles from "
+            "array broadside) or 1 (azimuths in the frame of the header)."
         )
     rows = check_columns(message, "id", TRACK_WIDTHS)
     reals = {name: _rows_or_nan(message, name, (rows,)) for name in TRACK_REALS}
@@ -122,6 +159,9 @@ def bearing_tracks_from_message(message: Any) -> BearingTracks:
         ambiguous=_rows_or_zero(message, "ambiguous", rows, "bool"),
         next_stamp=stamp_from_time(message.next_stamp),
         sensor=sensor(message),
+        angle_kind=AngleKind(message.angle_kind),
+        elevation=column(message, "elevation"),
+        elevation_variance=column(message, "elevation_variance"),
         **reals,
     )
 
