@@ -7,6 +7,7 @@ from sonar_tracking.motion import (
     Trajectory,
     Turn,
     azimuth_from_compass,
+    compass_from_azimuth,
     emission_times,
     wrap_angle,
 )
@@ -18,6 +19,11 @@ from sonar_tracking.motion import (
 def test_compass_is_clockwise_from_north(compass_deg: float, azimuth_deg: float) -> None:
     difference = wrap_angle(azimuth_from_compass(compass_deg) - np.radians(azimuth_deg))
     assert difference == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("compass_deg", [0.0, 45.0, 90.0, 200.0, 359.0])
+def test_compass_and_azimuth_are_inverse(compass_deg: float) -> None:
+    assert compass_from_azimuth(azimuth_from_compass(compass_deg)) == pytest.approx(compass_deg)
 
 
 def test_straight_leg_extends_backwards_in_time() -> None:

@@ -33,6 +33,11 @@ def azimuth_from_compass(compass_deg: ArrayLike) -> FloatArray:
     return wrap_angle(np.pi / 2.0 - np.radians(compass_deg))
 
 
+def compass_from_azimuth(azimuth: ArrayLike) -> FloatArray:
+    """Return the compass angle (deg from north, in [0, 360)) of an azimuth (rad, from east)."""
+    return np.mod(90.0 - np.degrees(azimuth), 360.0)
+
+
 @dataclass(frozen=True)
 class Turn:
     """A turn of constant rate to a new heading, the shorter way round.

@@ -5,11 +5,13 @@ from __future__ import annotations
 from types import TracebackType
 from typing import Protocol
 
+import numpy as np
 from rich.console import Console
 from rich.live import Live
 
 from sonar_tracking.display.track_table import GraphState, TrackTable
-from sonar_tracking.passive.records import BearingTracks
+from sonar_tracking.passive.records import BearingTracks, TrackStatus
+from sonar_tracking.position_tracks import PositionTracks
 
 REFRESH_SECONDS = 0.25
 LINE_SECONDS = 10.0
@@ -31,7 +33,14 @@ class RunDisplay(Protocol):
         """Show a sentence that stays."""
 
     def tracks(self, tracks: BearingTracks) -> None:
-        """Take the newest tracks."""
+        """Take the newest bearing tracks."""
+
+    def position_tracks(self, topic: str, tracks: PositionTracks) -> None:
+        """Take the newest position tracks of a topic, e.g. ``"/active/tracks"``.
+
+        May be called for any number of topics at any time; a topic is shown from its first
+        picture on, the newest picture of each.
+        """
 
     def due(self, wall: float) -> bool:
         """Return whether it is time to call :meth:`show`."""
@@ -66,8 +75,12 @@ class LiveDisplay:
         self._console.print(sentence, highlight=False, markup=False)
 
     def tracks(self, tracks: BearingTracks) -> None:
-        """Take the newest tracks."""
+        """Take the newest bearing tracks."""
         self._table.add(tracks)
+
+    def position_tracks(self, topic: str, tracks: PositionTracks) -> None:
+        """Take the newest position tracks of a topic."""
+        self._table.add_positions(topic, tracks)
 
     def due(self, wall: float) -> bool:
         """Return whether the table is old."""
@@ -85,8 +98,7 @@ class LineDisplay:
     def __init__(self, console: Console) -> None:
         self._console = console
         self._shown: float | None = None
-        self._activity = ""
-        self._n_tracks = 0
+        self._counts: dict[str, int] = {}
 
     def __enter__(self) -> LineDisplay:
         return self
@@ -104,8 +116,13 @@ class LineDisplay:
         self._console.print(sentence, highlight=False, markup=False, soft_wrap=True)
 
     def tracks(self, tracks: BearingTracks) -> None:
-        """Take the newest tracks."""
-        self._n_tracks = len(tracks.id)
+        """Take the newest bearing tracks."""
+        self._counts["bearing tracks"] = len(tracks.id)
+
+    def position_tracks(self, topic: str, tracks: PositionTracks) -> None:
+        """Take the newest position tracks of a topic; tentative and ended ones are not counted."""
+        status = np.isin(tracks.status, (TrackStatus.CONFIRMED, TrackStatus.COASTED))
+        self._counts[f"in {topic}"] = int(np.count_nonzero(status))
 
     def due(self, wall: float) -> bool:
         """Return whether a line is due."""
@@ -116,7 +133,8 @@ class LineDisplay:
     def show(self, state: GraphState, wall: float) -> None:
         """Print one line."""
         self._shown = wall
+        counts = [f"{count} {name}" for name, count in sorted(self._counts.items())]
         self.say(
             f"{state.activity}: {state.data_seconds:.1f} s of data in {state.wall_seconds:.1f} s, "
-            f"{self._n_tracks} tracks, backlog {state.backlog}"
+            f"{', '.join(counts) or 'no tracks'}, backlog {state.backlog}"
         )

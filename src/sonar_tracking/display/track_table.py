@@ -12,16 +12,12 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from sonar_tracking.display.position_table import STATUS_STYLE, position_table
 from sonar_tracking.passive.records import BearingTracks, TrackStatus
+from sonar_tracking.position_tracks import PositionTracks
 
 PICTURE_COLUMNS = 61
 PICTURE_ROWS = 16
-_STATUS_STYLE = {
-    TrackStatus.TENTATIVE: "yellow",
-    TrackStatus.CONFIRMED: "green",
-    TrackStatus.COASTED: "magenta",
-    TrackStatus.TERMINATED: "dim",
-}
 
 
 @dataclass(frozen=True)
@@ -48,9 +44,10 @@ class GraphState:
 
 
 class TrackTable:
-    """Draws the tracks, their recent bearings and the state of the graph."""
+    """Draws the tracks, their recent bearings, positions and the state of the graph."""
 
     def __init__(self) -> None:
+        self._positions: dict[str, PositionTracks] = {}
         self._first_seen: dict[int, int] = {}
         self._history: deque[BearingTracks] = deque(maxlen=PICTURE_ROWS)
 
@@ -63,16 +60,17 @@ class TrackTable:
         for identifier in tracks.id:
             self._first_seen.setdefault(int(identifier), tracks.stamp)
 
+    def add_positions(self, topic: str, tracks: PositionTracks) -> None:
+        """Take the newest positions of a topic."""
+        self._positions[topic] = tracks
+
     def render(self, state: GraphState) -> RenderableType:
-        """Return what to show."""
-        rate = state.data_seconds / state.wall_seconds if state.wall_seconds > 0 else 0.0
-        head = Text.assemble(
-            (state.scenario, "bold"),
-            f"  {state.data_seconds:7.1f} s of data  {rate:4.1f} x real time  ",
-            f"backlog {state.backlog}  ",
-            (state.activity, "cyan"),
-        )
-        return Group(head, self._table(), bearing_time_picture(list(self._history)))
+        """Return what to show: bearings unless there are only positions, then the positions."""
+        parts: list[RenderableType] = [_head(state)]
+        if self._history or not self._positions:
+            parts += [self._table(), bearing_time_picture(list(self._history))]
+        parts += [position_table(*entry) for entry in sorted(self._positions.items())]
+        return Group(*parts)
 
     def _table(self) -> Table:
         table = Table(show_edge=False, pad_edge=False)
@@ -89,7 +87,7 @@ class TrackTable:
             age = (tracks.stamp - self._first_seen[identifier]) / 1e9
             table.add_row(
                 str(identifier),
-                Text(status.name.lower(), style=_STATUS_STYLE[status]),
+                Text(status.name.lower(), style=STATUS_STYLE[status]),
                 f"{math.degrees(tracks.arrival_angle[row]):+.2f}",
                 f"{math.degrees(tracks.arrival_angle_rate[row]):+.2f}",
                 f"{math.degrees(math.sqrt(max(tracks.covariance[row, 0, 0], 0.0))):.2f}",
@@ -97,6 +95,16 @@ class TrackTable:
                 f"{age:.0f}",
             )
         return table
+
+
+def _head(state: GraphState) -> Text:
+    rate = state.data_seconds / state.wall_seconds if state.wall_seconds > 0 else 0.0
+    return Text.assemble(
+        (state.scenario, "bold"),
+        f"  {state.data_seconds:7.1f} s of data  {rate:4.1f} x real time  ",
+        f"backlog {state.backlog}  ",
+        (state.activity, "cyan"),
+    )
 
 
 def bearing_time_picture(history: Sequence[BearingTracks]) -> Text:
