@@ -1,4 +1,4 @@
-"""Starts the nodes of the passive chain on a simulated array.
+"""Starts the nodes of a scenario.
 
     ros2 launch sonar_tracking pipeline.launch.py scenario:=doa_fusion
 
@@ -12,7 +12,7 @@ from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
-from sonar_tracking.graph.node_catalogue import NODES
+from sonar_tracking.graph.scenario_graph import started_nodes, with_published_topics
 from sonar_tracking.graph.transport_profile import choose_transport
 from sonar_tracking.simulation.scenario import load_scenario
 
@@ -51,13 +51,17 @@ def start_nodes(context: LaunchContext) -> list[Node]:
     parameter_file = LaunchConfiguration("parameters").perform(context)
     use_sim_time = LaunchConfiguration("use_sim_time").perform(context) == "true"
     scenario = load_scenario(name)
+    nodes = started_nodes(scenario, name)
     block_samples = scenario.array.n_elements * scenario.array.block_snapshots
     transport = choose_transport(BYTES_PER_SAMPLE * block_samples, n_publishers=1)
+    given = with_published_topics(nodes, scenario.nodes, scenario.namespaces)
     parameters: dict[str, dict[str, object]] = {
-        node: {key: value for key, value in scenario.nodes.get(node, {}).items() if value != ()}
-        for node in NODES
+        node.name: {key: value for key, value in given.get(node.name, {}).items() if value != ()}
+        for node in nodes
     }
-    parameters["array_simulator"]["scenario"] = name
+    for node in nodes:
+        if node.serves_clock:
+            parameters[node.name]["scenario"] = name
     return [
         Node(
             package="sonar_tracking",
@@ -75,5 +79,5 @@ def start_nodes(context: LaunchContext) -> list[Node]:
             },
             output="screen",
         )
-        for node in NODES.values()
+        for node in nodes
     ]

@@ -122,3 +122,14 @@ def test_flush_gives_the_rest_in_order_and_forgets() -> None:
     assert [item.stamp for item in join.flush()] == [5, 7]
     assert join.waits_for() == ()
     assert join.push("a", 1, END_OF_DATA, "a1") == ()
+
+
+def test_too_much_waiting_runs_without_what_it_waits_for() -> None:
+    """A source that is never started must not fill the memory, nor silence the node for good."""
+    join = EventTimeJoin(["a"], series={"pose": linear}, capacity=2)
+    assert join.push("a", 1, 2, "a1") == ()
+    assert join.push("a", 2, 3, "a2") == ()
+    (item,) = join.push("a", 3, 4, "a3")
+    assert (item.stamp, item.series, item.not_awaited) == (1, {"pose": None}, ("pose",))
+    released = join.push("pose", 3, 0, 0.0)
+    assert [(item.stamp, item.not_awaited) for item in released] == [(2, ()), (3, ())]

@@ -21,13 +21,13 @@ def compared(recorded: list[str], replayed: list[str], recovery: str | None = No
     }
     bag: Any = SimpleNamespace(topics=topics, recovery=recovery)
     record = TopicRecord(TYPE, keep_steps=True)
-    truth: list[bytes] = []
-    comparison = ReplayComparison(bag, {OUTPUT: record}, truth.append, TRUTH)
+    truth: list[tuple[str, bytes]] = []
+    comparison = ReplayComparison(bag, {OUTPUT: record}, lambda *taken: truth.append(taken))
     assert comparison.topics == {OUTPUT, TRUTH}
     for frame in recorded:
         comparison.take(BagMessage(OUTPUT, 1, serialize_message(Header(frame_id=frame))))
     comparison.take(BagMessage(TRUTH, 1, b"truth"))
-    assert truth == [b"truth"]
+    assert truth == [(TRUTH, b"truth")]
     for frame in replayed:
         record.add(serialize_message(Header(frame_id=frame)))
     phrase = comparison.result()[OUTPUT]

@@ -90,3 +90,22 @@ def test_without_watermarks_only_order_counts() -> None:
     for stamp in (START, START + BLOCK, START + 7 * BLOCK):
         assert guard.check(stamp, 0, "").verdict is Verdict.ACCEPT
     assert guard.check(START + 2 * BLOCK, 0, "").verdict is Verdict.REJECT
+
+
+def test_what_is_left_from_before_another_input_began_again_is_ignored() -> None:
+    """Queues empty at their own pace: old data of one input must not reset the node again."""
+    guard = StampGuard("/own_ship/odometry", 10 * SECOND)
+    guard.check(100 * SECOND, 0, "")
+    guard.expect_new_beginning(1 * SECOND)
+    assert guard.check(101 * SECOND, 0, "").verdict is Verdict.DUPLICATE
+    assert guard.check(1 * SECOND, 0, "").verdict is Verdict.ACCEPT
+    assert guard.check(2 * SECOND, 0, "").verdict is Verdict.ACCEPT
+
+
+def test_an_input_that_never_begins_again_is_used_in_the_end() -> None:
+    guard = StampGuard("/own_ship/odometry", 10 * SECOND)
+    guard.check(100 * SECOND, 0, "")
+    guard.expect_new_beginning(1 * SECOND)
+    verdicts = [guard.check((101 + n) * SECOND, 0, "").verdict for n in range(300)]
+    assert verdicts[0] is Verdict.DUPLICATE
+    assert verdicts[-1] is Verdict.ACCEPT

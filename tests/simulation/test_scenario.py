@@ -175,3 +175,21 @@ def test_unknown_scenario_suggests_the_nearest() -> None:
 def test_node_parameters_pass_through() -> None:
     scenario = scenario_from_mapping(minimal(nodes={"listener": {"a": 3, "b": [1, 2.5]}}), "x")
     assert scenario.nodes == {"listener": {"a": 3, "b": (1, 2.5)}}
+
+
+def test_a_scenario_without_an_array_stays_without_one() -> None:
+    """What is recorded of a scenario must not bring in a sensor that was not there."""
+    ship = {"motion": {"kind": "kinematic", "position": [500.0, 0.0]}}
+    scenario = scenario_from_mapping({"active_sonar": {}, "targets": [ship]}, "x")
+    assert scenario.sensors == ("active_sonar",)
+    assert scenario.step == scenario.active_sonar.ping_interval  # type: ignore[union-attr]
+    mapping = scenario_to_mapping(scenario)
+    assert "array" not in mapping
+    assert scenario_from_mapping(mapping, "x") == scenario
+
+
+def test_bearings_alone_are_nothing_to_an_active_sonar() -> None:
+    with pytest.raises(ConfigurationError, match=r"targets\[0\]\.motion gives bearings only"):
+        scenario_from_mapping(
+            {"active_sonar": {}, "targets": [{"motion": {"kind": "arctangent"}}]}, "x"
+        )

@@ -50,11 +50,11 @@ class ControlNode:
         Called with topic, serialised message and wall time (s) of every data message.
     announced : callable
         Called with topic, stamp (ns) and wall time (s) when a producer announces a message.
+    sources : tuple of str
+        Nodes that serve the clock.
 
     Attributes
     ----------
-    served : int or None
-        Instant up to which the simulator has served the clock, ns.
     notices : dict of str to str
         The latest sentence of every status that is, or was, not in order.
     errors : dict of str to str
@@ -62,7 +62,12 @@ class ControlNode:
     """
 
     def __init__(
-        self, ledger: FlowLedger, matched: MatchedEdges, observer: Observer, announced: Announced
+        self,
+        ledger: FlowLedger,
+        matched: MatchedEdges,
+        observer: Observer,
+        announced: Announced,
+        sources: tuple[str, ...] = (),
     ) -> None:
         self._ledger = ledger
         self._matched = matched
@@ -70,7 +75,7 @@ class ControlNode:
         self._announced = announced
         self._observed: dict[str, int] = {}
         self._publishers: dict[str, Publisher] = {}
-        self.served: int | None = None
+        self._served: dict[str, int | None] = dict.fromkeys(sources)
         self.notices: dict[str, str] = {}
         self.errors: dict[str, str] = {}
         self._context = Context()
@@ -98,6 +103,13 @@ class ControlNode:
         self._executor.shutdown()
         self._node.destroy_node()
         rclpy.shutdown(context=self._context)
+
+    @property
+    def served(self) -> int | None:
+        """Instant up to which every source has served the clock, ns; None before."""
+        instants = [instant for instant in self._served.values() if instant is not None]
+        everyone = len(instants) == len(self._served)
+        return min(instants) if instants and everyone else None
 
     def observe(self, topic: Topic) -> None:
         """Subscribe to a data topic as raw bytes."""
@@ -154,7 +166,7 @@ class ControlNode:
         wall = time.monotonic()
         stamp = stamp_from_time(message.header.stamp)
         if message.topic == CLOCK_TOPIC:
-            self.served = stamp
+            self._served[message.node] = stamp
             self._ledger.changes += 1
         elif self._ledger.producer(message.topic) == message.node:
             self._ledger.published(message.node, message.topic, message.count)

@@ -23,6 +23,9 @@ from typing import Any
 
 from sonar_tracking.passive.records import END_OF_DATA, UNKNOWN_STAMP
 
+CAPACITY = 2000
+"""Items that wait for an input that is late, before they no longer do."""
+
 Interpolation = Callable[[Any, Any, float], Any]
 """``interpolate(before, after, fraction)`` with fraction from 0 to 1."""
 
@@ -41,12 +44,15 @@ class JoinedItem:
         Item of each topic; an absent member of a group has no entry.
     series : dict of str to object
         Value of each series at the stamp; None = not known there.
+    not_awaited : tuple of str
+        Topics that could still have brought something, but too much was waiting for them.
     """
 
     stamp: int
     topic: str
     items: dict[str, Any]
     series: dict[str, Any] = field(default_factory=dict)
+    not_awaited: tuple[str, ...] = ()
 
 
 class EventTimeJoin:
@@ -60,6 +66,8 @@ class EventTimeJoin:
         Topics that share stamps, per group.
     series : mapping of str to callable
         Topics of time series, each with its interpolation.
+    capacity : int
+        Most items that wait; beyond it the earliest runs without what it waits for.
     """
 
     def __init__(
@@ -67,10 +75,12 @@ class EventTimeJoin:
         streams: Sequence[str] = (),
         groups: Sequence[Sequence[str]] = (),
         series: Mapping[str, Interpolation] | None = None,
+        capacity: int = CAPACITY,
     ) -> None:
         lanes = [_Lane((topic,)) for topic in streams] + [_Lane(group) for group in groups]
         self._lanes = sorted(lanes, key=lambda lane: lane.name)
         self._lane_of = {topic: lane for lane in lanes for topic in lane.topics}
+        self._capacity = capacity
         self._series = {topic: _Series(function) for topic, function in (series or {}).items()}
 
     def push(self, topic: str, stamp: int, next_stamp: int, item: Any) -> tuple[JoinedItem, ...]:
@@ -119,10 +129,14 @@ class EventTimeJoin:
         return tuple(sorted(topics))
 
     def _released(self, flush: bool) -> Iterator[JoinedItem]:
-        while (lane := self._earliest()) is not None and (flush or not self.waits_for()):
+        while (lane := self._earliest()) is not None:
+            awaited = self.waits_for()
+            full = sum(each.waiting() for each in self._lanes) > self._capacity
+            if awaited and not flush and not full:
+                return
             stamp = lane.head_stamp()
             values = {topic: series.at(stamp) for topic, series in self._series.items()}
-            yield JoinedItem(stamp, lane.name, lane.take(stamp), values)
+            yield JoinedItem(stamp, lane.name, lane.take(stamp), values, () if flush else awaited)
             needed = min(each.bound() for each in self._lanes)
             for series in self._series.values():
                 series.forget_before(needed)
@@ -155,6 +169,10 @@ class _Lane:
     def head_stamp(self) -> int:
         """Stamp of the earliest waiting item; END_OF_DATA = none waits."""
         return min((queue[0][0] for queue in self._queues.values() if queue), default=END_OF_DATA)
+
+    def waiting(self) -> int:
+        """Count the items that wait."""
+        return sum(map(len, self._queues.values()))
 
     def bound(self) -> int:
         """Nothing earlier than this can come out of the lane any more."""

@@ -64,6 +64,8 @@ class GraphPlan:
         In the order they are listed for people.
     offered : tuple of Topic
         Data topics the orchestration publishes itself (a replay's inputs).
+    sources : tuple of str
+        Names of the nodes that publish what is due up to ``/clock``.
     transport : TransportChoice
         Transport of the processes.
     """
@@ -71,6 +73,7 @@ class GraphPlan:
     scenario: str
     nodes: tuple[PlannedNode, ...]
     offered: tuple[Topic, ...] = ()
+    sources: tuple[str, ...] = ()
     transport: TransportChoice = field(default_factory=TransportChoice)
 
     def topics(self) -> dict[str, Topic]:

@@ -5,10 +5,11 @@ The documentation, the launch file and the orchestration read it, and so do the 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from sonar_tracking.configuration import ParameterDescription, describe
-from sonar_tracking.graph.node_configuration import ArraySimulatorConfiguration, NodeConfiguration
+from sonar_tracking.graph.node_configuration import NodeConfiguration, SimulatorConfiguration
 from sonar_tracking.graph.topics import (
     BEARING_TRACKS,
     ODOMETRY,
@@ -38,8 +39,19 @@ class NodeDescription:
         Configuration dataclasses its ROS parameters are declared from.
     inputs, outputs : tuple of Topic
         Data topics it subscribes to and publishes.
-    serves_clock : bool
-        True for a source of data: it emits everything due up to ``/clock``.
+    section : str
+        Of a source of data: the section of a scenario it simulates. It emits everything due up to
+        ``/clock``.
+    on_request : bool
+        Started only if the scenario names it under ``nodes``, not whenever its inputs are there.
+    topic_parameters : mapping of str to Topic
+        Inputs that may be several topics of one kind, by the parameter that lists their names;
+        a scenario that does not set the parameter gets whatever its nodes publish. The first kind
+        is needed, the others are optional.
+    station_outputs : tuple of Topic
+        Published once for every station of the section, in the namespace of the station.
+    markers : tuple of Topic
+        Pictures for RViz and Foxglove; they are neither recorded nor compared.
     """
 
     name: str
@@ -48,7 +60,16 @@ class NodeDescription:
     configurations: tuple[type, ...]
     inputs: tuple[Topic, ...]
     outputs: tuple[Topic, ...]
-    serves_clock: bool = False
+    section: str = ""
+    on_request: bool = False
+    topic_parameters: Mapping[str, Topic] = field(default_factory=dict)
+    station_outputs: tuple[Topic, ...] = ()
+    markers: tuple[Topic, ...] = ()
+
+    @property
+    def serves_clock(self) -> bool:
+        """Whether it is a source of data."""
+        return bool(self.section)
 
     @property
     def parameters(self) -> tuple[ParameterDescription, ...]:
@@ -60,10 +81,10 @@ ARRAY_SIMULATOR = NodeDescription(
     name="array_simulator",
     module="sonar_tracking.graph.array_simulator",
     description="publishes the snapshots, own ship and truth of a scenario",
-    configurations=(ArraySimulatorConfiguration, NodeConfiguration),
+    configurations=(SimulatorConfiguration, NodeConfiguration),
     inputs=(),
     outputs=(SNAPSHOTS, TRUE_BEARING_TRACKS, TRUE_TRACKS, ODOMETRY),
-    serves_clock=True,
+    section="array",
 )
 SUBSPACE_ESTIMATOR = NodeDescription(
     name="subspace_estimator",

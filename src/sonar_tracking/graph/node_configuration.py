@@ -27,8 +27,8 @@ class NodeConfiguration:
 
 
 @dataclass(frozen=True)
-class ArraySimulatorConfiguration:
-    """Parameters of the node ``array_simulator``."""
+class SimulatorConfiguration:
+    """Parameters of every node that simulates a sensor."""
 
     scenario: str = parameter(
         "doa_fusion", "name of a scenario, path of a YAML file, or the YAML text itself"

@@ -83,7 +83,7 @@ def with_room_for_bursts(settings: NodeSettings, block_seconds: float) -> NodeSe
     settings : mapping
         Of every node.
     block_seconds : float
-        Length of a block of snapshots, s.
+        Step of the clock, s.
     """
     period = settings.get(SUBSPACE_ESTIMATOR.name, {}).get("period")
     if not isinstance(period, float):
@@ -91,7 +91,7 @@ def with_room_for_bursts(settings: NodeSettings, block_seconds: float) -> NodeSe
     needed = 2 * FLOW_WINDOW * math.ceil(block_seconds / period)
     return {
         name: {**values, "flow_depth": min(max(int(str(values["flow_depth"])), needed), _DEEPEST)}
-        if name in (SUBSPACE_ESTIMATOR.name, BEARING_TRACKER.name)
+        if NODES[name].inputs
         else values
         for name, values in settings.items()
     }

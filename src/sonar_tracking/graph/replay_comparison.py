@@ -18,17 +18,14 @@ class ReplayComparison:
     replayed : mapping of str to TopicRecord
         What the replay publishes, by topic.
     take_truth : callable
-        Takes each recorded true picture of the bearings.
-    truth_topic : str
-        Where those are recorded.
+        Takes topic and message of each recorded true picture.
     """
 
     def __init__(
         self,
         bag: Bag,
         replayed: Mapping[str, TopicRecord],
-        take_truth: Callable[[bytes], None],
-        truth_topic: str,
+        take_truth: Callable[[str, bytes], None],
     ) -> None:
         self._recorded = {
             name: TopicRecord(topic.type_name, keep_steps=True)
@@ -37,14 +34,14 @@ class ReplayComparison:
         }
         self._replayed = replayed
         self._take_truth = take_truth
-        self._truth_topic = truth_topic
+        self._truth = {name for name, topic in bag.topics.items() if topic.role == "truth"}
         self._cut_off = bag.recovery is not None
-        self.topics = {*self._recorded, *({truth_topic} & set(bag.topics))}
+        self.topics = {*self._recorded, *self._truth}
 
     def take(self, message: BagMessage) -> None:
         """Take a recorded message that is not played."""
-        if message.topic == self._truth_topic:
-            self._take_truth(message.data)
+        if message.topic in self._truth:
+            self._take_truth(message.topic, message.data)
         elif message.topic in self._recorded:
             self._recorded[message.topic].add(message.data)
 

@@ -12,8 +12,8 @@ from sonar_tracking.bags.reader import Bag, read_bag
 from sonar_tracking.bags.repair import repair_bag
 from sonar_tracking.display.run_display import RunDisplay
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.graph.graph_plan import FLOW_WINDOW, GraphPlan, resolved
-from sonar_tracking.graph.node_catalogue import NODES, NodeDescription
+from sonar_tracking.graph.graph_plan import FLOW_WINDOW, GraphPlan, PlannedNode, resolved
+from sonar_tracking.graph.node_catalogue import NODES
 from sonar_tracking.graph.node_settings import (
     NodeSettings,
     read_settings,
@@ -25,8 +25,8 @@ from sonar_tracking.graph.recording_plan import planned_recorder, recording_hint
 from sonar_tracking.graph.replay_comparison import ReplayComparison
 from sonar_tracking.graph.run_options import RunOptions
 from sonar_tracking.graph.run_report import RunReport
-from sonar_tracking.graph.run_scenario import planned
-from sonar_tracking.graph.topics import SNAPSHOTS, TRUE_BEARING_TRACKS, Topic
+from sonar_tracking.graph.scenario_graph import planned_nodes
+from sonar_tracking.graph.topics import SNAPSHOTS, Topic
 from sonar_tracking.graph.transport_profile import choose_transport
 from sonar_tracking.passive.records import NANOSECONDS
 
@@ -74,9 +74,8 @@ def replay_bag(
     from sonar_tracking.graph.player import Player
     from sonar_tracking.graph.run_observer import RunObserver
 
-    observer = RunObserver(plan.topics(), display.tracks, keep_steps=True)
-    truth = resolved(TRUE_BEARING_TRACKS)
-    comparison = ReplayComparison(bag, observer.records, observer.take_truth, truth)
+    observer = RunObserver(plan.topics(), display, keep_steps=True)
+    comparison = ReplayComparison(bag, observer.records, observer.take_truth)
     inputs = set(plan.offered_names())
     try:
         with ControlNode(
@@ -117,9 +116,9 @@ def plan_replay(
         If the bag holds nothing the nodes take.
     """
     descriptions = [NODES[name] for name in settings]
-    offered = _offered(bag, descriptions)
     settings = with_room_for_bursts(settings, _block_seconds(bag))
-    nodes = tuple(planned(description, settings) for description in descriptions)
+    nodes = planned_nodes(descriptions, settings)
+    offered = _offered(bag, nodes)
     scenario = dict(bag.recording.scenario) if bag.recording else {}
     if options.record is not None:
         topics = [*offered, *(topic for node in nodes for topic in node.publishers)]
@@ -166,19 +165,21 @@ def _settings(bag: Bag, parameters: Path | None) -> NodeSettings:
     return resolved_settings(given, processing, where)
 
 
-def _offered(bag: Bag, descriptions: list[NodeDescription]) -> tuple[Topic, ...]:
+def _offered(bag: Bag, nodes: tuple[PlannedNode, ...]) -> tuple[Topic, ...]:
     """Return the topics to play: recorded inputs, and whatever else the nodes need of the bag."""
     known = {resolved(topic): topic for node in NODES.values() for topic in node.outputs}
-    computed = {topic for description in descriptions for topic in description.outputs}
-    wanted = {topic for description in descriptions for topic in description.inputs} - computed
+    computed = {resolved(topic) for node in nodes for topic in node.publishers}
+    needed = {resolved(topic): topic for node in nodes for topic in node.subscriptions}
+    wanted = needed.keys() - computed
+    known |= needed
     offered = tuple(
         known[name]
         for name, topic in bag.topics.items()
         if name in known
         and topic.message_count
-        and (known[name] in wanted or (topic.role == "input" and known[name] not in computed))
+        and (name in wanted or (topic.role == "input" and name not in computed))
     )
-    missing = sorted(resolved(topic) for topic in wanted - set(offered))
+    missing = sorted(wanted - {resolved(topic) for topic in offered})
     if missing:
         there = ", ".join(
             f"{topic.name} ({topic.role}, {topic.message_count} messages)"

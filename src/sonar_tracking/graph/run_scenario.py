@@ -8,18 +8,18 @@ from pathlib import Path
 from sonar_tracking.configuration import describe, from_mapping
 from sonar_tracking.display.run_display import RunDisplay
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.graph.graph_plan import FLOW_WINDOW, GraphPlan, PlannedNode
-from sonar_tracking.graph.node_catalogue import (
-    ARRAY_SIMULATOR,
-    NODES,
-    SUBSPACE_ESTIMATOR,
-    NodeDescription,
-)
+from sonar_tracking.graph.graph_plan import FLOW_WINDOW, GraphPlan
+from sonar_tracking.graph.node_catalogue import SUBSPACE_ESTIMATOR
 from sonar_tracking.graph.node_settings import NodeSettings, resolved_settings, with_room_for_bursts
 from sonar_tracking.graph.orchestration import Orchestration
 from sonar_tracking.graph.recording_plan import planned_recorder, recording_hint
 from sonar_tracking.graph.run_options import RunOptions
 from sonar_tracking.graph.run_report import RunReport
+from sonar_tracking.graph.scenario_graph import (
+    planned_nodes,
+    started_nodes,
+    with_published_topics,
+)
 from sonar_tracking.graph.time_master import TimeMaster
 from sonar_tracking.graph.transport_profile import choose_transport
 from sonar_tracking.passive.records import NANOSECONDS
@@ -69,10 +69,14 @@ def run_scenario(
     from sonar_tracking.graph.simulated_source import SimulatedSource
 
     topics = plan.topics()
-    observer = RunObserver(topics, display.tracks)
+    observer = RunObserver(topics, display)
     try:
         with ControlNode(
-            orchestration.ledger, orchestration.edges, observer.observed, observer.announced
+            orchestration.ledger,
+            orchestration.edges,
+            observer.observed,
+            observer.announced,
+            plan.sources,
         ) as control:
             for topic in plan.observed().values():
                 control.observe(topic)
@@ -117,29 +121,34 @@ def plan_scenario(
     ConfigurationError
         If the parameters of a node cannot be used.
     """
-    descriptions = tuple(NODES.values())
-    settings = resolved_settings(scenario.nodes, descriptions, f"{where}: nodes")
+    descriptions = started_nodes(scenario, where)
+    sources = tuple(node.name for node in descriptions if node.serves_clock)
+    given = with_published_topics(descriptions, scenario.nodes, scenario.namespaces)
+    settings = resolved_settings(given, descriptions, f"{where}: nodes")
     _check_source_count(scenario, settings, where)
-    array = scenario.array
-    settings = with_room_for_bursts(settings, array.block_snapshots / array.snapshot_rate)
+    settings = with_room_for_bursts(settings, scenario.step)
     scenario_file = log_directory / "scenario.yaml"
     scenario_file.write_text(scenario_to_yaml(scenario), encoding="utf-8")
-    simulator = settings[ARRAY_SIMULATOR.name]
-    settings[ARRAY_SIMULATOR.name] = {**simulator, "scenario": str(scenario_file)}
-    nodes = tuple(planned(description, settings) for description in descriptions)
+    for name in sources:
+        settings[name] = {**settings[name], "scenario": str(scenario_file)}
+    nodes = planned_nodes(descriptions, settings, scenario.namespaces)
     if options.record is not None:
         topics = {topic.name: topic for node in nodes for topic in node.publishers}.values()
         mapping = scenario_to_mapping(scenario)
-        settings[ARRAY_SIMULATOR.name] = {**simulator, "scenario": scenario.name}
+        for name in sources:
+            settings[name] = {**settings[name], "scenario": scenario.name}
         nodes += (planned_recorder(options.record, topics, mapping, settings, log_directory),)
     return GraphPlan(
         scenario=scenario.name,
         nodes=nodes,
+        sources=sources,
         transport=choose_transport(_largest_message_bytes(scenario, settings), n_publishers=2),
     )
 
 
 def _check_source_count(scenario: Scenario, settings: NodeSettings, where: str) -> None:
+    if SUBSPACE_ESTIMATOR.name not in settings:
+        return
     n_elements = len(scenario.array.element_positions())
     source_count = settings[SUBSPACE_ESTIMATOR.name]["source_count"]
     if isinstance(source_count, int) and source_count >= n_elements:
@@ -149,33 +158,23 @@ def _check_source_count(scenario: Scenario, settings: NodeSettings, where: str) 
         )
 
 
-def planned(description: NodeDescription, settings: NodeSettings) -> PlannedNode:
-    """Return a node of the catalogue as it is to be started."""
-    parameters = settings[description.name]
-    return PlannedNode(
-        name=description.name,
-        module=description.module,
-        subscriptions=description.inputs,
-        publishers=description.outputs,
-        parameters=parameters,
-        gives_identifiers="first_id" in parameters,
-    )
-
-
 def _time_master(scenario: Scenario, rate: float) -> TimeMaster:
-    array = scenario.array
-    n_snapshots = max(1, round(scenario.duration * array.snapshot_rate))
     return TimeMaster(
         start=scenario.stamp(scenario.start),
-        end=scenario.stamp(scenario.start + n_snapshots / array.snapshot_rate),
-        step=round(array.block_snapshots / array.snapshot_rate * NANOSECONDS),
+        end=scenario.stamp(scenario.end),
+        step=round(scenario.step * NANOSECONDS),
         flow_window=FLOW_WINDOW,
         rate=rate,
     )
 
 
 def _largest_message_bytes(scenario: Scenario, settings: NodeSettings) -> int:
-    """Return the size of the largest message: a block of snapshots, or the subspaces."""
+    """Return the size of the largest message: a block of snapshots, or the subspaces.
+
+    What other sensors deliver is small.
+    """
+    if SUBSPACE_ESTIMATOR.name not in settings:
+        return 0
     n_elements = len(scenario.array.element_positions())
     estimator = from_mapping(
         SubspaceConfiguration,

@@ -217,15 +217,16 @@ class SonarNode(Node):
             released = self._join.push(topic, stamp, next_stamp, received.record)
         for item in released:
             self._run(item)
-        if topic in self._series_topics:
-            source.finish(stamp)
+        # A message that waits in the join is finished as far as flow is concerned: it has left the
+        # queue, and counting it would let a slow input stop the clock it waits for.
+        source.finish(stamp)
 
     def _begin_again(self, source: DataInput) -> None:
         for item in self._join.flush():
             self._run(item)
         for other in self.data_inputs:
             if other is not source:
-                other.guard.reset()
+                other.guard.expect_new_beginning(source.guard.last_stamp)
         self.diagnostics.forget()
         self.reset()
 
@@ -235,13 +236,19 @@ class SonarNode(Node):
             for received in arrived:
                 if received.rejection:
                     raise InputError(received.rejection)
+            for topic in item.not_awaited:
+                self.report(
+                    "join",
+                    topic,
+                    Severity.WARN,
+                    f"{item.topic} at {seconds_text(item.stamp)} was processed without "
+                    f"{topic}, which is too far behind; check that its publisher is running.",
+                )
             records = {topic: received.record for topic, received in item.items.items()}
             for notice in self.process(item, records):
                 self.report(notice.culprit, notice.culprit, notice.severity, notice.text)
         except Exception as error:
             self._reject(arrived, error)
-        for received in arrived:
-            received.source.finish(received.stamp)
 
     def _reject(self, arrived: Sequence[Received], error: Exception) -> None:
         at = f"at {seconds_text(arrived[0].stamp)}"

@@ -61,6 +61,19 @@ class StampGuard:
         self.expected = UNKNOWN_STAMP
         self._sensor_id: str | None = None
         self._recent: deque[int] = deque(maxlen=_REMEMBERED)
+        self._begun_again: int | None = None
+        self._ignored = 0
+
+    def expect_new_beginning(self, stamp: int) -> None:
+        """Tell that another input of the node has begun again at a stamp, ns.
+
+        What still comes from before is ignored, as long as it can be told from the new data.
+        """
+        if self.last_stamp == UNKNOWN_STAMP or self.expected == END_OF_DATA:
+            self.reset()
+        else:
+            self._begun_again = stamp
+            self._ignored = 0
 
     def check(self, stamp: int, next_stamp: int, sensor_id: str) -> StampCheck:
         """Judge one message and, unless it is refused, remember it.
@@ -77,6 +90,15 @@ class StampGuard:
         StampCheck
             On RESET the guard has already forgotten what was before.
         """
+        if self._begun_again is not None:
+            if self._is_from_before(stamp, self._begun_again):
+                self._ignored += 1
+                return StampCheck(
+                    Verdict.DUPLICATE,
+                    f"{self._topic}: the message stamped {seconds_text(stamp)} was ignored: it is "
+                    "from before the data began again.",
+                )
+            self.reset()
         check = self._judge(stamp, next_stamp, sensor_id)
         if check.verdict is Verdict.RESET:
             self.reset()
@@ -86,6 +108,11 @@ class StampGuard:
             self._sensor_id = sensor_id
             self._recent.append(stamp)
         return check
+
+    def _is_from_before(self, stamp: int, begun_again: int) -> bool:
+        """Tell whether a message goes on with the old data, and no queue is longer than it."""
+        goes_on = stamp > self.last_stamp and stamp > begun_again + self._reset_after
+        return goes_on and self._ignored < _REMEMBERED
 
     def _judge(self, stamp: int, next_stamp: int, sensor_id: str) -> StampCheck:
         at = f"{self._topic}: the message stamped {seconds_text(stamp)}"

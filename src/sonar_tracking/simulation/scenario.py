@@ -25,10 +25,16 @@ from sonar_tracking.configuration import (
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.geometry import is_line
 from sonar_tracking.simulation.array_configuration import ArrayConfiguration, NoiseConfiguration
+from sonar_tracking.simulation.contact_configuration import ContactSensorConfiguration
 from sonar_tracking.simulation.platforms import OwnShipConfiguration, Receiver, TurnConfiguration
 from sonar_tracking.simulation.scenario_checks import check_scenario
 from sonar_tracking.simulation.scenario_file import find_scenario, read_yaml_mapping
-from sonar_tracking.simulation.target import MOTIONS, TargetConfiguration, TargetMotion
+from sonar_tracking.simulation.target import (
+    MOTIONS,
+    LineConfiguration,
+    TargetConfiguration,
+    TargetMotion,
+)
 
 DEFAULT_EPOCH = 1_767_225_600 * 1_000_000_000
 """2026-01-01T00:00:00Z, ns."""
@@ -37,13 +43,21 @@ LATEST_EPOCH_SECONDS = 2_000_000_000
 
 SECOND = 1_000_000_000
 
+ARRAY = "array"
+OTHER_SENSORS = ("active_sonar",)
+"""Sections of the sensors beside the narrowband array."""
+
 NodeParameters = dict[str, dict[str, Value]]
 Configuration = TypeVar("Configuration")
 
 
 @dataclass(frozen=True)
 class Scenario:
-    """A world and the parameters of the nodes that listen to it."""
+    """A world, the sensors in it and the parameters of the nodes that listen to them.
+
+    Each sensor is a section. A file that gives none of them has the default ``array``, which
+    ``array_given`` tells.
+    """
 
     name: str = parameter("", "name of the scenario; empty = name of the file")
     description: str = parameter("", "what it shows")
@@ -55,7 +69,38 @@ class Scenario:
     noise: NoiseConfiguration = field(default_factory=NoiseConfiguration, metadata=SECTION)
     own_ship: OwnShipConfiguration = field(default_factory=OwnShipConfiguration, metadata=SECTION)
     targets: tuple[TargetConfiguration, ...] = field(default=(), metadata=SECTION)
+    array_given: bool = field(default=True, metadata=SECTION)
+    active_sonar: ContactSensorConfiguration | None = field(default=None, metadata=SECTION)
     nodes: NodeParameters = field(default_factory=dict, metadata=SECTION)
+
+    @property
+    def sensors(self) -> tuple[str, ...]:
+        """Sections of the sensors that are simulated."""
+        others = tuple(name for name in OTHER_SENSORS if getattr(self, name))
+        return ((ARRAY,) if self.array_given else ()) + others
+
+    @property
+    def namespaces(self) -> dict[str, tuple[str, ...]]:
+        """Namespaces of the stations of a sensor, by its section; absent = one without."""
+        return {}
+
+    @property
+    def step(self) -> float:
+        """Shortest time between two data of a sensor, s."""
+        steps = []
+        if self.array_given:
+            steps.append(self.array.block_snapshots / self.array.snapshot_rate)
+        if self.active_sonar is not None:
+            steps.append(self.active_sonar.ping_interval)
+        return min(steps)
+
+    @property
+    def end(self) -> float:
+        """Scenario time at which the last datum is complete, s."""
+        if self.sensors != (ARRAY,):
+            return self.start + self.duration
+        n_snapshots = max(1, round(self.duration * self.array.snapshot_rate))
+        return self.start + n_snapshots / self.array.snapshot_rate
 
     def stamp(self, time: float) -> int:
         """Return the stamp (ns) of a scenario time (s)."""
@@ -107,12 +152,17 @@ def scenario_from_mapping(mapping: Mapping[str, Any], where: str) -> Scenario:
     """
     values = dict(mapping)
     prefix = f"{where}: "
+    others = any(values.get(name, []) not in (None, [], ()) for name in OTHER_SENSORS)
     sections = {
+        "array_given": "array" in values or not others,
         "epoch": checked_epoch(values.pop("epoch", DEFAULT_EPOCH // SECOND), prefix),
         "array": _section(ArrayConfiguration, values.pop("array", {}), f"{prefix}array"),
         "noise": _section(NoiseConfiguration, values.pop("noise", {}), f"{prefix}noise"),
         "own_ship": _moving(OwnShipConfiguration, values.pop("own_ship", {}), f"{prefix}own_ship"),
         "targets": _targets(values.pop("targets", []), f"{prefix}targets"),
+        "active_sonar": _optional(
+            ContactSensorConfiguration, values.pop("active_sonar", None), f"{prefix}active_sonar"
+        ),
         "nodes": _nodes(values.pop("nodes", {}), f"{prefix}nodes"),
     }
     scenario = from_mapping(Scenario, values, f"{prefix}scenario", sections)
@@ -125,6 +175,10 @@ def scenario_from_mapping(mapping: Mapping[str, Any], where: str) -> Scenario:
 def scenario_to_mapping(scenario: Scenario) -> dict[str, Any]:
     """Return the resolved scenario as plain names and values, for YAML, JSON and recordings."""
     mapping = _plain(dataclasses.asdict(scenario))
+    del mapping["array_given"]
+    absent = {name for name in OTHER_SENSORS if not mapping[name]}
+    absent |= set() if scenario.array_given else {"array", "noise"}
+    mapping = {name: value for name, value in mapping.items() if name not in absent}
     instant = datetime.fromtimestamp(scenario.epoch // SECOND, tz=timezone.utc)
     mapping["epoch"] = instant.strftime("%Y-%m-%dT%H:%M:%SZ")
     return mapping
@@ -151,6 +205,10 @@ def _section(configuration: type[Configuration], values: Any, where: str) -> Con
     return from_mapping(configuration, _mapping(values, where), where)
 
 
+def _optional(configuration: type[Configuration], values: Any, where: str) -> Configuration | None:
+    return None if values is None else _section(configuration, values, where)
+
+
 def _moving(configuration: type[Configuration], values: Any, where: str) -> Configuration:
     values = _mapping(values, where)
     turns = tuple(
@@ -166,8 +224,13 @@ def _targets(values: Any, where: str) -> tuple[TargetConfiguration, ...]:
         name = f"{where}[{index}]"
         entry = _mapping(entry, name)
         motion = _motion(entry.pop("motion", None), f"{name}.motion")
+        lines = tuple(
+            _section(LineConfiguration, line, f"{name}.lines[{number}]")
+            for number, line in enumerate(_list(entry.pop("lines", []), f"{name}.lines"))
+        )
         entry["name"] = entry.get("name") or f"target_{index + 1}"
-        targets.append(from_mapping(TargetConfiguration, entry, name, {"motion": motion}))
+        sections = {"lines": lines, "motion": motion}
+        targets.append(from_mapping(TargetConfiguration, entry, name, sections))
     return tuple(targets)
 
 

@@ -10,6 +10,7 @@ from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.geometry import aperture
 from sonar_tracking.simulation.array_configuration import ArrayConfiguration
 from sonar_tracking.simulation.bearing_motion import TableMotion
+from sonar_tracking.simulation.contact_configuration import check_contact_sensor
 from sonar_tracking.simulation.kinematic_motion import KinematicMotion
 from sonar_tracking.simulation.platforms import OwnShipConfiguration
 from sonar_tracking.simulation.target import TargetConfiguration
@@ -29,7 +30,10 @@ def check_scenario(scenario: Scenario, where: str) -> None:
     ConfigurationError
         Naming the value and what to do.
     """
-    _check_array(scenario.array, f"{where}array")
+    if scenario.array_given:
+        _check_array(scenario.array, f"{where}array")
+    if scenario.active_sonar is not None:
+        check_contact_sensor(scenario.active_sonar)
     _check_platform(scenario.own_ship, f"{where}own_ship")
     names: set[str] = set()
     for index, target in enumerate(scenario.targets):
@@ -77,11 +81,9 @@ def _check_platform(platform: OwnShipConfiguration | KinematicMotion, where: str
 
 
 def _check_target(target: TargetConfiguration, where: str) -> None:
-    if len(target.present) % 2:
-        raise ConfigurationError(
-            f"{where}.present has {len(target.present)} entries; give pairs of times from, to."
-        )
-    _check_ascending(target.present, f"{where}.present", "times")
+    _check_schedule(target.present, f"{where}.present")
+    for number, line in enumerate(target.lines):
+        _check_schedule(line.present, f"{where}.lines[{number}].present")
     motion = target.motion
     if isinstance(motion, KinematicMotion):
         _check_platform(motion, f"{where}.motion")
@@ -92,6 +94,14 @@ def _check_target(target: TargetConfiguration, where: str) -> None:
                 "bearings_deg; give as many of one as of the other, two at least."
             )
         _check_ascending(motion.times, f"{where}.motion.times", "times")
+
+
+def _check_schedule(schedule: tuple[float, ...], where: str) -> None:
+    if len(schedule) % 2:
+        raise ConfigurationError(
+            f"{where} has {len(schedule)} entries; give pairs of times from, to."
+        )
+    _check_ascending(schedule, where, "times")
 
 
 def _check_ascending(values: tuple[float, ...] | list[float], where: str, what: str) -> None:
@@ -108,6 +118,11 @@ def _check_bearings(scenario: Scenario, target: TargetConfiguration, where: str)
                 "must be own_ship.speed."
             )
         return
+    if not scenario.array_given:
+        raise ConfigurationError(
+            f"{where}.motion gives bearings only, which nothing but an array can hear; give "
+            "kind: kinematic, with a position in map."
+        )
     times = np.linspace(scenario.start, scenario.start + scenario.duration, 1001)
     times = times[target.is_present(times)]
     angle, _ = target.motion.arrival(times, scenario.receiver())
