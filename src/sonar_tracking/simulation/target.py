@@ -60,6 +60,13 @@ class TargetConfiguration:
     present: tuple[float, ...] = parameter(
         (), "times from, to, from, to, ... between which it is heard; empty = always", unit="s"
     )
+    echo_level_db: float = parameter(
+        0.0,
+        "echo over that of a target of the active sonar's signal_to_noise_ratio_db",
+        unit="dB",
+        minimum=-100.0,
+        maximum=100.0,
+    )
     coherent_group: str = parameter("", "name of the group of one waveform; empty = none")
     coherent_phase: str = parameter(
         "fixed",
