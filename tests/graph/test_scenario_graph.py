@@ -65,6 +65,13 @@ def test_a_node_without_its_sensor_is_refused() -> None:
         started_nodes(sonar, "harbour.yaml")
 
 
+def test_topics_have_one_publisher(monkeypatch: pytest.MonkeyPatch) -> None:
+    twin = replace(STATIONS, name="twin")
+    monkeypatch.setattr(scenario_graph, "NODES", {"stations": STATIONS, "twin": twin})
+    with pytest.raises(ConfigurationError, match="twin would publish passive/bearing_tracks a sec"):
+        started_nodes(scenario(), "here")
+
+
 @pytest.mark.usefixtures("small_catalogue")
 def test_a_node_on_request_is_started_when_it_is_named() -> None:
     assert started_nodes(scenario(), "here") == (STATIONS,)

@@ -26,7 +26,8 @@ def started_nodes(scenario: Scenario, where: str) -> tuple[NodeDescription, ...]
     Raises
     ------
     ConfigurationError
-        If the scenario names a node that has nothing to listen to.
+        If the scenario names a node that has nothing to listen to, or two sensors would both
+        publish own ship and truth.
     """
     started: list[NodeDescription] = []
     available: set[str] = set()
@@ -37,8 +38,10 @@ def started_nodes(scenario: Scenario, where: str) -> tuple[NodeDescription, ...]
             asked = not node.on_request or node.name in scenario.nodes
             wanted = asked and not _missing(node, available)
         if wanted:
+            topics = {topic.name for topic in (*node.outputs, *node.station_outputs)}
+            _refuse_doubled(node, topics & available, where)
             started.append(node)
-            available |= {topic.name for topic in (*node.outputs, *node.station_outputs)}
+            available |= topics
     for name in scenario.nodes:
         node_asked = NODES.get(name)
         if node_asked is not None and node_asked not in started:
@@ -133,6 +136,14 @@ def _outputs(node: NodeDescription, namespaces: Mapping[str, tuple[str, ...]]) -
         replace(topic, role=TopicRole.INPUT) if topic.role is TopicRole.OUTPUT else topic
         for topic in topics
     )
+
+
+def _refuse_doubled(node: NodeDescription, doubled: set[str], where: str) -> None:
+    if doubled:
+        raise ConfigurationError(
+            f"{where}: {node.name} would publish {', '.join(sorted(doubled))} a second time; give "
+            f"the section {node.section} a scenario of its own."
+        )
 
 
 def _is_kind(name: str, topic: Topic) -> bool:
