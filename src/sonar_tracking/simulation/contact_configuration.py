@@ -14,7 +14,8 @@ from sonar_tracking.errors import ConfigurationError
 class ContactSensorConfiguration:
     """An active sonar that sees all round and reports contacts above a threshold."""
 
-    ping_interval: float = parameter(10.0, "between pings", unit="s", minimum=1e-3)
+    sensor_id: str = parameter("sonar", "name of the sensor in the messages")
+    ping_interval: float = parameter(10.0, "between pings", unit="s", minimum=1e-3, maximum=1e4)
     sound_speed: float = parameter(1500.0, "0 = a ping takes no time", unit="m/s", minimum=0.0)
     range_standard_deviation: float = parameter(50.0, "of a contact", unit="m", minimum=1e-6)
     azimuth_standard_deviation_deg: float = parameter(0.1, "of a contact", unit="deg", minimum=1e-9)
@@ -51,6 +52,11 @@ class ContactSensorConfiguration:
     )
 
     @property
+    def reception_time(self) -> float:
+        """From the transmission to the last echo of a ping, s."""
+        return 2.0 * self.maximum_range / self.sound_speed if self.sound_speed > 0.0 else 0.0
+
+    @property
     def azimuth_standard_deviation(self) -> float:
         """In rad."""
         return float(np.radians(self.azimuth_standard_deviation_deg))
@@ -80,12 +86,11 @@ def check_contact_sensor(configuration: ContactSensorConfiguration) -> None:
     ConfigurationError
         With a sentence that names the parameters.
     """
-    speed = configuration.sound_speed
-    if speed > 0.0 and 2.0 * configuration.maximum_range / speed > configuration.ping_interval:
-        travel = 2.0 * configuration.maximum_range / speed
+    if configuration.reception_time > configuration.ping_interval:
         raise ConfigurationError(
-            f"Sound takes {travel:.1f} s to maximum_range and back, longer than ping_interval "
-            f"({configuration.ping_interval:g} s); ping less often, or lower maximum_range."
+            f"Sound takes {configuration.reception_time:.1f} s to maximum_range and back, longer "
+            f"than ping_interval ({configuration.ping_interval:g} s); ping less often, or lower "
+            "maximum_range."
         )
     by_threshold = configuration.clutter_per_ping == 0.0
     if configuration.clutter_shape > 0.0 and not by_threshold:

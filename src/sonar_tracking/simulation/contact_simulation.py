@@ -14,13 +14,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from sonar_tracking.active.records import Contacts, FloatArray, IntArray
-from sonar_tracking.motion import KinematicState, wrap_angle
+from sonar_tracking.motion import Path, wrap_angle
 from sonar_tracking.simulation.contact_configuration import (
     ContactSensorConfiguration,
     check_contact_sensor,
@@ -28,13 +27,6 @@ from sonar_tracking.simulation.contact_configuration import (
 
 ITERATIONS = 8
 """Of the travel times; each one gains the ratio of speeds, about 1e-2."""
-
-
-class Path(Protocol):
-    """Anything that moves."""
-
-    def state(self, times: ArrayLike) -> KinematicState:
-        """Return the state at the given times, s."""
 
 
 @dataclass(frozen=True)
@@ -49,12 +41,15 @@ class ContactTarget:
         Its motion.
     first_time, last_time : float
         When it is there, both inclusive, s.
+    level_db : float
+        Of its echo over that of a target of the configured ratio, dB.
     """
 
     target_id: int
     path: Path
     first_time: float = 0.0
     last_time: float = np.inf
+    level_db: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -91,6 +86,8 @@ class ContactSimulation:
         All randomness.
     epoch : int
         Stamp of time 0, ns.
+    start : float
+        Time of ping 0, s.
 
     Raises
     ------
@@ -105,6 +102,7 @@ class ContactSimulation:
         targets: Sequence[ContactTarget],
         generator: np.random.Generator,
         epoch: int,
+        start: float = 0.0,
     ) -> None:
         check_contact_sensor(configuration)
         self._configuration = configuration
@@ -112,13 +110,18 @@ class ContactSimulation:
         self._targets = tuple(targets)
         self._generator = generator
         self._epoch = epoch
+        self._start = start
 
     def ping(self, number: int) -> SimulatedPing:
-        """Return ping ``number``, transmitted at number * ping_interval; call in order."""
-        time = number * self._configuration.ping_interval
+        """Return ping ``number``, transmitted number * ping_interval after the first one.
+
+        Call in order: the random numbers of a ping follow those of the one before.
+        """
+        time = self._start + number * self._configuration.ping_interval
         present = [one for one in self._targets if one.first_time <= time <= one.last_time]
         echoes = [self._echo(target.path, time) for target in present]
-        heard = self._detected(np.array([r for r, _ in echoes]))
+        levels = np.array([target.level_db for target in present])
+        heard = self._detected(np.array([r for r, _ in echoes]), levels)
         noise = self._generator.standard_normal((len(present), 2))
         found = np.array(echoes).reshape(-1, 2)
         found[:, 0] += self._configuration.range_standard_deviation * noise[:, 0]
@@ -163,23 +166,23 @@ class ContactSimulation:
     def _nominal_ratio(self) -> float:
         return float(10.0 ** (self._configuration.signal_to_noise_ratio_db / 10.0))
 
-    def _ratios(self, distance: FloatArray) -> FloatArray:
+    def _ratios(self, distance: FloatArray, level_db: FloatArray) -> FloatArray:
         reference = self._configuration.reference_range
         if reference == 0.0:
-            return np.full(len(distance), self._nominal_ratio())
+            return np.asarray(self._nominal_ratio() * 10.0 ** (level_db / 10.0))
         loss = 40.0 * np.log10(np.maximum(distance, 1.0) / reference)
         loss = loss + 2e-3 * self._configuration.absorption_db_per_km * (distance - reference)
-        return np.asarray(self._nominal_ratio() * 10.0 ** (-loss / 10.0))
+        return np.asarray(self._nominal_ratio() * 10.0 ** ((level_db - loss) / 10.0))
 
-    def _detected(self, distance: FloatArray) -> FloatArray:
+    def _detected(self, distance: FloatArray, level_db: FloatArray) -> FloatArray:
         """Return the amplitudes of the targets, NaN where one is not detected."""
         level = self._generator.exponential(size=len(distance))
         luck = self._generator.random(len(distance))
         given = self._configuration.detection_probability
         if given > 0.0:
-            amplitude = self.threshold + (1.0 + self._ratios(distance)) * level
+            amplitude = self.threshold + (1.0 + self._ratios(distance, level_db)) * level
             return np.where(luck < given, amplitude, np.nan)
-        amplitude = (1.0 + self._ratios(distance)) * level
+        amplitude = (1.0 + self._ratios(distance, level_db)) * level
         return np.where(amplitude > self.threshold, amplitude, np.nan)
 
     def _clutter(self) -> tuple[FloatArray, FloatArray]:
@@ -201,7 +204,10 @@ class ContactSimulation:
         return int(self._generator.poisson(given if given > 0.0 else by_threshold))
 
     def _contacts(self, time: float, rows: FloatArray, amplitudes: FloatArray) -> Contacts:
-        """Return the record, contacts in the order of their range: it tells nothing."""
+        """Return the record, contacts in the order of their range: it tells nothing.
+
+        A level that depends on the range is not told, since no single ratio is right.
+        """
         sensor = self._configuration
         order = np.argsort(rows[:, 0], kind="stable")
         own_ship = self._own_ship.state(time)
@@ -214,7 +220,8 @@ class ContactSimulation:
             if by_threshold
             else sensor.clutter_per_ping / sensor.n_cells
         )
-        nominal = float(np.exp(-self.threshold / (1.0 + self._nominal_ratio())))
+        ratio = self._nominal_ratio() if sensor.reference_range == 0.0 else np.nan
+        nominal = float(np.exp(-self.threshold / (1.0 + ratio)))
         return Contacts(
             stamp=self._stamp(time),
             range=rows[order, 0],
@@ -227,12 +234,15 @@ class ContactSimulation:
             detection_probability=sensor.detection_probability or nominal,
             false_alarm_probability=false_alarm,
             detection_threshold=self.threshold,
-            signal_to_noise_ratio_linear=self._nominal_ratio(),
+            signal_to_noise_ratio_linear=ratio,
             clutter_density=density,
             range_resolution=sensor.range_resolution,
             azimuth_resolution=sensor.azimuth_resolution,
             maximum_range=sensor.maximum_range,
             next_stamp=self._stamp(time + sensor.ping_interval),
+            ping_interval=sensor.ping_interval,
+            sensor_id=sensor.sensor_id,
+            sensor_yaw=float(wrap_angle(own_ship.azimuth)),
         )
 
     def _stamp(self, time: float) -> int:
