@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from sonar_tracking.tma.observability import MeasurementHistory
-from sonar_tracking.tma.records import FloatArray, TmaMeasurement
+from sonar_tracking.tma.observability import MeasurementHistory, observability
+from sonar_tracking.tma.records import KINEMATIC, FloatArray, TmaMeasurement
+from sonar_tracking.tma.stacked_lines import SingleFilterConfiguration
 
 LOG_FRAMES = 1000
 """Measurements kept; the first one, where the prior stands, is kept for ever."""
@@ -57,6 +60,21 @@ class MeasurementLog:
         """Blank the columns of lines that are forgotten."""
         for column in columns:
             self._table[:, LINES + column] = 0.0
+
+    def observability(self, mean: FloatArray, maximum_range: float, maximum_speed: float) -> float:
+        """Return the observability figure of an estimate, 0 to 1.
+
+        Parameters
+        ----------
+        mean : ndarray, shape (4 + n_lines,)
+            Motion at the last logged measurement, then the source frequencies.
+        maximum_range, maximum_speed : float
+            Of the prior, m and m/s.
+        """
+        first = replace(self.first, azimuth=self.first.azimuth[:1])
+        start = SingleFilterConfiguration(maximum_range, maximum_speed).start(first)
+        prior = start.covariance[0, :KINEMATIC, :KINEMATIC]
+        return observability(mean[:KINEMATIC], mean[KINEMATIC:], self.history(), prior)
 
     def history(self) -> MeasurementHistory:
         """Return what was logged, in order."""

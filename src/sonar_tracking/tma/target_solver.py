@@ -7,6 +7,7 @@ tells them apart. Every solution says how observable the motion is.
 
 from __future__ import annotations
 
+import copy
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -16,10 +17,11 @@ from sonar_tracking.motion import wrap_angle
 from sonar_tracking.tma.hypothesis_bank import HypothesisBank, mixture_moments
 from sonar_tracking.tma.line_columns import LineColumns, plan_columns, with_columns
 from sonar_tracking.tma.measurement_log import MeasurementLog
-from sonar_tracking.tma.observability import OBSERVABLE, observability
+from sonar_tracking.tma.observability import OBSERVABLE
 from sonar_tracking.tma.range_bank import RangeBank, RangeBankConfiguration
 from sonar_tracking.tma.records import KINEMATIC, FloatArray, TmaMeasurement
-from sonar_tracking.tma.stacked_lines import SingleFilterConfiguration
+from sonar_tracking.tma.recursion import elapsed
+from sonar_tracking.tma.station_association import azimuth_log_likelihood
 from sonar_tracking.tma.target_records import (
     TargetObservation,
     TargetSolution,
@@ -92,6 +94,37 @@ class TargetSolver:
         self._progress.last_stamp_of[observation.sensor_id] = observation.stamp
         self._decide_side(observation)
         return self._solutions(measurement, bool(estimate.manoeuvre))
+
+    def copy(self) -> TargetSolver:
+        """Return a solver that goes on from here independently."""
+        return copy.deepcopy(self)
+
+    def log_likelihood(self, observation: TargetObservation) -> float:
+        """Return how well the azimuths of an observation fit, before they are taken in.
+
+        Parameters
+        ----------
+        observation : TargetObservation
+            Of whatever sensor, not older than the last one, with azimuths.
+
+        Returns
+        -------
+        float
+            Log of their density, rad^-1; -inf = outside the gate of every hypothesis.
+        """
+        state, parameters = self._bank.state, self._configuration
+        assert state is not None
+        azimuths = np.array(observation.azimuths)
+        density = azimuth_log_likelihood(
+            state.bank,
+            elapsed(state.stamp, observation.stamp),
+            parameters.acceleration,
+            np.array(observation.position),
+            azimuths,
+            np.full(azimuths.shape, observation.azimuth_variance),
+            parameters.gate,
+        )
+        return float(np.logaddexp.reduce(density))
 
     def _check_order(self, observation: TargetObservation) -> None:
         state, sensor = self._bank.state, observation.sensor_id
@@ -180,12 +213,8 @@ class TargetSolver:
         return tuple(solutions)
 
     def _observability(self, mean: FloatArray) -> float:
-        start = SingleFilterConfiguration(
-            self._configuration.maximum_range, self._configuration.maximum_speed
-        )
-        first = replace(self._log.first, azimuth=self._log.first.azimuth[:1])
-        prior = start.start(first).covariance[0, :KINEMATIC, :KINEMATIC]
-        return observability(mean[:KINEMATIC], mean[KINEMATIC:], self._log.history(), prior)
+        parameters = self._configuration
+        return self._log.observability(mean, parameters.maximum_range, parameters.maximum_speed)
 
 
 def _course(observation: TargetObservation) -> float:
