@@ -133,3 +133,17 @@ def test_too_much_waiting_runs_without_what_it_waits_for() -> None:
     assert (item.stamp, item.series, item.not_awaited) == (1, {"pose": None}, ("pose",))
     released = join.push("pose", 3, 0, 0.0)
     assert [(item.stamp, item.not_awaited) for item in released] == [(2, ()), (3, ())]
+
+
+def test_only_what_needs_a_series_waits_for_it() -> None:
+    """Items that know better run at once; the order stays that of the stamps."""
+    join = EventTimeJoin(
+        ["a"], series={"pose": linear}, needs_series=lambda items: items["a"] == "lost"
+    )
+    assert [item.stamp for item in join.push("a", 1, 2, "sure")] == [1]
+    assert join.push("a", 2, 3, "lost") == ()
+    assert join.waits_for() == ("pose",)
+    assert join.push("a", 3, 4, "sure") == ()
+    assert join.push("pose", 1, 0, 10.0) == ()
+    released = join.push("pose", 3, 0, 30.0)
+    assert [(item.stamp, item.series["pose"]) for item in released] == [(2, 20.0), (3, 30.0)]

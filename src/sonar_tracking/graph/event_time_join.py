@@ -68,6 +68,9 @@ class EventTimeJoin:
         Topics of time series, each with its interpolation.
     capacity : int
         Most items that wait; beyond it the earliest runs without what it waits for.
+    needs_series : callable, optional
+        Tells of what is to run together (item by topic) whether it waits for the series; default:
+        everything does. What does not wait gets whatever is known of them.
     """
 
     def __init__(
@@ -76,11 +79,13 @@ class EventTimeJoin:
         groups: Sequence[Sequence[str]] = (),
         series: Mapping[str, Interpolation] | None = None,
         capacity: int = CAPACITY,
+        needs_series: Callable[[dict[str, Any]], bool] | None = None,
     ) -> None:
         lanes = [_Lane((topic,)) for topic in streams] + [_Lane(group) for group in groups]
         self._lanes = sorted(lanes, key=lambda lane: lane.name)
         self._lane_of = {topic: lane for lane in lanes for topic in lane.topics}
         self._capacity = capacity
+        self._needs_series = needs_series
         self._series = {topic: _Series(function) for topic, function in (series or {}).items()}
 
     def push(self, topic: str, stamp: int, next_stamp: int, item: Any) -> tuple[JoinedItem, ...]:
@@ -120,7 +125,9 @@ class EventTimeJoin:
         if lane is None:
             return ()
         stamp = lane.head_stamp()
-        topics = [topic for topic, series in self._series.items() if not series.covers(stamp)]
+        topics: list[str] = []
+        if self._needs_series is None or self._needs_series(lane.peek(stamp)):
+            topics += [name for name, series in self._series.items() if not series.covers(stamp)]
         for other in self._lanes:
             if other is lane:
                 topics += lane.missing(stamp)
@@ -189,6 +196,14 @@ class _Lane:
     def lagging(self, stamp: int) -> list[str]:
         """Topics of this lane that hold up an item of another lane at the stamp."""
         return [topic for topic in self.topics if self._bound_of(topic) <= stamp]
+
+    def peek(self, stamp: int) -> dict[str, Any]:
+        """Items at the stamp, which stay where they are."""
+        return {
+            topic: queue[0][1]
+            for topic, queue in self._queues.items()
+            if queue and queue[0][0] == stamp
+        }
 
     def take(self, stamp: int) -> dict[str, Any]:
         return {

@@ -39,6 +39,8 @@ class NodeDescription:
         Configuration dataclasses its ROS parameters are declared from.
     inputs, outputs : tuple of Topic
         Data topics it subscribes to and publishes.
+    optional_inputs : tuple of Topic
+        Data topics it subscribes to, but does without where nobody publishes them.
     section : str
         Of a source of data: the section of a scenario it simulates. It emits everything due up to
         ``/clock``.
@@ -65,6 +67,7 @@ class NodeDescription:
     topic_parameters: Mapping[str, Topic] = field(default_factory=dict)
     station_outputs: tuple[Topic, ...] = ()
     markers: tuple[Topic, ...] = ()
+    optional_inputs: tuple[Topic, ...] = ()
 
     @property
     def serves_clock(self) -> bool:

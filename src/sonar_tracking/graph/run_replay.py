@@ -179,7 +179,8 @@ def _offered(bag: Bag, nodes: tuple[PlannedNode, ...]) -> tuple[Topic, ...]:
         and topic.message_count
         and (name in wanted or (topic.role == "input" and name not in computed))
     )
-    missing = sorted(wanted - {resolved(topic) for topic in offered})
+    optional = {resolved(topic) for node in nodes for topic in NODES[node.name].optional_inputs}
+    missing = sorted(wanted - optional - {resolved(topic) for topic in offered})
     if missing:
         there = ", ".join(
             f"{topic.name} ({topic.role}, {topic.message_count} messages)"

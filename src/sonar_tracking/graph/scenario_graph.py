@@ -115,7 +115,7 @@ def _planned(
     return PlannedNode(
         name=node.name,
         module=node.module,
-        subscriptions=(*node.inputs, *listed),
+        subscriptions=(*node.inputs, *node.optional_inputs, *listed),
         publishers=_outputs(node, namespaces),
         parameters=parameters,
         gives_identifiers="first_id" in parameters,

@@ -105,6 +105,7 @@ class SonarNode(Node):
         streams: Mapping[Topic, Convert],
         groups: Sequence[Mapping[Topic, Convert]] = (),
         series: Mapping[Topic, tuple[Convert, Interpolation]] | None = None,
+        needs_series: Callable[[Any], bool] | None = None,
     ) -> None:
         """Subscribe to all inputs of the node, joined in event time.
 
@@ -116,12 +117,15 @@ class SonarNode(Node):
             Inputs made from the same datum, joined by equal stamps.
         series : mapping of Topic to (conversion, interpolation)
             Continuous quantities such as odometry.
+        needs_series : callable, optional
+            Tells whether a record waits for the series; default: every one does.
         """
         series = series or {}
         self._join = EventTimeJoin(
             [topic.name for topic in streams],
             [[topic.name for topic in group] for group in groups],
             {topic.name: interpolate for topic, (_, interpolate) in series.items()},
+            needs_series=None if needs_series is None else _any_needs(needs_series),
         )
         conversions = dict(streams) | {topic: convert for topic, (convert, _) in series.items()}
         for group in groups:
@@ -268,3 +272,8 @@ class SonarNode(Node):
                 self.substitute(received)
             except Exception as second:
                 self.report(concern, "substitute", Severity.ERROR, f"{sentence} ({second})")
+
+
+def _any_needs(needs: Callable[[Any], bool]) -> Callable[[dict[str, Received]], bool]:
+    """Return the same question about messages as they wait; an unusable one needs nothing."""
+    return lambda items: any(not one.rejection and needs(one.record) for one in items.values())
