@@ -1,9 +1,12 @@
-"""Own ship between two odometry messages."""
+"""Own ship between two odometry messages, and its motion in ``map``."""
 
 from __future__ import annotations
 
 import math
 
+import numpy as np
+
+from sonar_tracking.motion import KinematicState
 from sonar_tracking.simulation.records import OwnShipState
 
 
@@ -37,4 +40,16 @@ def interpolate_own_ship(
             between(before.velocity[1], after.velocity[1]),
         ),
         yaw_rate=between(before.yaw_rate, after.yaw_rate),
+    )
+
+
+def motion_in_map(state: OwnShipState) -> KinematicState:
+    """Return own ship with its velocity in ``map``."""
+    cosine, sine = math.cos(state.yaw), math.sin(state.yaw)
+    forward, port = state.velocity
+    return KinematicState(
+        position=np.array(state.position),
+        velocity=np.array([cosine * forward - sine * port, sine * forward + cosine * port]),
+        azimuth=np.array(state.yaw),
+        turn_rate=np.array(state.yaw_rate),
     )
