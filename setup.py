@@ -9,7 +9,14 @@ from pathlib import Path
 from setuptools import find_packages, setup
 
 PACKAGE = "sonar_tracking"
-NODES = ("array_simulator", "subspace_estimator", "bearing_tracker", "recorder")
+NODES = (
+    "array_simulator",
+    "contact_simulator",
+    "subspace_estimator",
+    "bearing_tracker",
+    "hpda_tracker",
+    "recorder",
+)
 
 node_executables = [f"{node} = {PACKAGE}.graph.{node}:main" for node in NODES]
 command = ["sonar-tracking = sonar_tracking.cli:main"]

@@ -8,10 +8,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from sonar_tracking.active.contact_defaults import ContactDefaultsConfiguration
+from sonar_tracking.active.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.sensor_location import MountingConfiguration
 from sonar_tracking.configuration import ParameterDescription, describe
 from sonar_tracking.graph.node_configuration import NodeConfiguration, SimulatorConfiguration
 from sonar_tracking.graph.topics import (
+    ACTIVE_THRESHOLD,
+    ACTIVE_TRACKS,
     BEARING_TRACKS,
+    CONTACTS,
     ODOMETRY,
     SNAPSHOTS,
     SUBSPACES,
@@ -105,9 +111,38 @@ BEARING_TRACKER = NodeDescription(
     inputs=(SUBSPACES,),
     outputs=(BEARING_TRACKS,),
 )
+CONTACT_SIMULATOR = NodeDescription(
+    name="contact_simulator",
+    module="sonar_tracking.graph.contact_simulator",
+    description="publishes the contacts, own ship and truth of a scenario with an active sonar",
+    configurations=(SimulatorConfiguration, NodeConfiguration),
+    inputs=(),
+    outputs=(CONTACTS, TRUE_TRACKS, ODOMETRY),
+    section="active_sonar",
+)
+HPDA_TRACKER = NodeDescription(
+    name="hpda_tracker",
+    module="sonar_tracking.graph.hpda_tracker",
+    description="tracks the positions of several targets from contacts in clutter",
+    configurations=(
+        ContactTrackerConfiguration,
+        ContactDefaultsConfiguration,
+        MountingConfiguration,
+        NodeConfiguration,
+    ),
+    inputs=(CONTACTS,),
+    optional_inputs=(ODOMETRY,),
+    outputs=(ACTIVE_TRACKS, ACTIVE_THRESHOLD),
+)
 
 NODES = {
     description.name: description
-    for description in (ARRAY_SIMULATOR, SUBSPACE_ESTIMATOR, BEARING_TRACKER)
+    for description in (
+        ARRAY_SIMULATOR,
+        CONTACT_SIMULATOR,
+        SUBSPACE_ESTIMATOR,
+        BEARING_TRACKER,
+        HPDA_TRACKER,
+    )
 }
 """Every node by its name, sources first, in the order data flow."""

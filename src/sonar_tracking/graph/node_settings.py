@@ -8,6 +8,8 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+from sonar_tracking.active.contact_tracker import make_contact_tracker
+from sonar_tracking.active.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.configuration import (
     ConfigurationType,
     Value,
@@ -35,6 +37,7 @@ from sonar_tracking.simulation.scenario_file import read_yaml_mapping
 _STAGES: Mapping[type, Callable[[Any], object]] = {
     SubspaceConfiguration: SubspaceStage,
     BearingTrackerConfiguration: BearingTrackerStage,
+    ContactTrackerConfiguration: make_contact_tracker,
 }
 """What refuses parameters that do not fit together, by their configuration."""
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import deque
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from rclpy.clock import Clock, ClockType
@@ -28,6 +30,9 @@ STALLED_AT_LEAST = 2 * NANOSECONDS
 """An input is stalled after so many of its periods, and not before this, ns of /clock."""
 STALLED_AT_START = 30 * NANOSECONDS
 """The same while its period is not known yet."""
+STALLED_STEPS = 10
+"""Nor before so many steps of /clock: it leads the slowest node by several of them."""
+REMEMBERED_STEPS = 5
 
 
 class NodeWatch:
@@ -42,6 +47,7 @@ class NodeWatch:
     def __init__(self, node: SonarNode) -> None:
         self._node = node
         self._seen: dict[str, tuple[int, int]] = {}
+        self._instants: deque[int] = deque(maxlen=REMEMBERED_STEPS + 1)
         node.diagnostics.add(MATCHED, lambda: matched_endpoints(node))
         self._ready_timer = node.create_timer(
             READY_PERIOD, self._until_first_data, clock=Clock(clock_type=ClockType.STEADY_TIME)
@@ -74,6 +80,7 @@ class NodeWatch:
 
     def _watch(self) -> None:
         now = self._node.get_clock().now().nanoseconds
+        self._instants.append(now)
         for source in self._node.data_inputs:
             self.check_publishers(source)
             self._check_stalled(source, now)
@@ -87,6 +94,7 @@ class NodeWatch:
         patience = max(STALLED_PERIODS * source.period, STALLED_AT_LEAST)
         if not source.period:
             patience = STALLED_AT_START
+        patience = max(patience, STALLED_STEPS * self._clock_step())
         stalled = now - since > patience and source.guard.expected != END_OF_DATA
         severity = Severity.WARN if stalled else Severity.OK
         sentence = (
@@ -96,6 +104,11 @@ class NodeWatch:
         self._node.diagnostics.report(
             input_concern(source), "stalled", severity, sentence, lasting=True
         )
+
+    def _clock_step(self) -> int:
+        """Return the usual step of /clock, ns: the median, since a clock may jump once."""
+        steps = sorted(later - now for now, later in pairwise(self._instants))
+        return max(0, steps[len(steps) // 2]) if steps else 0
 
 
 def _full_name(info: TopicEndpointInfo) -> str:

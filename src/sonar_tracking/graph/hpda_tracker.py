@@ -1,0 +1,83 @@
+"""Node ``hpda_tracker``: contacts in, the complete picture of position tracks out."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from sonar_tracking.active.contact_defaults import ContactDefaultsConfiguration, with_defaults
+from sonar_tracking.active.contact_tracker import make_contact_tracker
+from sonar_tracking.active.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.records import ContactTrackerUpdate
+from sonar_tracking.active.sensor_location import MountingConfiguration, located, needs_own_ship
+from sonar_tracking.errors import Notice
+from sonar_tracking.graph.contact_conversions import thresholds_to_message
+from sonar_tracking.graph.data_flow import Received
+from sonar_tracking.graph.event_time_join import JoinedItem
+from sonar_tracking.graph.node_catalogue import HPDA_TRACKER
+from sonar_tracking.graph.node_process import run_node
+from sonar_tracking.graph.own_ship_interpolation import interpolate_own_ship, motion_in_map
+from sonar_tracking.graph.position_conversions import position_tracks_to_message
+from sonar_tracking.graph.sonar_node import SonarNode
+from sonar_tracking.graph.topics import ACTIVE_THRESHOLD, ACTIVE_TRACKS, CONTACTS, ODOMETRY
+from sonar_tracking.messages.contact_reading import contacts_from_message
+from sonar_tracking.messages.reading import own_ship_from_message
+
+
+class HpdaTracker(SonarNode):
+    """Shell around a :class:`sonar_tracking.active.contact_tracker.ContactTracker`.
+
+    Every ping, usable or not, gives exactly one picture and one list of thresholds: over a ping
+    that cannot be used the tracks are predicted. Odometry is waited for only where a ping does not
+    tell where its sensor is.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(HPDA_TRACKER)
+        self._configuration = self.configuration(
+            ContactTrackerConfiguration, check=make_contact_tracker
+        )
+        self._defaults = self.configuration(ContactDefaultsConfiguration)
+        self._mounting = self.configuration(MountingConfiguration)
+        self._tracker = make_contact_tracker(self._configuration)
+        self._tracks = self.data_publisher(ACTIVE_TRACKS)
+        self._thresholds = self.data_publisher(ACTIVE_THRESHOLD)
+        self.data_subscriptions(
+            {CONTACTS: contacts_from_message},
+            series={ODOMETRY: (own_ship_from_message, interpolate_own_ship)},
+            needs_series=needs_own_ship,
+        )
+
+    def process(self, item: JoinedItem, records: Mapping[str, Any]) -> Iterable[Notice]:
+        """Feed one ping and publish tracks and thresholds."""
+        own_ship = item.series[ODOMETRY.name]
+        motion = None if own_ship is None else motion_in_map(own_ship)
+        contacts = located(records[CONTACTS.name], motion, self._mounting)
+        update = self._tracker.update(with_defaults(contacts, self._defaults))
+        self._publish(update)
+        return update.notices
+
+    def substitute(self, rejected: Received) -> None:
+        """Publish the tracks predicted to a ping that could not be used."""
+        if rejected.source.topic is CONTACTS:
+            self._publish(self._tracker.coast(rejected.stamp, rejected.next_stamp))
+
+    def reset(self) -> None:
+        """Forget all tracks; identifiers go on."""
+        first_id = self._tracker.next_id
+        self._tracker = make_contact_tracker(replace(self._configuration, first_id=first_id))
+
+    def _publish(self, update: ContactTrackerUpdate) -> None:
+        self._thresholds.publish(thresholds_to_message(update.thresholds))
+        self._tracks.publish(position_tracks_to_message(update.tracks))
+
+
+def main() -> int:
+    """Run the node."""
+    return run_node(HpdaTracker)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
