@@ -60,3 +60,46 @@ class FrequencyLines:
     integration_time: FloatArray
     next_stamp: int = UNKNOWN_STAMP
     sensor: Sensor = field(default_factory=Sensor)
+
+
+@dataclass(frozen=True)
+class Beams:
+    """Where the array listens at one instant.
+
+    Attributes
+    ----------
+    track_id : ndarray of uint64, shape (n_beams,)
+        Bearing tracks.
+    arrival_angle, variance : ndarray, shape (n_beams,)
+        rad and rad^2.
+    """
+
+    track_id: NDArray[np.uint64]
+    arrival_angle: FloatArray
+    variance: FloatArray
+
+
+@dataclass(frozen=True)
+class LofarRows:
+    """Spectra of the beams over their background, one row of the LOFAR picture of each.
+
+    Attributes
+    ----------
+    stamp : int
+        Middle of the frame, ns.
+    track_id : ndarray of uint64, shape (n_beams,)
+        Bearing track of each row.
+    first_frequency, bin_width : float
+        Of the columns, Hz.
+    level_db : ndarray of float32, shape (n_beams, n_bins)
+        Power over background.
+    frame_id : str
+        Frame of the array.
+    """
+
+    stamp: int
+    track_id: NDArray[np.uint64]
+    first_frequency: float
+    bin_width: float
+    level_db: NDArray[np.float32]
+    frame_id: str
