@@ -55,14 +55,14 @@ class LineAnalysis:
         self.last_bin = max(self.first_bin + 3, min(nyquist - 2, int(highest) + reach + 1))
         bins = np.arange(self.first_bin, self.last_bin)
         self._frequencies = np.asarray(bins * self.bin_width, np.float64)
-        self._inside = (bins >= lowest) & (bins <= highest)
+        self.inside = (bins >= lowest) & (bins <= highest)
         self.normaliser = BackgroundNormaliser(
             len(bins), half_width, configuration.false_alarm_probability
         )
 
     def notices(self) -> tuple[Notice, ...]:
         """Return what a user should know of the array."""
-        highest = float(self._frequencies[self._inside][-1]) if self._inside.any() else 0.0
+        highest = float(self._frequencies[self.inside][-1]) if self.inside.any() else 0.0
         if not has_grating_lobes(self._positions, wavenumber(highest, self._sound_speed)):
             return ()
         return (
@@ -98,7 +98,7 @@ class LineAnalysis:
             frequency = (self.first_bin + peaks.position) * self.bin_width
             for index, peak in enumerate(peaks.bin):
                 level = float(power[beam, peak])
-                if not self._inside[peak] or self._is_own_ship(float(frequency[index])):
+                if not self.inside[peak] or self._is_own_ship(float(frequency[index])):
                     continue
                 if level * margin < self._strongest_power(spectra, int(peak)):
                     continue
@@ -113,9 +113,9 @@ class LineAnalysis:
 
     def rows(self, frame: SampleFrame, beams: Beams, normalised: FloatArray) -> LofarRows:
         """Return the rows of the LOFAR picture: the normalised spectra in decibel."""
-        inside = normalised[:, self._inside]
+        inside = normalised[:, self.inside]
         level = 10.0 * np.log10(np.maximum(inside, 1e-10))
-        first = float(self._frequencies[self._inside][0]) if self._inside.any() else np.nan
+        first = float(self._frequencies[self.inside][0]) if self.inside.any() else np.nan
         return LofarRows(
             stamp=frame.stamp,
             track_id=beams.track_id,

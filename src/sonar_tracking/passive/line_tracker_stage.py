@@ -62,6 +62,11 @@ class LineTrackerStage:
     configuration : LineTrackerConfiguration
         Its parameters.
 
+    Attributes
+    ----------
+    analysis : LineAnalysis or None
+        Bins and thresholds, known from the first block on.
+
     Raises
     ------
     ConfigurationError
@@ -78,7 +83,8 @@ class LineTrackerStage:
         """Forget all data and lines; identifiers go on."""
         self._framer = SampleFramer(self._configuration.frame_length)
         self._pictures: tuple[BearingTracks, ...] = ()
-        self._analysis: LineAnalysis | None = None
+        self.analysis: LineAnalysis | None = None
+        self._notices: tuple[Notice, ...] = ()
         self._lines.clear()
 
     def update(
@@ -107,19 +113,13 @@ class LineTrackerStage:
         """
         self._pictures = (*self._pictures, *tracks)
         frames = self._framer.frames(samples)
-        notices: tuple[Notice, ...] = ()
-        if self._analysis is None:
-            self._analysis = LineAnalysis(self._configuration, samples)
-            notices = self._analysis.notices()
-        updates = []
-        for frame in frames:
-            updates.append(self._update_frame(frame, self._analysis, notices))
-            notices = ()
-        return tuple(updates)
+        if self.analysis is None:
+            self.analysis = LineAnalysis(self._configuration, samples)
+            self._notices = self.analysis.notices()
+        return tuple(self._update_frame(frame, self.analysis) for frame in frames)
 
-    def _update_frame(
-        self, frame: SampleFrame, analysis: LineAnalysis, notices: tuple[Notice, ...]
-    ) -> LineUpdate:
+    def _update_frame(self, frame: SampleFrame, analysis: LineAnalysis) -> LineUpdate:
+        notices, self._notices = self._notices, ()
         beams = self._beams(frame.stamp)
         self._lines.predict(frame.stamp)
         if frame.samples is None:
