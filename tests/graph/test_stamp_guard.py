@@ -109,3 +109,14 @@ def test_an_input_that_never_begins_again_is_used_in_the_end() -> None:
     verdicts = [guard.check((101 + n) * SECOND, 0, "").verdict for n in range(300)]
     assert verdicts[0] is Verdict.DUPLICATE
     assert verdicts[-1] is Verdict.ACCEPT
+
+
+def test_a_late_message_of_slow_data_is_no_new_beginning() -> None:
+    """Pings 10 s apart: one that comes three pings late is a duplicate, or rejected."""
+    guard = StampGuard("contacts", 10 * SECOND)
+    for number in range(20, 30):
+        if number != 26:
+            guard.check(number * 10 * SECOND, 0, "sonar")
+    assert guard.check(250 * SECOND, 0, "sonar").verdict is Verdict.DUPLICATE
+    assert guard.check(260 * SECOND, 0, "sonar").verdict is Verdict.REJECT
+    assert guard.check(200 * SECOND, 0, "sonar").verdict is Verdict.RESET

@@ -19,7 +19,8 @@ class NodeConfiguration:
     )
     reset_after: float = parameter(
         10.0,
-        "a step back of the stamps by more than this resets the node, a smaller one is rejected",
+        "a step back of the stamps by more than this, and than five messages of slow data, resets "
+        "the node; a smaller one is rejected",
         unit="s",
         minimum=0.0,
         maximum=1e9,

@@ -17,6 +17,9 @@ TOLERANCE = 1_000
 
 _REMEMBERED = 256
 
+REORDERED_MESSAGES = 5
+"""Of data slower than reset_after so many may come late before that is a new beginning."""
+
 
 class Verdict(Enum):
     """What to do with a message."""
@@ -47,7 +50,8 @@ class StampGuard:
     topic : str
         Named in the sentences.
     reset_after : int
-        A step back by more than this many ns is a new beginning, a smaller one an error.
+        A step back by more than this many ns, and by more than a few of the usual intervals
+        between messages, is a new beginning; a smaller one is an error.
     """
 
     def __init__(self, topic: str, reset_after: int) -> None:
@@ -139,7 +143,7 @@ class StampGuard:
                 "data; everything was reset.",
             )
         back = self.last_stamp - stamp
-        if back > self._reset_after:
+        if back > self._largest_step_back():
             return StampCheck(
                 Verdict.RESET,
                 f"{self._topic}: stamps went back by {back / NANOSECONDS:.3f} s to "
@@ -154,6 +158,12 @@ class StampGuard:
             )
         return self._judge_order(stamp, at)
 
+    def _largest_step_back(self) -> int:
+        """Return by how much a late message may be late, ns."""
+        intervals = len(self._recent) - 1
+        usual = (self._recent[-1] - self._recent[0]) // intervals if intervals > 0 else 0
+        return max(self._reset_after, REORDERED_MESSAGES * usual)
+
     def _judge_order(self, stamp: int, at: str) -> StampCheck:
         if stamp < self.last_stamp:
             if stamp in self._recent:
@@ -162,8 +172,9 @@ class StampGuard:
             return StampCheck(
                 Verdict.REJECT,
                 f"{at} was rejected: it is {back:.3f} s earlier than the one before; the sender "
-                f"must publish in order (a step back by more than {self._reset_after / 1e9:g} s, "
-                "parameter reset_after, is taken as a new beginning).",
+                "must publish in order (a step back by more than "
+                f"{self._largest_step_back() / 1e9:g} s, parameter reset_after or a few messages, "
+                "is taken as a new beginning).",
             )
         if self.expected == UNKNOWN_STAMP:
             return StampCheck(Verdict.ACCEPT)
