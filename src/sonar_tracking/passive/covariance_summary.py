@@ -11,6 +11,7 @@ from sonar_tracking.geometry import is_uniform_line
 from sonar_tracking.passive.records import ArraySnapshots
 from sonar_tracking.passive.source_counting import counted_sources, sample_covariance
 from sonar_tracking.passive.source_number import minimum_description_length
+from sonar_tracking.passive.steering_error import steering_error_floor, with_steering_error
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -25,7 +26,7 @@ class CovarianceSummary:
     Attributes
     ----------
     covariance : ndarray, shape (..., n_elements, n_elements), complex, or None
-        X X^H / n_snapshots; None = no snapshots.
+        X X^H / n_snapshots and the floor of the steering errors; None = no snapshots.
     n_snapshots : int
         Snapshots in it.
     eigenvalues : ndarray, shape (..., n_elements), or empty
@@ -50,6 +51,7 @@ def summarise_covariance(
     header: ArraySnapshots,
     whitening: ComplexArray | None,
     maximum_rate: float,
+    steering_error: float = 0.0,
 ) -> CovarianceSummary:
     """Return the covariance of some snapshots and what it says of noise and number of sources.
 
@@ -65,6 +67,8 @@ def summarise_covariance(
         Inverse Cholesky factor of the noise covariance; None = white noise.
     maximum_rate : float
         Fastest bearing that must not be counted twice, rad/s.
+    steering_error : float
+        Relative rms error of the steering vectors.
 
     Returns
     -------
@@ -76,14 +80,20 @@ def summarise_covariance(
     if n_snapshots == 0:
         return CovarianceSummary()
     covariance = sample_covariance(snapshots)
-    eigenvalues = signal_values = _descending_eigenvalues(snapshots)
+    floor = steering_error_floor(covariance, steering_error)[..., None]
+    covariance = with_steering_error(covariance, steering_error, header.noise_covariance)
+    eigenvalues = signal_values = _descending_eigenvalues(snapshots) + floor
     if whitening is not None:
-        signal_values = _descending_eigenvalues(snapshots @ whitening.T)
+        signal_values = _descending_eigenvalues(snapshots @ whitening.T) + floor
+        if steering_error > 0.0:
+            eigenvalues = np.linalg.eigvalsh(covariance)[..., ::-1]
     rank = count = -1
     if snapshots.ndim == 2 and n_snapshots >= _SNAPSHOTS_PER_ELEMENT * n_elements:
         rank = minimum_description_length(signal_values, n_snapshots)
     if snapshots.ndim == 2 and is_uniform_line(header.element_positions):
-        count = counted_sources(snapshots, eigenvalues, header, maximum_rate, n_columns == 0)
+        count = counted_sources(
+            snapshots, eigenvalues, header, maximum_rate, n_columns == 0, steering_error
+        )
     n_signals = n_columns if n_columns > 0 else max(rank, count, 0)
     return CovarianceSummary(
         covariance=covariance,

@@ -128,7 +128,7 @@ class SubspaceEstimates:
     rank, source_count : int
         MDL on the raw and on the smoothed covariance; -1 = not estimated.
     covariance : ndarray, shape (..., n_elements, n_elements), complex, or None
-        Sample covariance of ``covariance_snapshots`` snapshots.
+        Sample covariance of ``covariance_snapshots`` snapshots, with the floor of steering errors.
     covariance_snapshots : int
         Snapshots in it; 0 = none.
     covariance_time_offset : float

@@ -20,6 +20,7 @@ from sonar_tracking.passive.source_number import (
     counting_snapshots,
     source_count,
 )
+from sonar_tracking.passive.steering_error import with_steering_error
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -31,6 +32,7 @@ def counted_sources(
     header: ArraySnapshots,
     maximum_rate: float,
     thorough: bool,
+    steering_error: float = 0.0,
 ) -> int:
     """Return the number of sources seen by a uniform line array, -1 with too few snapshots.
 
@@ -46,6 +48,8 @@ def counted_sources(
         Fastest bearing that must not be counted twice, rad/s.
     thorough : bool
         Also find out how fast the strong sources really turn, to see weak ones beside them.
+    steering_error : float
+        Relative rms error of the steering vectors.
     """
     n_snapshots = len(snapshots)
     if n_snapshots < LEAST_COUNTING_SNAPSHOTS:
@@ -54,24 +58,25 @@ def counted_sources(
     positions, noise = header.element_positions, header.noise_covariance
     fastest = maximum_rate * header.sample_period
     used = counting_snapshots(eigenvalues, n_snapshots, positions, number, fastest)
-    count = _count_on_newest(snapshots, used, noise)
+
+    def count_on_newest(n_newest: int) -> int:
+        covariance = sample_covariance(snapshots[-n_newest:])
+        return source_count(with_steering_error(covariance, steering_error, noise), n_newest, noise)
+
+    count = count_on_newest(used)
     while count == 0 and used < n_snapshots:
         used = min(2 * used, n_snapshots)
-        count = _count_on_newest(snapshots, used, noise)
+        count = count_on_newest(used)
     if count == 0 or used == n_snapshots or not thorough:
         return count
     turn = _largest_turn(snapshots, count, positions, number, noise)
     allowed = counting_snapshots(eigenvalues, n_snapshots, positions, number, min(turn, fastest))
-    return max(count, _count_on_newest(snapshots, allowed, noise)) if allowed > used else count
+    return max(count, count_on_newest(allowed)) if allowed > used else count
 
 
 def sample_covariance(snapshots: ComplexArray) -> ComplexArray:
     """Return X X^H / N of snapshots of shape (..., N, n_elements)."""
     return np.swapaxes(snapshots, -1, -2) @ snapshots.conj() / snapshots.shape[-2]
-
-
-def _count_on_newest(snapshots: ComplexArray, used: int, noise: ComplexArray | None) -> int:
-    return source_count(sample_covariance(snapshots[-used:]), used, noise)
 
 
 def _largest_turn(

@@ -48,6 +48,13 @@ class SubspaceConfiguration:
         unit="deg/s",
         minimum=0.0,
     )
+    steering_error: float = parameter(
+        0.0,
+        "Relative rms error of the steering vectors (gain and phase errors, reflections): what a "
+        "strong source brings beside its own is noise and no source; 0 = none",
+        minimum=0.0,
+        maximum=1.0,
+    )
 
     @property
     def step(self) -> int:

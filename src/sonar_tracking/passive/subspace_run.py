@@ -150,4 +150,5 @@ def _summary(configuration: SubspaceConfiguration, run: SubspaceRun, end: int) -
         run.header,
         run.whitening,
         math.radians(configuration.maximum_rate_deg),
+        configuration.steering_error,
     )
