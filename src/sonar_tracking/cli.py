@@ -94,6 +94,52 @@ def wav(
     print(importer.import_wav_file(file, geometry, frequency, bandwidth, output, truth, parameters))
 
 
+@import_app.command()
+def contacts(
+    file: Annotated[Path, typer.Argument(help="CSV or npz with one line, or entry, a contact.")],
+    output: Annotated[Path, typer.Option(help="The new bag.")],
+    own_ship: Annotated[
+        Path | None, typer.Option(help="CSV or npz: time_s, east_m, north_m, heading_deg.")
+    ] = None,
+    truth: Annotated[
+        Path | None, typer.Option(help="CSV or npz: time_s, target, east_m, north_m.")
+    ] = None,
+    range_deviation: Annotated[
+        float, typer.Option(help="Standard deviation of ranges without their own, m.")
+    ] = 0.0,
+    bearing_deviation_deg: Annotated[
+        float, typer.Option(help="The same of directions, degrees.")
+    ] = 0.0,
+    maximum_range: Annotated[
+        float, typer.Option(help="Of the survey, m; 0: that of the farthest contact.")
+    ] = 0.0,
+    latency: Annotated[
+        float, typer.Option(help="By which the times are later than the pings, s.")
+    ] = 0.0,
+    epoch: Annotated[str, typer.Option(help="Instant of time_s = 0.")] = "2026-01-01T00:00:00Z",
+    parameters: Annotated[
+        Path | None, typer.Option(help="YAML file: node, parameter, value; kept for the replay.")
+    ] = None,
+) -> None:
+    """Bring recorded contacts into a bag of pings, with own ship and truth.
+
+    Columns: time_s (or unix_time_s), range_m, bearing_deg (compass; or azimuth_deg, from east
+    anticlockwise; or relative_bearing_deg, from the bow clockwise). Optional: amplitude (linear,
+    noise mean 1; or amplitude_db), range_deviation_m, bearing_deviation_deg, own_east_m with
+    own_north_m and own_heading_deg. Lines of one time are one ping; a line with neither range nor
+    direction is a ping that heard nothing. A line that cannot be used is left out and named.
+    """
+    importer = _needs("sonar_tracking.graph.import_command")
+    sensor = {
+        "range_deviation": range_deviation,
+        "bearing_deviation_deg": bearing_deviation_deg,
+        "maximum_range": maximum_range,
+        "latency": latency,
+        "epoch": epoch,
+    }
+    print(importer.import_contacts_file(file, output, sensor, own_ship, truth, parameters))
+
+
 @app.command()
 def evaluate(
     study: Annotated[str, typer.Argument(help="Name of a study, or all.")],
