@@ -175,8 +175,8 @@ def plot(
     bag: Annotated[Path, typer.Argument(help="Bag with tracks.")],
     output: Annotated[Path, typer.Option(help="Folder for the pictures.")] = Path(),
 ) -> None:
-    """Draw the bearing-time record of a bag."""
-    _needs("sonar_tracking.display.bearing_time_record").plot_bag(bag, output)
+    """Draw what a bag holds: chart, records over time, table of the tracks."""
+    _needs("sonar_tracking.display.plot_bag").plot_bag(bag, output)
 
 
 @app.command()

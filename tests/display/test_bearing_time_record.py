@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 
 from sonar_tracking.bags.writer import BagWriter
-from sonar_tracking.display.bearing_time_record import N_BEAMS, beam_picture, plot_bag
-from sonar_tracking.display.track_history import track_histories, track_summary
+from sonar_tracking.display.bearing_time_record import N_BEAMS, beam_picture
+from sonar_tracking.display.plot_bag import plot_bag
+from sonar_tracking.display.summary_table import bearing_summary
+from sonar_tracking.display.track_history import track_histories
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.geometry import line_array, steering_vectors, wavenumber
-from sonar_tracking.passive.records import ArraySnapshots, BearingTracks, TrackStatus
+from sonar_tracking.passive.records import AngleKind, ArraySnapshots, BearingTracks, TrackStatus
 from tests.bags.bag_fixtures import CLOCK, EPOCH, SECOND, TRACKS, open_writer, write_messages
 
 POSITIONS = line_array(10, 0.5)
@@ -79,8 +81,19 @@ def test_histories_follow_identifiers_and_do_not_jump_across_the_half_circle() -
     first, second = track_histories([wrapped, far])
     assert (first.id, second.id) == (4, 9)
     assert first.confirmed and not second.confirmed
-    assert np.isnan(second.angles_with_gaps()).tolist() == [True, False]
-    assert not np.isnan(first.angles_with_gaps()).any()
+    assert np.isnan(second.degrees_with_gaps()).tolist() == [True, False]
+    assert not np.isnan(first.degrees_with_gaps()).any()
+
+
+def test_azimuths_are_compass_bearings_and_do_not_jump_across_north() -> None:
+    west = tracks(1, arrival_angle=np.radians([89.0, 0.0]), angle_kind=AngleKind.AZIMUTH)
+    east = tracks(2, arrival_angle=np.radians([92.0, 0.0]), angle_kind=AngleKind.AZIMUTH)
+    first, second = track_histories([west, east])
+    np.testing.assert_allclose(first.degrees, [1.0, 358.0])
+    assert np.isnan(first.degrees_with_gaps()).tolist() == [True, False]
+    np.testing.assert_allclose(second.degrees_with_gaps(), [90.0, 90.0])
+    row = bearing_summary("", [first], EPOCH * SECOND).rows[0]
+    assert row[3:5] == ("1.0", "358.0")
 
 
 def test_the_table_says_when_and_where_a_track_was() -> None:
@@ -88,7 +101,8 @@ def test_the_table_says_when_and_where_a_track_was() -> None:
 
     console = Console(width=100)
     with console.capture() as capture:
-        console.print(track_summary(track_histories([tracks(1), tracks(5)]), EPOCH * SECOND))
+        histories = track_histories([tracks(1), tracks(5)])
+        console.print(bearing_summary("bearings", histories, EPOCH * SECOND).to_rich())
     row = next(line for line in capture.get().splitlines() if line.strip().startswith("4"))
     assert row.split() == ["4", "1.0", "5.0", "+11.0", "+15.0", "0.50", "0"]
 
@@ -97,7 +111,7 @@ def test_a_bag_is_drawn_with_its_table(tmp_path: Path) -> None:
     writer = BagWriter(tmp_path / "run")
     writer.add_topic("/passive/bearing_tracks", TRACKS, role="output")
     writer.close()
-    with pytest.raises(ConfigurationError, match="neither snapshots nor bearing tracks"):
+    with pytest.raises(ConfigurationError, match="neither snapshots nor contacts nor confirmed"):
         plot_bag(tmp_path / "run", tmp_path / "empty")
     full = open_writer(tmp_path / "full")
     write_messages(full, 5)

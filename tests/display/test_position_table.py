@@ -40,7 +40,7 @@ def test_a_row_is_in_the_units_people_use() -> None:
         hypothesis_probability=np.array([0.62]),
     )
     assert position_cells(tracks, 0) == (
-        *("+1500", "-200", "217", "5.0", "245 x 24 at 090", "0.99", "0.25", "left 62 %"),
+        *("+1500", "-200", "217", "5.0", "245x24, 090", "0.99", "0.25", "left 62%"),
     )
 
 
@@ -61,7 +61,7 @@ def test_confirmed_tracks_come_first_and_the_rest_is_counted() -> None:
     tracks = position_tracks(0.0, [[0.0, 0.0, 1.0, 0.0]] * 31, status=status)
     lines = rendered(position_table("/active/tracks", tracks, most_rows=5)).splitlines()
     assert lines[0].startswith("/active/tracks")
-    assert lines[3].split()[:3] == ["31", "│", "confirmed"]
+    assert next(line for line in lines if " 31 " in f" {line} ").split()[1] == "confirmed"
     assert "and 26 more" in lines[-1]
 
 

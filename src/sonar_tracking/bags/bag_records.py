@@ -5,18 +5,28 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
 
+from sonar_tracking.active.records import Contacts
 from sonar_tracking.bags.digest import decoded_message
 from sonar_tracking.bags.message_definitions import typestore_of
 from sonar_tracking.bags.reader import Bag
 from sonar_tracking.errors import InputError
+from sonar_tracking.messages.contact_reading import contacts_from_message
 from sonar_tracking.messages.position_reading import position_tracks_from_message
-from sonar_tracking.messages.reading import bearing_tracks_from_message, snapshots_from_message
+from sonar_tracking.messages.reading import (
+    bearing_tracks_from_message,
+    directions_from_message,
+    own_ship_from_message,
+    snapshots_from_message,
+)
 from sonar_tracking.passive.records import ArraySnapshots, BearingTracks
 from sonar_tracking.position_tracks import PositionTracks
+from sonar_tracking.simulation.records import OwnShipState
 
 SNAPSHOTS_TYPE = "sonar_tracking_msgs/msg/ArraySnapshots"
 BEARING_TRACKS_TYPE = "sonar_tracking_msgs/msg/BearingTracks"
 POSITION_TRACKS_TYPE = "sonar_tracking_msgs/msg/Tracks"
+CONTACTS_TYPE = "sonar_tracking_msgs/msg/Contacts"
+ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
 
 Record = TypeVar("Record")
 
@@ -71,6 +81,32 @@ def position_tracks_of(
     Parameters and errors are those of :func:`snapshots_of`.
     """
     yield from _converted(bag, topic, position_tracks_from_message, rejected)
+
+
+def directions_of(
+    bag: Bag, topic: str, rejected: list[str] | None = None
+) -> Iterator[BearingTracks]:
+    """Yield the track lists of a topic in log order, cone angles and azimuths.
+
+    Parameters and errors are those of :func:`snapshots_of`.
+    """
+    yield from _converted(bag, topic, directions_from_message, rejected)
+
+
+def contacts_of(bag: Bag, topic: str, rejected: list[str] | None = None) -> Iterator[Contacts]:
+    """Yield the contacts of a topic, ping by ping, in log order.
+
+    Parameters and errors are those of :func:`snapshots_of`.
+    """
+    yield from _converted(bag, topic, contacts_from_message, rejected)
+
+
+def own_ship_of(bag: Bag, topic: str, rejected: list[str] | None = None) -> Iterator[OwnShipState]:
+    """Yield own ship's states of a topic in log order.
+
+    Parameters and errors are those of :func:`snapshots_of`.
+    """
+    yield from _converted(bag, topic, own_ship_from_message, rejected)
 
 
 def _converted(

@@ -1,12 +1,13 @@
-"""Bearing-time record of a bag: beamformer picture, tracks and truth, and a table of the tracks.
+"""Bearing-time record: the tracks of one sensor and the truth over the beamformer's picture.
 
-Bearing to the right, time downwards. Behind the tracks lies the power of the conventional
-beamformer, each line relative to its strongest beam, where the bag holds snapshots.
+Bearing to the right, time downwards: arrival angles from broadside, or compass bearings where the
+sensor measures azimuths. Behind the tracks lies the power of the conventional beamformer, each
+line relative to its strongest beam, where there are snapshots.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,19 +15,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from sonar_tracking.bags.bag_records import (
-    BEARING_TRACKS_TYPE,
-    SNAPSHOTS_TYPE,
-    bearing_tracks_of,
-    snapshots_of,
-    topics_of_type,
-)
-from sonar_tracking.bags.reader import Bag, read_bag
-from sonar_tracking.display.track_history import TrackHistory, track_histories, track_summary
-from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.display.track_history import TrackHistory
 from sonar_tracking.geometry import wavenumber
 from sonar_tracking.passive.conventional_beamformer import beam_powers
-from sonar_tracking.passive.records import ArraySnapshots
+from sonar_tracking.passive.records import AngleKind, ArraySnapshots
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -40,6 +32,9 @@ MOST_LINES = 600
 DYNAMIC_RANGE_DB = 15.0
 HEADROOM_DB = 8.0
 """The strongest beam is drawn so far below white, for the lines on top to stand out."""
+
+MOST_NAMED = 12
+"""More tracks are not listed in a legend."""
 
 TRACK_COLOURS = ("#56B4E9", "#E69F00", "#009E73", "#F0E442", "#CC79A7", "#D55E00", "#0072B2")
 
@@ -92,67 +87,13 @@ def beam_picture(blocks: Iterable[ArraySnapshots], blocks_per_line: int) -> Beam
     return BeamPicture(np.array(stamps, np.int64), angles, levels)
 
 
-def plot_bag(bag: Path | str, output: Path | str) -> tuple[Path, ...]:
-    """Draw the bearing-time record of a bag, and print and write the table of its tracks.
-
-    Parameters
-    ----------
-    bag : Path or str
-        Bag with snapshots, tracks or both.
-    output : Path or str
-        Directory for ``bearing_time_record.png`` and ``tracks.txt``; made if missing.
-
-    Returns
-    -------
-    tuple of Path
-        Files written.
-
-    Raises
-    ------
-    ConfigurationError
-        If the bag cannot be read or holds neither snapshots nor bearing tracks.
-    """
-    from rich.console import Console
-
-    console = Console(highlight=False, soft_wrap=True)
-    opened = read_bag(bag)
-    if opened.recovery:
-        console.print(opened.recovery)
-    rejected: list[str] = []
-    picture = _picture(opened, rejected)
-    tracks = _histories(opened, "output", rejected)
-    truth = _histories(opened, "truth", rejected)
-    if rejected:
-        console.print(f"{len(rejected)} messages were left out, the first: {rejected[0]}")
-    begins = [history.stamps[0] for history in (*tracks, *truth)] + list(picture.stamps[:1])
-    if not begins:
-        raise ConfigurationError(
-            f"{opened.path} holds neither snapshots nor bearing tracks; its topics are "
-            f"{', '.join(opened.topics)}."
-        )
-    start = int(min(begins))
-    directory = Path(output)
-    directory.mkdir(parents=True, exist_ok=True)
-    image = directory / "bearing_time_record.png"
-    draw_bearing_time_record(picture, tracks, truth, start, image)
-    written = [image]
-    if tracks:
-        written.append(directory / "tracks.txt")
-        table = track_summary(tracks, start)
-        console.print(table)
-        with written[-1].open("w", encoding="utf-8") as file:
-            Console(file=file, width=100, highlight=False).print(table)
-    for path in written:
-        console.print(f"wrote {path}")
-    return tuple(written)
-
-
 def draw_bearing_time_record(
     picture: BeamPicture,
-    tracks: Iterable[TrackHistory],
-    truth: Iterable[TrackHistory],
+    tracks: Sequence[TrackHistory],
+    truth: Sequence[TrackHistory],
     start: int,
     path: Path,
+    title: str = "",
 ) -> None:
     """Draw a bearing-time record into an image file.
 
@@ -160,12 +101,14 @@ def draw_bearing_time_record(
     ----------
     picture : BeamPicture
         Background; may have no lines.
-    tracks, truth : iterable of TrackHistory
-        Lines on top.
+    tracks, truth : sequence of TrackHistory
+        Lines on top, all with the same kind of angle; the picture goes with arrival angles only.
     start : int
         Stamp of time zero, ns.
     path : Path
         Image file.
+    title : str
+        Heading.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -181,10 +124,13 @@ def draw_bearing_time_record(
     for number, history in enumerate(truth):
         label = "" if number else "truth"
         last = max(last, _draw_line(axes, history, start, label, "white", "--", 0.8))
-    axes.set(xlim=(-90, 90), ylim=(last or 1.0, 0.0))
-    axes.set(xlabel="arrival angle from broadside, deg", ylabel="time, s")
-    axes.set_xticks(range(-90, 91, 30))
-    if axes.get_legend_handles_labels()[0]:
+    axes.set(ylim=(last or 1.0, 0.0), ylabel="time, s", title=title)
+    if any(history.kind == AngleKind.AZIMUTH for history in (*tracks, *truth)):
+        axes.set(xlim=(0, 360), xlabel="bearing, deg from north", xticks=range(0, 361, 45))
+    else:
+        axes.set(xlim=(-90, 90), xlabel="arrival angle from broadside, deg")
+        axes.set_xticks(range(-90, 91, 30))
+    if len(tracks) <= MOST_NAMED and axes.get_legend_handles_labels()[0]:
         axes.legend(loc="upper right", fontsize=8, facecolor="#333333", labelcolor="white")
     figure.savefig(path, dpi=120)
 
@@ -201,7 +147,7 @@ def _draw_line(
     """Draw one track; return the time of its end, s."""
     times = (history.stamps - start) * 1e-9
     axes.plot(
-        np.degrees(history.angles_with_gaps()),
+        history.degrees_with_gaps(),
         times,
         color=colour,
         linestyle=style,
@@ -226,21 +172,3 @@ def _draw_picture(axes: Axes, picture: BeamPicture, start: int) -> float:
     bar = figure.colorbar(image, ax=axes, label="beam power, dB of the strongest", shrink=0.6)
     bar.ax.set_ylim(-DYNAMIC_RANGE_DB, 0.0)
     return float(edges[-1])
-
-
-def _picture(bag: Bag, rejected: list[str]) -> BeamPicture:
-    """Return the picture of the first snapshot topic; without lines where there is none."""
-    topics = topics_of_type(bag, SNAPSHOTS_TYPE)
-    if not topics:
-        return beam_picture((), 1)
-    blocks_per_line = -(-bag.topics[topics[0]].message_count // MOST_LINES)
-    return beam_picture(snapshots_of(bag, topics[0], rejected), blocks_per_line)
-
-
-def _histories(bag: Bag, role: str, rejected: list[str]) -> tuple[TrackHistory, ...]:
-    """Return the tracks of the first track topic of a role that ever were confirmed."""
-    topics = topics_of_type(bag, BEARING_TRACKS_TYPE, role)
-    if not topics:
-        return ()
-    histories = track_histories(bearing_tracks_of(bag, topics[0], rejected))
-    return tuple(history for history in histories if history.confirmed)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from rich import box
 from rich.table import Table
 from rich.text import Text
 
@@ -30,15 +31,16 @@ _RANK = {
     TrackStatus.TERMINATED: 3,
 }
 COLUMNS = (
-    "x m",
-    "y m",
-    "course deg",
-    "speed m/s",
-    "95 % ellipse m",
-    "existence",
-    "observable",
+    "x\nm",
+    "y\nm",
+    "course\ndeg",
+    "speed\nm/s",
+    "95 % ellipse\nm, deg",
+    "exist-\nence",
+    "observ-\nable",
     "side",
 )
+"""Headings of two lines, so that a terminal of 80 columns is wide enough."""
 
 
 def position_table(title: str, tracks: PositionTracks, most_rows: int = MOST_ROWS) -> Table:
@@ -54,11 +56,18 @@ def position_table(title: str, tracks: PositionTracks, most_rows: int = MOST_ROW
         Rows shown: confirmed tracks first, then coasted, tentative and terminated ones; a last
         line tells how many were left out.
     """
-    table = Table(title=title, title_justify="left", show_edge=False, pad_edge=False)
-    table.add_column("track", justify="right")
-    table.add_column("status")
+    table = Table(
+        title=title,
+        title_justify="left",
+        box=box.SIMPLE_HEAD,
+        show_edge=False,
+        pad_edge=False,
+        padding=0,
+    )
+    table.add_column("track", justify="right", no_wrap=True)
+    table.add_column("status", no_wrap=True)
     for heading in COLUMNS:
-        table.add_column(heading, justify="right")
+        table.add_column(heading, justify="right", no_wrap=True)
     rows = sorted(range(len(tracks)), key=lambda row: (_RANK[_status(tracks, row)], row))
     for row in rows[:most_rows]:
         status = _status(tracks, row)
@@ -110,7 +119,7 @@ def side_text(tracks: PositionTracks, row: int) -> str:
         return "-"
     name = TrackHypothesis(hypothesis).name.lower()
     probability = float(tracks.hypothesis_probability[row])
-    return name if math.isnan(probability) else f"{name} {100.0 * probability:.0f} %"
+    return name if math.isnan(probability) else f"{name} {100.0 * probability:.0f}%"
 
 
 def _status(tracks: PositionTracks, row: int) -> TrackStatus:
@@ -124,7 +133,7 @@ def _ellipse(tracks: PositionTracks, row: int) -> str:
         return "-"
     # An axis has no sense: of its two directions the one below 180 degrees is said.
     axis = round(float(np.mod(compass_from_azimuth(ellipse.azimuth), 180.0))) % 180
-    return f"{ellipse.semi_major:.0f} x {ellipse.semi_minor:.0f} at {axis:03d}"
+    return f"{ellipse.semi_major:.0f}x{ellipse.semi_minor:.0f}, {axis:03d}"
 
 
 def _number(value: float, form: str) -> str:

@@ -1,18 +1,15 @@
-"""Tracks as lines over time, and a table of what became of each of them."""
+"""Bearing tracks as lines over time: one history a track."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sonar_tracking.passive.records import BearingTracks, TrackStatus
-
-if TYPE_CHECKING:
-    from rich.table import Table
+from sonar_tracking.motion import compass_from_azimuth
+from sonar_tracking.passive.records import AngleKind, BearingTracks, TrackStatus
 
 FloatArray = NDArray[np.float64]
 
@@ -33,6 +30,8 @@ class TrackHistory:
         :class:`TrackStatus` values.
     deviations : ndarray, shape (n,)
         Standard deviation of the angle, rad; NaN = not reported.
+    kind : AngleKind
+        Of the angles.
     """
 
     id: int
@@ -40,18 +39,27 @@ class TrackHistory:
     angles: FloatArray
     status: NDArray[np.uint8]
     deviations: FloatArray
+    kind: AngleKind = AngleKind.CONE
 
     @property
     def confirmed(self) -> bool:
         """Whether the track ever was more than tentative."""
         return bool(np.any(self.status != TrackStatus.TENTATIVE))
 
-    def angles_with_gaps(self) -> FloatArray:
-        """Return the angles with NaN where a line would jump over the end of the half circle."""
-        angles = self.angles.copy()
-        jumps = np.flatnonzero(np.abs(np.diff(angles)) > np.pi / 2)
-        angles[jumps] = np.nan
-        return angles
+    @property
+    def degrees(self) -> FloatArray:
+        """Return the angles as people read them: from broadside, or compass bearings; deg."""
+        if self.kind == AngleKind.AZIMUTH:
+            return compass_from_azimuth(self.angles)
+        return np.degrees(self.angles)
+
+    def degrees_with_gaps(self) -> FloatArray:
+        """Return the degrees with NaN where a line would jump across the whole axis."""
+        degrees = self.degrees
+        widest = 180.0 if self.kind == AngleKind.AZIMUTH else 90.0
+        jumps = np.flatnonzero(np.abs(np.diff(degrees)) > widest)
+        degrees[jumps] = np.nan
+        return degrees
 
 
 def track_histories(lists: Iterable[BearingTracks]) -> tuple[TrackHistory, ...]:
@@ -60,10 +68,12 @@ def track_histories(lists: Iterable[BearingTracks]) -> tuple[TrackHistory, ...]:
     Parameters
     ----------
     lists : iterable of BearingTracks
-        In order of their stamps.
+        In order of their stamps, all with the same kind of angle.
     """
     rows: dict[int, list[tuple[int, float, int, float]]] = {}
+    kind = AngleKind.CONE
     for tracks in lists:
+        kind = tracks.angle_kind
         deviations = np.sqrt(np.maximum(tracks.covariance[:, 0, 0], 0.0))
         for column, identifier in enumerate(tracks.id):
             rows.setdefault(int(identifier), []).append(
@@ -84,38 +94,7 @@ def track_histories(lists: Iterable[BearingTracks]) -> tuple[TrackHistory, ...]:
                 angles=np.array(angles),
                 status=np.array(status, np.uint8),
                 deviations=np.array(spreads),
+                kind=kind,
             )
         )
     return tuple(histories)
-
-
-def track_summary(histories: Iterable[TrackHistory], start: int) -> Table:
-    """Return a table with one row a track.
-
-    Parameters
-    ----------
-    histories : iterable of TrackHistory
-        Tracks to list.
-    start : int
-        Stamp that counts as time zero, ns.
-    """
-    from rich import box
-    from rich.table import Table
-
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    table.add_column("track")
-    for heading in ("first s", "last s", "from deg", "to deg", "deviation deg", "coasted %"):
-        table.add_column(heading, justify="right")
-    for history in histories:
-        coasted = 100.0 * np.mean(history.status == TrackStatus.COASTED)
-        known = history.deviations[np.isfinite(history.deviations)]
-        table.add_row(
-            str(history.id),
-            f"{(history.stamps[0] - start) * 1e-9:.1f}",
-            f"{(history.stamps[-1] - start) * 1e-9:.1f}",
-            f"{np.degrees(history.angles[0]):+.1f}",
-            f"{np.degrees(history.angles[-1]):+.1f}",
-            f"{np.degrees(np.median(known)):.2f}" if known.size else "-",
-            f"{coasted:.0f}",
-        )
-    return table

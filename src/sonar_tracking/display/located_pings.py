@@ -1,0 +1,78 @@
+"""Pings of a recording with the place of their sensor known, from own ship's motion if need be."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import fields
+from typing import Any
+
+from sonar_tracking.active.records import Contacts
+from sonar_tracking.active.sensor_location import (
+    MountingConfiguration,
+    located,
+    needs_own_ship,
+)
+from sonar_tracking.errors import InputError
+from sonar_tracking.graph.own_ship_interpolation import interpolate_own_ship, motion_in_map
+from sonar_tracking.motion import KinematicState
+from sonar_tracking.simulation.records import OwnShipState
+
+
+def located_pings(
+    pings: Iterable[Contacts],
+    own_ship: Sequence[OwnShipState],
+    mounting: MountingConfiguration,
+    rejected: list[str],
+) -> tuple[Contacts, ...]:
+    """Return the pings that can be placed, with azimuths in ``map``, in order of time.
+
+    Parameters
+    ----------
+    pings : iterable of Contacts
+        As they came.
+    own_ship : sequence of OwnShipState
+        Own ship's motion, in order of time; may be empty.
+    mounting : MountingConfiguration
+        Where the sensor is on own ship.
+    rejected : list of str
+        Takes a sentence for each ping that cannot be placed.
+    """
+    placed = []
+    stamps = [state.stamp for state in own_ship]
+    for ping in sorted(pings, key=lambda ping: ping.stamp):
+        own = _at(own_ship, stamps, ping.stamp) if needs_own_ship(ping) else None
+        try:
+            placed.append(located(ping, own, mounting))
+        except InputError as error:
+            rejected.append(str(error))
+    return tuple(placed)
+
+
+def recorded_mounting(parameters: Mapping[str, Any]) -> MountingConfiguration:
+    """Return the mounting among the recorded parameters of a node; the default where it is not.
+
+    Parameters
+    ----------
+    parameters : mapping
+        Name and value.
+    """
+    names = {item.name for item in fields(MountingConfiguration)}
+    return MountingConfiguration(
+        **{name: float(value) for name, value in parameters.items() if name in names}
+    )
+
+
+def _at(
+    own_ship: Sequence[OwnShipState], stamps: Sequence[int], stamp: int
+) -> KinematicState | None:
+    """Return own ship at an instant between two states; None outside."""
+    index = bisect_right(stamps, stamp) - 1
+    if index < 0 or (index + 1 == len(stamps) and stamps[index] != stamp):
+        return None
+    before = own_ship[index]
+    if before.stamp == stamp:
+        return motion_in_map(before)
+    after = own_ship[index + 1]
+    fraction = (stamp - before.stamp) / (after.stamp - before.stamp)
+    return motion_in_map(interpolate_own_ship(before, after, fraction))

@@ -1,0 +1,83 @@
+"""Position tracks over time: one history a track."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.passive.records import TrackStatus
+from sonar_tracking.position_tracks import COLUMNS, PositionTracks
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class PositionHistory:
+    """One track over time.
+
+    Attributes
+    ----------
+    tracks : PositionTracks
+        A row an instant instead of a row a track: the columns mean what they mean there.
+    stamps : ndarray of int, shape (n,)
+        Instant of each row, ns, ascending.
+    """
+
+    tracks: PositionTracks
+    stamps: NDArray[np.int64]
+
+    @property
+    def id(self) -> int:
+        """Identifier of the track."""
+        return int(self.tracks.id[0])
+
+    @property
+    def positions(self) -> FloatArray:
+        """Positions, shape (n, 2), m."""
+        return self.tracks.state[:, :2]
+
+    def seconds(self, start: int) -> FloatArray:
+        """Return the time of each row since a stamp (ns), s."""
+        return np.asarray((self.stamps - start) * 1e-9, np.float64)
+
+
+def position_histories(lists: Iterable[PositionTracks]) -> tuple[PositionHistory, ...]:
+    """Return the tracks of successive pictures, by identifier, while they claim a target.
+
+    Parameters
+    ----------
+    lists : iterable of PositionTracks
+        In order of their stamps; of each the tracks count that are confirmed or coast, at a
+        position that is known.
+    """
+    pictures = [_established(picture) for picture in lists]
+    pictures = [picture for picture in pictures if len(picture)]
+    if not pictures:
+        return ()
+    columns: dict[str, Any] = {
+        name: np.concatenate([getattr(picture, name) for picture in pictures])
+        for name, column in COLUMNS.items()
+        if column.key == "id"
+    }
+    stamps = np.repeat([picture.stamp for picture in pictures], [len(p) for p in pictures])
+    order = np.argsort(columns["id"], kind="stable")
+    ends = np.flatnonzero(np.diff(columns["id"][order])) + 1
+    return tuple(
+        PositionHistory(
+            PositionTracks(
+                stamp=int(stamps[rows[-1]]),
+                **{name: values[rows] for name, values in columns.items()},
+            ),
+            stamps[rows],
+        )
+        for rows in np.split(order, ends)
+    )
+
+
+def _established(picture: PositionTracks) -> PositionTracks:
+    shown = np.isin(picture.status, (TrackStatus.CONFIRMED, TrackStatus.COASTED))
+    return picture.selected(shown & np.all(np.isfinite(picture.state[:, :2]), axis=-1))

@@ -1,0 +1,142 @@
+"""What lies on the chart: own ship, targets, tracks, contacts and bearings in ``map``."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.active.contact_positions import place_contacts
+from sonar_tracking.active.records import Contacts
+from sonar_tracking.display.position_history import PositionHistory
+from sonar_tracking.passive.records import AngleKind, BearingTracks, Sensor, TrackStatus
+from sonar_tracking.simulation.records import OwnShipState
+
+FloatArray = NDArray[np.float64]
+
+
+def _nothing(width: int) -> FloatArray:
+    return np.empty((0, width))
+
+
+@dataclass(frozen=True)
+class TacticalScene:
+    """What is drawn on one chart.
+
+    Attributes
+    ----------
+    start : int
+        Stamp of time zero, ns.
+    own_ship : ndarray, shape (n, 4)
+        Time (s), x, y (m), yaw (rad).
+    truth : tuple of PositionHistory
+        The targets.
+    tracks : mapping of str to tuple of PositionHistory
+        Established tracks by topic.
+    contacts : ndarray, shape (n_contacts, 3)
+        Time (s), x, y (m).
+    bearings : ndarray, shape (n_bearings, 4)
+        Time (s), x, y (m) of the sensor, azimuth (rad).
+    """
+
+    start: int
+    own_ship: FloatArray = field(default_factory=lambda: _nothing(4))
+    truth: tuple[PositionHistory, ...] = ()
+    tracks: Mapping[str, tuple[PositionHistory, ...]] = field(default_factory=dict)
+    contacts: FloatArray = field(default_factory=lambda: _nothing(3))
+    bearings: FloatArray = field(default_factory=lambda: _nothing(4))
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether there is nothing whose place is known but own ship."""
+        return not (self.truth or any(self.tracks.values()) or len(self.contacts))
+
+
+def own_ship_track(states: Iterable[OwnShipState], start: int) -> FloatArray:
+    """Return own ship's track in order of time.
+
+    Parameters
+    ----------
+    states : iterable of OwnShipState
+        In any order.
+    start : int
+        Stamp of time zero, ns.
+
+    Returns
+    -------
+    ndarray, shape (n, 4)
+        Time (s), x, y (m), yaw (rad).
+    """
+    rows = [((state.stamp - start) * 1e-9, *state.position, state.yaw) for state in states]
+    return np.array(sorted(rows)).reshape(-1, 4)
+
+
+def contact_points(pings: Iterable[Contacts], start: int, sound_speed: float) -> FloatArray:
+    """Return where the contacts of all pings lie, those whose sensor's place is known.
+
+    Parameters
+    ----------
+    pings : iterable of Contacts
+        In order.
+    start : int
+        Stamp of time zero, ns.
+    sound_speed : float
+        m/s; 0 = the ping takes no time.
+
+    Returns
+    -------
+    ndarray, shape (n_contacts, 3)
+        Time (s), x, y (m).
+    """
+    parts = [_nothing(3)]
+    for ping in pings:
+        position = place_contacts(ping, sound_speed).position
+        time = np.full((len(position), 1), (ping.stamp - start) * 1e-9)
+        rows = np.concatenate([time, position], axis=1)
+        parts.append(rows[np.all(np.isfinite(rows), axis=1)])
+    return np.concatenate(parts)
+
+
+def bearing_lines(lists: Iterable[BearingTracks], start: int) -> FloatArray:
+    """Return the directions of established bearing tracks, both where two sides are possible.
+
+    With azimuth psi of the array's axis, an arrival angle theta from broadside is the azimuth
+    psi + (pi/2 - theta) on the left and psi - (pi/2 - theta) on the right.
+
+    Parameters
+    ----------
+    lists : iterable of BearingTracks
+        Lists that do not tell the sensor's pose are left out.
+    start : int
+        Stamp of time zero, ns.
+
+    Returns
+    -------
+    ndarray, shape (n_bearings, 4)
+        Time (s), x, y (m) of the sensor, azimuth (rad).
+    """
+    rows = []
+    for entry in lists:
+        time = (entry.stamp - start) * 1e-9
+        x, y = entry.sensor.position[:2]
+        shown = np.isin(entry.status, (TrackStatus.CONFIRMED, TrackStatus.COASTED))
+        for angle in entry.arrival_angle[shown & np.isfinite(entry.arrival_angle)]:
+            rows += [(time, x, y, azimuth) for azimuth in _azimuths(entry, float(angle))]
+    lines = np.array(rows).reshape(-1, 4)
+    return lines[np.all(np.isfinite(lines), axis=1)]
+
+
+def _azimuths(entry: BearingTracks, angle: float) -> tuple[float, ...]:
+    if entry.angle_kind == AngleKind.AZIMUTH:
+        return (angle,)
+    axis = sensor_yaw(entry.sensor)
+    return axis + (0.5 * math.pi - angle), axis - (0.5 * math.pi - angle)
+
+
+def sensor_yaw(sensor: Sensor) -> float:
+    """Return the azimuth of a sensor's x axis in ``map``, rad; NaN = unknown."""
+    x, y, z, w = sensor.orientation
+    return math.atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)

@@ -1,0 +1,108 @@
+"""``plot``: a picture of each kind of data the bag holds, whatever is odd about them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sonar_tracking.active.records import Contacts
+from sonar_tracking.bags.writer import BagWriter
+from sonar_tracking.display.plot_bag import plot_bag
+from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.simulation.records import OwnShipState
+from tests.bags.bag_fixtures import EPOCH, SECOND, TRACKS, tracks_cdr
+from tests.bags.position_fixtures import (
+    CONTACTS,
+    ODOMETRY,
+    POSITIONS,
+    contacts_cdr,
+    odometry_cdr,
+    position_tracks_cdr,
+)
+from tests.display.position_pictures import position_tracks
+
+N_SECONDS = 12
+
+
+def message(kind: str, second: int, truth: bool) -> bytes:
+    stamp = (EPOCH + second) * SECOND
+    if kind == ODOMETRY:
+        return odometry_cdr(OwnShipState(stamp, (5.0 * second, 0.0), 0.0, (5.0, 0.0), 0.0))
+    if kind == CONTACTS:
+        generator = np.random.default_rng(second)
+        return contacts_cdr(
+            Contacts(
+                stamp=stamp,
+                range=np.append(generator.uniform(100.0, 3000.0, 5), np.nan),
+                azimuth=generator.uniform(-3.0, 3.0, 6),
+                amplitude=generator.exponential(5.0, 6),
+                range_standard_deviation=5.0,
+                azimuth_standard_deviation=0.01,
+                sensor_position=(5.0 * second, 0.0),
+            )
+        )
+    if kind == TRACKS:
+        return tracks_cdr(second)
+    spread = np.full((1, 4, 4), np.nan) if truth else np.diag([900.0, 100.0, 1.0, 1.0])[None]
+    state = [1000.0 - 3.0 * second, 800.0, -3.0, 0.0]
+    return position_tracks_cdr(position_tracks(second, [state], covariance=spread))
+
+
+def bag(path: Path, **topics: str) -> Path:
+    """Write a bag with a topic of each given type; ``__`` in the name stands for a slash."""
+    writer = BagWriter(path)
+    for name, kind in topics.items():
+        topic = "/" + name.replace("__", "/")
+        truth = topic.startswith("/truth/")
+        writer.add_topic(topic, kind, role="truth" if truth else "output")
+        for second in range(N_SECONDS):
+            writer.write(topic, (EPOCH + second) * SECOND, message(kind, second, truth))
+    writer.close()
+    return path
+
+
+ACTIVE = {
+    "active__contacts": CONTACTS,
+    "active__tracks": POSITIONS,
+    "truth__tracks": POSITIONS,
+    "own_ship__odometry": ODOMETRY,
+}
+PLACES = ("tactical_plot.png",)
+TABLES = ("tracks.txt", "track_table.png")
+
+
+@pytest.mark.parametrize(
+    ("topics", "names"),
+    [
+        (ACTIVE, (*PLACES, "contact_record.png", *TABLES)),
+        ({"passive__tracks": POSITIONS}, (*PLACES, *TABLES)),
+        ({"truth__tracks": POSITIONS}, PLACES),
+        ({"active__contacts": CONTACTS}, (*PLACES, "contact_record.png")),
+        ({"a__tracks": TRACKS}, ()),
+    ],
+)
+def test_whatever_the_bag_holds_is_drawn(
+    tmp_path: Path, topics: dict[str, str], names: tuple[str, ...]
+) -> None:
+    if not names:
+        with pytest.raises(ConfigurationError, match="nor confirmed tracks; its topics are /a/"):
+            plot_bag(bag(tmp_path / "run", **topics), tmp_path / "pictures")
+        assert not (tmp_path / "pictures").exists()
+        return
+    written = plot_bag(bag(tmp_path / "run", **topics), tmp_path / "pictures")
+    assert tuple(path.name for path in written) == names
+    for path in written:
+        if path.suffix == ".png":
+            assert path.read_bytes().startswith(b"\x89PNG") and path.stat().st_size > 5000
+
+
+def test_the_table_tells_where_a_track_ended(tmp_path: Path) -> None:
+    plot_bag(bag(tmp_path / "run", **ACTIVE), tmp_path / "pictures")
+    lines = (tmp_path / "pictures" / "tracks.txt").read_text().splitlines()
+    row = next(line for line in lines if line.split()[:1] == ["1"])
+    assert row.split() == [
+        *("1", "0.0", "11.0", "+967", "+800", "270", "3.0", "73x24,", "090"),
+        *("-", "-", "-"),
+    ]
