@@ -17,7 +17,12 @@ REPORT = RunReport(
     nodes={"bearing_tracker": NodeReport(0, 1, 1.25, 42, 42)},
     topics={"/passive/bearing_tracks": TopicReport(42, "ab" * 32, False)},
     latency_ms={"p50": 3.0, "p99": math.nan, "algorithmic": 15.0, "count": 41},
-    score={"rmse_deg": 0.695, "lost_tracks": 0, "median_error_deg": None},
+    score={
+        "rmse_deg": 0.695,
+        "lost_tracks": 0,
+        "median_error_deg": None,
+        "positions": {"/active/tracks": {"rmse_m": 12.5}},
+    },
     failures=["bearing_tracker was killed by SIGKILL."],
 )
 
@@ -54,6 +59,8 @@ def test_the_summary_names_what_matters() -> None:
         "p50 3.0 ms",
         "0.695 deg",
         "lost tracks              0",
+        "/active/tracks against /truth/tracks:",
+        "12.500 m",
         "failed: bearing_tracker was killed by SIGKILL.",
     ):
         assert words in text

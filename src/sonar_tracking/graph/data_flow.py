@@ -171,7 +171,8 @@ class DataInput:
         elif check.verdict is Verdict.GAP:
             self.gaps += 1
         if check.verdict is Verdict.ACCEPT and before != UNKNOWN_STAMP:
-            self.period = stamp - before
+            # Messages may come in pairs, as odometry does at both ends of a block.
+            self.period = max(self.period, stamp - before)
         return check
 
     def read(self, message: Any) -> Received:

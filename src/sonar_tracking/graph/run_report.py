@@ -125,22 +125,20 @@ class RunReport:
             latency = self.latency_ms
             lines.append(
                 f"  {'latency':<24} p50 {latency['p50']:.1f} ms, p99 {latency['p99']:.1f} ms after "
-                "the block that completes an estimate; algorithmic delay "
+                "the data that complete an estimate; algorithmic delay "
                 f"{latency['algorithmic']:.1f} ms"
             )
-        lines += [
-            f"  {words:<24} {_number(self.score[name], unit)}"
-            for name, words, unit in _SCORE_LINES
-            if name in self.score
-        ]
+        lines += _score_lines(self.score, _BEARING_LINES)
+        for topic, score in self.score.get("positions", {}).items():
+            lines += [f"  {topic} against {TRUTH_TOPIC}:", *_score_lines(score, _POSITION_LINES)]
         lines += [f"warning: {text}" for text in self.warnings]
         lines += [f"failed: {text}" for text in self.failures]
         return lines
 
 
-_SCORE_LINES = (
-    ("rmse_deg", "bearing RMSE", " deg"),
-    ("median_error_deg", "median bearing error", " deg"),
+TRUTH_TOPIC = "/truth/tracks"
+
+_IDENTITY_LINES = (
     ("identity_swaps", "identity swaps", ""),
     ("lasting_identity_swaps", "  of these lasting", ""),
     ("lost_tracks", "lost tracks", ""),
@@ -148,7 +146,28 @@ _SCORE_LINES = (
     ("false_tracks", "false tracks", ""),
     ("held_share", "share of time tracked", ""),
 )
+_BEARING_LINES = (
+    ("rmse_deg", "bearing RMSE", " deg"),
+    ("median_error_deg", "median bearing error", " deg"),
+    *_IDENTITY_LINES,
+)
+_POSITION_LINES = (
+    ("rmse_m", "position RMSE", " m"),
+    ("median_error_m", "median position error", " m"),
+    ("median_nearest_m", "  to the nearest track", " m"),
+    ("ospa_m", "OSPA", " m"),
+    ("confirmation_delay", "confirmation delay", " s"),
+    *_IDENTITY_LINES,
+)
 """What people are shown of the score; the JSON holds all of it."""
+
+
+def _score_lines(score: Mapping[str, Any], lines: tuple[tuple[str, str, str], ...]) -> list[str]:
+    return [
+        f"  {words:<24} {_number(score[name], unit)}"
+        for name, words, unit in lines
+        if name in score
+    ]
 
 
 def _node_line(name: str, node: NodeReport) -> str:
