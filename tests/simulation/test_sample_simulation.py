@@ -7,10 +7,13 @@ import pytest
 
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.passive.records import END_OF_DATA
-from sonar_tracking.simulation.hydrophone_configuration import HydrophoneConfiguration
 from sonar_tracking.simulation.records import SimulatedSamples
 from sonar_tracking.simulation.sample_simulation import SampleSimulation
-from sonar_tracking.simulation.scenario import Scenario, scenario_from_mapping
+from sonar_tracking.simulation.scenario import (
+    Scenario,
+    scenario_from_mapping,
+    scenario_to_mapping,
+)
 
 ARRAY = {"n_elements": 4, "spacing": 2.0, "center_frequency": 300.0, "bandwidth": 5.0}
 LOUD = {"frequency": 250.0, "level_db": 120.0}
@@ -26,8 +29,10 @@ def target(lines: object = (), level_db: float = -100.0, **motion: object) -> di
 
 
 def run(world: Scenario, block_samples: int = 250, **values: object) -> list[SimulatedSamples]:
-    hydrophones = HydrophoneConfiguration(RATE, block_samples, **values)  # type: ignore[arg-type]
-    return list(iter(SampleSimulation(world, hydrophones).next_block, None))
+    hydrophones = {"sample_rate": RATE, "block_samples": block_samples, **values}
+    mapping = {**scenario_to_mapping(world), "hydrophones": hydrophones}
+    simulation = SampleSimulation(scenario_from_mapping(mapping, "test"))
+    return list(iter(simulation.next_block, None))
 
 
 def data(blocks: list[SimulatedSamples]) -> np.ndarray:

@@ -9,11 +9,13 @@ fade on its way.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from sonar_tracking.configuration import parameter
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.passive.sample_records import MINIMUM_SAMPLE_RATE
+from sonar_tracking.simulation.target import TargetConfiguration
 
 
 @dataclass(frozen=True)
@@ -41,36 +43,48 @@ class HydrophoneConfiguration:
         return self.block_samples / self.sample_rate
 
 
-def check_hydrophones(configuration: HydrophoneConfiguration, where: str) -> None:
-    """Raise a sentence if the values do not fit together.
+def check_hydrophones(
+    hydrophones: HydrophoneConfiguration, targets: Sequence[TargetConfiguration], where: str
+) -> None:
+    """Raise a sentence on the first thing that cannot be simulated.
+
+    Parameters
+    ----------
+    hydrophones : HydrophoneConfiguration
+        Sampling and own ship's lines.
+    targets : sequence of TargetConfiguration
+        What is heard.
+    where : str
+        Where it comes from, named in errors.
 
     Raises
     ------
     ConfigurationError
         Naming the value and what to do.
     """
-    frequencies = configuration.own_ship_line_frequencies
-    levels = configuration.own_ship_line_levels_db
+    frequencies = hydrophones.own_ship_line_frequencies
+    levels = hydrophones.own_ship_line_levels_db
     if len(frequencies) != len(levels):
         raise ConfigurationError(
-            f"{where}.own_ship_line_frequencies has {len(frequencies)} entries and "
+            f"{where}hydrophones.own_ship_line_frequencies has {len(frequencies)} entries and "
             f"own_ship_line_levels_db {len(levels)}; give one level for each line."
         )
-    check_below_half_rate(max(frequencies, default=0.0), configuration, where)
+    _check_rate(hydrophones.sample_rate, frequencies, f"{where}hydrophones")
+    for index, target in enumerate(targets):
+        name = f"{where}targets[{index}]"
+        if target.coherent_group:
+            raise ConfigurationError(
+                f"{name}.coherent_group is {target.coherent_group}, but hydrophones know no "
+                "coherent groups; leave it out."
+            )
+        lines = tuple(line.frequency for line in target.lines)
+        _check_rate(hydrophones.sample_rate, lines, f"{name}.lines")
 
 
-def check_below_half_rate(
-    frequency: float, configuration: HydrophoneConfiguration, where: str
-) -> None:
-    """Raise a sentence if a line cannot be sampled.
-
-    Raises
-    ------
-    ConfigurationError
-        Naming the frequency and the sample rate it needs.
-    """
-    if frequency >= 0.5 * configuration.sample_rate:
+def _check_rate(sample_rate: float, frequencies: tuple[float, ...], where: str) -> None:
+    highest = max(frequencies, default=0.0)
+    if highest >= 0.5 * sample_rate:
         raise ConfigurationError(
-            f"{where}: a line of {frequency:g} Hz needs a hydrophones.sample_rate above "
-            f"{2.0 * frequency:g} Hz; it is {configuration.sample_rate:g} Hz."
+            f"{where}: {highest:g} Hz needs a hydrophones.sample_rate above {2.0 * highest:g} Hz; "
+            f"it is {sample_rate:g} Hz."
         )

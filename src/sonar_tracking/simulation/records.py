@@ -110,3 +110,13 @@ class SimulatedSamples:
     truth_bearings: BearingTracks
     truth_tracks: TruthTracks
     own_ship: tuple[OwnShipState, ...]
+
+    @property
+    def start_stamp(self) -> int:
+        """Stamp of the first sample, ns."""
+        return self.samples.stamp
+
+    @property
+    def due_stamp(self) -> int:
+        """End of the block, ns."""
+        return self.own_ship[-1].stamp

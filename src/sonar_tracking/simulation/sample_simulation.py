@@ -16,11 +16,6 @@ from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.passive.records import END_OF_DATA
 from sonar_tracking.passive.sample_records import ArraySamples
 from sonar_tracking.simulation.broadband_waveform import BroadbandWaveform
-from sonar_tracking.simulation.hydrophone_configuration import (
-    HydrophoneConfiguration,
-    check_below_half_rate,
-    check_hydrophones,
-)
 from sonar_tracking.simulation.records import SimulatedSamples
 from sonar_tracking.simulation.sample_propagation import (
     element_emission_times,
@@ -39,18 +34,21 @@ class SampleSimulation:
     Parameters
     ----------
     scenario : Scenario
-        Its section ``array`` gives the geometry, ``noise`` the correlation between the elements.
-    hydrophones : HydrophoneConfiguration
-        Sampling and own ship's lines.
+        Its section ``hydrophones`` gives sampling and own ship's lines, ``array`` the geometry,
+        ``noise`` the correlation between the elements.
 
     Raises
     ------
     ConfigurationError
-        If a line cannot be sampled, or a target is part of a coherent group.
+        If it has no section ``hydrophones``.
     """
 
-    def __init__(self, scenario: Scenario, hydrophones: HydrophoneConfiguration) -> None:
-        check_samples(scenario, hydrophones)
+    def __init__(self, scenario: Scenario) -> None:
+        hydrophones = scenario.hydrophones
+        if hydrophones is None:
+            raise ConfigurationError(
+                f"The scenario {scenario.name} has no section hydrophones; add one."
+            )
         self._scenario = scenario
         self._hydrophones = hydrophones
         self._receiver = scenario.receiver()
@@ -162,23 +160,3 @@ class _Source:
 def _tone(frequency: float, level_db: float, phase: float, emitted: FloatArray) -> FloatArray:
     amplitude = np.sqrt(2.0 * 10.0 ** (level_db / 10.0))
     return np.asarray(amplitude * np.cos(2.0 * np.pi * frequency * emitted + phase))
-
-
-def check_samples(scenario: Scenario, hydrophones: HydrophoneConfiguration) -> None:
-    """Raise a sentence on the first thing that cannot be simulated.
-
-    Raises
-    ------
-    ConfigurationError
-        Naming it and what to do.
-    """
-    check_hydrophones(hydrophones, f"{scenario.name}: hydrophones")
-    for index, target in enumerate(scenario.targets):
-        where = f"{scenario.name}: targets[{index}]"
-        if target.coherent_group:
-            raise ConfigurationError(
-                f"{where}.coherent_group is {target.coherent_group}, but broadband samples know "
-                "no coherent groups; leave it out."
-            )
-        highest = max((line.frequency for line in target.lines), default=0.0)
-        check_below_half_rate(highest, hydrophones, f"{where}.lines")

@@ -26,6 +26,7 @@ from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.geometry import is_line
 from sonar_tracking.simulation.array_configuration import ArrayConfiguration, NoiseConfiguration
 from sonar_tracking.simulation.contact_configuration import ContactSensorConfiguration
+from sonar_tracking.simulation.hydrophone_configuration import HydrophoneConfiguration
 from sonar_tracking.simulation.platforms import OwnShipConfiguration, Receiver, TurnConfiguration
 from sonar_tracking.simulation.scenario_checks import check_scenario
 from sonar_tracking.simulation.scenario_file import find_scenario, read_yaml_mapping
@@ -44,6 +45,9 @@ LATEST_EPOCH_SECONDS = 2_000_000_000
 SECOND = 1_000_000_000
 
 ARRAY = "array"
+HYDROPHONES = "hydrophones"
+"""Section of the broadband samples of the array, which are then simulated instead of snapshots."""
+
 OTHER_SENSORS = ("active_sonar",)
 """Sections of the sensors beside the narrowband array."""
 
@@ -70,6 +74,7 @@ class Scenario:
     own_ship: OwnShipConfiguration = field(default_factory=OwnShipConfiguration, metadata=SECTION)
     targets: tuple[TargetConfiguration, ...] = field(default=(), metadata=SECTION)
     array_given: bool = field(default=True, metadata=SECTION)
+    hydrophones: HydrophoneConfiguration | None = field(default=None, metadata=SECTION)
     active_sonar: ContactSensorConfiguration | None = field(default=None, metadata=SECTION)
     nodes: NodeParameters = field(default_factory=dict, metadata=SECTION)
 
@@ -77,7 +82,8 @@ class Scenario:
     def sensors(self) -> tuple[str, ...]:
         """Sections of the sensors that are simulated."""
         others = tuple(name for name in OTHER_SENSORS if getattr(self, name))
-        return ((ARRAY,) if self.array_given else ()) + others
+        array = ARRAY if self.hydrophones is None else HYDROPHONES
+        return ((array,) if self.array_given else ()) + others
 
     @property
     def namespaces(self) -> dict[str, tuple[str, ...]]:
@@ -88,7 +94,9 @@ class Scenario:
     def step(self) -> float:
         """Shortest time between two data of a sensor, s."""
         steps = []
-        if self.array_given:
+        if self.hydrophones is not None:
+            steps.append(self.hydrophones.block_period)
+        elif self.array_given:
             steps.append(self.array.block_snapshots / self.array.snapshot_rate)
         if self.active_sonar is not None:
             steps.append(self.active_sonar.ping_interval)
@@ -97,10 +105,10 @@ class Scenario:
     @property
     def end(self) -> float:
         """Scenario time at which the last datum is complete, s."""
-        if self.sensors != (ARRAY,):
+        if self.sensors not in ((ARRAY,), (HYDROPHONES,)):
             return self.start + self.duration
-        n_snapshots = max(1, round(self.duration * self.array.snapshot_rate))
-        return self.start + n_snapshots / self.array.snapshot_rate
+        rate = self.hydrophones.sample_rate if self.hydrophones else self.array.snapshot_rate
+        return self.start + max(1, round(self.duration * rate)) / rate
 
     def stamp(self, time: float) -> int:
         """Return the stamp (ns) of a scenario time (s)."""
@@ -154,12 +162,15 @@ def scenario_from_mapping(mapping: Mapping[str, Any], where: str) -> Scenario:
     prefix = f"{where}: "
     others = any(values.get(name, []) not in (None, [], ()) for name in OTHER_SENSORS)
     sections = {
-        "array_given": "array" in values or not others,
+        "array_given": not others or not {ARRAY, HYDROPHONES}.isdisjoint(values),
         "epoch": checked_epoch(values.pop("epoch", DEFAULT_EPOCH // SECOND), prefix),
         "array": _section(ArrayConfiguration, values.pop("array", {}), f"{prefix}array"),
         "noise": _section(NoiseConfiguration, values.pop("noise", {}), f"{prefix}noise"),
         "own_ship": _moving(OwnShipConfiguration, values.pop("own_ship", {}), f"{prefix}own_ship"),
         "targets": _targets(values.pop("targets", []), f"{prefix}targets"),
+        "hydrophones": _optional(
+            HydrophoneConfiguration, values.pop("hydrophones", None), f"{prefix}hydrophones"
+        ),
         "active_sonar": _optional(
             ContactSensorConfiguration, values.pop("active_sonar", None), f"{prefix}active_sonar"
         ),
@@ -176,7 +187,7 @@ def scenario_to_mapping(scenario: Scenario) -> dict[str, Any]:
     """Return the resolved scenario as plain names and values, for YAML, JSON and recordings."""
     mapping = _plain(dataclasses.asdict(scenario))
     del mapping["array_given"]
-    absent = {name for name in OTHER_SENSORS if not mapping[name]}
+    absent = {name for name in (*OTHER_SENSORS, HYDROPHONES) if not mapping[name]}
     absent |= set() if scenario.array_given else {"array", "noise"}
     mapping = {name: value for name, value in mapping.items() if name not in absent}
     instant = datetime.fromtimestamp(scenario.epoch // SECOND, tz=timezone.utc)

@@ -11,6 +11,7 @@ from sonar_tracking.geometry import aperture
 from sonar_tracking.simulation.array_configuration import ArrayConfiguration
 from sonar_tracking.simulation.bearing_motion import TableMotion
 from sonar_tracking.simulation.contact_configuration import check_contact_sensor
+from sonar_tracking.simulation.hydrophone_configuration import check_hydrophones
 from sonar_tracking.simulation.kinematic_motion import KinematicMotion
 from sonar_tracking.simulation.platforms import OwnShipConfiguration
 from sonar_tracking.simulation.target import TargetConfiguration
@@ -34,6 +35,8 @@ def check_scenario(scenario: Scenario, where: str) -> None:
         _check_array(scenario.array, f"{where}array")
     if scenario.active_sonar is not None:
         check_contact_sensor(scenario.active_sonar)
+    if scenario.hydrophones is not None:
+        check_hydrophones(scenario.hydrophones, scenario.targets, where)
     _check_platform(scenario.own_ship, f"{where}own_ship")
     names: set[str] = set()
     for index, target in enumerate(scenario.targets):
