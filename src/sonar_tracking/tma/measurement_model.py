@@ -5,6 +5,9 @@ With p and w the target's position and velocity relative to the sensor, r = |p|,
     azimuth = atan2(p_y, p_x),   elevation = atan(height / r),
     f_i = f_S,i (1 - rdot / c),  rdot = p . w / r.
 
+Sound takes time: what is received now left the target a travel time ago, when it was elsewhere.
+With a finite propagation speed p is that earlier position; the state always is that of the stamp.
+
 The paper divides the range rate by the absolute position, which is wrong as soon as the sensor
 moves, and prints arctan(x / y) where atan2 is needed.
 
@@ -66,7 +69,7 @@ def range_rate(mean: FloatArray, measurement: TmaMeasurement) -> FloatArray:
     ndarray, shape (..., n_components)
         Positive when the range grows.
     """
-    _, direction, relative = _relative(mean, measurement)
+    _, direction, relative, _ = _relative(mean, measurement)
     return np.sum(direction * relative, axis=-1)
 
 
@@ -86,7 +89,7 @@ def linearise(
     azimuth : ndarray, shape (..., n_components) or (..., 1)
         The measured azimuth as each component takes it, rad.
     """
-    distance, direction, relative = _relative(mean, measurement)
+    distance, direction, relative, delay = _relative(mean, measurement)
     n_lines = known.shape[-1]
     shape = (*mean.shape[:-1], 2 + n_lines)
     innovation, variance = np.zeros(shape), np.ones(shape)
@@ -115,6 +118,8 @@ def linearise(
         derivative[..., 2 + lines, KINEMATIC + lines] = factor[..., None]
         variance[..., 2:] = measurement.frequency_deviation[..., None, :] ** 2
         present[..., 2:] = known[..., None, :]
+    earlier = derivative[..., :2] * delay[..., None, None]
+    derivative[..., 2:KINEMATIC] -= earlier
     present[..., :2] = True
     present &= np.isfinite(innovation) & np.isfinite(variance)
     return keep_rows(LinearisedRows(innovation, derivative, variance, present), present)
@@ -138,11 +143,40 @@ def keep_rows(rows: LinearisedRows, keep: BoolArray) -> LinearisedRows:
     )
 
 
+def offset_seen(
+    mean: FloatArray, position: FloatArray, propagation_speed: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return where a target seems to be, from a sensor, and how long ago it was there.
+
+    Parameters
+    ----------
+    mean : ndarray, shape (..., at least 4)
+        States.
+    position : ndarray, shape (..., 2) or (2,)
+        Of the sensor, m.
+    propagation_speed : float
+        m/s; inf = seen at once.
+
+    Returns
+    -------
+    offset : ndarray, shape (..., 2)
+        m.
+    delay : ndarray, shape (...)
+        s.
+    """
+    now = mean[..., :2] - position
+    delay = np.hypot(now[..., 0], now[..., 1]) / propagation_speed
+    then = now - delay[..., None] * mean[..., 2:KINEMATIC]
+    delay = np.hypot(then[..., 0], then[..., 1]) / propagation_speed
+    return now - delay[..., None] * mean[..., 2:KINEMATIC], delay
+
+
 def _relative(
     mean: FloatArray, measurement: TmaMeasurement
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return range, unit vector towards the target, and relative velocity."""
-    offset = mean[..., :2] - measurement.position[..., None, :]
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return range, unit vector towards the target, relative velocity and travel time."""
+    position = measurement.position[..., None, :]
+    offset, delay = offset_seen(mean, position, measurement.propagation_speed)
     distance = np.maximum(np.hypot(offset[..., 0], offset[..., 1]), MINIMUM_RANGE)
     relative = mean[..., 2:KINEMATIC] - measurement.velocity[..., None, :]
-    return distance, offset / distance[..., None], relative
+    return distance, offset / distance[..., None], relative, delay

@@ -45,6 +45,9 @@ class TmaMeasurement:
         Known height of the target above the sensor, m; used with elevations only.
     sound_speed : float
         m/s.
+    propagation_speed : float
+        At which the sound travels, m/s: it tells where the target was when it left. inf = where it
+        is now, as in the paper.
     """
 
     stamp: int
@@ -58,6 +61,7 @@ class TmaMeasurement:
     elevation_variance: FloatArray = field(default_factory=_none)
     height: float = 0.0
     sound_speed: float = 1500.0
+    propagation_speed: float = np.inf
 
     @property
     def n_lines(self) -> int:

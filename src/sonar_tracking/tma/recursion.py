@@ -13,7 +13,12 @@ from sonar_tracking.tma.hypothesis_bank import (
     seed_lines,
     update_bank,
 )
-from sonar_tracking.tma.measurement_model import LinearisedRows, keep_rows, linearise
+from sonar_tracking.tma.measurement_model import (
+    LinearisedRows,
+    keep_rows,
+    linearise,
+    offset_seen,
+)
 from sonar_tracking.tma.records import (
     KINEMATIC,
     BoolArray,
@@ -38,7 +43,8 @@ def rows_of(bank: HypothesisBank, measurement: TmaMeasurement) -> LinearisedRows
     """
     azimuth = measurement.azimuth
     if azimuth.shape[-1] > 1:
-        offset = bank.mean[..., :2] - measurement.position[..., None, :]
+        position = measurement.position[..., None, :]
+        offset, _ = offset_seen(bank.mean, position, measurement.propagation_speed)
         expected = np.arctan2(offset[..., 1], offset[..., 0])[..., None]
         candidates = np.broadcast_to(
             azimuth[..., None, :], (*expected.shape[:-1], azimuth.shape[-1])

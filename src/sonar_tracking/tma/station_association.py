@@ -13,14 +13,23 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from sonar_tracking.motion import wrap_angle
-from sonar_tracking.tma.hypothesis_bank import HypothesisBank, predict_bank
-from sonar_tracking.tma.records import FloatArray
+from sonar_tracking.tma.hypothesis_bank import (
+    HypothesisBank,
+    innovation_covariance,
+    predict_bank,
+)
+from sonar_tracking.tma.measurement_model import offset_seen
+from sonar_tracking.tma.records import FloatArray, TmaMeasurement
+from sonar_tracking.tma.recursion import rows_of
 
 FREE = -1
 """In place of a target: none."""
 
 CHANCE_DENSITY = 1.0 / (2.0 * np.pi)
 """Of a bearing that belongs to no target: from anywhere, rad^-1."""
+
+CHANCE_DENSITY_WITH_ELEVATION = CHANCE_DENSITY * 2.0 / np.pi
+"""The same of an azimuth with an elevation: from anywhere above, rad^-2."""
 
 
 def azimuth_log_likelihood(
@@ -31,6 +40,7 @@ def azimuth_log_likelihood(
     azimuths: FloatArray,
     variances: FloatArray,
     gate: float = 4.0,
+    propagation_speed: float = np.inf,
 ) -> FloatArray:
     """Return the log likelihood of azimuths measured from anywhere, if they are of this target.
 
@@ -48,6 +58,8 @@ def azimuth_log_likelihood(
         rad and rad^2.
     gate : float
         Standard deviations within which a hypothesis may explain an azimuth.
+    propagation_speed : float
+        Of sound, m/s; inf = the target is seen where it is.
 
     Returns
     -------
@@ -55,7 +67,7 @@ def azimuth_log_likelihood(
         Of the density per rad; -inf = outside the gate of every hypothesis.
     """
     moved = predict_bank(bank, interval, np.asarray(acceleration))
-    offset = moved.mean[:, :2] - position
+    offset, _ = offset_seen(moved.mean, position, propagation_speed)
     distance = np.maximum(np.hypot(offset[:, 0], offset[:, 1]), 1.0)
     across = np.stack([-offset[:, 1], offset[:, 0]], axis=1) / distance[:, None] ** 2
     own = np.einsum("ci,cij,cj->c", across, moved.covariance[:, :2, :2], across)
@@ -67,14 +79,56 @@ def azimuth_log_likelihood(
     return np.asarray(np.logaddexp.reduce(density, axis=0))
 
 
-def associate(log_likelihood: FloatArray) -> NDArray[np.int_]:
+def direction_log_likelihood(
+    bank: HypothesisBank,
+    interval: float,
+    acceleration: float,
+    measurement: TmaMeasurement,
+    gate: float = 4.0,
+) -> float:
+    """Return the log likelihood of an azimuth with its elevation, if they are of this target.
+
+    Parameters
+    ----------
+    bank : HypothesisBank
+        Of the target, a single run.
+    interval : float
+        From the bank's time to the measurement's, s.
+    acceleration : float
+        Process noise in between, m/s^2.
+    measurement : TmaMeasurement
+        Of any station, without lines; an elevation that is NaN does not count.
+    gate : float
+        Standard deviations within which a hypothesis may explain both.
+
+    Returns
+    -------
+    float
+        Of the density per rad^2 (per rad without elevation); -inf = outside every gate.
+    """
+    moved = predict_bank(bank, interval, np.asarray(acceleration))
+    rows = rows_of(moved, measurement)
+    spread = innovation_covariance(moved, rows)
+    solved = np.linalg.solve(spread, rows.innovation[..., None])[..., 0]
+    squared = np.sum(rows.innovation * solved, axis=-1)
+    constant = np.log(2.0 * np.pi) * np.sum(rows.present, axis=-1)
+    density = -0.5 * (squared + np.linalg.slogdet(spread)[1] + constant) + moved.log_weight
+    within = squared <= gate**2
+    return float(np.logaddexp.reduce(np.where(within, density, -np.inf)))
+
+
+def associate(
+    log_likelihood: FloatArray, chance_density: float = CHANCE_DENSITY
+) -> NDArray[np.int_]:
     """Return the target of each bearing.
 
     Parameters
     ----------
     log_likelihood : ndarray, shape (n_targets, n_bearings)
         Of one scan, or summed over scans of bearings that keep their identity; then less
-        ``(n_scans - 1) * log(CHANCE_DENSITY)``. -inf = forbidden.
+        ``(n_scans - 1) * log(chance_density)``. -inf = forbidden.
+    chance_density : float
+        Of a bearing of no target, in the units of the likelihood.
 
     Returns
     -------
@@ -82,7 +136,7 @@ def associate(log_likelihood: FloatArray) -> NDArray[np.int_]:
         Index of the target, each at most once; :data:`FREE` where chance explains it better.
     """
     n_targets, n_bearings = log_likelihood.shape
-    gain = log_likelihood - np.log(CHANCE_DENSITY)
+    gain = log_likelihood - np.log(chance_density)
     # One place for chance a bearing: it costs nothing and gains nothing.
     cost = np.concatenate([np.where(gain > 0.0, -gain, 1.0), np.zeros((n_bearings, n_bearings))])
     rows, columns = linear_sum_assignment(cost)

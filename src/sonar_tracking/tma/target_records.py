@@ -35,8 +35,8 @@ class TargetObservation:
         Of each line, Hz.
     elevation, elevation_variance, height : float
         As in :class:`TmaMeasurement`; NaN = none.
-    sound_speed : float
-        m/s.
+    sound_speed, propagation_speed : float
+        m/s, as in :class:`TmaMeasurement`.
     """
 
     stamp: int
@@ -52,6 +52,7 @@ class TargetObservation:
     elevation_variance: float = np.nan
     height: float = 0.0
     sound_speed: float = 1500.0
+    propagation_speed: float = np.inf
 
 
 @dataclass(frozen=True)

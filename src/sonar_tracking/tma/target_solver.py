@@ -14,6 +14,7 @@ import numpy as np
 
 from sonar_tracking.errors import InputError
 from sonar_tracking.motion import wrap_angle
+from sonar_tracking.tma.bank_splitting import split_bank, without_unlikely
 from sonar_tracking.tma.hypothesis_bank import HypothesisBank, mixture_moments
 from sonar_tracking.tma.line_columns import LineColumns, plan_columns, with_columns
 from sonar_tracking.tma.measurement_log import MeasurementLog
@@ -84,6 +85,7 @@ class TargetSolver:
         self._check_order(observation)
         if self._bank.state is None and not observation.azimuths:
             return ()
+        self.expect(observation)
         measurement = self._measurement(observation)
         new = self._bank.state is None
         estimate = self._bank.update(measurement)
@@ -94,6 +96,20 @@ class TargetSolver:
         self._progress.last_stamp_of[observation.sensor_id] = observation.stamp
         self._decide_side(observation)
         return self._solutions(measurement, bool(estimate.manoeuvre))
+
+    def expect(self, observation: TargetObservation) -> None:
+        """Prepare for the first azimuths of another station, which cut across the hypotheses.
+
+        Parameters
+        ----------
+        observation : TargetObservation
+            That comes next; nothing is done unless it is a station's first.
+        """
+        state = self._bank.state
+        known = observation.sensor_id in self._progress.last_stamp_of
+        if state is not None and observation.azimuths and not known:
+            bank = split_bank(state.bank, np.array(observation.position))
+            self._bank.state = replace(state, bank=bank)
 
     def copy(self) -> TargetSolver:
         """Return a solver that goes on from here independently."""
@@ -123,6 +139,7 @@ class TargetSolver:
             azimuths,
             np.full(azimuths.shape, observation.azimuth_variance),
             parameters.gate,
+            observation.propagation_speed,
         )
         return float(np.logaddexp.reduce(density))
 
@@ -168,6 +185,7 @@ class TargetSolver:
             elevation_variance=np.array(observation.elevation_variance),
             height=observation.height,
             sound_speed=observation.sound_speed,
+            propagation_speed=observation.propagation_speed,
         )
 
     def _decide_side(self, observation: TargetObservation) -> None:
@@ -176,6 +194,8 @@ class TargetSolver:
         turned = abs(float(wrap_angle(_course(observation) - progress.first_course)))
         other = observation.sensor_id != progress.first_sensor and bool(observation.azimuths)
         progress.resolvable |= other or turned > SIDE_TURN
+        if len(progress.sides) == 1 and len(state.bank.log_weight) > self._configuration.n_ranges:
+            self._bank.state = replace(state, bank=without_unlikely(state.bank))
         if len(progress.sides) == 1 or not progress.resolvable:
             return
         halves = _side_weights(state.bank, 2)
