@@ -1,0 +1,44 @@
+"""``sonar-tracking run active``: recorded, replayed and computed offline, all is the same."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from sonar_tracking.bags.bag_records import position_tracks_of
+from sonar_tracking.bags.reader import read_bag
+from sonar_tracking.evaluation.offline_active_chain import run_offline_active_chain
+from sonar_tracking.simulation.scenario import load_scenario
+from tests.system.command_line import digests, report_of, run_command
+
+TRACKS = "/active/tracks"
+OUTPUTS = (TRACKS, "/active/threshold")
+PINGS = 120
+
+
+def test_the_active_scenario_runs_and_replays_identically(tmp_path: Path) -> None:
+    bag = tmp_path / "bag"
+    done = run_command(
+        tmp_path, "run", "active", "--rate", "max", "--record", bag,
+        "--json", tmp_path / "run.json",
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout
+    assert "warning" not in done.stdout
+    live = report_of(tmp_path / "run.json")
+    assert live["nodes"]["contact_simulator"]["messages_out"] == 4 * PINGS
+    assert all(live["topics"][name]["messages"] == PINGS for name in OUTPUTS)
+
+    done = run_command(tmp_path, "replay", bag, "--rate", "max", "--json", tmp_path / "replay.json")
+    assert done.returncode == 0, done.stdout
+    replayed = report_of(tmp_path / "replay.json")
+    assert all(replayed["comparison"][name].startswith("identical: ") for name in OUTPUTS)
+    assert digests(replayed) == {name: digests(live)[name] for name in digests(replayed)}
+
+    offline = run_offline_active_chain(load_scenario("active"))
+    recorded = list(position_tracks_of(read_bag(bag), TRACKS))
+    for found, update in zip(recorded, offline.updates, strict=True):
+        assert found.stamp == update.tracks.stamp
+        assert np.array_equal(found.id, update.tracks.id)
+        assert np.array_equal(found.state, update.tracks.state)
+        assert np.array_equal(found.covariance, update.tracks.covariance)
