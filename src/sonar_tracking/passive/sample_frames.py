@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from sonar_tracking.errors import InputError
 from sonar_tracking.passive.records import END_OF_DATA, NANOSECONDS, Sensor
 from sonar_tracking.passive.sample_records import MINIMUM_SAMPLE_RATE, ArraySamples
+from sonar_tracking.passive.sensor_history import SensorHistory
 
 FloatArray = NDArray[np.float64]
 
@@ -77,7 +78,7 @@ class SampleFramer:
         if self._first is None:
             self._begin(block)
         else:
-            _check_unchanged(block, self._first)
+            check_unchanged(block, self._first)
         missing = self._missing(block)
         if missing > MAXIMUM_GAP * self._hop:
             self._begin(block)
@@ -88,8 +89,7 @@ class SampleFramer:
         self._first = block
         self._hop = max(1, round(0.5 * self._frame_length * block.sample_rate))
         self._held = np.empty((0, block.data.shape[1]))
-        self._held_sensor = block.sensor
-        self._held_sensor_stamp = block.stamp
+        self._sensors = SensorHistory()
         hop_stamp = round(self._hop / block.sample_rate * NANOSECONDS)
         wait = -block.stamp % hop_stamp * block.sample_rate / NANOSECONDS
         self._skip = int(np.ceil(wait - 1e-3))
@@ -106,19 +106,19 @@ class SampleFramer:
 
     def _cut(self, block: ArraySamples, missing: int) -> Iterator[SampleFrame]:
         rate, n_elements = block.sample_rate, block.data.shape[1]
+        self._sensors.append(block.stamp, block.sensor)
         gap_end = block.stamp
         while missing:
             part = min(missing, self._hop)
             missing -= part
             end = gap_end - round(missing / rate * NANOSECONDS)
             yield from self._extend(np.full((part, n_elements), np.nan), end, rate)
-        self._held_sensor, self._held_sensor_stamp = block.sensor, block.stamp
         last = block.next_stamp == END_OF_DATA
         yield from self._extend(block.data, block.end_stamp, rate)
         if last:
             begin = self._end_stamp - round((len(self._held) - self._skip) / rate * NANOSECONDS)
             middle = begin + round(self._hop / rate * NANOSECONDS)
-            yield SampleFrame(middle, END_OF_DATA, None, self._sensor_at(middle))
+            yield SampleFrame(middle, END_OF_DATA, None, self._sensors.at(middle))
 
     def _extend(self, samples: FloatArray, end_stamp: int, rate: float) -> Iterator[SampleFrame]:
         self._end_stamp = end_stamp
@@ -130,20 +130,8 @@ class SampleFramer:
             frame = self._held[: 2 * self._hop]
             middle = end_stamp - round((len(self._held) - self._hop) / rate * NANOSECONDS)
             whole = frame if np.isfinite(frame).all() else None
-            yield SampleFrame(middle, middle + hop, whole, self._sensor_at(middle))
+            yield SampleFrame(middle, middle + hop, whole, self._sensors.at(middle))
             self._held = self._held[self._hop :]
-
-    def _sensor_at(self, stamp: int) -> Sensor:
-        """Return the newest known sensor, moved along its velocity to the stamp."""
-        sensor = self._held_sensor
-        seconds = (stamp - self._held_sensor_stamp) / NANOSECONDS
-        x, y, z = (
-            position + seconds * speed
-            for position, speed in zip(sensor.position, sensor.velocity, strict=True)
-        )
-        return Sensor(
-            sensor.sensor_id, sensor.frame_id, (x, y, z), sensor.orientation, sensor.velocity
-        )
 
 
 def check_samples_block(block: ArraySamples) -> None:
@@ -184,7 +172,14 @@ def check_samples_block(block: ArraySamples) -> None:
         )
 
 
-def _check_unchanged(block: ArraySamples, first: ArraySamples) -> None:
+def check_unchanged(block: ArraySamples, first: ArraySamples) -> None:
+    """Reject a block whose array, rate or sensor differs from the first one of the run.
+
+    Raises
+    ------
+    InputError
+        Naming what changed.
+    """
     for name in ("sample_rate", "sound_speed"):
         old, new = getattr(first, name), getattr(block, name)
         if old != new:
