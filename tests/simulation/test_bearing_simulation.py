@@ -19,9 +19,10 @@ from sonar_tracking.simulation.bearing_sensor_configuration import (
     BearingSensorConfiguration,
     check_bearing_sensors,
 )
-from sonar_tracking.simulation.bearing_simulation import BearingScene, BearingSimulation
+from sonar_tracking.simulation.bearing_simulation import BearingSimulation
 from sonar_tracking.simulation.kinematic_motion import KinematicMotion
 from sonar_tracking.simulation.platforms import OwnShipConfiguration, TurnConfiguration
+from sonar_tracking.simulation.scenario import Scenario, scenario_from_mapping, scenario_to_mapping
 from sonar_tracking.simulation.target import LineConfiguration, TargetConfiguration
 
 EPOCH = 1_767_225_600 * 10**9
@@ -34,9 +35,10 @@ TARGET = TargetConfiguration(
 )
 
 
-def scene(*sensors: BearingSensorConfiguration, **changes: Any) -> BearingScene:
-    made = BearingScene(
-        sensors=sensors or (EXACT,),
+def scene(*sensors: BearingSensorConfiguration, **changes: Any) -> Scenario:
+    made = Scenario(
+        array_given=False,
+        bearing_sensors=sensors or (EXACT,),
         own_ship=OwnShipConfiguration(course_deg=90.0, speed=6.0),
         targets=(TARGET,),
         start=0.0,
@@ -48,7 +50,7 @@ def scene(*sensors: BearingSensorConfiguration, **changes: Any) -> BearingScene:
 
 
 def measured(
-    world: BearingScene, station: int = 0
+    world: Scenario, station: int = 0
 ) -> list[tuple[BearingTracks, FrequencyLines, BearingTracks]]:
     simulation = BearingSimulation(world)
     found = []
@@ -141,9 +143,10 @@ def test_stations_run_at_their_own_pace_and_draw_their_own_numbers() -> None:
     world = scene(first, second)
     simulation, stamps, reports = BearingSimulation(world), [], []
     while (frame := simulation.next_frame()) is not None:
-        stamps.append(frame.stamp)
+        stamps.append(frame.start_stamp)
+        assert frame.start_stamp < frame.due_stamp
         reports += [report.station for report in frame.reports]
-        assert frame.own_ship.stamp == frame.truth_tracks.stamp == frame.stamp
+        assert frame.own_ship.stamp == frame.truth_tracks.stamp == frame.start_stamp
     assert stamps == sorted(set(stamps))
     assert frame is None and reports.count(0) == 20 and reports.count(1) == 8
     alone = measured(scene(first))
@@ -197,3 +200,13 @@ def test_stations_that_cannot_be_told_apart_are_refused(
 ) -> None:
     with pytest.raises(ConfigurationError, match=part):
         check_bearing_sensors(sensors, "bearing_sensors")
+
+
+def test_stations_and_lines_survive_a_recording() -> None:
+    world = scene(EXACT, replace(EXACT, sensor_id="buoy", namespace="buoy"))
+    again = scenario_from_mapping(scenario_to_mapping(world), "bag")
+    assert again.bearing_sensors == world.bearing_sensors
+    assert [target.lines for target in again.targets] == [target.lines for target in world.targets]
+    assert again.sensors == ("bearing_sensors",)
+    assert again.namespaces == {"bearing_sensors": ("", "buoy")}
+    assert again.step == 1.0

@@ -17,12 +17,10 @@ import numpy as np
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.passive.line_records import FrequencyLines
 from sonar_tracking.passive.records import END_OF_DATA, BearingTracks
-from sonar_tracking.simulation.bearing_sensor_configuration import BearingSensorConfiguration
 from sonar_tracking.simulation.bearing_station import BearingStation
 from sonar_tracking.simulation.kinematic_motion import KinematicMotion
-from sonar_tracking.simulation.platforms import OwnShipConfiguration
 from sonar_tracking.simulation.records import OwnShipState, TruthTracks
-from sonar_tracking.simulation.target import TargetConfiguration
+from sonar_tracking.simulation.scenario import Scenario
 
 
 @dataclass(frozen=True)
@@ -53,8 +51,10 @@ class SimulatedFrame:
 
     Attributes
     ----------
-    stamp : int
-        ns.
+    start_stamp : int
+        The instant, ns.
+    due_stamp : int
+        When it is reported, ns.
     own_ship : OwnShipState
         At the stamp.
     truth_tracks : TruthTracks
@@ -63,43 +63,11 @@ class SimulatedFrame:
         Of the stations whose frame it is.
     """
 
-    stamp: int
+    start_stamp: int
+    due_stamp: int
     own_ship: OwnShipState
     truth_tracks: TruthTracks
     reports: tuple[StationReport, ...]
-
-
-@dataclass(frozen=True)
-class BearingScene:
-    """What the stations are, and what they listen to.
-
-    Attributes
-    ----------
-    sensors : tuple of BearingSensorConfiguration
-        The stations.
-    own_ship : OwnShipConfiguration
-        Carries some of them.
-    targets : tuple of TargetConfiguration
-        Their motions are kinematic.
-    start, duration : float
-        Scenario time of the first frames, and length, s.
-    seed : int
-        Of all random numbers.
-    epoch : int
-        Stamp of scenario time 0, ns.
-    """
-
-    sensors: tuple[BearingSensorConfiguration, ...]
-    own_ship: OwnShipConfiguration
-    targets: tuple[TargetConfiguration, ...]
-    start: float
-    duration: float
-    seed: int
-    epoch: int
-
-    def stamp(self, time: float) -> int:
-        """Return the stamp (ns) of a scenario time (s)."""
-        return self.epoch + round(time * 1e9)
 
 
 class BearingSimulation:
@@ -107,28 +75,31 @@ class BearingSimulation:
 
     Parameters
     ----------
-    scene : BearingScene
-        What to simulate.
+    scenario : Scenario
+        With stations (``bearing_sensors``) and targets of kinematic motion.
     """
 
-    def __init__(self, scene: BearingScene) -> None:
-        self._scene = scene
-        self._own_ship = scene.own_ship.trajectory()
-        seeds = np.random.SeedSequence(scene.seed).spawn(len(scene.sensors))
+    def __init__(self, scenario: Scenario) -> None:
+        sensors = scenario.bearing_sensors
+        self._scenario = scenario
+        self._own_ship = scenario.own_ship.trajectory()
+        self._step = round(min(sensor.frame_interval for sensor in sensors) * 1e9)
+        self._end = scenario.stamp(scenario.start + scenario.duration)
+        seeds = np.random.SeedSequence(scenario.seed).spawn(len(sensors))
         self._stations = [
             BearingStation(
                 sensor,
-                sensor.trajectory(scene.own_ship),
-                scene.targets,
+                sensor.trajectory(scenario.own_ship),
+                scenario.targets,
                 np.random.default_rng(seed),
             )
-            for sensor, seed in zip(scene.sensors, seeds, strict=True)
+            for sensor, seed in zip(sensors, seeds, strict=True)
         ]
         self._frames = [
-            max(1, int(np.ceil(scene.duration / sensor.frame_interval - 1e-9)))
-            for sensor in scene.sensors
+            max(1, int(np.ceil(scenario.duration / sensor.frame_interval - 1e-9)))
+            for sensor in sensors
         ]
-        self._next = [0] * len(scene.sensors)
+        self._next = [0] * len(sensors)
 
     def next_frame(self) -> SimulatedFrame | None:
         """Return the next frame, or None after the last one."""
@@ -136,13 +107,14 @@ class BearingSimulation:
         if stamp == END_OF_DATA:
             return None
         reports = []
-        time = (stamp - self._scene.epoch) * 1e-9
+        time = 0.0
         for station in range(len(self._stations)):
             if self._stamp_of(station) == stamp:
                 time = self._time_of(station)
                 reports.append(self._report(station, time))
         return SimulatedFrame(
-            stamp=stamp,
+            start_stamp=stamp,
+            due_stamp=max(min(stamp + self._step, self._end), stamp + 1),
             own_ship=self._own_ship_at(stamp, time),
             truth_tracks=self._truth_tracks(stamp, time),
             reports=tuple(reports),
@@ -152,17 +124,17 @@ class BearingSimulation:
         return min(self._stamp_of(station) for station in range(len(self._stations)))
 
     def _time_of(self, station: int) -> float:
-        interval = self._scene.sensors[station].frame_interval
-        return self._scene.start + self._next[station] * interval
+        interval = self._scenario.bearing_sensors[station].frame_interval
+        return self._scenario.start + self._next[station] * interval
 
     def _stamp_of(self, station: int) -> int:
         """Stamp of the next frame of a station; END_OF_DATA after its last one."""
         if self._next[station] >= self._frames[station]:
             return END_OF_DATA
-        return self._scene.stamp(self._time_of(station))
+        return self._scenario.stamp(self._time_of(station))
 
     def _report(self, station: int, time: float) -> StationReport:
-        stamp = self._scene.stamp(time)
+        stamp = self._scenario.stamp(time)
         self._next[station] += 1
         next_stamp = self._stamp_of(station)
         made = self._stations[station]
@@ -177,13 +149,13 @@ class BearingSimulation:
             stamp=stamp,
             position=(float(state.position[0]), float(state.position[1])),
             yaw=float(wrap_angle(state.azimuth)),
-            velocity=(self._scene.own_ship.speed, 0.0),
+            velocity=(self._scenario.own_ship.speed, 0.0),
             yaw_rate=float(state.turn_rate),
         )
 
     def _truth_tracks(self, stamp: int, time: float) -> TruthTracks:
         rows, states = [], []
-        for index, target in enumerate(self._scene.targets):
+        for index, target in enumerate(self._scenario.targets):
             if isinstance(target.motion, KinematicMotion) and target.is_present(time):
                 rows.append(index + 1)
                 states.append(target.motion.trajectory.state(time))

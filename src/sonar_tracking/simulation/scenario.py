@@ -25,6 +25,7 @@ from sonar_tracking.configuration import (
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.geometry import is_line
 from sonar_tracking.simulation.array_configuration import ArrayConfiguration, NoiseConfiguration
+from sonar_tracking.simulation.bearing_sensor_configuration import BearingSensorConfiguration
 from sonar_tracking.simulation.contact_configuration import ContactSensorConfiguration
 from sonar_tracking.simulation.hydrophone_configuration import HydrophoneConfiguration
 from sonar_tracking.simulation.platforms import OwnShipConfiguration, Receiver, TurnConfiguration
@@ -48,7 +49,10 @@ ARRAY = "array"
 HYDROPHONES = "hydrophones"
 """Section of the broadband samples of the array, which are then simulated instead of snapshots."""
 
-OTHER_SENSORS = ("active_sonar",)
+BEARING_SENSORS = "bearing_sensors"
+"""Section of the stations that report bearings and lines directly, a list."""
+
+OTHER_SENSORS = (BEARING_SENSORS, "active_sonar")
 """Sections of the sensors beside the narrowband array."""
 
 NodeParameters = dict[str, dict[str, Value]]
@@ -76,6 +80,7 @@ class Scenario:
     array_given: bool = field(default=True, metadata=SECTION)
     hydrophones: HydrophoneConfiguration | None = field(default=None, metadata=SECTION)
     active_sonar: ContactSensorConfiguration | None = field(default=None, metadata=SECTION)
+    bearing_sensors: tuple[BearingSensorConfiguration, ...] = field(default=(), metadata=SECTION)
     nodes: NodeParameters = field(default_factory=dict, metadata=SECTION)
 
     @property
@@ -88,7 +93,8 @@ class Scenario:
     @property
     def namespaces(self) -> dict[str, tuple[str, ...]]:
         """Namespaces of the stations of a sensor, by its section; absent = one without."""
-        return {}
+        stations = tuple(sensor.namespace for sensor in self.bearing_sensors)
+        return {BEARING_SENSORS: stations} if stations else {}
 
     @property
     def step(self) -> float:
@@ -100,6 +106,7 @@ class Scenario:
             steps.append(self.array.block_snapshots / self.array.snapshot_rate)
         if self.active_sonar is not None:
             steps.append(self.active_sonar.ping_interval)
+        steps += [sensor.frame_interval for sensor in self.bearing_sensors]
         return min(steps)
 
     @property
@@ -173,6 +180,12 @@ def scenario_from_mapping(mapping: Mapping[str, Any], where: str) -> Scenario:
         ),
         "active_sonar": _optional(
             ContactSensorConfiguration, values.pop("active_sonar", None), f"{prefix}active_sonar"
+        ),
+        BEARING_SENSORS: tuple(
+            _section(BearingSensorConfiguration, sensor, f"{prefix}{BEARING_SENSORS}[{index}]")
+            for index, sensor in enumerate(
+                _list(values.pop(BEARING_SENSORS, []), f"{prefix}{BEARING_SENSORS}")
+            )
         ),
         "nodes": _nodes(values.pop("nodes", {}), f"{prefix}nodes"),
     }

@@ -10,6 +10,7 @@ from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.geometry import aperture
 from sonar_tracking.simulation.array_configuration import ArrayConfiguration
 from sonar_tracking.simulation.bearing_motion import TableMotion
+from sonar_tracking.simulation.bearing_sensor_configuration import check_bearing_sensors
 from sonar_tracking.simulation.contact_configuration import check_contact_sensor
 from sonar_tracking.simulation.hydrophone_configuration import check_hydrophones
 from sonar_tracking.simulation.kinematic_motion import KinematicMotion
@@ -35,6 +36,7 @@ def check_scenario(scenario: Scenario, where: str) -> None:
         _check_array(scenario.array, f"{where}array")
     if scenario.active_sonar is not None:
         check_contact_sensor(scenario.active_sonar)
+    check_bearing_sensors(scenario.bearing_sensors, f"{where}bearing_sensors")
     if scenario.hydrophones is not None:
         check_hydrophones(scenario.hydrophones, scenario.targets, where)
     _check_platform(scenario.own_ship, f"{where}own_ship")
@@ -121,7 +123,7 @@ def _check_bearings(scenario: Scenario, target: TargetConfiguration, where: str)
                 "must be own_ship.speed."
             )
         return
-    if not scenario.array_given:
+    if not scenario.array_given or scenario.bearing_sensors:
         raise ConfigurationError(
             f"{where}.motion gives bearings only, which nothing but an array can hear; give "
             "kind: kinematic, with a position in map."
