@@ -50,24 +50,23 @@ def message(kind: str, second: int, truth: bool) -> bytes:
     return position_tracks_cdr(position_tracks(second, [state], covariance=spread))
 
 
-def bag(path: Path, **topics: str) -> Path:
-    """Write a bag with a topic of each given type; ``__`` in the name stands for a slash."""
+def bag(path: Path, topics: dict[str, str], n_seconds: int = N_SECONDS) -> Path:
+    """Write a bag with topics of the given types."""
     writer = BagWriter(path)
-    for name, kind in topics.items():
-        topic = "/" + name.replace("__", "/")
+    for topic, kind in topics.items():
         truth = topic.startswith("/truth/")
         writer.add_topic(topic, kind, role="truth" if truth else "output")
-        for second in range(N_SECONDS):
+        for second in range(n_seconds):
             writer.write(topic, (EPOCH + second) * SECOND, message(kind, second, truth))
     writer.close()
     return path
 
 
 ACTIVE = {
-    "active__contacts": CONTACTS,
-    "active__tracks": POSITIONS,
-    "truth__tracks": POSITIONS,
-    "own_ship__odometry": ODOMETRY,
+    "/active/contacts": CONTACTS,
+    "/active/tracks": POSITIONS,
+    "/truth/tracks": POSITIONS,
+    "/own_ship/odometry": ODOMETRY,
 }
 PLACES = ("tactical_plot.png",)
 TABLES = ("tracks.txt", "track_table.png")
@@ -77,10 +76,10 @@ TABLES = ("tracks.txt", "track_table.png")
     ("topics", "names"),
     [
         (ACTIVE, (*PLACES, "contact_record.png", *TABLES)),
-        ({"passive__tracks": POSITIONS}, (*PLACES, *TABLES)),
-        ({"truth__tracks": POSITIONS}, PLACES),
-        ({"active__contacts": CONTACTS}, (*PLACES, "contact_record.png")),
-        ({"a__tracks": TRACKS}, ()),
+        ({"/passive/tracks": POSITIONS}, (*PLACES, *TABLES)),
+        ({"/truth/tracks": POSITIONS}, PLACES),
+        ({"/active/contacts": CONTACTS}, (*PLACES, "contact_record.png")),
+        ({"/a/tracks": TRACKS}, ()),
     ],
 )
 def test_whatever_the_bag_holds_is_drawn(
@@ -88,18 +87,23 @@ def test_whatever_the_bag_holds_is_drawn(
 ) -> None:
     if not names:
         with pytest.raises(ConfigurationError, match="nor confirmed tracks; its topics are /a/"):
-            plot_bag(bag(tmp_path / "run", **topics), tmp_path / "pictures")
+            plot_bag(bag(tmp_path / "run", topics), tmp_path / "pictures")
         assert not (tmp_path / "pictures").exists()
         return
-    written = plot_bag(bag(tmp_path / "run", **topics), tmp_path / "pictures")
+    written = plot_bag(bag(tmp_path / "run", topics), tmp_path / "pictures")
     assert tuple(path.name for path in written) == names
     for path in written:
         if path.suffix == ".png":
             assert path.read_bytes().startswith(b"\x89PNG") and path.stat().st_size > 5000
 
 
+def test_a_bag_of_one_instant_is_drawn(tmp_path: Path) -> None:
+    written = plot_bag(bag(tmp_path / "run", ACTIVE, 1), tmp_path / "pictures")
+    assert len(written) == 4
+
+
 def test_the_table_tells_where_a_track_ended(tmp_path: Path) -> None:
-    plot_bag(bag(tmp_path / "run", **ACTIVE), tmp_path / "pictures")
+    plot_bag(bag(tmp_path / "run", ACTIVE), tmp_path / "pictures")
     lines = (tmp_path / "pictures" / "tracks.txt").read_text().splitlines()
     row = next(line for line in lines if line.split()[:1] == ["1"])
     assert row.split() == [

@@ -11,6 +11,7 @@ from sonar_tracking.bags.message_definitions import typestore_of
 from sonar_tracking.bags.reader import Bag
 from sonar_tracking.errors import InputError
 from sonar_tracking.messages.contact_reading import contacts_from_message
+from sonar_tracking.messages.line_reading import frequency_lines_from_message
 from sonar_tracking.messages.position_reading import position_tracks_from_message
 from sonar_tracking.messages.reading import (
     bearing_tracks_from_message,
@@ -18,6 +19,7 @@ from sonar_tracking.messages.reading import (
     own_ship_from_message,
     snapshots_from_message,
 )
+from sonar_tracking.passive.line_records import FrequencyLines
 from sonar_tracking.passive.records import ArraySnapshots, BearingTracks
 from sonar_tracking.position_tracks import PositionTracks
 from sonar_tracking.simulation.records import OwnShipState
@@ -26,6 +28,7 @@ SNAPSHOTS_TYPE = "sonar_tracking_msgs/msg/ArraySnapshots"
 BEARING_TRACKS_TYPE = "sonar_tracking_msgs/msg/BearingTracks"
 POSITION_TRACKS_TYPE = "sonar_tracking_msgs/msg/Tracks"
 CONTACTS_TYPE = "sonar_tracking_msgs/msg/Contacts"
+FREQUENCY_LINES_TYPE = "sonar_tracking_msgs/msg/FrequencyLines"
 ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
 
 Record = TypeVar("Record")
@@ -107,6 +110,16 @@ def own_ship_of(bag: Bag, topic: str, rejected: list[str] | None = None) -> Iter
     Parameters and errors are those of :func:`snapshots_of`.
     """
     yield from _converted(bag, topic, own_ship_from_message, rejected)
+
+
+def frequency_lines_of(
+    bag: Bag, topic: str, rejected: list[str] | None = None
+) -> Iterator[FrequencyLines]:
+    """Yield the lines of a topic in log order.
+
+    Parameters and errors are those of :func:`snapshots_of`.
+    """
+    yield from _converted(bag, topic, frequency_lines_from_message, rejected)
 
 
 def _converted(

@@ -11,10 +11,12 @@ from sonar_tracking.active.records import Contacts
 from sonar_tracking.bags.bag_records import (
     BEARING_TRACKS_TYPE,
     CONTACTS_TYPE,
+    FREQUENCY_LINES_TYPE,
     ODOMETRY_TYPE,
     POSITION_TRACKS_TYPE,
     contacts_of,
     directions_of,
+    frequency_lines_of,
     own_ship_of,
     position_tracks_of,
     topics_of_type,
@@ -23,6 +25,7 @@ from sonar_tracking.bags.reader import Bag
 from sonar_tracking.display.located_pings import located_pings, recorded_mounting
 from sonar_tracking.display.position_history import PositionHistory, position_histories
 from sonar_tracking.display.track_history import TrackHistory, track_histories
+from sonar_tracking.passive.line_records import FrequencyLines
 from sonar_tracking.passive.records import BearingTracks
 from sonar_tracking.simulation.records import OwnShipState
 
@@ -42,6 +45,8 @@ class BagContents:
         Those that ever were confirmed.
     position_tracks, position_truth : mapping of str to tuple of PositionHistory
         Those that ever were confirmed.
+    frequency_lines : mapping of str to tuple of FrequencyLines
+        Lines heard, by topic.
     contacts : tuple of Contacts
         Of the first topic that has any, those that can be placed.
     sound_speed : float
@@ -57,17 +62,19 @@ class BagContents:
     bearing_truth: Mapping[str, tuple[TrackHistory, ...]] = field(default_factory=dict)
     position_tracks: Mapping[str, tuple[PositionHistory, ...]] = field(default_factory=dict)
     position_truth: Mapping[str, tuple[PositionHistory, ...]] = field(default_factory=dict)
+    frequency_lines: Mapping[str, tuple[FrequencyLines, ...]] = field(default_factory=dict)
     contacts: tuple[Contacts, ...] = ()
     sound_speed: float = ContactTrackerConfiguration().sound_speed
     own_ship: tuple[OwnShipState, ...] = ()
     rejected: tuple[str, ...] = ()
 
     def begins(self) -> list[int]:
-        """Return the first stamps of all tracks, truths and pings, ns."""
+        """Return the first stamps of all tracks, truths, lines and pings, ns."""
         bearings = (*self.bearing_tracks.values(), *self.bearing_truth.values())
         positions = (*self.position_tracks.values(), *self.position_truth.values())
         begins = [int(history.stamps[0]) for tracks in bearings for history in tracks]
         begins += [int(history.stamps[0]) for tracks in positions for history in tracks]
+        begins += [entry.stamp for lists in self.frequency_lines.values() for entry in lists[:1]]
         return begins + [ping.stamp for ping in self.contacts[:1]]
 
 
@@ -96,6 +103,7 @@ def bag_contents(bag: Bag) -> BagContents:
         bearing_truth={name: each for name, each in histories.items() if name in truths},
         position_tracks={name: each for name, each in places.items() if name not in truths},
         position_truth={name: each for name, each in places.items() if name in truths},
+        frequency_lines=_by_topic(bag, FREQUENCY_LINES_TYPE, frequency_lines_of, rejected),
         contacts=located_pings(pings, own_ship, recorded_mounting(given), rejected),
         sound_speed=float(given.get("sound_speed", BagContents.sound_speed)),
         own_ship=own_ship,

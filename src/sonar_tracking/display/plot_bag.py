@@ -2,6 +2,7 @@
 
 ===============================  ==================================================================
 ``bearing_time_record.png``      bearing tracks or snapshots; one picture a further topic, numbered
+``line_record.png``              frequency lines; one picture a further topic, numbered
 ``tactical_plot.png``            position tracks, true positions or contacts
 ``contact_record.png``           contacts
 ``track_table.png``              what became of every track; as text in ``tracks.txt``
@@ -25,6 +26,7 @@ from sonar_tracking.display.bearing_time_record import (
     draw_bearing_time_record,
 )
 from sonar_tracking.display.contact_record import contact_record, draw_contact_record
+from sonar_tracking.display.line_record import draw_line_record, line_histories
 from sonar_tracking.display.summary_table import (
     SummaryTable,
     bearing_summary,
@@ -83,6 +85,7 @@ def plot_bag(bag: Path | str, output: Path | str) -> tuple[Path, ...]:
     directory, start, title = Path(output), min(begins), _title(opened)
     directory.mkdir(parents=True, exist_ok=True)
     written = _draw_bearings(contents, picture, start, directory, title)
+    written += _draw_lines(contents, start, directory, title)
     written += _draw_places(contents, start, directory, title)
     written += _write_tables(contents, start, directory, console)
     for path in written:
@@ -115,12 +118,26 @@ def _draw_bearings(
     for number, topic in enumerate(topics):
         tracks = contents.bearing_tracks.get(topic, ())
         truth = _truth_of(topic, tracks, contents.bearing_truth)
-        suffix = f"_{number + 1}" if number else ""
-        written.append(directory / f"bearing_time_record{suffix}.png")
+        written.append(directory / _numbered("bearing_time_record", number))
         background = beam_picture((), 1) if number else picture
         heading = f"{title}  {topic}" if topic else title
         draw_bearing_time_record(background, tracks, truth, start, written[-1], heading)
     return written
+
+
+def _draw_lines(contents: BagContents, start: int, directory: Path, title: str) -> list[Path]:
+    """Draw the lines of every topic that has any."""
+    written: list[Path] = []
+    for topic, lists in contents.frequency_lines.items():
+        histories = line_histories(lists, start)
+        if histories:
+            written.append(directory / _numbered("line_record", len(written)))
+            draw_line_record(histories, written[-1], f"{title}  {topic}")
+    return written
+
+
+def _numbered(name: str, number: int) -> str:
+    return f"{name}_{number + 1}.png" if number else f"{name}.png"
 
 
 def _truth_of(
