@@ -34,6 +34,9 @@ MOST_LEGEND_TRACKS = 10
 MOST_CONTACTS = 60_000
 """Of more, evenly chosen ones are drawn."""
 
+ARROW_HEAD = np.array([[1.0, 0.0], [-0.8, 0.5], [-0.45, 0.0], [-0.8, -0.5], [1.0, 0.0]])
+"""Outline of own ship's mark, bow along +x."""
+
 KILOMETRES_FROM = 4_000.0
 """Charts wider than this are in kilometres, m."""
 
@@ -90,16 +93,12 @@ def draw_tactical_plot(scene: TacticalScene, path: Path, title: str = "") -> Non
 def _limits(scene: TacticalScene) -> tuple[FloatArray, FloatArray]:
     """Return the corners of the chart: all that is drawn but ellipses and lines, and a margin.
 
-    Of long tracks the outermost hundredth does not count, so that a track that runs away for a
-    moment does not shrink the rest.
+    Of a track the outermost hundredth does not count, so that one that runs away for a moment does
+    not shrink the rest; of contacts the outermost fifth of either side.
     """
-    parts = [scene.own_ship[:, 1:3], scene.contacts[:, 1:3]]
+    parts = [scene.own_ship[:, 1:3], _inner(scene.contacts[:, 1:3], 20.0)]
     parts += [history.positions for history in scene.truth]
-    parts += [
-        np.clip(positions, *np.percentile(positions, [1.0, 99.0], axis=0))
-        for history in _all_tracks(scene)
-        for positions in [history.positions]
-    ]
+    parts += [_inner(history.positions, 1.0) for history in _all_tracks(scene)]
     points = np.concatenate(parts)
     low, high = np.min(points, axis=0), np.max(points, axis=0)
     margin = 0.07 * max(float(np.max(high - low)), 10.0)
@@ -107,6 +106,12 @@ def _limits(scene: TacticalScene) -> tuple[FloatArray, FloatArray]:
     shortest = 0.45 * float(np.max(high - low))
     missing = np.maximum(shortest - (high - low), 0.0)
     return low - 0.5 * missing - margin, high + 0.5 * missing + margin
+
+
+def _inner(points: FloatArray, percent: float) -> FloatArray:
+    if not len(points):
+        return points
+    return np.clip(points, *np.percentile(points, [percent, 100.0 - percent], axis=0))
 
 
 def _figure_size(extent: FloatArray) -> tuple[float, float]:
@@ -245,15 +250,11 @@ def _draw_own_ship(axes: Axes, scene: TacticalScene, scale: float, interval: flo
     axes.plot(*points.T, color=OWN_SHIP, linewidth=1.4, zorder=5, label="own ship")
     marks = points[_marks(scene.own_ship[:, 0], interval)]
     axes.plot(*marks.T, "o", color=OWN_SHIP, markersize=3, zorder=5)
-    heading = math.degrees(float(scene.own_ship[-1, 3]))
-    axes.plot(
-        *points[-1],
-        marker=(3, 0, heading - 90.0),
-        color=OWN_SHIP,
-        markersize=11,
-        zorder=6,
-        linestyle="none",
+    heading = float(scene.own_ship[-1, 3])
+    rotation = np.array(
+        [[math.cos(heading), math.sin(heading)], [-math.sin(heading), math.cos(heading)]]
     )
+    axes.plot(*points[-1], marker=ARROW_HEAD @ rotation, color=OWN_SHIP, markersize=13, zorder=6)
 
 
 def _draw_north(axes: Axes) -> None:
