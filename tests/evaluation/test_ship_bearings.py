@@ -8,14 +8,21 @@ import pytest
 
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.evaluation.ship_bearings import (
+    UNLABELLED,
+    PairingPart,
+    locate,
+    pair,
+    ship_bearings,
+    ship_rows,
+)
+from sonar_tracking.evaluation.ship_bearings_data import read_bearings
+from sonar_tracking.evaluation.ship_bearings_tracks import (
+    ANTENNA,
     BOTH,
     CROSS,
     FIXES,
     SINGLE,
-    locate,
-    read_bearings,
-    ship_bearings,
-    ship_rows,
+    SMOOTHED,
 )
 from sonar_tracking.evaluation.studies import run_study
 
@@ -63,12 +70,27 @@ def made_up(tmp_path: Path) -> Path:
 def test_every_way_finds_a_circling_ship(made_up: Path) -> None:
     rows = ship_rows([locate(made_up)])
     medians = {(row.system, row.condition): row.metrics["median_m"] for row in rows}
-    assert len(medians) == 6
+    assert len(medians) == 14
     assert medians[SINGLE, "array EE"] < 30.0
     assert medians[BOTH, "array EE and EW"] < 30.0
     assert medians[CROSS, "array EE and EW"] < 80.0  # azimuths of 1 deg at up to 1.8 km
-    # The filter beats the single seconds that it is made of.
+    # The filter beats the single seconds that it is made of, and the smoother the filter.
     assert medians[BOTH, "array EE and EW"] < medians[FIXES, "array EE"]
+    for way in (CROSS, BOTH):
+        assert medians[SMOOTHED + way, "array EE and EW"] < medians[way, "array EE and EW"]
+
+
+def test_an_antenna_where_the_noise_comes_from_is_found_there(made_up: Path) -> None:
+    rows = {(row.system, row.condition): row.metrics for row in ship_rows([locate(made_up)])}
+    assert abs(rows[ANTENNA + BOTH, "array EE and EW"]["antenna_m"]) < 5.0
+    assert np.isnan(rows[BOTH, "array EE and EW"]["antenna_m"])
+
+
+def test_bearings_without_labels_go_to_their_ships(made_up: Path) -> None:
+    (row,) = ship_rows([pair(PairingPart(made_up, 1))])
+    assert row.system == UNLABELLED
+    assert row.metrics["right_percent"] > 97.0
+    assert row.metrics["made_up_median_m"] < 40.0
 
 
 def test_seconds_with_doubtful_time_are_left_out(tmp_path: Path) -> None:
@@ -101,10 +123,37 @@ def test_pictures_are_drawn(made_up: Path, tmp_path: Path) -> None:
     assert all(picture.stat().st_size > 5_000 for picture in pictures)
 
 
-def test_the_real_ship_is_found_better_than_by_single_seconds() -> None:
-    path = REAL / "two_arrays_A.npz"
+@pytest.mark.parametrize(
+    ("file", "published"),
+    [
+        (
+            "two_arrays_A",
+            {
+                (SINGLE, "array EE"): 22.0,
+                (SINGLE, "array EW"): 31.0,
+                (CROSS, "array EE and EW"): 25.0,
+                (BOTH, "array EE and EW"): 22.0,
+            },
+        ),
+        ("array_EW_B", {(SINGLE, "array EW"): 31.0}),
+    ],
+)
+def test_the_real_ship_is_found_better_than_by_single_seconds(
+    file: str, published: dict[tuple[str, str], float]
+) -> None:
+    path = REAL / f"{file}.npz"
     if not path.is_file():
         pytest.skip(f"{path} is not there")
     rows = {(row.system, row.condition): row.metrics for row in ship_rows([locate(path)])}
-    assert rows[SINGLE, "array EE"]["median_m"] < 22.0
-    assert rows[BOTH, "array EE and EW"]["median_m"] < 25.0
+    for (way, arrays), median in published.items():
+        assert rows[SMOOTHED + way, arrays]["median_m"] < median
+        assert 0.3 < rows[SMOOTHED + way, arrays]["median_nees"] < 2.0
+
+
+def test_real_bearings_without_labels_go_to_their_ships() -> None:
+    path = REAL / "two_arrays_A.npz"
+    if not path.is_file():
+        pytest.skip(f"{path} is not there")
+    (row,) = ship_rows([pair(PairingPart(path, 1))])
+    assert row.metrics["right_percent"] > 99.0
+    assert row.metrics["real_median_m"] < 25.0

@@ -5,7 +5,12 @@ import pytest
 
 from sonar_tracking.tma.range_bank import RangeBank
 from sonar_tracking.tma.records import FloatArray, TmaMeasurement
-from sonar_tracking.tma.station_association import FREE, associate, azimuth_log_likelihood
+from sonar_tracking.tma.station_association import (
+    FREE,
+    associate,
+    azimuth_log_likelihood,
+    direction_log_likelihood,
+)
 
 HERE, THERE = np.array([0.0, 0.0]), np.array([4000.0, 0.0])
 TARGETS = np.array([[1500.0, 3000.0], [3500.0, 4000.0]])
@@ -67,3 +72,38 @@ def test_the_likelihood_is_a_density_over_all_azimuths() -> None:
     grid = np.linspace(-np.pi, np.pi, 20_001)[:-1]
     density = np.exp(likelihoods(grid))
     assert np.sum(density, axis=1) * (grid[1] - grid[0]) == pytest.approx([1.0, 1.0], abs=0.02)
+
+
+def test_an_elevation_tells_which_of_two_targets_on_one_azimuth_it_is() -> None:
+    bank = bank_of(0)
+    height = 1000.0
+    distance = float(np.hypot(*TARGETS[0]))
+
+    def direction(elevation: float) -> TmaMeasurement:
+        return TmaMeasurement(
+            stamp=10**10,
+            position=HERE,
+            velocity=np.zeros(2),
+            azimuth=azimuths(HERE)[:1],
+            azimuth_variance=np.array(VARIANCE),
+            elevation=np.array(elevation),
+            elevation_variance=np.array(VARIANCE),
+            height=height,
+        )
+
+    def likelihood(elevation: float) -> float:
+        assert bank.state is not None
+        return direction_log_likelihood(bank.state.bank, 0.0, 0.01, direction(elevation))
+
+    bank.update(direction(float(np.arctan2(height, distance))))
+    assert likelihood(float(np.arctan2(height, distance))) > likelihood(
+        float(np.arctan2(height, 1.2 * distance))
+    )
+    assert likelihood(float(np.radians(80.0))) < likelihood(np.nan) - 10.0
+    # Without elevation it is the likelihood of the azimuth alone, per rad.
+    alone = direction(np.nan)
+    assert bank.state is not None
+    expected = azimuth_log_likelihood(
+        bank.state.bank, 0.0, 0.01, HERE, alone.azimuth, np.array([VARIANCE])
+    )
+    assert likelihood(np.nan) == pytest.approx(float(expected[0]), abs=1e-6)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from sonar_tracking.evaluation.ship_bearings import ShipTrack
+    from sonar_tracking.evaluation.ship_bearings_tracks import ShipTrack
 
 
 def draw_tracks(tracks: Sequence[ShipTrack], directory: Path) -> tuple[Path, ...]:
@@ -43,7 +43,7 @@ def draw_tracks(tracks: Sequence[ShipTrack], directory: Path) -> tuple[Path, ...
         error.set_xlabel("time, s")
         error.set_ylabel("error, m")
         error.grid(alpha=0.3, which="both")
-        name = f"{track.system} {track.arrays}".replace(" ", "_")
+        name = f"{track.system} {track.arrays}".replace(" ", "_").replace(":", "")
         paths.append(directory / f"{name}.png")
         figure.savefig(paths[-1], dpi=150)
         plt.close(figure)

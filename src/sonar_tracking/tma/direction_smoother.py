@@ -137,8 +137,48 @@ def smooth_directions(
         gradient = np.einsum("na,nai->ni", weight * measured, rows.derivative)
         mean, covariance = _smoothed(history.times, information, gradient, path[0], parameters)
         path = mean[:, :2]
-    covariance[:, :2, :2] += _systematic(history, path, parameters)
+    systematic = float(np.radians(parameters.systematic_deviation_deg))
+    covariance[:, :2, :2] += systematic_covariance(history, path, systematic)
     return SmoothedTrack(mean, covariance)
+
+
+def systematic_covariance(
+    history: DirectionHistory, path: FloatArray, deviation: float
+) -> FloatArray:
+    """Return what one systematic direction error of every station does to each position.
+
+    Parameters
+    ----------
+    history : DirectionHistory
+        Whose stations measured, and which of them elevations too.
+    path : ndarray, shape (n, 2)
+        Positions at the times of the history, m.
+    deviation : float
+        Standard deviation of the systematic errors, rad.
+
+    Returns
+    -------
+    ndarray, shape (n, 2, 2)
+        m^2.
+    """
+    information = np.zeros((len(path), 2, 2))
+    stations, number = np.unique(history.position, axis=0, return_inverse=True)
+    for station in range(len(stations)):
+        own = number == station
+        rise = bool(np.any(np.isfinite(history.elevation[own])))
+        here = DirectionHistory(
+            history.times,
+            np.broadcast_to(stations[station], path.shape),
+            np.full(len(path), np.median(history.height[own])),
+            history.azimuth,
+            history.elevation,
+            history.deviation,
+        )
+        derivative = _rows(here, path).derivative[:, : 2 if rise else 1]
+        information += np.einsum("nai,naj->nij", derivative, derivative)
+    # A position that its stations cannot fix at all is claimed no better than the start.
+    floor = np.eye(2) * (deviation / START_DEVIATION) ** 2
+    return np.asarray(deviation**2 * np.linalg.inv(information + floor))
 
 
 def _rows(history: DirectionHistory, path: FloatArray) -> _Rows:
@@ -194,28 +234,3 @@ def _smoothed(
 def _noise(interval: float, acceleration: float) -> FloatArray:
     block = np.array([[interval**3 / 3.0, interval**2 / 2.0], [interval**2 / 2.0, interval]])
     return acceleration**2 * np.kron(block, np.eye(2))
-
-
-def _systematic(
-    history: DirectionHistory, path: FloatArray, parameters: DirectionSmootherConfiguration
-) -> FloatArray:
-    """Return what one systematic error of every station does to the position, shape (n, 2, 2)."""
-    deviation = np.radians(parameters.systematic_deviation_deg)
-    information = np.zeros((len(path), 2, 2))
-    stations, number = np.unique(history.position, axis=0, return_inverse=True)
-    for station in range(len(stations)):
-        own = number == station
-        rise = bool(np.any(np.isfinite(history.elevation[own])))
-        here = DirectionHistory(
-            history.times,
-            np.broadcast_to(stations[station], path.shape),
-            np.full(len(path), np.median(history.height[own])),
-            history.azimuth,
-            history.elevation,
-            history.deviation,
-        )
-        derivative = _rows(here, path).derivative[:, : 2 if rise else 1]
-        information += np.einsum("nai,naj->nij", derivative, derivative)
-    # A position that its stations cannot fix at all is claimed no better than the start.
-    floor = np.eye(2) * (deviation / START_DEVIATION) ** 2
-    return np.asarray(deviation**2 * np.linalg.inv(information + floor))
