@@ -180,6 +180,29 @@ def test_rows_of_different_bearings_are_different_tracks() -> None:
     assert result.two_sided_share == 0.0 and result.identities.false_tracks == 1
 
 
+def test_stations_number_their_bearings_independently() -> None:
+    """Bearing track 3 of either station: two targets, each with an open side."""
+    one = two_sided(0, (100.0, 0.0), (100.0, 900.0), 0.9)
+    other = two_sided(0, (5000.0, 0.0), (5000.0, 900.0), 0.9)
+    both = PositionTracks(
+        stamp=one.stamp,
+        id=np.array([7, 8, 9, 10], np.uint64),
+        status=np.concatenate([one.status, other.status]),
+        source=np.concatenate([one.source, other.source]),
+        state=np.concatenate([one.state, other.state]),
+        hypothesis=np.concatenate([one.hypothesis, other.hypothesis]),
+        hypothesis_probability=np.concatenate([one.hypothesis_probability] * 2),
+        bearing_track_id=np.full(4, 3, np.uint64),
+        contributor_track=np.arange(4, dtype=np.uint32),
+        contributor_id=np.full(4, 3, np.uint64),
+        contributor_sensor=("bow", "bow", "tail", "tail"),
+    )
+    truth = [picture(0, {1: (100.0, 0.0), 2: (5000.0, 0.0)})]
+    result = score_position_tracks(truth, [both])
+    assert result.two_sided_share == 1.0 and result.ospa_m == 0.0
+    assert result.identities.false_tracks == 0
+
+
 @pytest.mark.parametrize("lists", [[], [{}], [{7: (np.nan, 0.0)}], [{7: (1.0, np.inf)}]])
 def test_mapping_is_valid_json_whatever_is_missing(lists: list[Places]) -> None:
     mapping = score(lists, {1: (0.0, 0.0)}).to_mapping()

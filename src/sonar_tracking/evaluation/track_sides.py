@@ -101,18 +101,27 @@ def wrong_sides(
 
 
 def _pairs(tracks: PositionTracks, rows: NDArray[np.intp]) -> list[tuple[int, int]]:
-    """Return the rows that are left and right of one bearing track."""
-    sides: dict[tuple[int, int], list[int]] = {}
+    """Return the rows that are left and right of one bearing track, heard by the same sensors."""
+    sides: dict[tuple[object, ...], list[int]] = {}
     for row in rows.tolist():
         bearing_track = int(tracks.bearing_track_id[row])
         if bearing_track and tracks.hypothesis[row] != TrackHypothesis.SINGLE:
-            sides.setdefault((int(tracks.source[row]), bearing_track), []).append(row)
+            key = (int(tracks.source[row]), bearing_track, _contributors(tracks, row))
+            sides.setdefault(key, []).append(row)
     both = {TrackHypothesis.LEFT, TrackHypothesis.RIGHT}
     return [
         (group[0], group[1])
         for group in sides.values()
         if len(group) == 2 and {int(tracks.hypothesis[row]) for row in group} == both
     ]
+
+
+def _contributors(tracks: PositionTracks, row: int) -> frozenset[tuple[str, int]]:
+    """Return who a row was made from: stations number their bearing tracks independently."""
+    return frozenset(
+        (tracks.contributor_sensor[entry], int(tracks.contributor_id[entry]))
+        for entry in np.flatnonzero(tracks.contributor_track == row)
+    )
 
 
 def _stands(tracks: PositionTracks, first: int, second: int) -> bool:
