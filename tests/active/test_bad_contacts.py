@@ -1,6 +1,7 @@
 """Protects: stated behaviour of the trackers of contacts on bad and missing input."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -207,3 +208,73 @@ def test_a_sensor_that_stays_where_it_jumped_to_finds_its_targets_anew() -> None
     assert len(rows) == 1
     truth = target_positions(44, 1)[0] + (5000.0, 0.0)
     assert update.tracks.state[rows[0], :2] == pytest.approx(truth, abs=60.0)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("detection_probability", 1.5),
+        ("detection_probability", 0.0),
+        ("false_alarm_probability", 0.0),
+        ("detection_threshold", -1.0),
+        ("signal_to_noise_ratio_linear", np.inf),
+        ("signal_to_noise_ratio_linear", -2.0),
+        ("clutter_density", -1e-7),
+        ("range_resolution", 0.0),
+        ("azimuth_resolution", np.inf),
+        ("maximum_range", 0.0),
+        ("minimum_range", 2e4),
+        ("azimuth_width", -1.0),
+    ],
+)
+def test_a_description_that_cannot_be_true_is_taken_for_none(
+    method: str, name: str, value: float
+) -> None:
+    generator = np.random.default_rng(23)
+    tracker = start(method)
+    for number in range(6):
+        contacts = ping(number, generator)
+        change: dict[str, Any] = {name: value}
+        update = tracker.update(replace(contacts, **change))
+        assert [notice.culprit for notice in update.notices if notice.culprit == name] == [name]
+    assert np.all(np.isfinite(update.tracks.state))
+    assert np.isfinite(update.target_count)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_extreme_contacts_leave_the_tracks_regular(method: str) -> None:
+    """Equal, absurdly precise and absurdly strong contacts, after an instant and after a day."""
+    generator = np.random.default_rng(24)
+    tracker = start(method, acceleration_deviation=0.0)
+    stamp = 100 * SECOND
+    for number in range(30):
+        stamp += (1, 10 * SECOND, 86_400 * SECOND)[0 if number % 5 else 1 + (number == 25)]
+        contacts = replace(
+            ping(number, generator, targets=3),
+            stamp=stamp,
+            range_standard_deviation=1e-9 if number % 2 else 1e9,
+            azimuth_standard_deviation=1e-12 if number % 3 else 10.0,
+        )
+        if number % 4 == 0:
+            contacts = replace(
+                contacts,
+                range=np.full(len(contacts.range), 3000.0),
+                azimuth=np.zeros(len(contacts.range)),
+                amplitude=np.full(len(contacts.range), 1e11),
+            )
+        update = tracker.update(contacts)
+        assert np.all(np.isfinite(update.tracks.state))
+        assert np.all(np.isfinite(update.tracks.covariance))
+
+
+def test_a_sensor_faster_than_any_ship_is_refused() -> None:
+    tracker = start("integrated")
+    contacts = replace(ping(0, np.random.default_rng(25)), sensor_velocity=(2000.0, 0.0))
+    with pytest.raises(InputError, match="2000 m/s"):
+        tracker.update(contacts)
+
+
+def test_sound_that_creeps_is_refused() -> None:
+    with pytest.raises(ConfigurationError, match="sound_speed"):
+        start("integrated", sound_speed=0.5)

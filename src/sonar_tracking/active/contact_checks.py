@@ -7,12 +7,27 @@ reported, since the others are still good.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sonar_tracking.active.ping_description import plausible_description
 from sonar_tracking.active.records import Contacts, FloatArray
 from sonar_tracking.errors import InputError, Notice, Severity
+
+LARGEST_RANGE = 1e7
+LARGEST_AMPLITUDE = 1e12
+"""m, and linear power: what exceeds them is no contact."""
+
+LARGEST_SENSOR_SPEED = 200.0
+"""m/s; places of reflection need a sensor far slower than sound."""
+
+DEVIATION_LIMITS = {
+    "range_standard_deviation": (1e-3, 1e6),
+    "azimuth_standard_deviation": (1e-7, np.pi),
+}
+"""m and rad; smaller and larger ones are taken for these, so that gates stay regular."""
 
 LARGEST_JUMP = 100.0
 LARGEST_ACCELERATION = 1.0
@@ -85,8 +100,12 @@ def check_ping(contacts: Contacts, last: PingOrigin | None) -> tuple[Contacts, t
     where = (*contacts.sensor_position, *contacts.sensor_velocity)
     if not np.all(np.isfinite(where)):
         raise InputError("Position or velocity of the sensor is unknown; give own-ship motion.")
-    usable, notices = _usable(contacts)
-    return usable, (*notices, *_jump_notices(contacts, last))
+    speed = float(np.hypot(*contacts.sensor_velocity))
+    if speed > LARGEST_SENSOR_SPEED:
+        raise InputError(f"The sensor moves at {speed:.0f} m/s, which it cannot; check its motion.")
+    described, doubts = plausible_description(_with_regular_deviations(contacts))
+    usable, notices = _usable(described)
+    return usable, (*doubts, *notices, *_jump_notices(contacts, last))
 
 
 def check_order(stamp: int, last: PingOrigin | None) -> None:
@@ -102,6 +121,18 @@ def check_order(stamp: int, last: PingOrigin | None) -> None:
             f"The ping at {stamp} ns is not later than the one before at {last.stamp} ns; "
             "duplicates and pings out of order are left out."
         )
+
+
+def _with_regular_deviations(contacts: Contacts) -> Contacts:
+    limited = {
+        name: np.clip(getattr(contacts, name), *limits) for name, limits in DEVIATION_LIMITS.items()
+    }
+    changed: dict[str, Any] = {
+        name: values
+        for name, values in limited.items()
+        if not np.array_equal(values, getattr(contacts, name))
+    }
+    return replace(contacts, **changed) if changed else contacts
 
 
 def _jump_notices(contacts: Contacts, last: PingOrigin | None) -> tuple[Notice, ...]:
@@ -122,10 +153,11 @@ def _jump_notices(contacts: Contacts, last: PingOrigin | None) -> tuple[Notice, 
 
 
 def _usable(contacts: Contacts) -> tuple[Contacts, tuple[Notice, ...]]:
-    good = np.isfinite(contacts.range) & np.isfinite(contacts.azimuth) & (contacts.range > 0.0)
+    good = np.isfinite(contacts.azimuth) & (contacts.range > 0.0)
+    good &= contacts.range <= LARGEST_RANGE
     measured = len(contacts.amplitude) > 0
     if measured:
-        good &= np.isfinite(contacts.amplitude) & (contacts.amplitude >= 0.0)
+        good &= (contacts.amplitude >= 0.0) & (contacts.amplitude <= LARGEST_AMPLITUDE)
     notices = []
     if not np.all(good):
         text = (

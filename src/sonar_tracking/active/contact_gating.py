@@ -26,6 +26,8 @@ IndexArray = NDArray[np.intp]
 
 TRACKS_PER_PORTION = 2048
 SMALLEST_DEVIATION = 1e-6
+SMALLEST_SHARE = 1e-13
+"""Of a determinant in the product of the diagonal."""
 
 
 @dataclass(frozen=True)
@@ -175,8 +177,12 @@ def delayed_position_covariance(covariance: FloatArray, delay: FloatArray) -> Fl
 
 
 def determinant(matrix: FloatArray) -> FloatArray:
-    """Return the determinants of symmetric matrices, shape (..., 2, 2), in closed form."""
-    return np.asarray(matrix[..., 0, 0] * matrix[..., 1, 1] - matrix[..., 0, 1] ** 2)
+    """Return the determinants of covariances, shape (..., 2, 2), in closed form.
+
+    Of an ellipse thinner than rounding it is what rounding leaves, so that it stays positive.
+    """
+    product = matrix[..., 0, 0] * matrix[..., 1, 1]
+    return np.asarray(np.maximum(product - matrix[..., 0, 1] ** 2, SMALLEST_SHARE * product))
 
 
 def inverse(matrix: FloatArray) -> FloatArray:

@@ -7,6 +7,9 @@ from dataclasses import dataclass
 from sonar_tracking.configuration import parameter
 from sonar_tracking.errors import ConfigurationError
 
+SLOWEST_SOUND = 100.0
+"""m/s"""
+
 GATE_THRESHOLDS = ("as_detected", "fixed", "closed_form")
 
 
@@ -146,6 +149,11 @@ def check_configuration(configuration: ContactTrackerConfiguration) -> None:
         raise ConfigurationError(
             f"initial_existence is {configuration.initial_existence:g}; give less than half of "
             "confirmation_probability, or single contacts become tracks."
+        )
+    if 0.0 < configuration.sound_speed < SLOWEST_SOUND:
+        raise ConfigurationError(
+            f"sound_speed is {configuration.sound_speed:g} m/s; give about 1500 in water, or 0 if "
+            "a ping takes no time."
         )
     adaptive = configuration.gate_threshold != "as_detected"
     if adaptive and configuration.method in ("roi_clustering", "smc_phd"):

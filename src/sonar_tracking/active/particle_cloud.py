@@ -85,7 +85,7 @@ def gaussian_cloud(
     mean: FloatArray, covariance: FloatArray, count: int, generator: np.random.Generator
 ) -> ParticleCloud:
     """Return particles of a Gaussian, all modes equally likely."""
-    root = np.linalg.cholesky(covariance + 1e-9 * np.eye(4))
+    root = _root(covariance + 1e-9 * np.eye(4))
     state = mean + generator.standard_normal((count, 4)) @ root.T
     mode = generator.integers(0, len(TURN_DIRECTIONS), count)
     return ParticleCloud(state, mode, np.full(count, 1.0 / count))
@@ -169,7 +169,16 @@ def resample_cloud(cloud: ParticleCloud, generator: np.random.Generator) -> Part
     rows = systematic_rows(share, count, generator)
     width = KERNEL_WIDTH * (4.0 / 6.0) ** (1.0 / 8.0) * count ** (-1.0 / 8.0)
     floor = np.diag([1e-6, 1e-6, 1e-10, 1e-10])
-    kernel = width * np.linalg.cholesky(covariance + floor)
+    kernel = width * _root(covariance + floor)
     shrunk = mean + np.sqrt(1.0 - width**2) * (cloud.state[rows] - mean)
     state = shrunk + generator.standard_normal((count, 4)) @ kernel.T
     return ParticleCloud(state, cloud.mode[rows], np.full(count, 1.0 / count))
+
+
+def _root(covariance: FloatArray) -> FloatArray:
+    """Return A with A A^T = covariance; one that rounding has made indefinite is mended."""
+    try:
+        return np.asarray(np.linalg.cholesky(covariance))
+    except np.linalg.LinAlgError:
+        values, vectors = np.linalg.eigh(covariance)
+        return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))

@@ -86,7 +86,7 @@ def duplicates(bank: TrackBank, pairs: GatePairs) -> BoolArray:
         return repeated
     mean, covariance = bank.moments()
     difference = mean[first] - mean[second]
-    spread = covariance[first] + covariance[second]
+    spread = _regular(covariance[first] + covariance[second])
     scaled = np.linalg.solve(spread, difference[..., None])[..., 0]
     near = np.sum(difference * scaled, axis=1) < DUPLICATE_DISTANCE**2
     first, second = first[near], second[near]
@@ -192,6 +192,14 @@ def list_tracks(listed: ListedTracks, tentative_probability: float) -> TrackRows
         initiated=bank.initiated[rows],
         updated=bank.updated[rows],
     )
+
+
+def _regular(covariance: FloatArray) -> FloatArray:
+    """Return covariances, shape (n, 4, 4), with diagonals just large enough to be inverted."""
+    diagonal = np.einsum("nii->ni", covariance)
+    result = covariance.copy()
+    np.einsum("nii->ni", result)[...] = diagonal * (1.0 + 1e-9) + 1e-12
+    return result
 
 
 def _sharing(pairs: GatePairs) -> tuple[IndexArray, IndexArray]:
