@@ -103,3 +103,21 @@ class LofarRows:
     bin_width: float
     level_db: NDArray[np.float32]
     frame_id: str
+
+
+def no_lines(stamp: int, next_stamp: int, sensor: Sensor) -> FrequencyLines:
+    """Return the empty list of an instant, ns."""
+    nothing, nobody = np.empty(0), np.empty(0, np.uint64)
+    return FrequencyLines(
+        stamp=stamp,
+        track_id=nobody,
+        arrival_angle=nothing,
+        arrival_angle_variance=nothing,
+        line_id=nobody,
+        frequency=nothing,
+        standard_deviation=nothing,
+        signal_to_noise_ratio=nothing,
+        integration_time=nothing,
+        next_stamp=next_stamp,
+        sensor=sensor,
+    )
