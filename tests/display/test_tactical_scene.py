@@ -11,7 +11,7 @@ import pytest
 from sonar_tracking.active.records import Contacts
 from sonar_tracking.active.sensor_location import MountingConfiguration
 from sonar_tracking.display.located_pings import located_pings, recorded_mounting
-from sonar_tracking.display.position_history import position_histories
+from sonar_tracking.display.position_history import open_histories, position_histories
 from sonar_tracking.display.tactical_plot import draw_tactical_plot
 from sonar_tracking.display.tactical_scene import (
     TacticalScene,
@@ -111,6 +111,13 @@ def test_a_history_holds_what_claims_a_target() -> None:
     assert (first.id, first.positions.tolist()) == (1, [[2.0, 2.0]])
     assert (second.id, second.seconds(START).tolist()) == (2, [0.0])
     assert position_histories([]) == ()
+
+
+def test_open_positions_are_those_of_bearings_not_of_contacts() -> None:
+    status = np.full(2, TrackStatus.TENTATIVE, np.uint8)
+    bearing = np.array([0, 6], np.uint64)
+    picture = position_tracks(0.0, [[1.0] * 4] * 2, status=status, bearing_track_id=bearing)
+    assert [history.id for history in open_histories([picture])] == [2]
 
 
 @pytest.mark.parametrize("n_tracks", [0, 1, 30])

@@ -23,7 +23,11 @@ from sonar_tracking.bags.bag_records import (
 )
 from sonar_tracking.bags.reader import Bag
 from sonar_tracking.display.located_pings import located_pings, recorded_mounting
-from sonar_tracking.display.position_history import PositionHistory, position_histories
+from sonar_tracking.display.position_history import (
+    PositionHistory,
+    open_histories,
+    position_histories,
+)
 from sonar_tracking.display.track_history import TrackHistory, track_histories
 from sonar_tracking.passive.line_records import FrequencyLines
 from sonar_tracking.passive.records import BearingTracks
@@ -45,6 +49,8 @@ class BagContents:
         Those that ever were confirmed.
     position_tracks, position_truth : mapping of str to tuple of PositionHistory
         Those that ever were confirmed.
+    open_tracks : tuple of PositionHistory
+        Positions of bearing tracks that do not claim a target yet.
     frequency_lines : mapping of str to tuple of FrequencyLines
         Lines heard, by topic.
     contacts : tuple of Contacts
@@ -62,6 +68,7 @@ class BagContents:
     bearing_truth: Mapping[str, tuple[TrackHistory, ...]] = field(default_factory=dict)
     position_tracks: Mapping[str, tuple[PositionHistory, ...]] = field(default_factory=dict)
     position_truth: Mapping[str, tuple[PositionHistory, ...]] = field(default_factory=dict)
+    open_tracks: tuple[PositionHistory, ...] = ()
     frequency_lines: Mapping[str, tuple[FrequencyLines, ...]] = field(default_factory=dict)
     contacts: tuple[Contacts, ...] = ()
     sound_speed: float = ContactTrackerConfiguration().sound_speed
@@ -103,6 +110,12 @@ def bag_contents(bag: Bag) -> BagContents:
         bearing_truth={name: each for name, each in histories.items() if name in truths},
         position_tracks={name: each for name, each in places.items() if name not in truths},
         position_truth={name: each for name, each in places.items() if name in truths},
+        open_tracks=tuple(
+            history
+            for name, lists in positions.items()
+            if name not in truths
+            for history in open_histories(lists)
+        ),
         frequency_lines=_by_topic(bag, FREQUENCY_LINES_TYPE, frequency_lines_of, rejected),
         contacts=located_pings(pings, own_ship, recorded_mounting(given), rejected),
         sound_speed=float(given.get("sound_speed", BagContents.sound_speed)),

@@ -160,6 +160,7 @@ def _draw_places(contents: BagContents, start: int, directory: Path, title: str)
         own_ship=own_ship_track(contents.own_ship, start),
         truth=truth,
         tracks=contents.position_tracks,
+        open_tracks=contents.open_tracks,
         contacts=contact_points(contents.contacts, start, contents.sound_speed),
         bearings=bearing_lines(lists, start),
     )

@@ -54,8 +54,31 @@ def position_histories(lists: Iterable[PositionTracks]) -> tuple[PositionHistory
         In order of their stamps; of each the tracks count that are confirmed or coast, at a
         position that is known.
     """
-    pictures = [_established(picture) for picture in lists]
-    pictures = [picture for picture in pictures if len(picture)]
+    claims = (TrackStatus.CONFIRMED, TrackStatus.COASTED)
+    return _histories(_placed(picture, np.isin(picture.status, claims)) for picture in lists)
+
+
+def open_histories(lists: Iterable[PositionTracks]) -> tuple[PositionHistory, ...]:
+    """Return the positions of bearing tracks that do not claim a target yet.
+
+    Such are the two sides of a line array and solutions whose range is open; a tracker of contacts
+    has thousands of tentative tracks, which are of no interest here.
+
+    Parameters
+    ----------
+    lists : iterable of PositionTracks
+        In order of their stamps.
+    """
+    return _histories(
+        _placed(
+            picture, (picture.status == TrackStatus.TENTATIVE) & (picture.bearing_track_id != 0)
+        )
+        for picture in lists
+    )
+
+
+def _histories(lists: Iterable[PositionTracks]) -> tuple[PositionHistory, ...]:
+    pictures = [picture for picture in lists if len(picture)]
     if not pictures:
         return ()
     columns: dict[str, Any] = {
@@ -78,6 +101,5 @@ def position_histories(lists: Iterable[PositionTracks]) -> tuple[PositionHistory
     )
 
 
-def _established(picture: PositionTracks) -> PositionTracks:
-    shown = np.isin(picture.status, (TrackStatus.CONFIRMED, TrackStatus.COASTED))
-    return picture.selected(shown & np.all(np.isfinite(picture.state[:, :2]), axis=-1))
+def _placed(picture: PositionTracks, keep: NDArray[np.bool_]) -> PositionTracks:
+    return picture.selected(keep & np.all(np.isfinite(picture.state[:, :2]), axis=-1))

@@ -24,6 +24,9 @@ STATUS_STYLE = {
     TrackStatus.COASTED: "magenta",
     TrackStatus.TERMINATED: "dim",
 }
+CERTAIN = 0.995
+"""Probability of a side from which on it is no longer shown."""
+
 _RANK = {
     TrackStatus.CONFIRMED: 0,
     TrackStatus.COASTED: 1,
@@ -113,13 +116,15 @@ def compass_text(azimuth: float) -> str:
 
 
 def side_text(tracks: PositionTracks, row: int) -> str:
-    """Return the side of the array a track stands on, with its probability; dash = one only."""
+    """Return the side of the array a track stands on and its probability; dash = no sides."""
     hypothesis = int(tracks.hypothesis[row])
     if hypothesis == TrackHypothesis.SINGLE:
         return "-"
     name = TrackHypothesis(hypothesis).name.lower()
     probability = float(tracks.hypothesis_probability[row])
-    return name if math.isnan(probability) else f"{name} {100.0 * probability:.0f}%"
+    if math.isnan(probability) or probability >= CERTAIN:
+        return name
+    return f"{name} {100.0 * probability:.0f}%"
 
 
 def _status(tracks: PositionTracks, row: int) -> TrackStatus:

@@ -29,7 +29,9 @@ OWN_SHIP = "#1A1A1A"
 TRUTH = "#6B6B6B"
 TRACK_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#B8860B", "#56B4E9", "#8B5CF6")
 ELLIPSES_PER_TRACK = 6
-BEARING_INSTANTS = 12
+MOST_BEARINGS = 36
+"""Lines of bearing drawn, about, at instants all of whose lines are."""
+
 MOST_LEGEND_TRACKS = 10
 MOST_CONTACTS = 60_000
 """Of more, evenly chosen ones are drawn."""
@@ -72,6 +74,7 @@ def draw_tactical_plot(scene: TacticalScene, path: Path, title: str = "") -> Non
     interval = _mark_interval(scene)
     _draw_contacts(axes, scene, scale)
     _draw_bearings(axes, scene, scale, 2.0 * float(np.linalg.norm(high - low)))
+    _draw_open_tracks(axes, scene, scale)
     _draw_tracks(axes, scene, scale, interval)
     _draw_truth(axes, scene, scale, interval)
     _draw_own_ship(axes, scene, scale, interval)
@@ -176,7 +179,8 @@ def _draw_bearings(axes: Axes, scene: TacticalScene, scale: float, length: float
     instants = np.unique(scene.bearings[:, 0])
     if not len(instants):
         return
-    chosen = instants[np.unique(np.linspace(0, len(instants) - 1, BEARING_INSTANTS).astype(int))]
+    count = max(4, round(MOST_BEARINGS * len(instants) / len(scene.bearings)))
+    chosen = instants[np.unique(np.linspace(0, len(instants) - 1, count).astype(int))]
     lines = scene.bearings[np.isin(scene.bearings[:, 0], chosen)]
     begin = lines[:, 1:3]
     end = begin + length * np.stack([np.cos(lines[:, 3]), np.sin(lines[:, 3])], axis=-1)
@@ -185,12 +189,19 @@ def _draw_bearings(axes: Axes, scene: TacticalScene, scale: float, length: float
             list(scale * np.stack([begin, end], axis=1)),
             colors="#5A7A94",
             linewidths=0.6,
-            alpha=0.45,
+            alpha=0.4,
             zorder=1.7,
             label="bearings",
         ),
         autolim=False,
     )
+
+
+def _draw_open_tracks(axes: Axes, scene: TacticalScene, scale: float) -> None:
+    """Draw what may be a target dotted: sides of a line array, solutions without a range."""
+    for number, history in enumerate(scene.open_tracks):
+        label = "" if number else "open (side or range)"
+        axes.plot(*(scale * history.positions).T, ":", color="#7A4FA3", linewidth=1.0, label=label)
 
 
 def _draw_tracks(axes: Axes, scene: TacticalScene, scale: float, interval: float) -> None:

@@ -36,6 +36,8 @@ class TacticalScene:
         The targets.
     tracks : mapping of str to tuple of PositionHistory
         Established tracks by topic.
+    open_tracks : tuple of PositionHistory
+        Positions that do not claim a target yet.
     contacts : ndarray, shape (n_contacts, 3)
         Time (s), x, y (m).
     bearings : ndarray, shape (n_bearings, 4)
@@ -46,6 +48,7 @@ class TacticalScene:
     own_ship: FloatArray = field(default_factory=lambda: _nothing(4))
     truth: tuple[PositionHistory, ...] = ()
     tracks: Mapping[str, tuple[PositionHistory, ...]] = field(default_factory=dict)
+    open_tracks: tuple[PositionHistory, ...] = ()
     contacts: FloatArray = field(default_factory=lambda: _nothing(3))
     bearings: FloatArray = field(default_factory=lambda: _nothing(4))
 
