@@ -12,21 +12,33 @@ from sonar_tracking.active.contact_defaults import ContactDefaultsConfiguration
 from sonar_tracking.active.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.active.sensor_location import MountingConfiguration
 from sonar_tracking.configuration import ParameterDescription, describe
-from sonar_tracking.graph.node_configuration import NodeConfiguration, SimulatorConfiguration
+from sonar_tracking.graph.node_configuration import (
+    NodeConfiguration,
+    SimulatorConfiguration,
+    TmaInputConfiguration,
+)
 from sonar_tracking.graph.topics import (
     ACTIVE_THRESHOLD,
     ACTIVE_TRACKS,
     BEARING_TRACKS,
     CONTACTS,
+    FREQUENCY_LINES,
+    LOFAR,
     ODOMETRY,
+    PASSIVE_MARKERS,
+    PASSIVE_TRACKS,
+    SAMPLES,
     SNAPSHOTS,
     SUBSPACES,
     TRUE_BEARING_TRACKS,
     TRUE_TRACKS,
     Topic,
 )
+from sonar_tracking.passive.band_demodulator_stage import BandDemodulatorConfiguration
 from sonar_tracking.passive.bearing_tracker_configuration import BearingTrackerConfiguration
+from sonar_tracking.passive.line_tracker_configuration import LineTrackerConfiguration
 from sonar_tracking.passive.subspace_configuration import SubspaceConfiguration
+from sonar_tracking.tma.tma_tracker_configuration import TmaTrackerConfiguration
 
 
 @dataclass(frozen=True)
@@ -111,6 +123,31 @@ BEARING_TRACKER = NodeDescription(
     inputs=(SUBSPACES,),
     outputs=(BEARING_TRACKS,),
 )
+HYDROPHONE_SIMULATOR = NodeDescription(
+    name="hydrophone_simulator",
+    module="sonar_tracking.graph.hydrophone_simulator",
+    description="publishes the element time series, own ship and truth of a scenario",
+    configurations=(SimulatorConfiguration, NodeConfiguration),
+    inputs=(),
+    outputs=(SAMPLES, TRUE_BEARING_TRACKS, TRUE_TRACKS, ODOMETRY),
+    section="hydrophones",
+)
+BAND_DEMODULATOR = NodeDescription(
+    name="band_demodulator",
+    module="sonar_tracking.graph.band_demodulator",
+    description="takes the snapshots of one narrow band out of element time series",
+    configurations=(BandDemodulatorConfiguration, NodeConfiguration),
+    inputs=(SAMPLES,),
+    outputs=(SNAPSHOTS,),
+)
+LINE_TRACKER = NodeDescription(
+    name="line_tracker",
+    module="sonar_tracking.graph.line_tracker",
+    description="finds and follows the frequency lines of every tracked bearing",
+    configurations=(LineTrackerConfiguration, NodeConfiguration),
+    inputs=(SAMPLES, BEARING_TRACKS),
+    outputs=(FREQUENCY_LINES, LOFAR),
+)
 CONTACT_SIMULATOR = NodeDescription(
     name="contact_simulator",
     module="sonar_tracking.graph.contact_simulator",
@@ -135,13 +172,41 @@ HPDA_TRACKER = NodeDescription(
     outputs=(ACTIVE_TRACKS, ACTIVE_THRESHOLD),
 )
 
+BEARING_SIMULATOR = NodeDescription(
+    name="bearing_simulator",
+    module="sonar_tracking.graph.bearing_simulator",
+    description="publishes bearings and frequency lines of the stations of a scenario, and truth",
+    configurations=(SimulatorConfiguration, NodeConfiguration),
+    inputs=(),
+    outputs=(TRUE_TRACKS, ODOMETRY),
+    station_outputs=(BEARING_TRACKS, FREQUENCY_LINES, TRUE_BEARING_TRACKS),
+    section="bearing_sensors",
+)
+TMA_TRACKER = NodeDescription(
+    name="tma_tracker",
+    module="sonar_tracking.graph.tma_tracker",
+    description="finds positions and velocities from bearing tracks and frequency lines",
+    configurations=(TmaTrackerConfiguration, TmaInputConfiguration, NodeConfiguration),
+    inputs=(),
+    optional_inputs=(ODOMETRY,),
+    outputs=(PASSIVE_TRACKS,),
+    topic_parameters={"bearing_topics": BEARING_TRACKS, "line_topics": FREQUENCY_LINES},
+    markers=(PASSIVE_MARKERS,),
+    on_request=True,
+)
+
 NODES = {
     description.name: description
     for description in (
         ARRAY_SIMULATOR,
+        HYDROPHONE_SIMULATOR,
+        BEARING_SIMULATOR,
         CONTACT_SIMULATOR,
+        BAND_DEMODULATOR,
         SUBSPACE_ESTIMATOR,
         BEARING_TRACKER,
+        LINE_TRACKER,
+        TMA_TRACKER,
         HPDA_TRACKER,
     )
 }

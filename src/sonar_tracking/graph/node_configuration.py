@@ -28,6 +28,20 @@ class NodeConfiguration:
 
 
 @dataclass(frozen=True)
+class TmaInputConfiguration:
+    """What the node ``tma_tracker`` listens to."""
+
+    bearing_topics: tuple[str, ...] = parameter(
+        ("passive/bearing_tracks",), "bearing tracks, one topic per station"
+    )
+    line_topics: tuple[str, ...] = parameter(
+        ("",),
+        "frequency lines, e.g. passive/frequency_lines; an empty name = none, and positions come "
+        "from bearings alone",
+    )
+
+
+@dataclass(frozen=True)
 class SimulatorConfiguration:
     """Parameters of every node that simulates a sensor."""
 

@@ -33,11 +33,16 @@ from sonar_tracking.passive.bearing_tracker_stage import BearingTrackerStage
 from sonar_tracking.passive.subspace_configuration import SubspaceConfiguration
 from sonar_tracking.passive.subspace_stage import SubspaceStage
 from sonar_tracking.simulation.scenario_file import read_yaml_mapping
+from sonar_tracking.tma.tma_tracker_configuration import (
+    TmaTrackerConfiguration,
+    check_tma_tracker,
+)
 
 _STAGES: Mapping[type, Callable[[Any], object]] = {
     SubspaceConfiguration: SubspaceStage,
     BearingTrackerConfiguration: BearingTrackerStage,
     ContactTrackerConfiguration: make_contact_tracker,
+    TmaTrackerConfiguration: check_tma_tracker,
 }
 """What refuses parameters that do not fit together, by their configuration."""
 

@@ -254,20 +254,25 @@ class SonarNode(Node):
         except Exception as error:
             self._reject(arrived, error)
 
+    def tell_rejected(self, received: Received, error: Exception) -> tuple[str, str]:
+        """Count and report an input that could not be used; return concern and sentence."""
+        received.source.rejected += 1
+        at = f"at {seconds_text(received.stamp)}"
+        concern = input_concern(received.source)
+        if isinstance(error, InputError):
+            sentence = f"{received.source.name} {at}: rejected: {error}"
+        else:
+            concern = UNEXPECTED
+            sentence = (
+                f"{received.source.name} {at}: rejected after an unexpected "
+                f"{type(error).__name__}: {error}; please report it with the recording."
+            )
+        self.report(concern, kind_of(str(error)), Severity.ERROR, sentence)
+        return concern, sentence
+
     def _reject(self, arrived: Sequence[Received], error: Exception) -> None:
-        at = f"at {seconds_text(arrived[0].stamp)}"
         for received in arrived:
-            received.source.rejected += 1
-            concern = input_concern(received.source)
-            if isinstance(error, InputError):
-                sentence = f"{received.source.name} {at}: rejected: {error}"
-            else:
-                concern = UNEXPECTED
-                sentence = (
-                    f"{received.source.name} {at}: rejected after an unexpected "
-                    f"{type(error).__name__}: {error}; please report it with the recording."
-                )
-            self.report(concern, kind_of(str(error)), Severity.ERROR, sentence)
+            concern, sentence = self.tell_rejected(received, error)
             try:
                 self.substitute(received)
             except Exception as second:

@@ -143,6 +143,7 @@ class BaselineSolver:
             np.concatenate([estimate.mean, self._received]),
             self._configuration.maximum_range,
             self._configuration.maximum_speed,
+            int(side == RIGHT),
         )
         lines: list[tuple[str, int]] = []
         if self._configuration.method in _ONE_STATE_PER_LINE:

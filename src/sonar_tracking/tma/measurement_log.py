@@ -61,7 +61,9 @@ class MeasurementLog:
         for column in columns:
             self._table[:, LINES + column] = 0.0
 
-    def observability(self, mean: FloatArray, maximum_range: float, maximum_speed: float) -> float:
+    def observability(
+        self, mean: FloatArray, maximum_range: float, maximum_speed: float, side: int = 0
+    ) -> float:
         """Return the observability figure of an estimate, 0 to 1.
 
         Parameters
@@ -70,8 +72,11 @@ class MeasurementLog:
             Motion at the last logged measurement, then the source frequencies.
         maximum_range, maximum_speed : float
             Of the prior, m and m/s.
+        side : int
+            Which of the first azimuths the estimate goes back to; the last one if there are fewer.
         """
-        first = replace(self.first, azimuth=self.first.azimuth[:1])
+        side = min(side, len(self.first.azimuth) - 1)
+        first = replace(self.first, azimuth=self.first.azimuth[side : side + 1])
         start = SingleFilterConfiguration(maximum_range, maximum_speed).start(first)
         prior = start.covariance[0, :KINEMATIC, :KINEMATIC]
         return observability(mean[:KINEMATIC], mean[KINEMATIC:], self.history(), prior)

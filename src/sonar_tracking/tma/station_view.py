@@ -72,6 +72,13 @@ class StationView:
         return 0.5 * np.pi - abs(float(wrap_angle(azimuth - self.axis)))
 
 
+def needs_own_ship(sensor: Sensor, configuration: TmaTrackerConfiguration) -> bool:
+    """Return whether own ship's motion is needed to know where a sensor is, and how it turns."""
+    told = (*sensor.position[:2], *sensor.velocity[:2], _yaw(sensor))
+    turning = configuration.array_lag > 0.0 and sensor.frame_id.startswith(OWN_SHIP_FRAMES)
+    return turning or not all(map(math.isfinite, told))
+
+
 def station_view(
     sensor: Sensor, own_ship: KinematicState | None, configuration: TmaTrackerConfiguration
 ) -> StationView:

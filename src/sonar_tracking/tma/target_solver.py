@@ -214,7 +214,7 @@ class TargetSolver:
         for index, (side, probability) in enumerate(zip(sides, weights, strict=True)):
             mean, covariance = mixture_moments(_side_of(state.bank, index, len(sides)))
             lines = np.arange(KINEMATIC, len(mean))
-            figure = self._observability(mean)
+            figure = self._observability(mean, side)
             solutions.append(
                 TargetSolution(
                     stamp=measurement.stamp,
@@ -232,9 +232,11 @@ class TargetSolver:
             )
         return tuple(solutions)
 
-    def _observability(self, mean: FloatArray) -> float:
+    def _observability(self, mean: FloatArray, side: str) -> float:
         parameters = self._configuration
-        return self._log.observability(mean, parameters.maximum_range, parameters.maximum_speed)
+        return self._log.observability(
+            mean, parameters.maximum_range, parameters.maximum_speed, int(side == RIGHT)
+        )
 
 
 def _course(observation: TargetObservation) -> float:

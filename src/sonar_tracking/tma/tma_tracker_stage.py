@@ -128,7 +128,7 @@ class TmaTrackerStage:
         self._join_stations()
         self._release_misfits()
         self._end_coasted()
-        tracks = self._picture() if frame.bearings or frame.unusable else None
+        tracks = self.picture() if frame.bearings or frame.unusable else None
         return TmaUpdate(tracks, tuple(notices))
 
     def _read_bearings(
@@ -301,7 +301,8 @@ class TmaTrackerStage:
                     self._leave(key)
                     target.misfits = {}
 
-    def _picture(self) -> PositionTracks:
+    def picture(self) -> PositionTracks:
+        """Return the complete picture at the stamp of the last frame; ended rows are told once."""
         rows = []
         for target in self._targets:
             for solution in target.solutions:
