@@ -137,7 +137,7 @@ class BandDemodulatorStage:
         self._held = np.concatenate([self._held, snapshots])
         self._n_samples += len(samples.data) - skipped
         self._end_stamp = samples.end_stamp
-        self._sensors.append(samples.stamp, samples.sensor)
+        self._sensors = self._sensors.appended(samples.stamp, samples.sensor)
         size = self._configuration.block_snapshots
         blocks = []
         while len(self._held) > size:
@@ -160,6 +160,7 @@ class BandDemodulatorStage:
         run, stamp = self._run, self._stamp_after(0)
         data, self._held = self._held[:count], self._held[count:]
         self._held_sample += count * run.band.decimation
+        self._sensors = self._sensors.since(stamp)
         return ArraySnapshots(
             stamp=stamp,
             data=data.astype(np.complex64).astype(np.complex128),

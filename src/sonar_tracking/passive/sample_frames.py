@@ -106,7 +106,7 @@ class SampleFramer:
 
     def _cut(self, block: ArraySamples, missing: int) -> Iterator[SampleFrame]:
         rate, n_elements = block.sample_rate, block.data.shape[1]
-        self._sensors.append(block.stamp, block.sensor)
+        self._sensors = self._sensors.appended(block.stamp, block.sensor)
         gap_end = block.stamp
         while missing:
             part = min(missing, self._hop)
@@ -130,6 +130,7 @@ class SampleFramer:
             frame = self._held[: 2 * self._hop]
             middle = end_stamp - round((len(self._held) - self._hop) / rate * NANOSECONDS)
             whole = frame if np.isfinite(frame).all() else None
+            self._sensors = self._sensors.since(middle)
             yield SampleFrame(middle, middle + hop, whole, self._sensors.at(middle))
             self._held = self._held[self._hop :]
 

@@ -13,6 +13,7 @@ from sonar_tracking.passive.block_checks import ChannelMonitor
 from sonar_tracking.passive.covariance_summary import CovarianceSummary, summarise_covariance
 from sonar_tracking.passive.records import ArraySnapshots, SubspaceEstimates
 from sonar_tracking.passive.sample_schedule import BlockTiming, SampleSchedule, Window
+from sonar_tracking.passive.sensor_history import SensorHistory
 from sonar_tracking.passive.subspace_configuration import SubspaceConfiguration
 from sonar_tracking.passive.subspace_recursion import CapturedSubspace, SubspaceRecursion
 
@@ -26,7 +27,9 @@ class SubspaceRun:
     Attributes
     ----------
     header : ArraySnapshots
-        Array, frequency and sensor of the newest block, without its data.
+        Array and frequency, from the first block, without its data.
+    sensors : SensorHistory
+        The sensor since the last estimate.
     timing : BlockTiming
         Timing of the newest block.
     monitor : ChannelMonitor
@@ -50,6 +53,7 @@ class SubspaceRun:
     """
 
     header: ArraySnapshots
+    sensors: SensorHistory
     timing: BlockTiming
     monitor: ChannelMonitor
     n_columns: int
@@ -110,7 +114,7 @@ def window_estimates(
         noise_power=summary.noise_power,
         noise_covariance=header.noise_covariance,
         next_stamp=schedule.stamp(window.number + 1),
-        sensor=header.sensor,
+        sensor=run.sensors.at(window.stamp),
     )
 
 

@@ -32,6 +32,7 @@ from sonar_tracking.passive.sample_schedule import (
     first_timing,
     period_in_nanoseconds,
 )
+from sonar_tracking.passive.sensor_history import SensorHistory
 from sonar_tracking.passive.subspace_configuration import SubspaceConfiguration
 from sonar_tracking.passive.subspace_recursion import (
     SubspaceRecursion,
@@ -175,6 +176,7 @@ class SubspaceStage:
         covariance = block.noise_covariance
         return SubspaceRun(
             header=replace(block, data=block.data[..., :0, :]),
+            sensors=SensorHistory(((block.stamp, block.sensor),)),
             timing=timing,
             monitor=ChannelMonitor(np.zeros(len(block.element_positions))),
             n_columns=configuration.source_count,
@@ -193,8 +195,8 @@ class SubspaceStage:
                 "blocks must follow each other in time."
             )
         history = run.history if missing == 0 else run.history[..., :0, :]
-        header = replace(run.header, sensor=block.sensor)
-        return replace(run, header=header, timing=timing, history=history), missing
+        sensors = run.sensors.appended(block.stamp, block.sensor)
+        return replace(run, sensors=sensors, timing=timing, history=history), missing
 
     def _opened(self, run: SubspaceRun, missing: int) -> SubspaceRun:
         """Open the windows that reach into the block; leave out those lost in a long gap."""
@@ -277,7 +279,8 @@ class SubspaceStage:
     def _without(self, run: SubspaceRun, closed: list[Window]) -> SubspaceRun:
         windows = tuple(w for w in run.windows if w not in closed)
         captured = tuple(c for c in run.captured if any(c.index in w.indices for w in windows))
-        return replace(run, windows=windows, captured=captured)
+        sensors = run.sensors.since(closed[-1].stamp) if closed else run.sensors
+        return replace(run, windows=windows, captured=captured, sensors=sensors)
 
 
 def _gap_notice(missing: int, block: ArraySnapshots) -> Notice:
