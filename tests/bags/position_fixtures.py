@@ -1,4 +1,4 @@
-"""Position tracks, contacts and odometry as serialised messages, made without ROS."""
+"""Tracks, contacts, lines and odometry as serialised messages, made without ROS."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ import math
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sonar_tracking.active.records import Contacts
 from sonar_tracking.bags.message_definitions import installed_typestore
+from sonar_tracking.messages.sample_reading import LOFAR_AXIS
 from sonar_tracking.position_tracks import COLUMNS, PositionTracks
 from sonar_tracking.simulation.records import OwnShipState
 from tests.bags.bag_fixtures import SECOND, filled
@@ -16,6 +18,8 @@ from tests.bags.bag_fixtures import SECOND, filled
 POSITIONS = "sonar_tracking_msgs/msg/Tracks"
 CONTACTS = "sonar_tracking_msgs/msg/Contacts"
 ODOMETRY = "nav_msgs/msg/Odometry"
+LINES = "sonar_tracking_msgs/msg/FrequencyLines"
+IMAGE = "sensor_msgs/msg/Image"
 
 
 def position_tracks_cdr(tracks: PositionTracks) -> bytes:
@@ -54,3 +58,27 @@ def odometry_cdr(state: OwnShipState) -> bytes:
     pose.orientation.z, pose.orientation.w = math.sin(state.yaw / 2), math.cos(state.yaw / 2)
     twist.linear.x, twist.linear.y = state.velocity
     return bytes(installed_typestore(ODOMETRY).serialize_cdr(message, ODOMETRY))
+
+
+def frequency_lines_cdr(stamp: int, frequencies: list[float]) -> bytes:
+    """Return serialised lines 1, 2, ... of bearing track 4."""
+    n = len(frequencies)
+    message = filled(
+        LINES,
+        line_id=np.arange(1, n + 1, dtype=np.uint64),
+        track_id=np.full(n, 4, np.uint64),
+        frequency=np.array(frequencies),
+    )
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp, SECOND)
+    return bytes(installed_typestore(LINES).serialize_cdr(message, LINES))
+
+
+def lofar_cdr(stamp: int, levels_db: NDArray[np.float32]) -> bytes:
+    """Return a serialised row of bearing track 4, shape (n_bins,), from 100 Hz in half hertz."""
+    axis = np.array([(4, 100.0, 0.5)], LOFAR_AXIS)
+    data = np.frombuffer(levels_db.astype("<f4").tobytes() + axis.tobytes(), np.uint8)
+    message = filled(
+        IMAGE, height=1, width=len(levels_db), encoding="32FC1", step=len(data), data=data
+    )
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp, SECOND)
+    return bytes(installed_typestore(IMAGE).serialize_cdr(message, IMAGE))

@@ -15,9 +15,13 @@ from sonar_tracking.simulation.records import OwnShipState
 from tests.bags.bag_fixtures import EPOCH, SECOND, TRACKS, tracks_cdr
 from tests.bags.position_fixtures import (
     CONTACTS,
+    IMAGE,
+    LINES,
     ODOMETRY,
     POSITIONS,
     contacts_cdr,
+    frequency_lines_cdr,
+    lofar_cdr,
     odometry_cdr,
     position_tracks_cdr,
 )
@@ -43,6 +47,10 @@ def message(kind: str, second: int, truth: bool) -> bytes:
                 sensor_position=(5.0 * second, 0.0),
             )
         )
+    if kind == LINES:
+        return frequency_lines_cdr(stamp, [300.0 + 0.01 * second, 210.0])
+    if kind == IMAGE:
+        return lofar_cdr(stamp, np.random.default_rng(second).normal(size=400).astype(np.float32))
     if kind == TRACKS:
         return tracks_cdr(second)
     spread = np.full((1, 4, 4), np.nan) if truth else np.diag([900.0, 100.0, 1.0, 1.0])[None]
@@ -79,6 +87,14 @@ TABLES = ("tracks.txt", "track_table.png")
         ({"/passive/tracks": POSITIONS}, (*PLACES, *TABLES)),
         ({"/truth/tracks": POSITIONS}, PLACES),
         ({"/active/contacts": CONTACTS}, (*PLACES, "contact_record.png")),
+        (
+            {"/array/lofar": IMAGE, "/passive/frequency_lines": LINES},
+            ("line_record.png", "lofar_gram.png"),
+        ),
+        (
+            {"/bow/array/lofar": IMAGE, "/camera/image": IMAGE, "/a/tracks": TRACKS},
+            ("lofar_gram.png",),
+        ),
         ({"/a/tracks": TRACKS}, ()),
     ],
 )

@@ -19,7 +19,8 @@ from sonar_tracking.messages.reading import (
     own_ship_from_message,
     snapshots_from_message,
 )
-from sonar_tracking.passive.line_records import FrequencyLines
+from sonar_tracking.messages.sample_reading import lofar_rows_from_message
+from sonar_tracking.passive.line_records import FrequencyLines, LofarRows
 from sonar_tracking.passive.records import ArraySnapshots, BearingTracks
 from sonar_tracking.position_tracks import PositionTracks
 from sonar_tracking.simulation.records import OwnShipState
@@ -30,6 +31,7 @@ POSITION_TRACKS_TYPE = "sonar_tracking_msgs/msg/Tracks"
 CONTACTS_TYPE = "sonar_tracking_msgs/msg/Contacts"
 FREQUENCY_LINES_TYPE = "sonar_tracking_msgs/msg/FrequencyLines"
 ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
+IMAGE_TYPE = "sensor_msgs/msg/Image"
 
 Record = TypeVar("Record")
 
@@ -120,6 +122,14 @@ def frequency_lines_of(
     Parameters and errors are those of :func:`snapshots_of`.
     """
     yield from _converted(bag, topic, frequency_lines_from_message, rejected)
+
+
+def lofar_rows_of(bag: Bag, topic: str, rejected: list[str] | None = None) -> Iterator[LofarRows]:
+    """Yield the rows of the LOFAR picture of a topic in log order.
+
+    Parameters and errors are those of :func:`snapshots_of`.
+    """
+    yield from _converted(bag, topic, lofar_rows_from_message, rejected)
 
 
 def _converted(

@@ -12,11 +12,13 @@ from sonar_tracking.bags.bag_records import (
     BEARING_TRACKS_TYPE,
     CONTACTS_TYPE,
     FREQUENCY_LINES_TYPE,
+    IMAGE_TYPE,
     ODOMETRY_TYPE,
     POSITION_TRACKS_TYPE,
     contacts_of,
     directions_of,
     frequency_lines_of,
+    lofar_rows_of,
     own_ship_of,
     position_tracks_of,
     topics_of_type,
@@ -29,7 +31,7 @@ from sonar_tracking.display.position_history import (
     position_histories,
 )
 from sonar_tracking.display.track_history import TrackHistory, track_histories
-from sonar_tracking.passive.line_records import FrequencyLines
+from sonar_tracking.passive.line_records import FrequencyLines, LofarRows
 from sonar_tracking.passive.records import BearingTracks
 from sonar_tracking.simulation.records import OwnShipState
 
@@ -53,6 +55,8 @@ class BagContents:
         Positions of bearing tracks that do not claim a target yet.
     frequency_lines : mapping of str to tuple of FrequencyLines
         Lines heard, by topic.
+    lofar_rows : mapping of str to tuple of LofarRows
+        Of topics called ``lofar``.
     contacts : tuple of Contacts
         Of the first topic that has any, those that can be placed.
     sound_speed : float
@@ -70,6 +74,7 @@ class BagContents:
     position_truth: Mapping[str, tuple[PositionHistory, ...]] = field(default_factory=dict)
     open_tracks: tuple[PositionHistory, ...] = ()
     frequency_lines: Mapping[str, tuple[FrequencyLines, ...]] = field(default_factory=dict)
+    lofar_rows: Mapping[str, tuple[LofarRows, ...]] = field(default_factory=dict)
     contacts: tuple[Contacts, ...] = ()
     sound_speed: float = ContactTrackerConfiguration().sound_speed
     own_ship: tuple[OwnShipState, ...] = ()
@@ -82,6 +87,7 @@ class BagContents:
         begins = [int(history.stamps[0]) for tracks in bearings for history in tracks]
         begins += [int(history.stamps[0]) for tracks in positions for history in tracks]
         begins += [entry.stamp for lists in self.frequency_lines.values() for entry in lists[:1]]
+        begins += [entry.stamp for rows in self.lofar_rows.values() for entry in rows[:1]]
         return begins + [ping.stamp for ping in self.contacts[:1]]
 
 
@@ -117,6 +123,11 @@ def bag_contents(bag: Bag) -> BagContents:
             for history in open_histories(lists)
         ),
         frequency_lines=_by_topic(bag, FREQUENCY_LINES_TYPE, frequency_lines_of, rejected),
+        lofar_rows={
+            name: tuple(lofar_rows_of(bag, name, rejected))
+            for name in topics_of_type(bag, IMAGE_TYPE)
+            if name.endswith("/lofar")
+        },
         contacts=located_pings(pings, own_ship, recorded_mounting(given), rejected),
         sound_speed=float(given.get("sound_speed", BagContents.sound_speed)),
         own_ship=own_ship,

@@ -3,6 +3,7 @@
 ===============================  ==================================================================
 ``bearing_time_record.png``      bearing tracks or snapshots; one picture a further topic, numbered
 ``line_record.png``              frequency lines; one picture a further topic, numbered
+``lofar_gram.png``               LOFAR rows
 ``tactical_plot.png``            position tracks, true positions or contacts
 ``contact_record.png``           contacts
 ``track_table.png``              what became of every track; as text in ``tracks.txt``
@@ -13,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 
@@ -27,6 +29,7 @@ from sonar_tracking.display.bearing_time_record import (
 )
 from sonar_tracking.display.contact_record import contact_record, draw_contact_record
 from sonar_tracking.display.line_record import draw_line_record, line_histories
+from sonar_tracking.display.lofar_gram import beam_grams, draw_lofar_gram
 from sonar_tracking.display.summary_table import (
     SummaryTable,
     bearing_summary,
@@ -86,6 +89,7 @@ def plot_bag(bag: Path | str, output: Path | str) -> tuple[Path, ...]:
     directory.mkdir(parents=True, exist_ok=True)
     written = _draw_bearings(contents, picture, start, directory, title)
     written += _draw_lines(contents, start, directory, title)
+    written += _draw_lofar(contents, start, directory, title)
     written += _draw_places(contents, start, directory, title)
     written += _write_tables(contents, start, directory, console)
     for path in written:
@@ -136,6 +140,18 @@ def _draw_lines(contents: BagContents, start: int, directory: Path, title: str) 
     return written
 
 
+def _draw_lofar(contents: BagContents, start: int, directory: Path, title: str) -> list[Path]:
+    """Draw the gram of every topic of LOFAR rows, with the lines of the same namespace."""
+    written: list[Path] = []
+    for topic, rows in contents.lofar_rows.items():
+        grams = beam_grams(rows, start)
+        if grams:
+            lines = _near(topic, contents.frequency_lines)
+            written.append(directory / _numbered("lofar_gram", len(written)))
+            draw_lofar_gram(grams, lines, start, written[-1], f"{title}  {topic}")
+    return written
+
+
 def _numbered(name: str, number: int) -> str:
     return f"{name}_{number + 1}.png" if number else f"{name}.png"
 
@@ -143,12 +159,20 @@ def _numbered(name: str, number: int) -> str:
 def _truth_of(
     topic: str, tracks: Sequence[TrackHistory], truths: Mapping[str, tuple[TrackHistory, ...]]
 ) -> tuple[TrackHistory, ...]:
-    """Return the truth of the same namespace, else the first; none of another kind of angle."""
-    namespace = topic.rpartition("/")[0].rpartition("/")[0]
-    near = [truth for name, truth in truths.items() if name.startswith(f"{namespace}/truth/")]
-    truth = next(iter([*near, *truths.values()]), ())
+    """Return the truth that belongs to a topic; none of another kind of angle."""
+    truth = _near(topic, truths)
     kinds = {history.kind for history in (*tracks, *truth)}
     return truth if len(kinds) == 1 else ()
+
+
+def _near(topic: str, others: Mapping[str, tuple[Any, ...]]) -> tuple[Any, ...]:
+    """Return the entry of the same namespace, else the first; empty if there is none.
+
+    The namespace of ``/bow/passive/bearing_tracks`` is ``/bow``.
+    """
+    namespace = topic.rsplit("/", 2)[0]
+    near = [entry for name, entry in others.items() if name.rsplit("/", 2)[0] == namespace]
+    return next(iter([*near, *others.values()]), ())
 
 
 def _draw_places(contents: BagContents, start: int, directory: Path, title: str) -> list[Path]:
