@@ -57,7 +57,11 @@ def reference() -> str:
 
 
 def _topics() -> str:
-    topics = {topic.name: topic for node in NODES.values() for topic in node.outputs + node.inputs}
+    topics = {
+        topic.name: topic
+        for node in NODES.values()
+        for topic in (*node.outputs, *node.station_outputs, *node.inputs, *node.markers)
+    }
     rows = [
         (f"`{topic.name}`", _message(topic), topic.description, QUALITY[topic.kind])
         for topic in topics.values()
@@ -91,10 +95,12 @@ def _message(topic: Topic) -> str:
 
 def _node(node: NodeDescription) -> str:
     flows = []
-    if node.inputs:
-        flows.append("takes " + ", ".join(f"`{topic.name}`" for topic in node.inputs))
-    if node.outputs:
-        flows.append("gives " + ", ".join(f"`{topic.name}`" for topic in node.outputs))
+    inputs = (*node.topic_parameters.values(), *node.inputs, *node.optional_inputs)
+    if inputs:
+        flows.append("takes " + ", ".join(f"`{topic.name}`" for topic in inputs))
+    outputs = (*node.outputs, *node.station_outputs, *node.markers)
+    if outputs:
+        flows.append("gives " + ", ".join(f"`{topic.name}`" for topic in outputs))
     rows = [(f"`{entry.name}`", *_cells(entry)) for entry in node.parameters]
     table = _table(("parameter", "default", "unit", "allowed", "what it does"), rows)
     introduction = f"{_sentence(node.description)} {_sentence('; '.join(flows))}"

@@ -99,7 +99,7 @@ def with_room_for_bursts(settings: NodeSettings, block_seconds: float) -> NodeSe
     needed = 2 * FLOW_WINDOW * math.ceil(block_seconds / period)
     return {
         name: {**values, "flow_depth": min(max(int(str(values["flow_depth"])), needed), _DEEPEST)}
-        if NODES[name].inputs
+        if not NODES[name].section
         else values
         for name, values in settings.items()
     }

@@ -27,7 +27,7 @@ from sonar_tracking.graph.topics import (
     TopicRole,
 )
 from sonar_tracking.messages.position_reading import position_tracks_from_message
-from sonar_tracking.messages.reading import bearing_tracks_from_message, subspaces_from_message
+from sonar_tracking.messages.reading import directions_from_message, subspaces_from_message
 from sonar_tracking.passive.records import BearingTracks
 from sonar_tracking.position_tracks import PositionTracks
 
@@ -150,7 +150,7 @@ def _message(data: bytes, topic: Topic) -> Any:
 
 def tracks_from_bytes(data: bytes) -> BearingTracks:
     """Return the bearing tracks a serialised message carries."""
-    return bearing_tracks_from_message(_message(data, BEARING_TRACKS))
+    return directions_from_message(_message(data, BEARING_TRACKS))
 
 
 def _position_tracks(data: bytes) -> PositionTracks:

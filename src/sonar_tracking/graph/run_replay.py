@@ -154,7 +154,7 @@ def _settings(bag: Bag, parameters: Path | None) -> NodeSettings:
     processing = tuple(
         description
         for description in NODES.values()
-        if description.name in given and description.inputs
+        if description.name in given and not description.section
     )
     if not processing:
         raise ConfigurationError(
