@@ -263,7 +263,7 @@ class MultiTargetTracker:
         alive = surviving(
             bank, distance, model.maximum_range, model.detection_probability, self._configuration
         )
-        alive &= ~duplicates(bank, pairs)
+        alive &= ~duplicates(bank, pairs, association.weights)
         return ListedTracks(bank, alive, was_confirmed, detected)
 
     def _with_candidates(

@@ -70,8 +70,10 @@ def surviving(
     return good & (distance <= RANGE_MARGIN * maximum_range)
 
 
-def duplicates(bank: TrackBank, pairs: GatePairs) -> BoolArray:
+def duplicates(bank: TrackBank, pairs: GatePairs, weights: FloatArray) -> BoolArray:
     """Return which tracks repeat another one; only tracks that share a contact are compared.
+
+    Two tracks that each have a contact of their own are two targets side by side, however near.
 
     Parameters
     ----------
@@ -79,6 +81,8 @@ def duplicates(bank: TrackBank, pairs: GatePairs) -> BoolArray:
         After the update.
     pairs : GatePairs
         Contacts in the gates of this ping.
+    weights : ndarray, shape (n_pairs, n_modes)
+        Probabilities of association in each mode.
     """
     first, second = _sharing(pairs)
     repeated = np.zeros(len(bank), dtype=bool)
@@ -89,6 +93,8 @@ def duplicates(bank: TrackBank, pairs: GatePairs) -> BoolArray:
     spread = _regular(covariance[first] + covariance[second])
     scaled = np.linalg.solve(spread, difference[..., None])[..., 0]
     near = np.sum(difference * scaled, axis=1) < DUPLICATE_DISTANCE**2
+    own = _own_contact(bank, pairs, weights)
+    near &= (own[first] == own[second]) | (own[first] < 0) | (own[second] < 0)
     first, second = first[near], second[near]
     # Rows are in order of age; a confirmed track never ends for a candidate.
     ends = np.where(bank.confirmed[second] & ~bank.confirmed[first], first, second)
@@ -200,6 +206,15 @@ def _regular(covariance: FloatArray) -> FloatArray:
     result = covariance.copy()
     np.einsum("nii->ni", result)[...] = diagonal * (1.0 + 1e-9) + 1e-12
     return result
+
+
+def _own_contact(bank: TrackBank, pairs: GatePairs, weights: FloatArray) -> IndexArray:
+    """Return the contact that is more probably than not each track's, -1 = none is."""
+    probability = np.sum(bank.mode_probability[pairs.track] * weights, axis=1)
+    likely = probability > 0.5
+    own = np.full(len(bank), -1, dtype=np.intp)
+    own[pairs.track[likely]] = pairs.contact[likely]
+    return own
 
 
 def _sharing(pairs: GatePairs) -> tuple[IndexArray, IndexArray]:
