@@ -150,7 +150,7 @@ def evaluate(
     json: JsonOption = None,
     plots: Annotated[Path | None, typer.Option(help="Folder for the pictures.")] = None,
     data: Annotated[
-        Path | None, typer.Option(help="Measured responses (.npz), for room-array.")
+        Path | None, typer.Option(help="Measured data, for the studies that need them.")
     ] = None,
 ) -> None:
     """Repeat a published study, and show the published figures beside the measured ones."""

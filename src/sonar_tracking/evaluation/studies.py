@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import time
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,17 +15,17 @@ from sonar_tracking.evaluation.detection_threshold import DETECTION_THRESHOLD
 from sonar_tracking.evaluation.doa_coherent import DOA_COHERENT
 from sonar_tracking.evaluation.doa_fusion import DOA_FUSION
 from sonar_tracking.evaluation.doa_start import DOA_START
+from sonar_tracking.evaluation.maritime_contacts import MARITIME_CONTACTS, maritime_contacts
 from sonar_tracking.evaluation.multi_target_clutter import MULTI_TARGET_CLUTTER
 from sonar_tracking.evaluation.room_array import ROOM_ARRAY, room_array
 from sonar_tracking.evaluation.ship_bearings import SHIP_BEARINGS, ship_bearings
 from sonar_tracking.evaluation.study import Study, write_json
+from sonar_tracking.evaluation.study_definition import StudyDefinition
 from sonar_tracking.evaluation.study_report import print_study
 from sonar_tracking.evaluation.tma_frequency_fusion import TMA_FREQUENCY_FUSION
 
 if TYPE_CHECKING:
     from rich.console import Console
-
-    from sonar_tracking.evaluation.study_definition import StudyDefinition
 
 STUDIES = {
     definition.name: definition
@@ -38,6 +39,13 @@ STUDIES = {
     )
 }
 """Studies by the name typed on the command line, in the order of ``all``."""
+
+DATA_STUDIES: Mapping[str, Callable[[Path], StudyDefinition]] = {
+    ROOM_ARRAY: room_array,
+    SHIP_BEARINGS: ship_bearings,
+    MARITIME_CONTACTS: maritime_contacts,
+}
+"""Studies of measured data by name: what makes them from the file or folder of the data."""
 
 
 def run_study(
@@ -69,8 +77,8 @@ def run_study(
     plots : Path, optional
         Directory for the pictures.
     data : Path, optional
-        Measured responses for ``"room-array"`` (and ``"all"``), or measured bearings for
-        ``"ship-bearings"``.
+        Measured responses for ``"room-array"`` (and ``"all"``), measured bearings for
+        ``"ship-bearings"``, a folder of recorded radar scans for ``"maritime-contacts"``.
 
     Returns
     -------
@@ -84,16 +92,15 @@ def run_study(
     """
     from rich.console import Console
 
-    known = (*STUDIES, ROOM_ARRAY, SHIP_BEARINGS, "all")
+    known = (*STUDIES, *DATA_STUDIES, "all")
     if name not in known:
         raise ConfigurationError(unknown_name_text(f"study {name}", name, known))
-    if name in (ROOM_ARRAY, SHIP_BEARINGS) and data is None:
+    if name in DATA_STUDIES and data is None:
         raise ConfigurationError(f"The study {name} needs measured data; give --data FILE.")
     available = dict(STUDIES)
-    if data is not None and name == SHIP_BEARINGS:
-        available[SHIP_BEARINGS] = ship_bearings(data)
-    elif data is not None:
-        available[ROOM_ARRAY] = room_array(data)
+    if data is not None:
+        measured = name if name in DATA_STUDIES else ROOM_ARRAY
+        available[measured] = DATA_STUDIES[measured](data)
     definitions = tuple(available.values()) if name == "all" else (available[name],)
     where = Workers(workers if workers is not None else os.cpu_count() or 1, scheduler or "")
     console = Console()
