@@ -12,6 +12,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from sonar_tracking.display.plan_view import PlanView
 from sonar_tracking.display.position_table import STATUS_STYLE, position_table
 from sonar_tracking.passive.records import BearingTracks, TrackStatus
 from sonar_tracking.position_tracks import PositionTracks
@@ -48,6 +49,7 @@ class TrackTable:
 
     def __init__(self) -> None:
         self._positions: dict[str, PositionTracks] = {}
+        self._plan = PlanView()
         self._first_seen: dict[int, int] = {}
         self._history: deque[BearingTracks] = deque(maxlen=PICTURE_ROWS)
 
@@ -63,6 +65,7 @@ class TrackTable:
     def add_positions(self, topic: str, tracks: PositionTracks) -> None:
         """Take the newest positions of a topic."""
         self._positions[topic] = tracks
+        self._plan.add(topic, tracks)
 
     def render(self, state: GraphState) -> RenderableType:
         """Return what to show: bearings unless there are only positions, then the positions."""
@@ -70,7 +73,7 @@ class TrackTable:
         if self._history or not self._positions:
             parts += [self._table(), bearing_time_picture(list(self._history))]
         parts += [position_table(*entry) for entry in sorted(self._positions.items())]
-        return Group(*parts)
+        return Group(*parts, self._plan.render()) if self._positions else Group(*parts)
 
     def _table(self) -> Table:
         table = Table(show_edge=False, pad_edge=False)
