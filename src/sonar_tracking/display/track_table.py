@@ -19,6 +19,8 @@ from sonar_tracking.position_tracks import PositionTracks
 
 PICTURE_COLUMNS = 61
 PICTURE_ROWS = 16
+POSITION_ROWS = 6
+"""Rows of the bearing-time picture above positions."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +73,9 @@ class TrackTable:
         """Return what to show: bearings unless there are only positions, then the positions."""
         parts: list[RenderableType] = [_head(state)]
         if self._history or not self._positions:
-            parts += [self._table(), bearing_time_picture(list(self._history))]
+            # Where positions follow, a few rows of bearings have to do.
+            newest = list(self._history)[-POSITION_ROWS if self._positions else 0 :]
+            parts += [self._table(), bearing_time_picture(newest)]
         parts += [position_table(*entry) for entry in sorted(self._positions.items())]
         return Group(*parts, self._plan.render()) if self._positions else Group(*parts)
 
@@ -91,9 +95,9 @@ class TrackTable:
             table.add_row(
                 str(identifier),
                 Text(status.name.lower(), style=STATUS_STYLE[status]),
-                f"{math.degrees(tracks.arrival_angle[row]):+.2f}",
-                f"{math.degrees(tracks.arrival_angle_rate[row]):+.2f}",
-                f"{math.degrees(math.sqrt(max(tracks.covariance[row, 0, 0], 0.0))):.2f}",
+                _degrees(float(tracks.arrival_angle[row]), "+.2f"),
+                _degrees(float(tracks.arrival_angle_rate[row]), "+.2f"),
+                _degrees(math.sqrt(max(tracks.covariance[row, 0, 0], 0.0)), ".2f"),
                 _decibel(float(tracks.signal_to_noise_ratio[row])),
                 f"{age:.0f}",
             )
@@ -131,6 +135,10 @@ def bearing_time_picture(history: Sequence[BearingTracks]) -> Text:
                 line[place] = "0123456789abcdefghijklmnopqrstuvwxyz"[int(identifier % 36)]
         lines.append("".join(line))
     return Text("\n".join(lines), no_wrap=True)
+
+
+def _degrees(angle: float, form: str) -> str:
+    return f"{math.degrees(angle):{form}}" if math.isfinite(angle) else "-"
 
 
 def _decibel(ratio: float) -> str:
