@@ -129,13 +129,11 @@ def _outputs(node: NodeDescription, namespaces: Mapping[str, tuple[str, ...]]) -
         for topic in node.station_outputs
     ]
     topics = (*node.outputs, *stations)
-    if not node.section:
-        return topics
-    # What a sensor delivers is an input of the graph, even if another graph computes it.
-    return tuple(
-        replace(topic, role=TopicRole.INPUT) if topic.role is TopicRole.OUTPUT else topic
-        for topic in topics
-    )
+    # What a sensor delivers is an input of the graph, even if another graph computes it; what is
+    # computed is an output, even if another sensor delivers it.
+    untrue = TopicRole.OUTPUT if node.section else TopicRole.INPUT
+    role = TopicRole.INPUT if node.section else TopicRole.OUTPUT
+    return tuple(replace(topic, role=role) if topic.role is untrue else topic for topic in topics)
 
 
 def _refuse_doubled(node: NodeDescription, doubled: set[str], where: str) -> None:
