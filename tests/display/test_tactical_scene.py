@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from sonar_tracking.display.tactical_scene import (
     bearing_lines,
     contact_points,
     own_ship_track,
+    stations_at_rest,
 )
 from sonar_tracking.passive.records import AngleKind, BearingTracks, Sensor, TrackStatus
 from sonar_tracking.simulation.records import OwnShipState
@@ -61,6 +63,15 @@ def test_an_azimuth_is_drawn_as_it_is_and_a_bearing_from_nowhere_not_at_all() ->
     lines = bearing_lines([bearings(AngleKind.AZIMUTH)], START)
     np.testing.assert_allclose(np.degrees(lines[:, 3]), [30.0])
     assert bearing_lines([bearings(AngleKind.CONE, math.nan)], START).shape == (0, 4)
+
+
+def test_a_station_is_a_sensor_that_does_not_move() -> None:
+    still = bearings(AngleKind.CONE)
+    moving = dataclasses.replace(still, sensor=Sensor(sensor_id="towed", position=(0.0, 0.0, 0.0)))
+    moved = dataclasses.replace(still, sensor=Sensor(sensor_id="towed", position=(9.0, 0.0, 0.0)))
+    unknown = dataclasses.replace(still, sensor=Sensor(sensor_id="lost"))
+    found = stations_at_rest([still, moving, still, moved, unknown])
+    assert found == {"array": (100.0, 200.0)}
 
 
 def ping(time: float, **columns: object) -> Contacts:

@@ -42,6 +42,7 @@ from sonar_tracking.display.tactical_scene import (
     bearing_lines,
     contact_points,
     own_ship_track,
+    stations_at_rest,
 )
 from sonar_tracking.display.track_history import TrackHistory
 from sonar_tracking.errors import ConfigurationError
@@ -187,6 +188,7 @@ def _draw_places(contents: BagContents, start: int, directory: Path, title: str)
         open_tracks=contents.open_tracks,
         contacts=contact_points(contents.contacts, start, contents.sound_speed),
         bearings=bearing_lines(lists, start),
+        stations=stations_at_rest(lists),
     )
     written = []
     if not scene.is_empty:

@@ -78,6 +78,7 @@ def draw_tactical_plot(scene: TacticalScene, path: Path, title: str = "") -> Non
     _draw_tracks(axes, scene, scale, interval)
     _draw_truth(axes, scene, scale, interval)
     _draw_own_ship(axes, scene, scale, interval)
+    _draw_stations(axes, scene, scale)
     _draw_north(axes)
     handles, labels = axes.get_legend_handles_labels()
     if handles:
@@ -100,6 +101,7 @@ def _limits(scene: TacticalScene) -> tuple[FloatArray, FloatArray]:
     not shrink the rest; of contacts the outermost fifth of either side.
     """
     parts = [scene.own_ship[:, 1:3], _inner(scene.contacts[:, 1:3], 20.0)]
+    parts += [np.array(list(scene.stations.values())).reshape(-1, 2)]
     parts += [history.positions for history in scene.truth]
     parts += [_inner(history.positions, 1.0) for history in _all_tracks(scene)]
     points = np.concatenate(parts)
@@ -266,6 +268,13 @@ def _draw_own_ship(axes: Axes, scene: TacticalScene, scale: float, interval: flo
         [[math.cos(heading), math.sin(heading)], [-math.sin(heading), math.cos(heading)]]
     )
     axes.plot(*points[-1], marker=ARROW_HEAD @ rotation, color=OWN_SHIP, markersize=13, zorder=6)
+
+
+def _draw_stations(axes: Axes, scene: TacticalScene, scale: float) -> None:
+    for name, place in scene.stations.items():
+        point = scale * np.array(place)
+        axes.plot(*point, "^", color=OWN_SHIP, markersize=8, zorder=6)
+        _name(axes, point, name, OWN_SHIP)
 
 
 def _draw_north(axes: Axes) -> None:

@@ -42,6 +42,8 @@ class TacticalScene:
         Time (s), x, y (m).
     bearings : ndarray, shape (n_bearings, 4)
         Time (s), x, y (m) of the sensor, azimuth (rad).
+    stations : mapping of str to tuple of float
+        x, y (m) of sensors at rest.
     """
 
     start: int
@@ -51,6 +53,7 @@ class TacticalScene:
     open_tracks: tuple[PositionHistory, ...] = ()
     contacts: FloatArray = field(default_factory=lambda: _nothing(3))
     bearings: FloatArray = field(default_factory=lambda: _nothing(4))
+    stations: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def is_empty(self) -> bool:
@@ -130,6 +133,22 @@ def bearing_lines(lists: Iterable[BearingTracks], start: int) -> FloatArray:
             rows += [(time, x, y, azimuth) for azimuth in _azimuths(entry, float(angle))]
     lines = np.array(rows).reshape(-1, 4)
     return lines[np.all(np.isfinite(lines), axis=1)]
+
+
+def stations_at_rest(lists: Iterable[BearingTracks]) -> dict[str, tuple[float, float]]:
+    """Return the places of the sensors that do not move, by name.
+
+    Parameters
+    ----------
+    lists : iterable of BearingTracks
+        Lists that do not tell the sensor's place are left out.
+    """
+    places: dict[str, set[tuple[float, float]]] = {}
+    for entry in lists:
+        place = entry.sensor.position[:2]
+        if np.isfinite(place).all():
+            places.setdefault(entry.sensor.sensor_id, set()).add(place)
+    return {name: next(iter(each)) for name, each in places.items() if len(each) == 1}
 
 
 def _azimuths(entry: BearingTracks, angle: float) -> tuple[float, ...]:
