@@ -131,11 +131,16 @@ def lines_of(lines: FrequencyLines, tracks: list[int]) -> tuple[dict[int, list[H
         problems.append(f"line {bad[0]} has a frequency or deviation that is not positive")
     if repeated:
         problems.append(f"line {repeated[0]} is told twice")
-    best = {
-        track: sorted(own.values(), key=lambda one: one.deviation / one.frequency)[:MAXIMUM_LINES]
-        for track, own in heard.items()
-    }
+    best = {track: _best(list(own.values())) for track, own in heard.items()}
     return best, " and ".join(problems)
+
+
+def _best(lines: list[HeardLine]) -> list[HeardLine]:
+    """Return the lines that tell most of the motion, in their order."""
+    if len(lines) <= MAXIMUM_LINES:
+        return lines
+    worst = sorted(line.deviation / line.frequency for line in lines)[MAXIMUM_LINES - 1]
+    return [line for line in lines if line.deviation / line.frequency <= worst][:MAXIMUM_LINES]
 
 
 def with_lines(observation: TargetObservation, lines: list[HeardLine]) -> TargetObservation:

@@ -69,7 +69,7 @@ class TmaTrackerConfiguration(RangeBankConfiguration):
         0.5, "a solution is confirmed from this on", minimum=0.0, maximum=1.0
     )
     confirm_relative_deviation: float = parameter(
-        0.25, "and when its position is known to this part of its range", minimum=0.0
+        0.1, "and when its position is known to this part of its range", minimum=0.0
     )
     coasted_after: float = parameter(
         10.0, "a track without a measurement for this long is coasted", unit="s", minimum=0.0
