@@ -13,7 +13,9 @@ from sonar_tracking.errors import Severity
 from sonar_tracking.motion import KinematicState
 from sonar_tracking.passive.records import BearingTracks
 from sonar_tracking.position_tracks import PositionTracks
+from sonar_tracking.simulation.bearing_simulation import SimulatedFrame
 from sonar_tracking.simulation.kinematic_motion import KinematicMotion
+from sonar_tracking.simulation.platforms import TurnConfiguration
 from sonar_tracking.simulation.target import LineConfiguration
 from sonar_tracking.tma.passive_frame import PassiveFrame, TmaUpdate
 from sonar_tracking.tma.tma_tracker_configuration import TmaTrackerConfiguration
@@ -150,7 +152,8 @@ def test_a_line_that_makes_no_sense_is_left_out_with_a_notice(column: str, value
     stage = TmaTrackerStage()
     fed(stage, frames[:10])
     (lines,) = frames[10].lines
-    bad = replace(lines, **{column: one_value(getattr(lines, column), value)})
+    changes: dict[str, Any] = {column: one_value(getattr(lines, column), value)}
+    bad = replace(lines, **changes)
     update = stage.update(replace(frames[10], lines=(bad,)))
     assert ["line 1" in notice.text for notice in update.notices] == [True]
     assert finite(listed(update))
@@ -172,7 +175,7 @@ def test_a_line_or_track_told_twice_is_used_once() -> None:
 
 def doubled(bearings: BearingTracks) -> BearingTracks:
     """Return a list with its only row twice."""
-    columns = {
+    columns: dict[str, Any] = {
         name: np.repeat(value, 2, axis=0)
         for name, value in vars(bearings).items()
         if isinstance(value, np.ndarray) and value.size
@@ -190,7 +193,8 @@ def test_more_lines_than_can_be_followed_are_thinned_out() -> None:
     assert listed(updates[-1]).line_id.tolist() == list(range(25, 41))
 
 
-def with_own_ship(frame: PassiveFrame, known: bool, truth: Any) -> PassiveFrame:
+def with_own_ship(frame: PassiveFrame, known: bool, truth: SimulatedFrame) -> PassiveFrame:
+    """Return a frame without lines that does not tell its pose, and own ship's if known."""
     state = truth.own_ship
     heading = np.array([np.cos(state.yaw), np.sin(state.yaw)])
     motion = KinematicState(
@@ -200,14 +204,16 @@ def with_own_ship(frame: PassiveFrame, known: bool, truth: Any) -> PassiveFrame:
         turn_rate=np.array(state.yaw_rate),
     )
     (bearings,) = frame.bearings
-    return replace(frame, bearings=(without_pose(bearings),), own_ship=motion if known else None)
+    return replace(
+        frame, bearings=(without_pose(bearings),), lines=(), own_ship=motion if known else None
+    )
 
 
 def test_own_ship_tells_where_the_array_is_if_the_data_do_not() -> None:
     frames = simulated(scene(duration=130.0))
     told, found = TmaTrackerStage(), TmaTrackerStage()
     for frame, truth in frames:
-        one = listed(told.update(frame))
+        one = listed(told.update(replace(frame, lines=())))
         other = listed(found.update(with_own_ship(frame, True, truth)))
     assert other.state == pytest.approx(one.state, rel=1e-6)
 
@@ -236,12 +242,13 @@ def test_while_own_ship_turns_a_towed_array_starts_nothing() -> None:
 
 
 def test_a_manoeuvre_of_the_target_is_followed() -> None:
-    from sonar_tracking.simulation.platforms import TurnConfiguration
-
-    turning = replace(
-        NEAR,
-        motion=replace(NEAR.motion, turns=(TurnConfiguration(150.0, 330.0, 3.0),)),  # type: ignore[type-var]
+    motion = KinematicMotion(
+        position=(4000.0, 3000.0),
+        course_deg=270.0,
+        speed=3.0,
+        turns=(TurnConfiguration(150.0, 330.0, 3.0),),
     )
+    turning = replace(NEAR, motion=motion)
     assert last_error(lambda frame, _: frame, targets=(turning,), duration=300.0) < 250.0
 
 
