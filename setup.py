@@ -11,9 +11,12 @@ from setuptools import find_packages, setup
 PACKAGE = "sonar_tracking"
 NODES = (
     "array_simulator",
+    "hydrophone_simulator",
     "contact_simulator",
+    "band_demodulator",
     "subspace_estimator",
     "bearing_tracker",
+    "line_tracker",
     "hpda_tracker",
     "recorder",
 )

@@ -19,7 +19,6 @@ from sonar_tracking.simulation.scenario import load_scenario
 # The linear algebra of a node is small: threads of its own cost more than they give, and results
 # stay the same whatever the machine.
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
-BYTES_PER_SAMPLE = 8
 
 
 def generate_launch_description() -> LaunchDescription:
@@ -52,8 +51,7 @@ def start_nodes(context: LaunchContext) -> list[Node]:
     use_sim_time = LaunchConfiguration("use_sim_time").perform(context) == "true"
     scenario = load_scenario(name)
     nodes = started_nodes(scenario, name)
-    block_samples = scenario.array.n_elements * scenario.array.block_snapshots
-    transport = choose_transport(BYTES_PER_SAMPLE * block_samples, n_publishers=1)
+    transport = choose_transport(scenario.block_bytes, n_publishers=1)
     given = with_published_topics(nodes, scenario.nodes, scenario.namespaces)
     parameters: dict[str, dict[str, object]] = {
         node.name: {key: value for key, value in given.get(node.name, {}).items() if value != ()}

@@ -169,12 +169,12 @@ def _time_master(scenario: Scenario, rate: float) -> TimeMaster:
 
 
 def _largest_message_bytes(scenario: Scenario, settings: NodeSettings) -> int:
-    """Return the size of the largest message: a block of snapshots, or the subspaces.
+    """Return the size of the largest message: a block of the array, or the subspaces.
 
     What other sensors deliver is small.
     """
     if SUBSPACE_ESTIMATOR.name not in settings:
-        return 0
+        return scenario.block_bytes
     n_elements = len(scenario.array.element_positions())
     estimator = from_mapping(
         SubspaceConfiguration,
@@ -186,5 +186,4 @@ def _largest_message_bytes(scenario: Scenario, settings: NodeSettings) -> int:
     )
     columns = estimator.source_count or len(scenario.targets) + 1
     basis = estimator.n_subspaces * n_elements * columns
-    snapshots = scenario.array.block_snapshots * n_elements * 2 * 4
-    return max(snapshots, (n_elements**2 + basis) * 2 * 8)
+    return max(scenario.block_bytes, (n_elements**2 + basis) * 2 * 8)

@@ -117,6 +117,16 @@ class Scenario:
         rate = self.hydrophones.sample_rate if self.hydrophones else self.array.snapshot_rate
         return self.start + max(1, round(self.duration * rate)) / rate
 
+    @property
+    def block_bytes(self) -> int:
+        """Size of the data in one message of the array, as it travels; 0 = there is no array."""
+        if not self.array_given:
+            return 0
+        n_elements = len(self.array.element_positions())
+        if self.hydrophones is not None:
+            return 4 * self.hydrophones.block_samples * n_elements
+        return 8 * self.array.block_snapshots * n_elements
+
     def stamp(self, time: float) -> int:
         """Return the stamp (ns) of a scenario time (s)."""
         return self.epoch + round(time * 1e9)
