@@ -78,7 +78,7 @@ def _frame(points: FloatArray) -> tuple[FloatArray, float]:
     """
     low, high = np.min(points, axis=0), np.max(points, axis=0)
     extent = high - low
-    needed = max(extent[0] / (COLUMNS - 6), extent[1] / (2.0 * (ROWS - 4)), 1.0)
+    needed = max(extent[0] / (COLUMNS - 6), extent[1] / (2.0 * (ROWS - 3)), 1.0)
     decade = 10.0 ** math.floor(math.log10(needed))
     step = next(m * decade for m in ROUND if m * decade >= needed * (1.0 - 1e-9))
     grid = 2.0 * step
