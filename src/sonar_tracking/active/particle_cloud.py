@@ -29,6 +29,10 @@ KERNEL_WIDTH = 0.3
 """Relative to the kernel that is best for a Gaussian cloud."""
 
 
+FARTHEST_DEVIATIONS = 12.0
+"""Beyond them in range a density is zero: it would be below 1e-31 of its maximum."""
+
+
 @dataclass(frozen=True)
 class ParticleMotion:
     """How particles move.
@@ -144,10 +148,15 @@ def particle_densities(
     distance = np.hypot(position[:, 0], position[:, 1])
     azimuth = np.arctan2(position[:, 1], position[:, 0])
     along = (contact_range - distance[:, None]) / sensor.range_standard_deviation
-    across = wrap_angle(contact_azimuth - azimuth[:, None]) / sensor.azimuth_standard_deviation
+    # Most pairs are far apart in range: their azimuths need not be compared.
+    row, column = np.nonzero(np.abs(along) < FARTHEST_DEVIATIONS)
+    turn = wrap_angle(contact_azimuth[column] - azimuth[row])
+    across = turn / sensor.azimuth_standard_deviation
     errors = sensor.range_standard_deviation * sensor.azimuth_standard_deviation
-    square = along**2 + across**2
-    return np.asarray(np.exp(-0.5 * square) / (2.0 * np.pi * errors * contact_range))
+    square = along[row, column] ** 2 + across**2
+    density = np.zeros_like(along)
+    density[row, column] = np.exp(-0.5 * square) / (2.0 * np.pi * errors * contact_range[column])
+    return density
 
 
 def systematic_rows(

@@ -168,18 +168,24 @@ class RegionTracker:
     ) -> None:
         """Update all tracks with the joint association probabilities."""
         clouds = [track.cloud for track in self._tracks]
-        densities = [particle_densities(cloud.state, placed, sensor) for cloud in clouds]
+        gates = [np.flatnonzero(_inside_gate(cloud, placed)) for cloud in clouds]
+        densities = [
+            particle_densities(cloud.state, placed.selected(columns), sensor)
+            for cloud, columns in zip(clouds, gates, strict=True)
+        ]
+        means = [
+            cloud.weight @ density / np.sum(cloud.weight)
+            for cloud, density in zip(clouds, densities, strict=True)
+        ]
         ratios = np.zeros((len(clouds), len(placed.distance)))
         clutter = model.clutter_density(placed.distance)
-        for row, (cloud, density) in enumerate(zip(clouds, densities, strict=True)):
-            inside = _inside_gate(cloud, placed)
-            mean_density = cloud.weight @ density / np.sum(cloud.weight)
-            ratios[row] = inside * model.detection_probability * mean_density / clutter
+        for row, columns in enumerate(gates):
+            ratios[row, columns] = model.detection_probability * means[row] / clutter[columns]
         missed = 1.0 - model.detection_probability * PROBABILITY_IN_GATE
         probabilities = associate_jointly(ratios, missed)
         for row, (cloud, density) in enumerate(zip(clouds, densities, strict=True)):
-            beta, mean_density = probabilities[row], cloud.weight @ density / np.sum(cloud.weight)
-            relative = density / np.maximum(mean_density, 1e-300)
+            beta = probabilities[row, gates[row]]
+            relative = density / np.maximum(means[row], 1e-300)
             factor = 1.0 - np.sum(beta) + relative @ beta
             weighed = ParticleCloud(cloud.state, cloud.mode, cloud.weight * factor)
             updated = stamp if np.sum(beta) > 0.5 else self._tracks[row].updated

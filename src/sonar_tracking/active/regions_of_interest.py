@@ -22,6 +22,9 @@ FloatArray = NDArray[np.float64]
 WINDOW = 2
 """Pings before the present one that are looked at."""
 
+CONTACTS_AT_ONCE = 256
+"""Compared with all contacts of another ping, so that memory stays bounded."""
+
 
 @dataclass(frozen=True)
 class PolarContacts:
@@ -65,6 +68,12 @@ def find_regions(
     ndarray, shape (n, 2)
         m.
     """
+    deviations = (range_standard_deviation, azimuth_standard_deviation)
+    near = {
+        (ping, later): _near_contacts(window[ping], window[later], deviations, distance_limit)
+        for ping in range(len(window))
+        for later in range(ping + 1, len(window))
+    }
     taken = [np.zeros(len(contacts.distance), dtype=bool) for contacts in window]
     regions = []
     for first, contacts in enumerate(window):
@@ -74,16 +83,9 @@ def find_regions(
             chain = [(first, start)]
             for later in range(first + 1, len(window)):
                 ping, row = chain[-1]
-                found = _nearest(
-                    window[ping],
-                    row,
-                    window[later],
-                    taken[later],
-                    (range_standard_deviation, azimuth_standard_deviation),
-                    distance_limit,
-                )
-                if found >= 0:
-                    chain.append((later, found))
+                free = [found for found in near[ping, later][row] if not taken[later][found]]
+                if free:
+                    chain.append((later, free[0]))
             if len(chain) > detection_probability * WINDOW:
                 for ping, row in chain:
                     taken[ping][row] = True
@@ -92,19 +94,20 @@ def find_regions(
     return np.array(regions).reshape(-1, 2)
 
 
-def _nearest(
+def _near_contacts(
     contacts: PolarContacts,
-    row: int,
     others: PolarContacts,
-    taken: NDArray[np.bool_],
     deviations: tuple[float, float],
     limit: float,
-) -> int:
-    """Return the nearest free contact of another ping within the limit, -1 if there is none."""
-    if not len(taken):
-        return -1
-    along = (others.distance - contacts.distance[row]) / deviations[0]
-    across = wrap_angle(others.azimuth - contacts.azimuth[row]) / deviations[1]
-    square = np.where(taken, np.inf, 0.5 * (along**2 + across**2))
-    best = int(np.argmin(square))
-    return best if square[best] < limit else -1
+) -> list[list[int]]:
+    """Return the contacts of another ping within the limit of each contact, the nearest first."""
+    near: list[list[int]] = []
+    for first in range(0, len(contacts.distance), CONTACTS_AT_ONCE):
+        rows = slice(first, first + CONTACTS_AT_ONCE)
+        along = (others.distance - contacts.distance[rows, None]) / deviations[0]
+        across = wrap_angle(others.azimuth - contacts.azimuth[rows, None]) / deviations[1]
+        square = 0.5 * (along**2 + across**2)
+        for row in square:
+            inside = np.flatnonzero(row < limit)
+            near.append(inside[np.argsort(row[inside], kind="stable")].tolist())
+    return near

@@ -77,7 +77,10 @@ def _draw(weight: FloatArray, generator: np.random.Generator) -> int:
 
 
 def _labels(cloud: ParticleCloud, centres: FloatArray) -> NDArray[np.intp]:
-    square = [np.sum((cloud.state[:, :2] - centre) ** 2, axis=1) for centre in centres]
+    # |x - c|^2 without |x|^2, which is the same for all centres; from their mean for the digits.
+    middle = np.mean(centres, axis=0)
+    away = centres - middle
+    square = np.sum(away**2, axis=1)[:, None] - 2.0 * away @ (cloud.state[:, :2] - middle).T
     return np.argmin(square, axis=0)
 
 
