@@ -1,0 +1,89 @@
+"""Recorded contacts through the graph: CSV files, bag, replay; the same tracks as offline."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from sonar_tracking.active.contact_tracker import make_contact_tracker
+from sonar_tracking.active.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.bags.bag_records import position_tracks_of
+from sonar_tracking.bags.import_contacts import ContactSensor, read_pings
+from sonar_tracking.bags.reader import read_bag
+from tests.system.command_line import report_of, run_command
+
+N_PINGS = 40
+PARAMETERS = {
+    "sound_speed": 0.0,
+    "clutter_density": 1e-5,
+    "acceleration_deviation": 0.1,
+    "initial_speed_deviation": 3.0,
+    "initial_existence": 0.05,
+}
+
+
+def write_files(folder: Path) -> tuple[Path, Path]:
+    """Write contacts of two targets and of clutter, heard by a moving own ship, and the truth."""
+    generator = np.random.default_rng(4)
+    starts, velocity = np.array([[-200.0, 150.0], [100.0, 300.0]]), np.array([[2.0, 1.0], [-2, -1]])
+    contacts = ["time_s,range_m,bearing_deg,own_east_m,own_north_m"]
+    truth = ["time_s,target,east_m,north_m"]
+    for ping in range(N_PINGS):
+        own = np.array([1.5 * ping, -0.5 * ping])
+        true = starts + ping * velocity
+        clutter = generator.uniform(-400.0, 400.0, (generator.poisson(3.0), 2))
+        seen = np.concatenate([true + generator.normal(0.0, 3.0, (2, 2)), clutter]) - own
+        for east, north in seen:
+            bearing = np.degrees(np.arctan2(east, north))
+            contacts.append(
+                f"{ping},{np.hypot(east, north):.3f},{bearing:.4f},{own[0]:g},{own[1]:g}"
+            )
+        truth.extend(f"{ping},boat{n},{e:g},{m:g}" for n, (e, m) in enumerate(true))
+    contacts.append("30,far away,90,0,0")
+    paths = folder / "contacts.csv", folder / "truth.csv"
+    for path, lines in zip(paths, (contacts, truth), strict=True):
+        path.write_text("\n".join(lines))
+    return paths
+
+
+def test_recorded_contacts_are_tracked_by_the_graph(tmp_path: Path) -> None:
+    contacts, truth = write_files(tmp_path)
+    parameters = tmp_path / "parameters.yaml"
+    parameters.write_text(yaml.safe_dump({"hpda_tracker": PARAMETERS}))
+    bag, recorded, json = tmp_path / "bag", tmp_path / "recorded", tmp_path / "report.json"
+    imported = run_command(
+        tmp_path, "import", "contacts", contacts, "--output", bag, "--truth", truth,
+        "--range-deviation", 3, "--bearing-deviation-deg", 1, "--parameters", parameters,
+    )  # fmt: skip
+    assert imported.returncode == 0, imported.stdout
+    assert f"{N_PINGS} pings" in imported.stdout and "truth of 2 targets" in imported.stdout
+    assert "range_m is 'far away', not a number" in imported.stdout
+    done = run_command(
+        tmp_path, "replay", bag, "--rate", "max", "--record", recorded, "--json", json
+    )
+    assert done.returncode == 0, done.stdout
+    score = report_of(json)["score"]["positions"]["/active/tracks"]
+    assert score["rmse_m"] < 4.0 and score["identity_swaps"] == 0
+    assert score["held_share"] > 0.85
+
+    sensor = ContactSensor(range_deviation=3.0, bearing_deviation_deg=1.0)
+    tracker = make_contact_tracker(ContactTrackerConfiguration(**PARAMETERS))  # type: ignore[arg-type]
+    offline = [tracker.update(ping).tracks for ping in read_pings(contacts, sensor).pings]
+    through_graph = list(position_tracks_of(read_bag(recorded), "/active/tracks"))
+    assert [tracks.stamp for tracks in through_graph] == [tracks.stamp for tracks in offline]
+    for ours, theirs in zip(offline, through_graph, strict=True):
+        np.testing.assert_array_equal(ours.id, theirs.id)
+        np.testing.assert_array_equal(ours.state, theirs.state)
+        np.testing.assert_array_equal(ours.covariance, theirs.covariance)
+
+
+def test_contacts_that_cannot_be_used_are_refused_in_one_sentence(tmp_path: Path) -> None:
+    (tmp_path / "contacts.csv").write_text("time_s,range_m\n0,1\n")
+    done = run_command(
+        tmp_path, "import", "contacts", tmp_path / "contacts.csv", "--output", tmp_path / "bag"
+    )
+    assert done.returncode == 2
+    assert "bearing_deg" in done.stdout and "Traceback" not in done.stdout
+    assert not (tmp_path / "bag").exists()
