@@ -18,13 +18,19 @@ from numpy.typing import NDArray
 
 from sonar_tracking.active.contact_positions import PlacedContacts, position_covariance
 from sonar_tracking.active.information_reduction import GATE_SIZE
+from sonar_tracking.active.pair_limits import few_enough, half_widths, nearest_in_gates
 from sonar_tracking.active.records import Contacts
 from sonar_tracking.active.track_bank import TrackBank
 
 FloatArray = NDArray[np.float64]
 IndexArray = NDArray[np.intp]
 
-TRACKS_PER_PORTION = 2048
+BOXED_PER_PORTION = 500_000
+"""Contacts in boxes around gates that are looked at together; bounds the memory."""
+
+BOX_SIZE = 1.5 * GATE_SIZE
+"""Half of a box, in standard deviations: a gate at a contact may be wider by its noise."""
+
 SMALLEST_DEVIATION = 1e-6
 SMALLEST_SHARE = 1e-13
 """Of a determinant in the product of the diagonal."""
@@ -132,7 +138,7 @@ def predict_gates(bank: TrackBank, sensor: SensorGeometry) -> TrackGates:
 
 
 def find_pairs(bank: TrackBank, gates: TrackGates, contacts: PlacedContacts) -> GatePairs:
-    """Return all pairs of a track and a contact in its gate.
+    """Return all pairs of a track and a contact in its gate, the nearest ones of a crowd.
 
     Parameters
     ----------
@@ -146,17 +152,28 @@ def find_pairs(bank: TrackBank, gates: TrackGates, contacts: PlacedContacts) -> 
     order = np.argsort(contacts.position[:, 0], kind="stable")
     sorted_x = contacts.position[order, 0]
     mean, spread = bank.moments()
-    tracks, columns = [], []
-    for first in range(0, len(bank), TRACKS_PER_PORTION):
-        rows = np.arange(first, min(first + TRACKS_PER_PORTION, len(bank)))
-        pairs = _near(rows, gates, sorted_x, order, contacts)
-        inside = _in_gate(mean, spread, contacts, pairs)
-        tracks.append(pairs.track[inside])
-        columns.append(pairs.contact[inside])
+    low, high = _boxed(gates, sorted_x, bank.confirmed)
+    before = np.cumsum(high - low)
+    tracks, columns, squares = [], [], []
+    first = 0
+    while first < len(bank):
+        reached = before[first - 1] if first else 0
+        last = int(np.searchsorted(before, reached + BOXED_PER_PORTION, side="right"))
+        rows = np.arange(first, max(last, first + 1))
+        pairs = _near(rows, low[rows], high[rows], gates, order, contacts)
+        square = _squared_distances(mean, spread, contacts, pairs)
+        inside = square < GATE_SIZE**2
+        pairs, square = pairs.kept(inside), square[inside]
+        kept = nearest_in_gates(pairs.track, square)
+        tracks.append(pairs.track[kept])
+        columns.append(pairs.contact[kept])
+        squares.append(square[kept])
+        first = int(rows[-1]) + 1
     if not tracks:
         nothing = np.zeros(0, dtype=np.intp)
         return GatePairs(nothing, nothing)
-    return GatePairs(np.concatenate(tracks), np.concatenate(columns))
+    found = GatePairs(np.concatenate(tracks), np.concatenate(columns))
+    return found.kept(few_enough(found.track, np.concatenate(squares), bank.confirmed))
 
 
 def delayed_position_covariance(covariance: FloatArray, delay: FloatArray) -> FloatArray:
@@ -194,19 +211,28 @@ def inverse(matrix: FloatArray) -> FloatArray:
     return np.asarray(result / determinant(matrix)[..., None, None])
 
 
+def _boxed(
+    gates: TrackGates, sorted_x: FloatArray, confirmed: NDArray[np.bool_]
+) -> tuple[IndexArray, IndexArray]:
+    """Return which of the contacts sorted by x lie in the box of each gate: from, to."""
+    half_x = BOX_SIZE * np.sqrt(gates.covariance[:, 0, 0])
+    low = np.searchsorted(sorted_x, gates.centre[:, 0] - half_x)
+    high = np.searchsorted(sorted_x, gates.centre[:, 0] + half_x)
+    half = half_widths(high - low, confirmed)
+    middle = np.searchsorted(sorted_x, gates.centre[:, 0])
+    return np.maximum(low, middle - half), np.minimum(high, middle + half)
+
+
 def _near(
     rows: IndexArray,
+    low: IndexArray,
+    high: IndexArray,
     gates: TrackGates,
-    sorted_x: FloatArray,
     order: IndexArray,
     contacts: PlacedContacts,
 ) -> GatePairs:
-    """Return pairs in the box around each gate; a gate at a contact may be wider by its noise."""
-    margin = 1.5 * GATE_SIZE
-    half_x = margin * np.sqrt(gates.covariance[rows, 0, 0])
-    half_y = margin * np.sqrt(gates.covariance[rows, 1, 1])
-    low = np.searchsorted(sorted_x, gates.centre[rows, 0] - half_x)
-    high = np.searchsorted(sorted_x, gates.centre[rows, 0] + half_x)
+    """Return pairs in the box around each gate."""
+    half_y = BOX_SIZE * np.sqrt(gates.covariance[rows, 1, 1])
     counts = high - low
     local = np.repeat(np.arange(len(rows)), counts)
     starts = np.cumsum(counts) - counts
@@ -216,9 +242,10 @@ def _near(
     return GatePairs(rows[local][near], contact[near])
 
 
-def _in_gate(
+def _squared_distances(
     mean: FloatArray, spread: FloatArray, contacts: PlacedContacts, pairs: GatePairs
-) -> NDArray[np.bool_]:
+) -> FloatArray:
+    """Return nu^T S^-1 nu of each pair."""
     delay = contacts.delay[pairs.contact]
     state = mean[pairs.track]
     innovation = contacts.position[pairs.contact] - state[:, :2] - delay[:, None] * state[:, 2:]
@@ -226,5 +253,4 @@ def _in_gate(
     covariance = covariance + contacts.covariance[pairs.contact]
     x, y = innovation[:, 0], innovation[:, 1]
     square = covariance[:, 1, 1] * x**2 - 2.0 * covariance[:, 0, 1] * x * y
-    square = (square + covariance[:, 0, 0] * y**2) / determinant(covariance)
-    return np.asarray(square < GATE_SIZE**2)
+    return np.asarray((square + covariance[:, 0, 0] * y**2) / determinant(covariance))

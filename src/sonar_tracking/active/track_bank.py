@@ -12,6 +12,7 @@ Blom, Bar-Shalom (1988).
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,6 +78,10 @@ class TrackBank:
 
     def moments(self) -> tuple[FloatArray, FloatArray]:
         """Return mean (n, 4) and covariance (n, 4, 4) of the mixture over the modes."""
+        return self._moments
+
+    @cached_property
+    def _moments(self) -> tuple[FloatArray, FloatArray]:
         if self.mean.shape[1] == 1:
             return self.mean[:, 0], self.covariance[:, 0]
         weight = self.mode_probability

@@ -12,6 +12,7 @@ Kim, Song (2007), section 3; the rules it leaves open are stated in the function
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,6 +31,9 @@ IndexArray = NDArray[np.intp]
 
 DUPLICATE_DISTANCE = 3.0
 """Standard deviations of the difference of two states below which they are one target's."""
+
+COMPARED_TRACKS = 64
+"""Of those that share a contact, with how many younger ones each is compared."""
 
 MISSES_OF_A_CANDIDATE = 3
 RANGE_MARGIN = 1.2
@@ -73,6 +77,8 @@ def surviving(
 def duplicates(bank: TrackBank, pairs: GatePairs, weights: FloatArray) -> BoolArray:
     """Return which tracks repeat another one; only tracks that share a contact are compared.
 
+    In a crowd a track is compared with those next to it in age only.
+
     Two tracks that each have a contact of their own are two targets side by side, however near.
 
     Parameters
@@ -84,11 +90,11 @@ def duplicates(bank: TrackBank, pairs: GatePairs, weights: FloatArray) -> BoolAr
     weights : ndarray, shape (n_pairs, n_modes)
         Probabilities of association in each mode.
     """
-    first, second = _sharing(pairs)
+    mean, covariance = bank.moments()
+    first, second = _near_each_other(_sharing(pairs), mean, covariance)
     repeated = np.zeros(len(bank), dtype=bool)
     if not len(first):
         return repeated
-    mean, covariance = bank.moments()
     difference = mean[first] - mean[second]
     spread = _regular(covariance[first] + covariance[second])
     scaled = np.linalg.solve(spread, difference[..., None])[..., 0]
@@ -217,21 +223,31 @@ def _own_contact(bank: TrackBank, pairs: GatePairs, weights: FloatArray) -> Inde
     return own
 
 
-def _sharing(pairs: GatePairs) -> tuple[IndexArray, IndexArray]:
-    """Return pairs of tracks (older, younger) with a common contact."""
+def _sharing(pairs: GatePairs) -> Iterator[tuple[IndexArray, IndexArray]]:
+    """Yield rows of tracks (older, younger) with a common contact, in portions."""
     order = np.argsort(pairs.contact, kind="stable")
     contact, track = pairs.contact[order], pairs.track[order]
-    first, second = [], []
-    lag = 1
-    while lag < len(contact):
+    for lag in range(1, min(len(contact), COMPARED_TRACKS + 1)):
         same = contact[lag:] == contact[:-lag]
         if not np.any(same):
-            break
-        first.append(track[:-lag][same])
-        second.append(track[lag:][same])
-        lag += 1
-    if not first:
-        nothing = np.zeros(0, dtype=np.intp)
-        return nothing, nothing
-    one, other = np.concatenate(first), np.concatenate(second)
-    return np.minimum(one, other), np.maximum(one, other)
+            return
+        # Pairs are in the order of the tracks, and tracks in the order of their age.
+        yield track[:-lag][same], track[lag:][same]
+
+
+def _near_each_other(
+    portions: Iterator[tuple[IndexArray, IndexArray]], mean: FloatArray, covariance: FloatArray
+) -> tuple[IndexArray, IndexArray]:
+    """Return the rows, each two once, whose states are near in each of their components."""
+    variance = np.einsum("nii->ni", covariance)
+    count = len(mean)
+    keys = [np.zeros(0, dtype=np.intp)]
+    for first, second in portions:
+        near = np.ones(len(first), dtype=bool)
+        for component in range(mean.shape[1]):
+            values, spread = mean[:, component], variance[:, component]
+            square = (values[first] - values[second]) ** 2
+            near &= square < DUPLICATE_DISTANCE**2 * (spread[first] + spread[second])
+        keys.append(first[near] * count + second[near])
+    first, second = np.divmod(np.unique(np.concatenate(keys)), max(count, 1))
+    return first, second
