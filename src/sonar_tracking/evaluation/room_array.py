@@ -2,8 +2,10 @@
 
 Recordings made from measured responses (see :mod:`sonar_tracking.evaluation.room_responses`) of
 one and of two sources at three frequencies are imported as WAV files and tracked with automatic
-start. One set of parameters serves all of them; only the number of sources is told to the chain,
-since reflections, 10 to 15 dB below the sources, are signals too and would be counted.
+start, one set of parameters for all of them: by one filter a target, told how many sources there
+are, and by the default tracker from nothing. Reflections are signals too and would be counted: to
+the latter the array is told to have steering vectors as wrong as the reflections make them.
+Sources too near for plane waves are located apart, with spherical ones.
 """
 
 from __future__ import annotations
@@ -11,7 +13,7 @@ from __future__ import annotations
 import itertools
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -26,15 +28,32 @@ from sonar_tracking.errors import Notice
 from sonar_tracking.evaluation.batch_runner import Task
 from sonar_tracking.evaluation.offline_chain import OfflineRun, stage_configuration
 from sonar_tracking.evaluation.room_array_figures import draw_room_array
+from sonar_tracking.evaluation.room_array_rows import (
+    FOUND_DEG,
+    FROM_NOTHING,
+    RECORDING_LAYOUTS,
+    TOLD,
+    RoomResult,
+    recording_rows,
+)
+from sonar_tracking.evaluation.room_near_field import NearFieldTask, locate_near_sources
+from sonar_tracking.evaluation.room_near_field_rows import (
+    NEAR_FIELD_LAYOUTS,
+    NearFieldResult,
+    near_field_rows,
+)
+from sonar_tracking.evaluation.room_positions import onset_positions
 from sonar_tracking.evaluation.room_responses import (
-    evaluation_time,
+    RoomResponses,
+    child_seed,
+    end_of_dwell,
     read_room_responses,
     received_signal,
     write_recording,
 )
 from sonar_tracking.evaluation.set_distances import assign
 from sonar_tracking.evaluation.study import StudyRow
-from sonar_tracking.evaluation.study_definition import Column, StudyDefinition, TableLayout
+from sonar_tracking.evaluation.study_definition import StudyDefinition
 from sonar_tracking.passive.bearing_tracker_stage import (
     BearingTrackerConfiguration,
     BearingTrackerStage,
@@ -68,10 +87,26 @@ TRACKER_PARAMETERS: dict[str, Any] = {
     "measurement_variance_deg2": 1.0,
 }
 
-FOUND_DEG = 10.0
-"""A source is found where a confirmed track is nearer than this to it."""
-APART_DEG = 20.0
-"""Pairs at least so far apart are what the array must resolve."""
+NOTHING_ESTIMATOR_PARAMETERS: dict[str, Any] = {
+    "method": "covariance",
+    "period": 0.4,
+    "n_subspaces": 1,
+    "covariance_snapshots": 32,
+    # Reflections later than a snapshot lasts bring 0.4 of the direct sound's amplitude on average,
+    # 0.7 at some elements, as the measured responses tell.
+    "steering_error": 0.6,
+}
+NOTHING_TRACKER_PARAMETERS: dict[str, Any] = {
+    "method": "joint_map",
+    "start": "automatic",
+    # A sub-array moves on by 2 to 4 deg at once, every two seconds.
+    "process_noise_deg2": 1.0,
+}
+
+_CASE_GROUPS = tuple(
+    tuple(case for case in CASES if (SOURCES[0] in case) == shared) for shared in (True, False)
+)
+"""Cases of one worker: those that hear the first source share its signal."""
 
 
 @dataclass(frozen=True)
@@ -88,43 +123,18 @@ class RoomTask:
         Of signals and noise.
     cases : tuple of tuple of int
         Sources that are heard together.
+    systems : tuple of str
+        What the chain knows beforehand: TOLD and FROM_NOTHING.
+    run : int
+        Number of the run.
     """
 
     data_file: str
     frequency: float
     seed: np.random.SeedSequence
     cases: tuple[tuple[int, ...], ...] = CASES
-
-
-@dataclass(frozen=True)
-class RoomResult:
-    """Bearings of one recording, one row a sub-array, one column a source.
-
-    Attributes
-    ----------
-    sources : tuple of int
-        Sources that were heard.
-    frequency : float
-        Hz.
-    truth, tracked : ndarray, shape (n_sub_arrays, n_sources)
-        Surveyed and tracked arrival angles, rad; NaN = not found.
-    """
-
-    sources: tuple[int, ...]
-    frequency: float
-    truth: FloatArray
-    tracked: FloatArray
-
-    @property
-    def errors_deg(self) -> FloatArray:
-        """Tracked minus surveyed, deg, shape (n_sub_arrays, n_sources)."""
-        return np.degrees(self.tracked - self.truth)
-
-    @property
-    def apart(self) -> NDArray[np.bool_]:
-        """Sub-arrays that see the sources at least APART_DEG apart, shape (n_sub_arrays,)."""
-        spread = self.truth.max(axis=1) - self.truth.min(axis=1)
-        return spread >= np.radians(APART_DEG)
+    systems: tuple[str, ...] = (TOLD, FROM_NOTHING)
+    run: int = 0
 
 
 def room_array(data_file: Path | str) -> StudyDefinition:
@@ -147,54 +157,63 @@ def room_array(data_file: Path | str) -> StudyDefinition:
         default_runs=1,
         tasks=partial(room_tasks, str(data_file)),
         rows=room_rows,
-        layouts=LAYOUTS,
+        layouts=(*RECORDING_LAYOUTS, *NEAR_FIELD_LAYOUTS),
         draw=draw_room_array,
     )
 
 
 def room_tasks(data_file: str, runs: int, seed: int) -> tuple[Task, ...]:
-    """Return what the workers compute: one task a run and frequency."""
+    """Return what the workers compute: some cases of a run and frequency; the near sources."""
     seeds = np.random.SeedSequence(seed).spawn(runs * len(FREQUENCIES))
-    return tuple(
-        Task(track_recordings, RoomTask(data_file, FREQUENCIES[index % len(FREQUENCIES)], child))
-        for index, child in enumerate(seeds)
-    )
+    tasks = []
+    for index, child in enumerate(seeds):
+        run, frequency = index // len(FREQUENCIES), FREQUENCIES[index % len(FREQUENCIES)]
+        tasks += [
+            Task(track_recordings, RoomTask(data_file, frequency, child, cases, run=run))
+            for cases in _CASE_GROUPS
+        ]
+        near = NearFieldTask(data_file, frequency, BANDWIDTH, child_seed(child, 2), run)
+        tasks.append(Task(locate_near_sources, near))
+    return tuple(tasks)
 
 
 def track_recordings(task: RoomTask) -> tuple[RoomResult, ...]:
-    """Make, import and track the recordings of one task."""
+    """Make, import and track the recordings of one task, with what each system knows."""
     room = read_room_responses(task.data_file)
-    source_seeds = task.seed.spawn(len(room.source_ids) + 1)
-    heard = sorted({source for case in task.cases for source in case})
+    by_onsets = replace(room, source_positions=onset_positions(room))
     signals = {
         source: received_signal(
-            room, source, task.frequency, np.random.default_rng(source_seeds[index])
+            room, source, task.frequency, np.random.default_rng(child_seed(task.seed, 0, source))
         )
-        for index, source in enumerate(room.source_ids)
-        if source in heard
+        for source in sorted({source for case in task.cases for source in case})
     }
-    noise_seeds = source_seeds[-1].spawn(len(task.cases))
     results = []
-    for case, noise_seed in zip(task.cases, noise_seeds, strict=True):
+    for case in task.cases:
         with tempfile.TemporaryDirectory() as folder:
             wav, geometry, truth = write_recording(
                 room,
                 case,
                 [signals[source] for source in case],
                 BANDWIDTH,
-                np.random.default_rng(noise_seed),
+                np.random.default_rng(child_seed(task.seed, 1, *case)),
                 Path(folder),
             )
-            bag_path = Path(folder) / "bag"
-            parameters = node_parameters(len(case))
-            import_wav(wav, geometry, task.frequency, BANDWIDTH, bag_path, truth, parameters)
-            run = track_bag(read_bag(bag_path))
-        results.append(_compared(run, case, task.frequency, room.n_sub_arrays))
+            for system in task.systems:
+                bag_path = Path(folder) / system.replace(" ", "_")
+                parameters = node_parameters(len(case) if system == TOLD else 0)
+                import_wav(wav, geometry, task.frequency, BANDWIDTH, bag_path, truth, parameters)
+                run = track_bag(read_bag(bag_path))
+                results.append(_compared(run, system, case, task, by_onsets))
     return tuple(results)
 
 
 def node_parameters(n_sources: int) -> dict[str, dict[str, Any]]:
-    """Return the parameters of the nodes for a recording of some sources."""
+    """Return the parameters of the nodes for a recording of some sources, 0 = not told."""
+    if n_sources == 0:
+        return {
+            "subspace_estimator": dict(NOTHING_ESTIMATOR_PARAMETERS),
+            "bearing_tracker": dict(NOTHING_TRACKER_PARAMETERS),
+        }
     return {
         "subspace_estimator": {**ESTIMATOR_PARAMETERS, "source_count": n_sources},
         "bearing_tracker": dict(TRACKER_PARAMETERS),
@@ -234,84 +253,57 @@ def track_bag(bag: Bag) -> OfflineRun:
 
 
 def _compared(
-    run: OfflineRun, sources: tuple[int, ...], frequency: float, n_sub_arrays: int
+    run: OfflineRun,
+    system: str,
+    sources: tuple[int, ...],
+    task: RoomTask,
+    by_onsets: RoomResponses,
 ) -> RoomResult:
-    """Compare the tracks with the survey once at each sub-array."""
+    """Compare the tracks with the survey once at each sub-array, at the end of its dwell."""
     epoch = run.truth[0].stamp
     truth_stamps = np.array([sample.stamp for sample in run.truth])
     track_stamps = np.array([sample.stamp for sample in run.tracks])
+    n_sub_arrays = by_onsets.n_sub_arrays
     shape = (n_sub_arrays, len(sources))
     truth, tracked = np.full(shape, np.nan), np.full(shape, np.nan)
+    extra: list[FloatArray] = []
     for sub_array in range(n_sub_arrays):
-        instant = epoch + round(evaluation_time(sub_array) * NANOSECONDS)
+        # The last tracks before the sub-array moves on.
+        instant = epoch + round(end_of_dwell(sub_array) * NANOSECONDS) - 1
         truth[sub_array] = run.truth[_last_at(truth_stamps, instant)].arrival_angle
-        index = _last_at(track_stamps, instant)
+        index, angles = _last_at(track_stamps, instant), np.empty(0)
         if index >= 0:
             tracks = run.tracks[index]
-            angles = tracks.arrival_angle[tracks.status != TrackStatus.TENTATIVE]
-            distances = np.abs(angles[None, :] - truth[sub_array][:, None])
-            pairs = assign(np.degrees(distances), FOUND_DEG, 1.0)
-            tracked[sub_array, pairs.truths] = angles[pairs.estimates]
-    return RoomResult(sources, frequency, truth, tracked)
+            angles = tracks.arrival_angle[tracks.status == TrackStatus.CONFIRMED]
+        distances = np.abs(angles[None, :] - truth[sub_array][:, None])
+        pairs = assign(np.degrees(distances), FOUND_DEG, 1.0)
+        tracked[sub_array, pairs.truths] = angles[pairs.estimates]
+        extra.append(np.delete(angles, pairs.estimates))
+    located = [
+        [by_onsets.arrival_angle(source, k) for source in sources] for k in range(n_sub_arrays)
+    ]
+    most = max(len(angles) for angles in extra)
+    padded = [np.pad(angles, (0, most - len(angles)), constant_values=np.nan) for angles in extra]
+    return RoomResult(
+        system=system,
+        run=task.run,
+        sources=sources,
+        frequency=task.frequency,
+        truth=truth,
+        located=np.array(located),
+        tracked=tracked,
+        extra=np.array(padded),
+    )
 
 
 def _last_at(stamps: NDArray[np.int64], instant: int) -> int:
     return int(np.searchsorted(stamps, instant, side="right")) - 1
 
 
-def room_rows(results: Sequence[Sequence[RoomResult]]) -> tuple[StudyRow, ...]:
-    """Return one row a recording and one for all pairs that are far enough apart."""
-    recordings = [result for task in results for result in task]
-    rows = [_recording_row(result) for result in recordings]
-    pairs = [r.errors_deg[r.apart] for r in recordings if len(r.sources) == 2]
-    metrics = _figures(np.concatenate(pairs)) if pairs else {}
-    condition = f"pairs {APART_DEG:g} deg apart or more"
-    return (*rows, StudyRow("all pairs", condition, {f"pairs_{k}": v for k, v in metrics.items()}))
-
-
-def _recording_row(result: RoomResult) -> StudyRow:
-    errors = result.errors_deg
-    metrics = _figures(errors)
-    if len(result.sources) > 1 and result.apart.any():
-        apart = _figures(errors[result.apart])
-        metrics |= {f"apart_{name}": value for name, value in apart.items()}
-    for sub_array, row in enumerate(errors):
-        for source, error in zip(result.sources, row, strict=True):
-            metrics[f"sub_array_{sub_array}_source_{source}_error_deg"] = float(error)
-    numbers = " and ".join(str(source) for source in result.sources)
-    return StudyRow(
-        system=f"source{'s' if len(result.sources) > 1 else ''} {numbers}",
-        condition=f"{result.frequency:g} Hz",
-        metrics=metrics,
-    )
-
-
-def _figures(errors_deg: FloatArray) -> dict[str, float]:
-    """Return the figures of errors of shape (n_sub_arrays, n_sources), deg; NaN = not found."""
-    known = np.abs(errors_deg[np.isfinite(errors_deg)])
-    return {
-        "sub_arrays": float(len(errors_deg)),
-        "found_percent": 100.0 * float(np.isfinite(errors_deg).all(axis=1).mean()),
-        "median_error_deg": float(np.median(known)) if known.size else np.nan,
-        "worst_error_deg": float(known.max()) if known.size else np.nan,
-    }
-
-
-def _columns(prefix: str) -> tuple[Column, ...]:
+def room_rows(results: Sequence[Sequence[RoomResult | NearFieldResult]]) -> tuple[StudyRow, ...]:
+    """Return the rows of the tracked recordings and those of the near sources."""
+    flat = [result for task in results for result in task]
     return (
-        Column(f"{prefix}sub_arrays", "sub-arrays", ".0f"),
-        Column(f"{prefix}found_percent", "all found %", ".0f"),
-        Column(f"{prefix}median_error_deg", "median error deg", ".2f"),
-        Column(f"{prefix}worst_error_deg", "worst deg", ".1f"),
+        *recording_rows([r for r in flat if isinstance(r, RoomResult)]),
+        *near_field_rows([r for r in flat if isinstance(r, NearFieldResult)]),
     )
-
-
-LAYOUTS = (
-    TableLayout(
-        "Bearings at every position of the sub-array",
-        _columns(""),
-        f"Found: a confirmed track within {FOUND_DEG:g} deg of every source.",
-    ),
-    TableLayout(f"Only where the pair is {APART_DEG:g} deg apart or more", _columns("apart_"), ""),
-    TableLayout("Together", _columns("pairs_"), ""),
-)

@@ -1,4 +1,4 @@
-"""Pictures of the room-array study: bearing and error at every position of the sub-array."""
+"""Pictures of the room-array study: bearings at every position of the sub-array, near sources."""
 
 from __future__ import annotations
 
@@ -8,23 +8,27 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sonar_tracking.evaluation.room_array_rows import FROM_NOTHING, TOLD, RoomResult
+from sonar_tracking.evaluation.room_near_field_figures import draw_near_field
+from sonar_tracking.evaluation.room_near_field_rows import NearFieldResult
 from sonar_tracking.evaluation.study import StudyRow
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")
+_FILES = {TOLD: "room_array.png", FROM_NOTHING: "room_array_from_nothing.png"}
 
 
 def draw_room_array(
     results: Sequence[Any], rows: Sequence[StudyRow], directory: Path
 ) -> tuple[Path, ...]:
-    """Draw surveyed and tracked bearings of every recording.
+    """Draw surveyed and tracked bearings of every recording, and the near sources.
 
     Parameters
     ----------
     results : sequence
-        What the tasks returned: sequences of RoomResult.
+        What the tasks returned: sequences of RoomResult or NearFieldResult.
     rows : sequence of StudyRow
         Rows of the study.
     directory : Path
@@ -33,36 +37,73 @@ def draw_room_array(
     Returns
     -------
     tuple of Path
-        The picture.
+        One picture for what the chain is told, one for the near sources.
     """
+    flat = [result for task in results for result in task]
+    recordings = [result for result in flat if isinstance(result, RoomResult)]
+    directory.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for system, name in _FILES.items():
+        chosen = [result for result in recordings if result.system == system]
+        if chosen:
+            paths.append(_draw_system(chosen, directory / name))
+    near = [result for result in flat if isinstance(result, NearFieldResult)]
+    if near:
+        paths.append(draw_near_field(near, directory / "room_near_field.png"))
+    return tuple(paths)
+
+
+def _draw_system(recordings: Sequence[RoomResult], path: Path) -> Path:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    recordings = [result for task in results for result in task]
     cases = list(dict.fromkeys(result.sources for result in recordings))
-    figure = Figure(figsize=(11, 8), layout="constrained")
-    FigureCanvasAgg(figure)
     n_columns = min(4, len(cases))
-    grid = figure.subplots(-(-len(cases) // n_columns), n_columns, sharex=True, squeeze=False)
+    n_rows = -(-len(cases) // n_columns)
+    figure = Figure(figsize=(2.0 + 3.2 * n_columns, 1.0 + 2.8 * n_rows), layout="constrained")
+    FigureCanvasAgg(figure)
+    grid = figure.subplots(n_rows, n_columns, sharex=True, sharey=True, squeeze=False)
     for axes in grid.ravel()[len(cases) :]:
         axes.remove()
     for axes, case in zip(grid.ravel(), cases, strict=False):
         _draw_case(axes, [result for result in recordings if result.sources == case])
+    figure.suptitle(f"Recorded array, {recordings[0].system}", fontsize=11)
     figure.supxlabel("position of the sub-array, elements")
-    figure.supylabel("arrival angle, deg (line: surveyed, points: tracked)")
-    directory.mkdir(parents=True, exist_ok=True)
-    path = directory / "room_array.png"
+    figure.supylabel("arrival angle, deg (line: surveyed, points: tracked, crosses: extra tracks)")
     figure.savefig(path, dpi=120)
-    return (path,)
+    return path
 
 
-def _draw_case(axes: Axes, recordings: Sequence[Any]) -> None:
+def _draw_case(axes: Axes, recordings: Sequence[RoomResult]) -> None:
     sources = recordings[0].sources
+    positions = np.arange(len(recordings[0].truth))
+    apart = recordings[0].apart
+    if len(sources) > 1 and not apart.all():
+        axes.fill_between(
+            positions, 0.0, 1.0, where=~apart, transform=axes.get_xaxis_transform(),
+            color="0.92", step="mid", linewidth=0.0,
+        )  # fmt: skip
+    for recording in recordings:
+        for extra in np.degrees(recording.extra).T:
+            axes.plot(positions, extra, "x", color="0.3", markersize=3, markeredgewidth=0.7)
     for column, source in enumerate(sources):
         colour = COLOURS[column]
         axes.plot(np.degrees(recordings[0].truth[:, column]), color=colour, linewidth=1)
         for recording in recordings:
             axes.plot(np.degrees(recording.tracked[:, column]), ".", color=colour, markersize=3)
         axes.plot([], [], color=colour, label=f"source {source}")
+    axes.set_title(_title(recordings), fontsize=8)
     axes.legend(fontsize=7, loc="upper right")
     axes.grid(alpha=0.3)
+
+
+def _title(recordings: Sequence[RoomResult]) -> str:
+    """Return shares of found and rightly counted sub-arrays where the sources are apart."""
+    single = len(recordings[0].sources) == 1
+    masks = [np.ones(len(r.truth), bool) if single else r.apart for r in recordings]
+    pairs = list(zip(recordings, masks, strict=True))
+    if not any(mask.any() for mask in masks):
+        return "nowhere 20 deg apart"
+    found = np.concatenate([np.isfinite(r.tracked[mask]).all(axis=1) for r, mask in pairs])
+    right = np.concatenate([r.miscount[mask] == 0 for r, mask in pairs])
+    return f"found {100 * found.mean():.0f} %, count right {100 * right.mean():.0f} %"

@@ -116,6 +116,36 @@ def read_room_responses(path: Path | str) -> RoomResponses:
         raise ConfigurationError(f"The room responses {path} cannot be read ({error}).") from error
 
 
+def child_seed(seed: np.random.SeedSequence, *key: int) -> np.random.SeedSequence:
+    """Return a seed that depends on the key alone, not on what was drawn or spawned before."""
+    return np.random.SeedSequence(seed.entropy, spawn_key=(*seed.spawn_key, *key))
+
+
+def source_noise(
+    n_samples: int, frequency: float, sample_rate: int, generator: np.random.Generator
+) -> FloatArray:
+    """Return the noise that a source sends.
+
+    Parameters
+    ----------
+    n_samples : int
+        How long.
+    frequency : float
+        Centre of its band, Hz.
+    sample_rate : int
+        Hz.
+    generator : numpy.random.Generator
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray, shape (n_samples,)
+    """
+    edges = [frequency - _SOURCE_BANDWIDTH / 2, frequency + _SOURCE_BANDWIDTH / 2]
+    band = firwin(1025, edges, pass_zero=False, fs=sample_rate)
+    return np.asarray(oaconvolve(generator.normal(size=n_samples), band, "same"))
+
+
 def received_signal(
     room: RoomResponses, source: int, frequency: float, generator: np.random.Generator
 ) -> NDArray[np.float32]:
@@ -140,9 +170,7 @@ def received_signal(
     responses = room.responses[room.source_ids.index(source)]
     history = responses.shape[1] - 1
     n_samples = round(room.duration * room.sample_rate)
-    edges = [frequency - _SOURCE_BANDWIDTH / 2, frequency + _SOURCE_BANDWIDTH / 2]
-    band = firwin(1025, edges, pass_zero=False, fs=room.sample_rate)
-    noise = oaconvolve(generator.normal(size=n_samples + history), band, "same")
+    noise = source_noise(n_samples + history, frequency, room.sample_rate, generator)
     received = np.empty((n_samples, SUB_ARRAY_ELEMENTS), np.float32)
     for sub_array in range(room.n_sub_arrays):
         start, stop = (round(t * room.sample_rate) for t in _dwell(sub_array))
@@ -219,9 +247,9 @@ def _truth_text(room: RoomResponses, sources: tuple[int, ...]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def evaluation_time(sub_array: int) -> float:
-    """Return the time at which the bearings at a sub-array are compared with the survey, s."""
-    return _dwell(sub_array)[1] - DWELL / 4
+def end_of_dwell(sub_array: int) -> float:
+    """Return the time at which the sub-array leaves a position, s."""
+    return _dwell(sub_array)[1]
 
 
 def _dwell(sub_array: int) -> tuple[float, float]:
