@@ -81,3 +81,14 @@ def test_emission_time_solves_the_equation_through_turns() -> None:
     emitted = emission_times(target, receivers, times, 340.0)
     distance = np.linalg.norm(target.state(emitted).position, axis=-1)
     np.testing.assert_allclose(340.0 * (times - emitted), distance, atol=1e-6)
+
+
+def test_emission_times_of_a_receiver_close_by_start_from_those_of_its_neighbour() -> None:
+    """Elements up to 30 m apart, a fast target in a turn at close range: still to rounding."""
+    target = Trajectory((300.0, 0.0), 0.0, 40.0, [Turn(5.0, 3.0, 0.3)])
+    times = np.linspace(0.0, 60.0, 400)
+    receivers = np.zeros((400, 2))
+    origin = emission_times(target, receivers, times, 1500.0)
+    near = emission_times(target, receivers + 21.0, times, 1500.0, near=origin)
+    exact = emission_times(target, receivers + 21.0, times, 1500.0)
+    np.testing.assert_allclose(near, exact, rtol=0, atol=1e-13)

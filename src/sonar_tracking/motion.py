@@ -155,6 +155,7 @@ def emission_times(
     receiver_positions: ArrayLike,
     reception_times: ArrayLike,
     sound_speed: float,
+    near: ArrayLike | None = None,
 ) -> FloatArray:
     """Return when the sound left the target that is received at the given instants.
 
@@ -171,6 +172,8 @@ def emission_times(
         s.
     sound_speed : float
         m/s.
+    near : array_like, shape (...), optional
+        Emission times for receivers some metres away, which save half of the steps, s.
 
     Returns
     -------
@@ -179,8 +182,8 @@ def emission_times(
     """
     receiver_positions = np.asarray(receiver_positions, dtype=np.float64)
     times = np.asarray(reception_times, dtype=np.float64)
-    delay = np.zeros_like(times)
-    for _ in range(NEWTON_STEPS):
+    delay = np.zeros_like(times) if near is None else times - np.asarray(near)
+    for _ in range(NEWTON_STEPS if near is None else NEWTON_STEPS // 2):
         state = target.state(times - delay)
         separation = state.position - receiver_positions
         distance = np.hypot(separation[..., 0], separation[..., 1])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 
@@ -27,6 +28,16 @@ def make_trajectory(
     turns: Sequence[TurnConfiguration],
 ) -> Trajectory:
     """Return the motion described by compass courses in degrees."""
+    return _trajectory(tuple(position), course_deg, speed, tuple(turns))
+
+
+@lru_cache(maxsize=32)
+def _trajectory(
+    position: tuple[float, ...],
+    course_deg: float,
+    speed: float,
+    turns: tuple[TurnConfiguration, ...],
+) -> Trajectory:
     return Trajectory(
         position,
         float(azimuth_from_compass(course_deg)),

@@ -50,8 +50,13 @@ def element_emission_times(
         [x * np.cos(axis) - y * np.sin(axis), x * np.sin(axis) + y * np.cos(axis)], axis=-1
     )
     received = np.broadcast_to(times[:, None], offset.shape[:-1])
+    at_origin = emission_times(motion.trajectory, array.position, times, receiver.sound_speed)
     return emission_times(
-        motion.trajectory, array.position[:, None] + offset, received, receiver.sound_speed
+        motion.trajectory,
+        array.position[:, None] + offset,
+        received,
+        receiver.sound_speed,
+        near=np.broadcast_to(at_origin[:, None], received.shape),
     )
 
 
