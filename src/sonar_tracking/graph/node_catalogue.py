@@ -18,6 +18,7 @@ from sonar_tracking.graph.node_configuration import (
     TmaInputConfiguration,
 )
 from sonar_tracking.graph.topics import (
+    ACTIVE_MARKERS,
     ACTIVE_THRESHOLD,
     ACTIVE_TRACKS,
     BEARING_TRACKS,
@@ -170,6 +171,7 @@ HPDA_TRACKER = NodeDescription(
     inputs=(CONTACTS,),
     optional_inputs=(ODOMETRY,),
     outputs=(ACTIVE_TRACKS, ACTIVE_THRESHOLD),
+    markers=(ACTIVE_MARKERS,),
 )
 
 BEARING_SIMULATOR = NodeDescription(
