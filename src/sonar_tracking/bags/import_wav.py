@@ -71,6 +71,8 @@ class ImportSummary:
         samples that are not numbers.
     seconds : float
         Length of the file, s.
+    plane_wave_range : float
+        Range beyond which the plane waves hold that bearings are made of, m.
     """
 
     output: Path
@@ -83,6 +85,7 @@ class ImportSummary:
     n_blocks: int
     dropped: tuple[str, ...]
     seconds: float
+    plane_wave_range: float
 
     def text(self) -> str:
         """Return the summary in words."""
@@ -91,6 +94,8 @@ class ImportSummary:
             f"{self.n_blocks} blocks, {self.snapshot_rate:.1f} a second, bandwidth "
             f"{self.bandwidth:g} Hz, from {self.seconds:.1f} s of {self.n_channels} channels at "
             f"{self.sample_rate:g} Hz.",
+            f"Bearings are made of plane waves: of sources beyond {self.plane_wave_range:.3g} m "
+            "(2 aperture^2 / wavelength).",
             *self.dropped,
         ]
         return "\n".join(lines)
@@ -161,6 +166,7 @@ def import_wav(
         n_blocks=n_blocks,
         dropped=tuple(dropped),
         seconds=wav.n_samples / wav.sample_rate,
+        plane_wave_range=2.0 * array.aperture**2 * frequency / array.sound_speed,
     )
 
 

@@ -13,6 +13,7 @@ from sonar_tracking.graph.position_conversions import truth_tracks_to_message
 from sonar_tracking.graph.simulator_node import SimulatorNode
 from sonar_tracking.graph.topics import ODOMETRY, SNAPSHOTS, TRUE_BEARING_TRACKS, TRUE_TRACKS
 from sonar_tracking.simulation.array_simulation import ArraySimulation
+from sonar_tracking.simulation.near_targets import near_target_notices
 from sonar_tracking.simulation.records import SimulatedBlock
 from sonar_tracking.simulation.scenario import Scenario
 
@@ -37,7 +38,9 @@ class ArraySimulator(SimulatorNode):
         return self._snapshots
 
     def data(self, scenario: Scenario) -> Iterator[SimulatedBlock]:
-        """Return the blocks of a scenario."""
+        """Return the blocks of a scenario; tell what targets are too near for plane waves."""
+        for notice in near_target_notices(scenario):
+            self.report("plane waves", notice.culprit, notice.severity, notice.text)
         return iter(ArraySimulation(scenario).next_block, None)
 
     def publish(self, datum: SimulatedBlock) -> None:
