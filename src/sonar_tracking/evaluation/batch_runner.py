@@ -72,7 +72,9 @@ class Workers:
     scheduler: str = ""
 
 
-def run_batches(runs: int, seed: int, part: int = 0) -> tuple[RunBatch, ...]:
+def run_batches(
+    runs: int, seed: int, part: int = 0, size: int = RUNS_PER_BATCH
+) -> tuple[RunBatch, ...]:
     """Cut ``runs`` into fixed batches with one seed sequence a run.
 
     Parameters
@@ -83,6 +85,8 @@ def run_batches(runs: int, seed: int, part: int = 0) -> tuple[RunBatch, ...]:
         Root of all randomness, at least 0.
     part : int
         Number of the part of the study; parts draw independent numbers.
+    size : int
+        Runs a batch; fixed in each study.
 
     Raises
     ------
@@ -95,8 +99,7 @@ def run_batches(runs: int, seed: int, part: int = 0) -> tuple[RunBatch, ...]:
         raise ConfigurationError(f"seed is {seed}; give a whole number of at least 0.")
     seeds = np.random.SeedSequence((seed, part)).spawn(runs)
     return tuple(
-        RunBatch(first, tuple(seeds[first : first + RUNS_PER_BATCH]))
-        for first in range(0, runs, RUNS_PER_BATCH)
+        RunBatch(first, tuple(seeds[first : first + size])) for first in range(0, runs, size)
     )
 
 

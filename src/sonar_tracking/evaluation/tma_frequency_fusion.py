@@ -61,6 +61,9 @@ FRAMES = (199, 249, 299, 349)
 
 BOUND = "bound"
 
+RUNS_PER_TASK, SCENES_PER_TASK = 100, 5
+"""Runs computed together: a frame of a hundred costs little more than one of twenty."""
+
 PUBLISHED = {
     PROPOSED: (102.0, 0.07, 7.3, 0.5),
     CHAN: (481.0, 0.17, 49.3, 2.7),
@@ -147,9 +150,9 @@ LAYOUTS = (
 
 def tasks(runs: int, seed: int) -> tuple[Task, ...]:
     """Return what the workers compute: every batch of every scenario, and the bounds."""
-    batches = run_batches(runs, seed)
+    batches = run_batches(runs, seed, size=RUNS_PER_TASK)
     paths = RunBatch(0, tuple(np.random.SeedSequence((seed, 1)).spawn(BOUND_PATHS)))
-    scenes = run_batches(max(1, runs // RUNS_PER_SCENE), seed, part=2)
+    scenes = run_batches(max(1, runs // RUNS_PER_SCENE), seed, part=2, size=SCENES_PER_TASK)
     return (
         *(Task(bound_of, SceneBatch(name, paths)) for name in SCENARIOS),
         *(Task(case_bound, SceneBatch(name, paths)) for name in CASES),

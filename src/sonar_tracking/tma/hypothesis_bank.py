@@ -17,7 +17,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sonar_tracking.filtering.kalman import symmetrised
 from sonar_tracking.tma.measurement_model import LinearisedRows, range_rate
 from sonar_tracking.tma.records import KINEMATIC, BoolArray, FloatArray, TmaMeasurement
 
@@ -156,7 +155,10 @@ def innovation_covariance(bank: HypothesisBank, rows: LinearisedRows) -> FloatAr
 def update_bank(
     bank: HypothesisBank, rows: LinearisedRows, log_penalty: FloatArray
 ) -> HypothesisBank:
-    """Return the bank after the rows, each component by Joseph's form, weights by likelihood.
+    """Return the bank after the rows, weights by likelihood.
+
+    The rows' errors are independent, so that they are taken in one after the other: the same
+    result as all at once, without solving a system of equations in every component.
 
     Parameters
     ----------
@@ -167,24 +169,27 @@ def update_bank(
     log_penalty : ndarray, shape (..., n_components)
         Log likelihood of measurements that a component left out.
     """
-    derivative = rows.derivative
-    cross = bank.covariance @ np.swapaxes(derivative, -1, -2)
-    spread = derivative @ cross
-    index = np.arange(rows.variance.shape[-1])
-    spread[..., index, index] += rows.variance
-    joined = np.concatenate([np.swapaxes(cross, -1, -2), rows.innovation[..., None]], axis=-1)
-    solved = np.linalg.solve(spread, joined)
-    gain = np.swapaxes(solved[..., :-1], -1, -2)
-    mean = bank.mean + (gain @ rows.innovation[..., None])[..., 0]
-    remaining = np.eye(bank.mean.shape[-1]) - gain @ derivative
-    covariance = remaining @ bank.covariance @ np.swapaxes(remaining, -1, -2)
-    covariance += (gain * rows.variance[..., None, :]) @ np.swapaxes(gain, -1, -2)
-    squared = np.sum(rows.innovation * solved[..., -1], axis=-1)
+    covariance = bank.covariance.copy()
+    shift = np.zeros_like(bank.mean)
+    taken = np.empty_like(covariance)
+    squared, log_spread = np.zeros(bank.log_weight.shape), np.zeros(bank.log_weight.shape)
+    n_rows = rows.variance.shape[-1]
+    for row in np.flatnonzero(np.any(rows.present.reshape(-1, n_rows), axis=0)):
+        derivative = rows.derivative[..., row, :]
+        cross = (covariance @ derivative[..., None])[..., 0]
+        spread = np.einsum("...n,...n->...", derivative, cross) + rows.variance[..., row]
+        left = rows.innovation[..., row] - np.einsum("...n,...n->...", derivative, shift)
+        # A row that a component does not have has derivative 0, innovation 0 and variance 1.
+        scaled = cross / np.sqrt(spread)[..., None]
+        shift += scaled * (left / np.sqrt(spread))[..., None]
+        np.multiply(scaled[..., :, None], scaled[..., None, :], out=taken)
+        covariance -= taken
+        squared += left**2 / spread
+        log_spread += np.log(spread)
     constant = np.log(2.0 * np.pi) * np.sum(rows.present, axis=-1)
-    likelihood = -0.5 * (squared + np.linalg.slogdet(spread)[1] + constant)
-    weight = bank.log_weight + likelihood + log_penalty
+    weight = bank.log_weight - 0.5 * (squared + log_spread + constant) + log_penalty
     weight = weight - np.logaddexp.reduce(weight, axis=-1)[..., None]
-    return replace(bank, mean=mean, covariance=symmetrised(covariance), log_weight=weight)
+    return replace(bank, mean=bank.mean + shift, covariance=covariance, log_weight=weight)
 
 
 def mixture_moments(bank: HypothesisBank) -> tuple[FloatArray, FloatArray]:

@@ -143,11 +143,13 @@ class RangeBank:
         state = self._started_again(state, measurement, lost)
         predicted = self._predicted(state, measurement)
         rows = rows_of(predicted, measurement)
-        windows, changes = _watched(state.windows, predicted, rows)
-        predicted = self._loosened(predicted, changes.manoeuvre)
-        predicted = seed_lines(predicted, measurement, changes.reborn)
-        rows = rows_of(predicted, measurement)
         variance = innovation_variance(predicted, rows)
+        windows, changes = _watched(state.windows, predicted, rows, variance)
+        if np.any(changes.manoeuvre) or np.any(changes.reborn):
+            predicted = self._loosened(predicted, changes.manoeuvre)
+            predicted = seed_lines(predicted, measurement, changes.reborn)
+            rows = rows_of(predicted, measurement)
+            variance = innovation_variance(predicted, rows)
         refused = rows.present[..., 0]
         rows, penalty = gate_rows(rows, variance, self._configuration.gate)
         refused = np.all(refused & ~rows.present[..., 0], axis=-1)
@@ -201,8 +203,6 @@ class RangeBank:
 
     def _loosened(self, bank: HypothesisBank, manoeuvre: BoolArray) -> HypothesisBank:
         """Let the motion go where a manoeuvre is found: it began some time ago."""
-        if not np.any(manoeuvre):
-            return bank
         lag = self._configuration.manoeuvre_lag
         variance = np.where(manoeuvre, self._configuration.manoeuvre_speed**2, 0.0)[..., None]
         covariance = bank.covariance.copy()
@@ -215,11 +215,14 @@ class RangeBank:
 
 
 def _watched(
-    windows: InnovationWindows, bank: HypothesisBank, rows: LinearisedRows
+    windows: InnovationWindows,
+    bank: HypothesisBank,
+    rows: LinearisedRows,
+    variance: FloatArray,
 ) -> tuple[InnovationWindows, Changes]:
     """Show the innovations, averaged over the hypotheses, to the monitor."""
     weight = np.exp(bank.log_weight)[..., None]
-    normalised = rows.innovation / np.sqrt(innovation_variance(bank, rows))
+    normalised = rows.innovation / np.sqrt(variance)
     normalised = np.delete(np.sum(weight * normalised, axis=-2), ROW_ELEVATION, axis=-1)
     present = np.delete(np.any(rows.present, axis=-2), ROW_ELEVATION, axis=-1)
     extended = extend_windows(windows, normalised, present)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from sonar_tracking.motion import wrap_angle
+from sonar_tracking.passive.records import NANOSECONDS
 from sonar_tracking.tma.hypothesis_bank import (
     HypothesisBank,
-    innovation_covariance,
     mixture_moments,
     predict_bank,
     seed_lines,
@@ -26,8 +26,6 @@ from sonar_tracking.tma.records import (
     TmaEstimate,
     TmaMeasurement,
 )
-
-NANOSECONDS = 1e9
 
 
 def elapsed(previous_stamp: int, stamp: int) -> float:
@@ -107,7 +105,8 @@ def extended_step(
 
 def innovation_variance(bank: HypothesisBank, rows: LinearisedRows) -> FloatArray:
     """Return the variance of each innovation, shape (..., n_components, n_rows)."""
-    return np.diagonal(innovation_covariance(bank, rows), axis1=-2, axis2=-1)
+    spread = rows.derivative @ bank.covariance
+    return np.einsum("...rn,...rn->...r", spread, rows.derivative) + rows.variance
 
 
 def estimate_of(
