@@ -7,6 +7,12 @@ import numpy as np
 import pytest
 
 from sonar_tracking.evaluation import bench
+from sonar_tracking.evaluation.bench_contacts import (
+    GATED_PEER,
+    PEER,
+    SIDE_BY_SIDE,
+    measure_side_by_side,
+)
 from sonar_tracking.evaluation.bench_peers import (
     eigenvectors_each_period,
     eigenvectors_each_snapshot,
@@ -49,12 +55,23 @@ def test_figures_of_every_method_and_size_are_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(bench, "SIZES", ((6, 2), (8, 3)))
+    monkeypatch.setattr(bench, "CLUTTER", (10,))
+    monkeypatch.setattr(bench, "PEER_PINGS", 3)
     study = bench.run_bench(tmp_path / "bench.json")
     content = json.loads((tmp_path / "bench.json").read_text())
     assert content["study"] == "bench"
-    assert {row["condition"] for row in content["rows"]} == {"M 6, N 2", "M 8, N 3"}
+    expected = {"M 6, N 2", "M 8, N 3", "clutter 10 a ping"}
+    assert {row["condition"] for row in content["rows"]} - {SIDE_BY_SIDE} == expected
     assert all(value > 0 for row in content["rows"] for value in row["metrics"].values())
     assert study.row(bench.PEER, "M 6, N 2").metrics["speed_over_textbook"] == 1.0
     trackers = {row.system for row in study.rows if "milliseconds_per_period" in row.metrics}
     assert trackers == set(bench.TRACKERS)
     assert "snapshots/s" in capsys.readouterr().out
+
+
+def test_stone_soup_tracks_as_well_from_the_same_contacts() -> None:
+    rows = {row.system: row.metrics for row in measure_side_by_side(15)}
+    if not rows:
+        pytest.skip("Stone Soup is not installed; ./scripts/test.sh installs it")
+    assert rows[PEER]["ospa_m"] == pytest.approx(rows[GATED_PEER]["ospa_m"], abs=1e-6)
+    assert rows["integrated"]["ospa_m"] < 1.1 * rows[PEER]["ospa_m"]

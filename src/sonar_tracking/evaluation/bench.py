@@ -1,4 +1,4 @@
-"""Speed of subspace tracking and bearing tracking, side by side with plain codings.
+"""Speed of subspace, bearing and contact tracking, side by side with plain codings and peers.
 
 Everything is measured on one core in one run, since figures from different runs or machines cannot
 be compared. A subspace figure is the best of several repetitions over the same data: other work on
@@ -16,6 +16,13 @@ from typing import Any
 import numpy as np
 
 from sonar_tracking.evaluation.batch_runner import Task, Workers, compute
+from sonar_tracking.evaluation.bench_contacts import (
+    CLUTTER,
+    CONTACT_LAYOUTS,
+    PEER_PINGS,
+    measure_clutter,
+    measure_side_by_side,
+)
 from sonar_tracking.evaluation.bench_peers import (
     eigenvectors_each_period,
     eigenvectors_each_snapshot,
@@ -96,20 +103,24 @@ def run_bench(json: Path | None = None) -> Study:
     Returns
     -------
     Study
-        One row a method and array size.
+        One row a method and array size, or amount of clutter.
     """
     from rich.console import Console
     from rich.progress import Progress
 
     console = Console()
     started = time.perf_counter()
-    tasks = [Task(measure_size, size) for size in SIZES]
+    tasks = [
+        *(Task(measure_size, size) for size in SIZES),
+        *(Task(measure_clutter, clutter) for clutter in CLUTTER),
+        Task(measure_side_by_side, PEER_PINGS),
+    ]
     with Progress(console=console, transient=True) as progress:
         bar = progress.add_task("bench", total=len(tasks))
         results = compute(tasks, Workers(1), lambda: progress.advance(bar))
     rows = tuple(row for part in results for row in part)
     study = Study("bench", REPETITIONS, SEED, time.perf_counter() - started, rows)
-    print_study(study, LAYOUTS, console)
+    print_study(study, (*LAYOUTS, *CONTACT_LAYOUTS), console)
     if json is not None:
         write_json((study,), Path(json))
     return study
