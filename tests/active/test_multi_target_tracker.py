@@ -188,3 +188,21 @@ def test_a_sector_is_no_full_circle() -> None:
         replace(contacts, clutter_density=np.nan), ContactTrackerConfiguration()
     )
     assert counted.expected_clutter() == pytest.approx(len(contacts.range))
+
+
+@pytest.mark.parametrize("method", WITH_EXISTENCE)
+def test_what_is_shown_stays_until_its_end_is_told_once(method: str) -> None:
+    """Tentative tracks as well: nobody has to guess what became of one."""
+    generator = np.random.default_rng(26)
+    tracker = start(method, tentative_probability=0.01)
+    shown: set[int] = set()
+    ended: set[int] = set()
+    for number in range(60):
+        tracks = tracker.update(ping(number, generator, clutter=60)).tracks
+        listed = {int(name) for name in tracks.id}
+        assert shown <= listed
+        assert not ended & listed
+        gone = {int(name) for name in tracks.id[tracks.status == TrackStatus.TERMINATED]}
+        ended |= gone
+        shown = listed - gone
+    assert len(ended) > 3

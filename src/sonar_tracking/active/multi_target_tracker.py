@@ -67,6 +67,7 @@ from sonar_tracking.active.track_management import (
     surviving,
 )
 from sonar_tracking.errors import Notice
+from sonar_tracking.passive.records import TrackStatus
 
 FloatArray = NDArray[np.float64]
 
@@ -113,6 +114,7 @@ class MultiTargetTracker:
         self._particles = ParticleTracks(configuration)
         self._clutter = ClutterMonitor()
         self._next_id = configuration.first_id
+        self._shown = np.zeros(0, dtype=np.int64)
         self._last: PingOrigin | None = None
 
     @property
@@ -179,7 +181,7 @@ class MultiTargetTracker:
         model = self._configuration
         nowhere = np.zeros(len(bank))
         alive = surviving(bank, nowhere, np.inf, model.detection_probability, model)
-        listed = ListedTracks(bank, alive, bank.confirmed, detected=nowhere)
+        listed = ListedTracks(bank, alive, self._was_shown(bank), detected=nowhere)
         self._bank = bank.selected(alive)
         self._last = self._last and self._last.moved_to(stamp)
         self._particles.keep(self._bank)
@@ -189,6 +191,7 @@ class MultiTargetTracker:
         self, listed: ListedTracks, thresholds: GateThresholds, notices: tuple[Notice, ...]
     ) -> ContactTrackerUpdate:
         rows = list_tracks(listed, self._configuration.tentative_probability)
+        self._shown = rows.id[rows.status != TrackStatus.TERMINATED]
         return ContactTrackerUpdate(
             tracks=shown_tracks(rows, thresholds.stamp, thresholds.next_stamp),
             target_count=float(np.count_nonzero(self._bank.confirmed)),
@@ -250,10 +253,10 @@ class MultiTargetTracker:
     def _managed(
         self, bank: TrackBank, pairs: GatePairs, association: BankAssociation, ping: _Ping
     ) -> ListedTracks:
-        detected, was_confirmed = association.detected, bank.confirmed
+        detected = association.detected
         bank = replace(
             bank,
-            confirmed=was_confirmed
+            confirmed=bank.confirmed
             | (bank.existence >= self._configuration.confirmation_probability),
             updated=np.where(detected > 0.5, ping.stamp, bank.updated),
         )
@@ -264,7 +267,10 @@ class MultiTargetTracker:
             bank, distance, model.maximum_range, model.detection_probability, self._configuration
         )
         alive &= ~duplicates(bank, pairs, association.weights)
-        return ListedTracks(bank, alive, was_confirmed, detected)
+        return ListedTracks(bank, alive, self._was_shown(bank), detected)
+
+    def _was_shown(self, bank: TrackBank) -> NDArray[np.bool_]:
+        return np.isin(bank.id, self._shown)
 
     def _with_candidates(
         self, bank: TrackBank, ping: _Ping, applied: AppliedThresholds, claimed: FloatArray

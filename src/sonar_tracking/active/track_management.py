@@ -165,20 +165,22 @@ class ListedTracks:
         After the update, before tracks were removed.
     alive : ndarray of bool, shape (n,)
         Tracks that go on.
-    was_confirmed : ndarray of bool, shape (n,)
-        Confirmed already at the ping before.
+    was_shown : ndarray of bool, shape (n,)
+        Shown at the ping before.
     detected : ndarray, shape (n,)
         Probability that a contact was the track's.
     """
 
     bank: TrackBank
     alive: BoolArray
-    was_confirmed: BoolArray
+    was_shown: BoolArray
     detected: FloatArray
 
 
 def list_tracks(listed: ListedTracks, tentative_probability: float) -> TrackRows:
     """Return the complete picture: confirmed tracks, likely candidates, and what has ended.
+
+    What has been shown once is shown until it ends, which is told once.
 
     Parameters
     ----------
@@ -193,7 +195,7 @@ def list_tracks(listed: ListedTracks, tentative_probability: float) -> TrackRows
     status[bank.confirmed & (listed.detected < 0.5)] = TrackStatus.COASTED
     status[~listed.alive] = TrackStatus.TERMINATED
     likely = bank.confirmed | (bank.existence >= tentative_probability)
-    rows = np.flatnonzero((listed.alive & likely) | (listed.was_confirmed & ~listed.alive))
+    rows = np.flatnonzero(listed.was_shown | (listed.alive & likely))
     mean, covariance = bank.moments()
     return TrackRows(
         id=bank.id[rows],
