@@ -8,18 +8,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from sonar_tracking.active.contact_defaults import ContactDefaultsConfiguration, with_defaults
 from sonar_tracking.active.contact_tracker import make_contact_tracker
 from sonar_tracking.active.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.active.records import ContactTrackerUpdate
 from sonar_tracking.evaluation.offline_chain import stage_configuration
 from sonar_tracking.evaluation.position_score import PositionScore, score_position_tracks
-from sonar_tracking.passive.records import TrackStatus
-from sonar_tracking.position_tracks import PositionTracks, TrackSource
+from sonar_tracking.evaluation.position_truth import truth_as_tracks
 from sonar_tracking.simulation.active_sonar_simulation import ActiveSonarSimulation, ReceivedPing
-from sonar_tracking.simulation.records import TruthTracks
 from sonar_tracking.simulation.scenario import Scenario
 
 TRACKER = "hpda_tracker"
@@ -42,7 +38,7 @@ class OfflineActiveRun:
 
     def score(self) -> PositionScore:
         """Return the score of the tracks against the truth."""
-        truth = [_as_tracks(ping.truth_tracks) for ping in self.pings]
+        truth = [truth_as_tracks(ping.truth_tracks) for ping in self.pings]
         return score_position_tracks(truth, [update.tracks for update in self.updates])
 
 
@@ -66,15 +62,3 @@ def run_offline_active_chain(scenario: Scenario) -> OfflineActiveRun:
     pings = tuple(ActiveSonarSimulation(scenario))
     updates = tuple(tracker.update(with_defaults(ping.contacts, defaults)) for ping in pings)
     return OfflineActiveRun(pings, updates)
-
-
-def _as_tracks(truth: TruthTracks) -> PositionTracks:
-    count = len(truth.id)
-    return PositionTracks(
-        stamp=truth.stamp,
-        id=truth.id,
-        status=np.full(count, TrackStatus.CONFIRMED, np.uint8),
-        source=np.full(count, TrackSource.TRUTH, np.uint8),
-        state=np.hstack([truth.position, truth.velocity]),
-        next_stamp=truth.next_stamp,
-    )

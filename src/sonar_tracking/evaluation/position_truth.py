@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sonar_tracking.evaluation.truth_samples import TruthSamples
-from sonar_tracking.position_tracks import PositionTracks
+from sonar_tracking.passive.records import TrackStatus
+from sonar_tracking.position_tracks import PositionTracks, TrackSource
+from sonar_tracking.simulation.records import TruthTracks
 
 FloatArray = NDArray[np.float64]
 
@@ -88,3 +90,22 @@ def _between(before: PositionTracks, after: PositionTracks, stamp: int) -> TrueP
     shift = share * change + np.where(known, share * (1.0 - share) * bend, 0.0)
     velocity = (change + np.where(known, slope, 0.0)) / duration
     return TruePositions(identifiers, np.concatenate([start[:, :2] + shift, velocity], axis=-1))
+
+
+def truth_as_tracks(truth: TruthTracks) -> PositionTracks:
+    """Return the truth of a simulation as position tracks.
+
+    Parameters
+    ----------
+    truth : TruthTracks
+        At one instant.
+    """
+    count = len(truth.id)
+    return PositionTracks(
+        stamp=truth.stamp,
+        id=truth.id,
+        status=np.full(count, TrackStatus.CONFIRMED, np.uint8),
+        source=np.full(count, TrackSource.TRUTH, np.uint8),
+        state=np.hstack([truth.position, truth.velocity]),
+        next_stamp=truth.next_stamp,
+    )

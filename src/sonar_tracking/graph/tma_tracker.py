@@ -39,7 +39,7 @@ from sonar_tracking.tma.tma_tracker_stage import TmaTrackerStage
 class TmaTracker(SonarNode):
     """Shell around :class:`sonar_tracking.tma.tma_tracker_stage.TmaTrackerStage`.
 
-    Bearings and lines of one stamp are one frame, whatever stations they are of; every frame with
+    Bearings and lines of one stamp are one frame, in the order of the topics; every frame with
     bearings, usable or not, gives exactly one list. Odometry is waited for only where the data do
     not tell where their sensor is. A message that cannot be read does not spoil the frame: tracks
     of its station are predicted.
@@ -51,7 +51,8 @@ class TmaTracker(SonarNode):
         inputs = self.configuration(TmaInputConfiguration)
         bearings = [replace(BEARING_TRACKS, name=name) for name in inputs.bearing_topics if name]
         lines = [replace(FREQUENCY_LINES, name=name) for name in inputs.line_topics if name]
-        self._bearings = {topic.name for topic in bearings}
+        self._bearings = [topic.name for topic in bearings]
+        self._lines = [topic.name for topic in lines]
         self._stage = TmaTrackerStage(self._configuration, len(bearings))
         self._published = 0
         self._tracks = self.data_publisher(PASSIVE_TRACKS)
@@ -85,8 +86,8 @@ class TmaTracker(SonarNode):
         own_ship = item.series[ODOMETRY.name]
         frame = PassiveFrame(
             stamp=item.stamp,
-            bearings=tuple(usable[topic] for topic in sorted(usable) if topic in self._bearings),
-            lines=tuple(usable[topic] for topic in sorted(usable) if topic not in self._bearings),
+            bearings=tuple(usable[topic] for topic in self._bearings if topic in usable),
+            lines=tuple(usable[topic] for topic in self._lines if topic in usable),
             own_ship=None if own_ship is None else motion_in_map(own_ship),
             unusable=tuple(unusable),
         )

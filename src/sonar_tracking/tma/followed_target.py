@@ -83,9 +83,10 @@ class FollowedTarget:
         self, solution: TargetSolution, stamp: int, configuration: TmaTrackerConfiguration
     ) -> TrackStatus:
         """Return what a row of the track list says of itself at a stamp."""
-        if stamp - self.updated > configuration.coasted_after * NANOSECONDS or not self.members:
-            return TrackStatus.COASTED
         sure = self.confirmed and solution.probability > SIDE_PROBABILITY
+        late = stamp - self.updated > configuration.coasted_after * NANOSECONDS
+        if sure and (late or not self.members):
+            return TrackStatus.COASTED
         return TrackStatus.CONFIRMED if sure else TrackStatus.TENTATIVE
 
     def judge(self, configuration: TmaTrackerConfiguration) -> None:

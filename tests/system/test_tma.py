@@ -1,0 +1,47 @@
+"""``sonar-tracking run tma``: recorded, replayed and computed offline, all is the same."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sonar_tracking.bags.bag_records import position_tracks_of
+from sonar_tracking.bags.reader import read_bag
+from sonar_tracking.evaluation.offline_tma_chain import run_offline_tma_chain
+from sonar_tracking.simulation.scenario import load_scenario
+from tests.system.command_line import digests, report_of, run_command
+
+TRACKS = "/passive/tracks"
+
+
+@pytest.mark.parametrize("name", ["tma", "cross_fix"])
+def test_a_scenario_of_bearings_and_lines_runs_and_replays_identically(
+    tmp_path: Path, name: str
+) -> None:
+    bag = tmp_path / "bag"
+    done = run_command(
+        tmp_path, "run", name, "--rate", "max", "--record", bag, "--json", tmp_path / "run.json",
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout
+    live = report_of(tmp_path / "run.json")
+
+    done = run_command(tmp_path, "replay", bag, "--rate", "max", "--json", tmp_path / "replay.json")
+    assert done.returncode == 0, done.stdout
+    replayed = report_of(tmp_path / "replay.json")
+    assert replayed["comparison"][TRACKS].startswith("identical: ")
+    assert digests(replayed) == {topic: digests(live)[topic] for topic in digests(replayed)}
+
+    offline = run_offline_tma_chain(load_scenario(name))
+    recorded = list(position_tracks_of(read_bag(bag), TRACKS))
+    for found, expected in zip(recorded, offline.tracks, strict=True):
+        assert (found.stamp, found.next_stamp) == (expected.stamp, expected.next_stamp)
+        assert np.array_equal(found.id, expected.id)
+        assert np.array_equal(found.state, expected.state)
+        assert np.array_equal(found.covariance, expected.covariance)
+
+    score = live["score"]["positions"][TRACKS]
+    assert score["targets"] == 3
+    assert score["targets_never_held"] == 0
+    assert score["rmse_m"] < 100.0
