@@ -43,6 +43,7 @@ def given(**changes: object) -> BearingTrackerConfiguration:
         "initial_bearings_deg": tuple(np.rad2deg(crossing_angles(0.0))),
         "initial_rates_deg": tuple(np.rad2deg(crossing_rates(0.0))),
         "process_noise_deg2": 0.01,
+        "steady_process_noise_deg2": 0.01,
     }
     return BearingTrackerConfiguration(**{**values, **changes})  # type: ignore[arg-type]
 

@@ -109,4 +109,5 @@ def _tracker(scenario: Scenario) -> BearingTrackerConfiguration:
         initial_angle_variance_deg2=INITIAL_ANGLE_VARIANCE_DEG2,
         initial_rate_variance_deg2=INITIAL_RATE_VARIANCE_DEG2,
         process_noise_deg2=PROCESS_NOISE_DEG2,
+        steady_process_noise_deg2=PROCESS_NOISE_DEG2,
     )

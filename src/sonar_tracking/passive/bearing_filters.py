@@ -7,7 +7,7 @@ What the stage sees are targets with angle and rate each, ``KalmanState`` of sha
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,8 @@ from sonar_tracking.passive.bearing_measurement import BearingMeasurement
 from sonar_tracking.passive.records import SubspaceEstimates
 
 ComplexArray = NDArray[np.complex128]
+
+FilterState = TypeVar("FilterState", bound=KalmanState)
 
 
 @dataclass(frozen=True)
@@ -39,28 +41,28 @@ class FilterUpdate:
     notices: tuple[Notice, ...] = ()
 
 
-class BearingFilters(Protocol):
-    """The filters of all targets."""
+class BearingFilters(Protocol[FilterState]):
+    """The filters of all targets, whose state may be more than angles and rates."""
 
-    def started(self, targets: KalmanState) -> KalmanState:
+    def started(self, targets: KalmanState) -> FilterState:
         """Return the filters of uncorrelated targets, shapes (..., n, 2) and (..., n, 2, 2)."""
         ...
 
-    def extended(self, filters: KalmanState, targets: KalmanState) -> KalmanState:
+    def extended(self, filters: FilterState, targets: KalmanState) -> FilterState:
         """Return the filters with more targets, uncorrelated with those there are."""
         ...
 
-    def kept(self, filters: KalmanState, rows: NDArray[np.intp]) -> KalmanState:
+    def kept(self, filters: FilterState, rows: NDArray[np.intp]) -> FilterState:
         """Return the filters of some of the targets, by their rows."""
         ...
 
-    def predicted(self, filters: KalmanState, interval: float) -> KalmanState:
+    def predicted(self, filters: FilterState, interval: float) -> FilterState:
         """Return the filters after an interval in s."""
         ...
 
     def updated(
         self,
-        filters: KalmanState,
+        filters: FilterState,
         estimates: SubspaceEstimates,
         sources: ComplexArray | None,
     ) -> FilterUpdate:
@@ -77,6 +79,6 @@ class BearingFilters(Protocol):
         """
         ...
 
-    def targets(self, filters: KalmanState) -> KalmanState:
+    def targets(self, filters: FilterState) -> KalmanState:
         """Return angle and rate of each target, shapes (..., n, 2) and (..., n, 2, 2)."""
         ...

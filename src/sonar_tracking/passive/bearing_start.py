@@ -5,34 +5,28 @@ are joined by a least-cost assignment, first at the fastest rate that is looked 
 the line through those joined already. Four joined bearings start a track: a least-squares line
 gives its angle and rate (tracks started with rate zero are lost), and the covariance of the line
 plus the process noise of its duration is its first covariance. Only covariances that share no
-snapshots are used. A peak nearer than half a beamwidth to a track belongs to that track.
+snapshots are used.
 
 How many tracks there may be is either the number of columns of the subspace, or, where the tracker
-measures in the block covariance, the number of sources counted in each one. MUSIC then uses the
-smoothed covariance where the count exceeds the rank, so that coherent sources are found too.
+measures in the block covariance, the number of sources counted in each one and in the means of the
+last ones, where weak sources show. MUSIC then uses the smoothed covariance where the count exceeds
+the rank, so that coherent sources are found too.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from sonar_tracking.filtering.constant_velocity import process_noise_matrix
-from sonar_tracking.geometry import beamwidth, is_uniform_line, wavenumber
-from sonar_tracking.passive.bearing_measurement import estimated_sources, fisher_variance
-from sonar_tracking.passive.music import music_bearings
+from sonar_tracking.passive.new_bearings import new_bearings
+from sonar_tracking.passive.recent_covariances import RecentCovariances
 from sonar_tracking.passive.records import SubspaceEstimates
-from sonar_tracking.passive.source_number import (
-    counting_snapshots,
-    forward_backward_smoothed,
-    smoothed_size,
-)
 
 FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 POINTS_TO_START = 4
 """Joined bearings that start a track."""
@@ -123,6 +117,8 @@ class BearingStart:
     follows_count : bool
         Whether the sources counted in each covariance, and not the columns of the subspace, limit
         the number of tracks.
+    recent : RecentCovariances
+        Where weak sources are counted.
     """
 
     process_noise: float
@@ -131,6 +127,7 @@ class BearingStart:
     tentative: tuple[TentativeTrack, ...] = ()
     last_covariance: int | None = None
     follows_count: bool = False
+    recent: RecentCovariances = field(default_factory=RecentCovariances)
 
     def update(
         self, estimates: SubspaceEstimates, tracked_angles: FloatArray, n_seen: int | None = None
@@ -146,12 +143,11 @@ class BearingStart:
         n_seen : int, optional
             How many of them have a source in this covariance; all if not given.
         """
-        n_sources = _number_of_sources(estimates, self.follows_count, self.maximum_rate)
-        wanted = n_sources - (len(tracked_angles) if n_seen is None else n_seen)
-        wanted = min(wanted, len(estimates.element_positions) - 1 - len(tracked_angles))
         if estimates.covariance is None:
             return self, ()
-        if wanted <= 0 and not self.follows_count:
+        n_running = len(tracked_angles)
+        n_seen = n_running if n_seen is None else n_seen
+        if not self.follows_count and estimates.basis.shape[-1] <= n_seen:
             return replace(self, tentative=()), ()
         middle = estimates.stamp + round(estimates.covariance_time_offset * 1e9)
         duration = estimates.covariance_snapshots * estimates.sample_period
@@ -159,10 +155,15 @@ class BearingStart:
         if last is not None and (middle - last) * 1e-9 < 0.999 * duration:
             # Shared snapshots would make the bearings look more certain than they are.
             return self, ()
+        recent = self.recent
+        if self.follows_count:
+            recent = recent.with_newest(middle, estimates.covariance)
+        n_sources = self._n_sources(estimates, recent)
+        wanted = min(n_sources - n_seen, len(estimates.element_positions) - 1 - n_running)
         angles, variances = np.empty(0), np.empty(0)
         if wanted > 0:
             smooth = self.follows_count and 0 <= estimates.rank < n_sources
-            angles, variances = _resolved_bearings(
+            angles, variances = new_bearings(
                 estimates, estimates.covariance, n_sources, tracked_angles, smooth
             )
         joined = self._joined(middle, angles, variances)
@@ -171,8 +172,18 @@ class BearingStart:
         started = tuple(self._started(track, estimates.stamp) for track in ready)
         tentative = tuple(track for track in joined if track not in ready)
         next_id = max([self.next_id, *(track.id + 1 for track in joined)])
-        left = replace(self, tentative=tentative, next_id=next_id, last_covariance=middle)
+        left = replace(
+            self, tentative=tentative, next_id=next_id, last_covariance=middle, recent=recent
+        )
         return left, started
+
+    def _n_sources(self, estimates: SubspaceEstimates, recent: RecentCovariances) -> int:
+        """Return how many sources MUSIC is to look for."""
+        if not self.follows_count:
+            return estimates.basis.shape[-1]
+        count = estimates.source_count if estimates.source_count >= 0 else estimates.rank
+        count = max(count, recent.n_sources(estimates, self.maximum_rate))
+        return min(count, len(estimates.element_positions) - 1)
 
     def _joined(
         self, middle: int, angles: FloatArray, variances: FloatArray
@@ -227,50 +238,3 @@ def _extended(track: TentativeTrack, middle: int, angle: float, variance: float)
         variances=(*track.variances, float(variance)),
         misses=0,
     )
-
-
-def _number_of_sources(
-    estimates: SubspaceEstimates, follows_count: bool, maximum_rate: float
-) -> int:
-    """Return how many sources MUSIC is to look for.
-
-    The rank of the whole array sees weaker sources than the smoothed count does, but strong moving
-    ones twice: it is believed only where all are too weak for that.
-    """
-    if not follows_count:
-        return estimates.basis.shape[-1]
-    positions, snapshots = estimates.element_positions, estimates.covariance_snapshots
-    count = estimates.source_count if estimates.source_count >= 0 else estimates.rank
-    if estimates.rank > count and estimates.eigenvalues.size:
-        number = wavenumber(estimates.center_frequency, estimates.sound_speed)
-        turn = maximum_rate * estimates.sample_period
-        still = counting_snapshots(estimates.eigenvalues, snapshots, positions, number, turn)
-        count = estimates.rank if still == snapshots else count
-    return min(count, len(positions) - 1)
-
-
-def _resolved_bearings(
-    estimates: SubspaceEstimates,
-    covariance: ComplexArray,
-    n_sources: int,
-    tracked_angles: FloatArray,
-    smooth: bool,
-) -> tuple[FloatArray, FloatArray]:
-    """Return the MUSIC bearings that belong to no track yet, and their variances."""
-    positions = estimates.element_positions
-    number = wavenumber(estimates.center_frequency, estimates.sound_speed)
-    seen, noise, used = covariance, estimates.noise_covariance, positions
-    size = smoothed_size(len(positions), estimates.covariance_snapshots)
-    if smooth and n_sources < size and is_uniform_line(positions):
-        # Coherent sources: their rank is restored by smoothing.
-        seen, used = forward_backward_smoothed(covariance, size), positions[:size]
-        noise = None if noise is None else forward_backward_smoothed(noise, size)
-    angles = music_bearings(seen, n_sources, used, number, noise)
-    still = np.zeros_like(angles)
-    sources = estimated_sources(replace(estimates, covariance_time_offset=0.0), angles, still)
-    variances = fisher_variance(estimates, angles, sources, float(estimates.covariance_snapshots))
-    if len(angles) == 0 or sources is None:
-        return np.empty(0), np.empty(0)
-    apart = np.abs(np.sin(angles)[:, None] - np.sin(tracked_angles)[None, :])
-    free = (apart > 0.5 * beamwidth(positions, number)).all(axis=1)
-    return angles[free], variances[free]

@@ -62,7 +62,17 @@ class BearingTrackerConfiguration:
         minimum=1e-3,
     )
     process_noise_deg2: float = parameter(
-        0.01, "Spectral density q of the bearing acceleration", unit="deg^2/s^3", minimum=0.0
+        0.1,
+        "Spectral density q of the bearing acceleration; of joint_map while a bearing turns",
+        unit="deg^2/s^3",
+        minimum=0.0,
+    )
+    steady_process_noise_deg2: float = parameter(
+        0.0001,
+        "The same while the innovations of a bearing show no turn, so that slow crossings keep "
+        "their names; with process_noise_deg2 or more q is constant (joint_map)",
+        unit="deg^2/s^3",
+        minimum=0.0,
     )
     measurement_variance_deg2: float = parameter(
         0.0,
@@ -98,6 +108,12 @@ class BearingTrackerConfiguration:
     def process_noise_density(self) -> float:
         """Spectral density q in rad^2/s^3."""
         return self.process_noise_deg2 * SQUARE_DEGREE
+
+    @property
+    def steady_process_noise_density(self) -> float:
+        """Spectral density while the bearing moves steadily, rad^2/s^3."""
+        steady = min(self.steady_process_noise_deg2, self.process_noise_deg2)
+        return steady * SQUARE_DEGREE
 
     @property
     def ends_tracks(self) -> bool:

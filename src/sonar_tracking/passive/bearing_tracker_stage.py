@@ -11,6 +11,7 @@ cannot distinguish theta from pi - theta.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,7 +86,7 @@ class _TrackerState:
     start: BearingStart
     existence: FloatArray
 
-    def kept(self, filters: BearingFilters, rows: NDArray[np.intp]) -> _TrackerState:
+    def kept(self, filters: BearingFilters[Any], rows: NDArray[np.intp]) -> _TrackerState:
         """Return the state with some of the tracks only."""
         ids = tuple(self.ids[row] for row in rows)
         left = filters.kept(self.filters, rows)
@@ -110,7 +111,7 @@ class BearingTrackerStage:
         check_configuration(configuration)
         self.configuration = configuration
         joint = configuration.method == "joint_map"
-        self._filters: BearingFilters = (JointFilters if joint else IndependentFilters)(
+        self._filters: BearingFilters[Any] = (JointFilters if joint else IndependentFilters)(
             configuration
         )
         self._next_id = configuration.first_id

@@ -86,7 +86,8 @@ def summarise_covariance(
     if whitening is not None:
         signal_values = _descending_eigenvalues(snapshots @ whitening.T) + floor
         if steering_error > 0.0:
-            eigenvalues = np.linalg.eigvalsh(covariance)[..., ::-1]
+            loaded = np.linalg.eigvalsh(covariance)[..., ::-1]
+            eigenvalues = np.asarray(loaded, dtype=np.float64)
     rank = count = -1
     if snapshots.ndim == 2 and n_snapshots >= _SNAPSHOTS_PER_ELEMENT * n_elements:
         rank = minimum_description_length(signal_values, n_snapshots)

@@ -24,7 +24,9 @@ _ITERATIONS = 2
 """Linearisations of one block. A fit to convergence swaps targets at crossings."""
 
 
-def joint_prediction(state: KalmanState, interval: float, density: float) -> KalmanState:
+def joint_prediction(
+    state: KalmanState, interval: float, density: float | FloatArray
+) -> KalmanState:
     """Return the joint state after an interval.
 
     Parameters
@@ -33,13 +35,29 @@ def joint_prediction(state: KalmanState, interval: float, density: float) -> Kal
         mean (..., 2 n), covariance (..., 2 n, 2 n).
     interval : float
         s.
-    density : float
+    density : float or ndarray, shape (..., n_targets)
         Spectral density of each bearing's acceleration, rad^2/s^3.
     """
     n_targets = state.mean.shape[-1] // 2
     transition = _of_all_targets(transition_matrix(interval), n_targets)
-    process_noise = _of_all_targets(process_noise_matrix(density, interval), n_targets)
-    return predict(state, transition, process_noise)
+    return predict(state, transition, joint_process_noise(n_targets, interval, density))
+
+
+def joint_process_noise(n_targets: int, interval: float, density: float | FloatArray) -> FloatArray:
+    """Return what the covariance gains in an interval, shape (..., 2 n, 2 n).
+
+    Parameters
+    ----------
+    n_targets : int
+        n.
+    interval : float
+        s.
+    density : float or ndarray, shape (..., n_targets)
+        Spectral density of each bearing's acceleration, rad^2/s^3.
+    """
+    noise = _of_all_targets(process_noise_matrix(1.0, interval), n_targets)
+    densities = np.broadcast_to(density, (*np.shape(density)[:-1], n_targets))
+    return noise * np.concatenate([densities, densities], axis=-1)[..., None]
 
 
 def joint_update(

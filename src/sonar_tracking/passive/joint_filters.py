@@ -1,12 +1,15 @@
 """One filter over the angles and rates of all targets, behind the bearing tracker.
 
 The state of n targets is [n angles, n rates]. A block measures the angles at its middle, half a
-block before the sample time when it ends there, at the sample time when it is centred on it.
+block before the sample time when it ends there, at the sample time when it is centred on it. Each
+bearing has its level of process noise, from that of steady motion to the full one of a turn
+(:mod:`sonar_tracking.passive.manoeuvre_detection`). When a turn is found out the update is done
+again, with what the turn has added since it began.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +20,14 @@ from sonar_tracking.passive.bearing_filters import FilterUpdate
 from sonar_tracking.passive.bearing_measurement import BearingMeasurement
 from sonar_tracking.passive.bearing_tracker_configuration import BearingTrackerConfiguration
 from sonar_tracking.passive.block_subspace import block_subspace
-from sonar_tracking.passive.joint_bearing_filter import joint_prediction, joint_update
+from sonar_tracking.passive.joint_bearing_filter import (
+    joint_prediction,
+    joint_process_noise,
+    joint_update,
+)
+from sonar_tracking.passive.manoeuvre_detection import HIGHEST_LEVEL, MEMORY, Manoeuvres, steady
 from sonar_tracking.passive.records import SubspaceEstimates
+from sonar_tracking.passive.track_existence import unresolved
 from sonar_tracking.passive.weighted_subspace_fit import SubspaceFit, weighted_subspace_fit
 
 FloatArray = NDArray[np.float64]
@@ -26,6 +35,29 @@ ComplexArray = NDArray[np.complex128]
 
 _LEAST_GAIN = 1e-9
 """Share of its variance that an angle must lose for the block to count as a measurement of it."""
+
+_UNRESOLVED = 0.25
+"""Share of the beamwidth below which the innovations of two bearings tell nothing about turns."""
+
+
+@dataclass(frozen=True)
+class JointState(KalmanState):
+    """Angles and rates of all targets.
+
+    Attributes
+    ----------
+    mean : ndarray, shape (..., 2 n)
+        rad, rad/s.
+    covariance : ndarray, shape (..., 2 n, 2 n)
+        rad^2, rad^2/s, rad^2/s^2.
+    manoeuvres : Manoeuvres
+        Which bearings turn.
+    interval : float
+        Since the last update, s.
+    """
+
+    manoeuvres: Manoeuvres
+    interval: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -40,13 +72,13 @@ class JointFilters:
 
     configuration: BearingTrackerConfiguration
 
-    def started(self, targets: KalmanState) -> KalmanState:
+    def started(self, targets: KalmanState) -> JointState:
         """Return the filter of uncorrelated targets."""
         batch = targets.mean.shape[:-2]
-        nobody = KalmanState(np.empty((*batch, 0)), np.empty((*batch, 0, 0)))
+        nobody = JointState(np.empty((*batch, 0)), np.empty((*batch, 0, 0)), steady((*batch, 0)))
         return self.extended(nobody, targets)
 
-    def extended(self, filters: KalmanState, targets: KalmanState) -> KalmanState:
+    def extended(self, filters: JointState, targets: KalmanState) -> JointState:
         """Return the filter with more targets, uncorrelated with those there are."""
         n_old = filters.mean.shape[-1] // 2
         rows = _rows(n_old + targets.mean.shape[-2])
@@ -56,22 +88,33 @@ class JointFilters:
         mean[..., old], mean[..., new] = filters.mean, targets.mean
         covariance[..., old[:, None], old] = filters.covariance
         covariance[..., new[:, :, None], new[:, None, :]] = targets.covariance
-        return KalmanState(mean, covariance)
+        manoeuvres = filters.manoeuvres.extended(len(new))
+        return JointState(mean, covariance, manoeuvres, filters.interval)
 
-    def kept(self, filters: KalmanState, rows: NDArray[np.intp]) -> KalmanState:
+    def kept(self, filters: JointState, rows: NDArray[np.intp]) -> JointState:
         """Return the filter of some of the targets, with their correlations."""
         entries = _rows(filters.mean.shape[-1] // 2)[rows].T.reshape(-1)
-        return KalmanState(
-            filters.mean[..., entries], filters.covariance[..., entries[:, None], entries]
+        return JointState(
+            filters.mean[..., entries],
+            filters.covariance[..., entries[:, None], entries],
+            filters.manoeuvres.kept(rows),
+            filters.interval,
         )
 
-    def predicted(self, filters: KalmanState, interval: float) -> KalmanState:
+    def predicted(self, filters: JointState, interval: float) -> JointState:
         """Return the filter after an interval in s."""
-        return joint_prediction(filters, interval, self.configuration.process_noise_density)
+        density = self._densities(filters.manoeuvres.level)
+        state = joint_prediction(filters, interval, density)
+        return replace(
+            filters,
+            mean=state.mean,
+            covariance=state.covariance,
+            interval=filters.interval + interval,
+        )
 
     def updated(
         self,
-        filters: KalmanState,
+        filters: JointState,
         estimates: SubspaceEstimates,
         sources: ComplexArray | None,
     ) -> FilterUpdate:
@@ -93,8 +136,14 @@ class JointFilters:
 
         age = -estimates.covariance_time_offset
         corrected = joint_update(filters, age, fit)
+        manoeuvres = self._manoeuvres(filters, corrected, estimates)
+        begun = manoeuvres.level > filters.manoeuvres.level
+        if begun.any():
+            filters = self._turned(filters, begun, manoeuvres.level)
+            corrected = joint_update(filters, age, fit)
         measurement = _equivalent_measurement(self.targets(filters), self.targets(corrected), age)
-        return FilterUpdate(corrected, measurement, notices)
+        state = JointState(corrected.mean, corrected.covariance, manoeuvres)
+        return FilterUpdate(state, measurement, notices)
 
     def targets(self, filters: KalmanState) -> KalmanState:
         """Return angle and rate of each target."""
@@ -103,6 +152,39 @@ class JointFilters:
             mean=filters.mean[..., rows],
             covariance=filters.covariance[..., rows[:, :, None], rows[:, None, :]],
         )
+
+    def _manoeuvres(
+        self, before: JointState, after: KalmanState, estimates: SubspaceEstimates
+    ) -> Manoeuvres:
+        """Return which bearings turn, by the first update."""
+        if self.configuration.steady_process_noise_density >= (
+            self.configuration.process_noise_density
+        ):
+            return before.manoeuvres
+        targets = self.targets(before)
+        age = -estimates.covariance_time_offset
+        middle = targets.mean[..., 0] - age * targets.mean[..., 1]
+        close = unresolved(middle, middle, estimates, _UNRESOLVED) & ~np.eye(
+            middle.shape[-1], dtype=bool
+        )
+        resolved = np.asarray(~close.any(axis=-1))
+        return before.manoeuvres.updated(
+            targets, self.targets(after), age, before.interval, resolved
+        )
+
+    def _turned(
+        self, filters: JointState, begun: NDArray[np.bool_], level: NDArray[np.int_]
+    ) -> JointState:
+        """Return the prediction with what a turn has added to some bearings by now."""
+        density = np.where(begun, self._densities(level), 0.0)
+        added = joint_process_noise(begun.shape[-1], MEMORY, density)
+        return replace(filters, covariance=filters.covariance + added)
+
+    def _densities(self, level: NDArray[np.int_]) -> FloatArray:
+        """Return the spectral densities of levels of process noise, rad^2/s^3."""
+        steady = self.configuration.steady_process_noise_density
+        share = level / HIGHEST_LEVEL
+        return steady ** (1.0 - share) * self.configuration.process_noise_density**share
 
 
 def _rows(n_targets: int) -> NDArray[np.int_]:

@@ -34,12 +34,14 @@ def minimum_description_length(eigenvalues: NDArray[np.floating], n_snapshots: i
     Parameters
     ----------
     eigenvalues : ndarray, shape (M,)
-        Of a sample covariance, descending. With fewer snapshots than M the zero ones are left out.
+        Of a sample covariance, descending. Zero ones, of silent elements or because there are fewer
+        snapshots than M, are left out.
     n_snapshots : int
         N, independent snapshots in the covariance.
     """
-    count = min(len(eigenvalues), n_snapshots)
     floor = max(float(eigenvalues[0]), 0.0) * np.finfo(float).eps + np.finfo(float).tiny
+    above = int(np.count_nonzero(eigenvalues > len(eigenvalues) * floor))
+    count = max(min(above, n_snapshots), 1)
     values = np.maximum(eigenvalues[:count], floor)
     remaining = np.arange(count, 0, -1)
     mean = np.cumsum(values[::-1])[::-1] / remaining

@@ -89,7 +89,7 @@ def unresolved(
 
     Parameters
     ----------
-    angles, others : ndarray, shape (n,) and (m,)
+    angles, others : ndarray, shape (..., n) and (..., m)
         rad.
     estimates : SubspaceEstimates
         Array and frequency.
@@ -98,10 +98,10 @@ def unresolved(
 
     Returns
     -------
-    ndarray of bool, shape (n, m)
+    ndarray of bool, shape (..., n, m)
     """
     number = wavenumber(estimates.center_frequency, estimates.sound_speed)
-    apart = np.abs(np.sin(angles)[:, None] - np.sin(others)[None, :])
+    apart = np.abs(np.sin(angles)[..., :, None] - np.sin(others)[..., None, :])
     return np.asarray(apart <= share * beamwidth(estimates.element_positions, number))
 
 

@@ -1,0 +1,117 @@
+"""Which bearings turn: levels of process noise, chosen by the innovations themselves.
+
+Most bearings move steadily for minutes; a filter that allows for turns all the time knows their
+rates badly, and forgets which is which while two of them cross slowly. So a bearing is taken to
+move steadily until its innovations say otherwise. With the change D of an angle by an update and
+the decrease of its variance by p - p', D / sqrt(p - p') is standard normal and white if the filter
+is right. Its exponential mean
+
+    m <- a m + sqrt(1 - a^2) D / sqrt(p - p'),  a = exp(-T / memory),
+
+is then standard normal too, while a turn pushes it to one side. The level of process noise is
+raised by one when m^2 exceeds a limit, and lowered by one when it falls below another. Where the
+array does not resolve a bearing from another, its innovations tell nothing about turns: the level
+from before is held.
+
+References
+----------
+Y. T. Chan, A. G. C. Hu, J. B. Plant, "A Kalman filter based tracking scheme with input
+estimation", IEEE Trans. AES 15(2), 1979, for the detection from innovations; Bar-Shalom, Li,
+Kirubarajan (2001), section 11.2, for the switching between levels of process noise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.filtering.kalman import KalmanState
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+MEMORY = 2.5
+"""Time constant of the mean innovation, s."""
+
+HIGHEST_LEVEL = 2
+"""Levels are 0 (steady), 1 and 2: the middle one follows gentle turns without much noise."""
+
+_RAISED, _LOWERED = 9.0, 0.5
+"""Limits of the squared mean innovation; one steady bearing in 370 exceeds the upper one, and the
+mean of a bearing that the higher level follows well falls below the lower one soon."""
+
+_AFTER_RAISE = 2.0
+"""Size of the mean after a raise, which has explained most of it: another raise needs more."""
+
+_LEAST_GAIN = 1e-9
+
+
+@dataclass(frozen=True)
+class Manoeuvres:
+    """What the innovations so far say.
+
+    Attributes
+    ----------
+    deviation : ndarray, shape (..., n_targets)
+        m, mean normalised innovation.
+    level : ndarray of int, shape (..., n_targets)
+        Level of process noise, from 0 (steady) to ``HIGHEST_LEVEL``.
+    """
+
+    deviation: FloatArray
+    level: NDArray[np.int_]
+
+    def kept(self, rows: NDArray[np.intp]) -> Manoeuvres:
+        """Return those of some of the targets."""
+        return Manoeuvres(self.deviation[..., rows], self.level[..., rows])
+
+    def extended(self, n_targets: int) -> Manoeuvres:
+        """Return them with more targets, which move steadily."""
+        shape = (*self.deviation.shape[:-1], n_targets)
+        return Manoeuvres(
+            np.concatenate([self.deviation, np.zeros(shape)], axis=-1),
+            np.concatenate([self.level, np.zeros(shape, dtype=np.int_)], axis=-1),
+        )
+
+    def updated(
+        self,
+        before: KalmanState,
+        after: KalmanState,
+        age: float,
+        interval: float,
+        resolved: BoolArray,
+    ) -> Manoeuvres:
+        """Return them after one more update.
+
+        Parameters
+        ----------
+        before, after : KalmanState
+            Angle and rate of each target before and after the update, shapes (..., n_targets, 2)
+            and (..., n_targets, 2, 2).
+        age : float
+            How long before the instant of the states the angles were measured, s.
+        interval : float
+            Since the last update, s.
+        resolved : ndarray of bool, shape (..., n_targets)
+            Targets that the array tells from all others.
+        """
+        direction = np.array([1.0, -age])
+        change = (after.mean - before.mean) @ direction
+        old_variance = before.covariance @ direction @ direction
+        decrease = old_variance - after.covariance @ direction @ direction
+        told = resolved & (decrease > _LEAST_GAIN * old_variance)
+        normalised = change / np.sqrt(np.where(told, decrease, np.inf))
+        share = np.exp(-interval / MEMORY)
+        mean = share * self.deviation + np.sqrt(1.0 - share**2) * normalised
+        higher = told & (mean**2 > _RAISED) & (self.level < HIGHEST_LEVEL)
+        lower = told & (mean**2 < _LOWERED) & (self.level > 0)
+        deviation = np.where(told, mean, self.deviation)
+        deviation = np.where(higher, np.copysign(_AFTER_RAISE, mean), deviation)
+        return Manoeuvres(deviation, self.level + higher - lower)
+
+
+def steady(shape: tuple[int, ...]) -> Manoeuvres:
+    """Return those of targets, (..., n_targets), of which nothing has been said yet."""
+    return Manoeuvres(np.zeros(shape), np.zeros(shape, dtype=np.int_))
