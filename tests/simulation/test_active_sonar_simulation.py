@@ -131,16 +131,17 @@ def test_a_level_that_depends_on_the_range_is_not_told() -> None:
 @pytest.mark.parametrize(
     ("changes", "text"),
     [
-        ({"active_sonar": None, "array": {"n_elements": 4}, "targets": []}, "no section"),
-        ({"duration": 7.0}, "duration is 7 s.*8.0 s"),
+        ({"duration": 7.0}, r"active_sonar: duration is 7 s.*8\.0 s"),
+        ({"active_sonar": {"ping_interval": 2.0}}, r"active_sonar: Sound takes"),
+        ({"targets": [{"motion": {"kind": "linear"}}]}, r"targets\[0\].*kinematic"),
     ],
 )
 def test_a_scenario_that_cannot_be_simulated_is_refused(changes: Any, text: str) -> None:
     with pytest.raises(ConfigurationError, match=text):
-        ActiveSonarSimulation(scenario(**changes))
+        scenario(**changes)
 
 
-def test_a_target_without_a_position_is_refused() -> None:
-    both = {"array": {"n_elements": 4}, "targets": [{"motion": {"kind": "linear"}}]}
-    with pytest.raises(ConfigurationError, match=r"target_1.*kinematic"):
-        ActiveSonarSimulation(scenario(**both))
+def test_a_scenario_without_a_sonar_is_refused() -> None:
+    passive = scenario(active_sonar=None, array={"n_elements": 4}, targets=[])
+    with pytest.raises(ConfigurationError, match="no section"):
+        ActiveSonarSimulation(passive)

@@ -30,6 +30,7 @@ from sonar_tracking.simulation.scenario import (
     scenario_to_mapping,
     scenario_to_yaml,
 )
+from sonar_tracking.simulation.scenario_checks import check_scenario
 
 
 def run_scenario(
@@ -108,7 +109,9 @@ def read_scenario(name_or_path: str, duration: float | None) -> Scenario:
         raise ConfigurationError(
             f"--duration is {duration:g}; give the length of the data in seconds, above 0."
         )
-    return replace(scenario, duration=duration)
+    scenario = replace(scenario, duration=duration)
+    check_scenario(scenario, "--duration: ")
+    return scenario
 
 
 def plan_scenario(

@@ -15,7 +15,7 @@ from sonar_tracking.active.records import Contacts
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.passive.records import END_OF_DATA
-from sonar_tracking.simulation.contact_configuration import ContactSensorConfiguration
+from sonar_tracking.simulation.contact_configuration import number_of_pings
 from sonar_tracking.simulation.contact_simulation import ContactSimulation, ContactTarget
 from sonar_tracking.simulation.kinematic_motion import KinematicMotion
 from sonar_tracking.simulation.records import OwnShipState, TruthTracks
@@ -123,22 +123,6 @@ class ActiveSonarSimulation:
             velocity=(self._scenario.own_ship.speed, 0.0),
             yaw_rate=float(state.turn_rate),
         )
-
-
-def number_of_pings(sensor: ContactSensorConfiguration, duration: float) -> int:
-    """Return how many pings are sent and received within a duration (s).
-
-    Raises
-    ------
-    ConfigurationError
-        If not a single one is.
-    """
-    if duration < sensor.reception_time:
-        raise ConfigurationError(
-            f"duration is {duration:g} s, but the last echo of a ping takes "
-            f"{sensor.reception_time:.1f} s; give a longer duration or a smaller maximum_range."
-        )
-    return 1 + int(np.floor((duration - sensor.reception_time) / sensor.ping_interval + 1e-9))
 
 
 def _contact_targets(number: int, target: TargetConfiguration) -> Iterator[ContactTarget]:

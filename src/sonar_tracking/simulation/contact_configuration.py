@@ -106,3 +106,19 @@ def check_contact_sensor(configuration: ContactSensorConfiguration) -> None:
             "A given detection_probability needs clutter_per_ping; by the threshold both follow "
             "from false_alarm_probability."
         )
+
+
+def number_of_pings(sensor: ContactSensorConfiguration, duration: float) -> int:
+    """Return how many pings are sent and received within a duration (s).
+
+    Raises
+    ------
+    ConfigurationError
+        If not a single one is.
+    """
+    if duration < sensor.reception_time:
+        raise ConfigurationError(
+            f"duration is {duration:g} s, but the last echo of a ping takes "
+            f"{sensor.reception_time:.1f} s; give a longer duration or a smaller maximum_range."
+        )
+    return 1 + int(np.floor((duration - sensor.reception_time) / sensor.ping_interval + 1e-9))

@@ -11,7 +11,11 @@ from sonar_tracking.geometry import aperture
 from sonar_tracking.simulation.array_configuration import ArrayConfiguration
 from sonar_tracking.simulation.bearing_motion import TableMotion
 from sonar_tracking.simulation.bearing_sensor_configuration import check_bearing_sensors
-from sonar_tracking.simulation.contact_configuration import check_contact_sensor
+from sonar_tracking.simulation.contact_configuration import (
+    ContactSensorConfiguration,
+    check_contact_sensor,
+    number_of_pings,
+)
 from sonar_tracking.simulation.hydrophone_configuration import check_hydrophones
 from sonar_tracking.simulation.kinematic_motion import KinematicMotion
 from sonar_tracking.simulation.platforms import OwnShipConfiguration
@@ -35,7 +39,7 @@ def check_scenario(scenario: Scenario, where: str) -> None:
     if scenario.array_given:
         _check_array(scenario.array, f"{where}array")
     if scenario.active_sonar is not None:
-        check_contact_sensor(scenario.active_sonar)
+        _check_active_sonar(scenario.active_sonar, scenario.duration, where)
     check_bearing_sensors(scenario.bearing_sensors, f"{where}bearing_sensors")
     if scenario.hydrophones is not None:
         check_hydrophones(scenario.hydrophones, scenario.targets, where)
@@ -48,6 +52,14 @@ def check_scenario(scenario: Scenario, where: str) -> None:
         names.add(target.name)
         _check_target(target, name)
         _check_bearings(scenario, target, name)
+
+
+def _check_active_sonar(sensor: ContactSensorConfiguration, duration: float, where: str) -> None:
+    try:
+        check_contact_sensor(sensor)
+        number_of_pings(sensor, duration)
+    except ConfigurationError as error:
+        raise ConfigurationError(f"{where}active_sonar: {error}") from error
 
 
 def _check_array(array: ArrayConfiguration, where: str) -> None:
@@ -123,9 +135,9 @@ def _check_bearings(scenario: Scenario, target: TargetConfiguration, where: str)
                 "must be own_ship.speed."
             )
         return
-    if not scenario.array_given or scenario.bearing_sensors:
+    if not scenario.array_given or scenario.bearing_sensors or scenario.active_sonar:
         raise ConfigurationError(
-            f"{where}.motion gives bearings only, which nothing but an array can hear; give "
+            f"{where}.motion gives bearings only, which nothing but an array alone can hear; give "
             "kind: kinematic, with a position in map."
         )
     times = np.linspace(scenario.start, scenario.start + scenario.duration, 1001)
