@@ -1,4 +1,4 @@
-"""What may not enter the recursion is named, and dead elements are reported."""
+"""What may not enter the recursion is named."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sonar_tracking.errors import InputError, Severity
+from sonar_tracking.errors import InputError
 from sonar_tracking.geometry import line_array
 from sonar_tracking.passive.block_checks import (
-    ChannelMonitor,
     check_block,
     check_first_block,
     check_unchanged,
@@ -85,23 +84,3 @@ def test_change_during_the_run_is_named(changes: dict[str, object], sentence: st
     check_unchanged(replace(first, stamp=EPOCH + 1), first)
     with pytest.raises(InputError, match=sentence):
         check_unchanged(replace(first, **changes), first)  # type: ignore[arg-type]
-
-
-def test_dead_and_faint_elements_are_reported() -> None:
-    data = DATA.copy()
-    data[:, 4] = 0.0
-    data[:, 9] *= 0.02
-    monitor = ChannelMonitor(np.zeros(15))
-    _, notices = monitor.update(block_of(data, EPOCH))
-    assert [notice.culprit for notice in notices] == ["element 4", "element 9"]
-    assert all(notice.severity is Severity.WARN for notice in notices)
-
-
-def test_good_elements_are_not_reported_however_short_the_blocks() -> None:
-    monitor, data = ChannelMonitor(np.zeros(15)), circular_noise(np.random.default_rng(2), 500, 15)
-    for first in range(500):
-        monitor, notices = monitor.update(block_of(data[first : first + 1], EPOCH))
-        assert notices == ()
-    # Levels 20 dB apart are calibration, not death.
-    _, notices = ChannelMonitor(np.zeros(15)).update(block_of(data * np.logspace(-1, 0, 15), EPOCH))
-    assert notices == ()

@@ -1,27 +1,19 @@
 """Is a block of snapshots usable: the checks before it may touch the recursion.
 
-A block that cannot be used is rejected with a sentence that names the culprit and the remedy;
-a silent element is only reported, since the other elements are still good.
+A block that cannot be used is rejected with a sentence that names the culprit and the remedy. A bad
+element is left out by :mod:`sonar_tracking.passive.channel_monitor`, as the others are still good.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 import numpy as np
-from numpy.typing import NDArray
 
-from sonar_tracking.errors import InputError, Notice, Severity
+from sonar_tracking.errors import InputError
 from sonar_tracking.geometry import aperture, has_grating_lobes, largest_spacing, wavenumber
 from sonar_tracking.passive.records import ArraySnapshots
 
-FloatArray = NDArray[np.float64]
-
 MAXIMUM_RELATIVE_BANDWIDTH = 0.1
 """Largest bandwidth * aperture / sound speed at which an array is narrowband."""
-
-_DEAD_CHANNEL_RATIO = 1e-3
-_MONITOR_SNAPSHOTS = 50
 
 
 def check_first_block(block: ArraySnapshots, source_count: int) -> None:
@@ -162,48 +154,3 @@ def _check_noise_covariance(block: ArraySnapshots) -> None:
         raise InputError(
             f"noise_covariance has trace {trace:g}; divide it so that the trace is {n_elements}."
         )
-
-
-@dataclass(frozen=True)
-class ChannelMonitor:
-    """Running power of each element, to find the dead ones.
-
-    Attributes
-    ----------
-    power : ndarray, shape (n_elements,)
-        Exponentially averaged power.
-    n_snapshots : int
-        Snapshots seen.
-    """
-
-    power: FloatArray
-    n_snapshots: int = 0
-
-    def update(self, block: ArraySnapshots) -> tuple[ChannelMonitor, tuple[Notice, ...]]:
-        """Return the monitor after a block and a notice for each element that is dead.
-
-        An element is dead when its whole block is zero or its average power lies more than 30 dB
-        below the median of the elements.
-        """
-        data = block.data.reshape(-1, block.data.shape[-1])
-        power = (data.real**2 + data.imag**2).mean(axis=0)
-        share = max(
-            len(data) / (len(data) + min(self.n_snapshots, _MONITOR_SNAPSHOTS)),
-            min(1.0, len(data) / _MONITOR_SNAPSHOTS),
-        )
-        average = share * power + (1.0 - share) * self.power
-        seen = self.n_snapshots + len(data)
-        monitor = replace(self, power=average, n_snapshots=seen)
-        dead = power == 0.0
-        if seen >= _MONITOR_SNAPSHOTS:
-            dead = dead | (average < _DEAD_CHANNEL_RATIO * np.median(average))
-        return monitor, tuple(_dead_channel(int(element)) for element in np.flatnonzero(dead))
-
-
-def _dead_channel(element: int) -> Notice:
-    return Notice(
-        Severity.WARN,
-        f"element {element}",
-        f"Element {element} is silent (zero, or more than 30 dB below the median of the array; "
-        "elements count from 0); check its cable and its gain. The data are used as they are.",
-    )

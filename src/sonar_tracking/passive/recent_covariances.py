@@ -61,7 +61,12 @@ class RecentCovariances:
     covariances: tuple[ComplexArray, ...] = ()
 
     def with_newest(self, middle: int, covariance: ComplexArray) -> RecentCovariances:
-        """Return them with one more, without those that are no longer counted on."""
+        """Return them with one more, without those that are no longer counted on.
+
+        After a change of the array the others are dropped.
+        """
+        if self.covariances and self.covariances[-1].shape != covariance.shape:
+            return RecentCovariances((middle,), (covariance,))
         oldest = 1 - max(_COUNTED_TOGETHER)
         return RecentCovariances(
             (*self.middles[oldest:], middle), (*self.covariances[oldest:], covariance)

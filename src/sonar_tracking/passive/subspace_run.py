@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sonar_tracking.geometry import is_uniform_line
-from sonar_tracking.passive.block_checks import ChannelMonitor
+from sonar_tracking.passive.channel_monitor import ChannelMonitor
 from sonar_tracking.passive.covariance_summary import CovarianceSummary, summarise_covariance
 from sonar_tracking.passive.records import ArraySnapshots, SubspaceEstimates
 from sonar_tracking.passive.sample_schedule import BlockTiming, SampleSchedule, Window
@@ -26,22 +26,26 @@ class SubspaceRun:
 
     Attributes
     ----------
-    header : ArraySnapshots
+    array : ArraySnapshots
         Array and frequency, from the first block, without its data.
+    header : ArraySnapshots
+        The same of the elements that are used.
     sensors : SensorHistory
         The sensor since the last estimate.
     timing : BlockTiming
         Timing of the newest block.
     monitor : ChannelMonitor
-        Powers of the elements.
+        Which elements are bad.
     n_columns : int
         Columns of the subspace; 0 = not known yet.
     next_sample : int
         Number of the first sample time whose window is not open yet.
     history : ndarray, shape (..., n_kept, n_elements), complex
-        Newest contiguous snapshots, for the sample covariance.
-    whitening : ndarray, shape (n_elements, n_elements), complex, or None
-        Inverse Cholesky factor of the noise covariance; None = white noise.
+        Newest contiguous snapshots of all elements, for the sample covariance.
+    used : ndarray of bool, shape (n_elements,)
+        Elements that are not left out.
+    whitening : ndarray, shape (n_used, n_used), complex, or None
+        Inverse Cholesky factor of their noise covariance; None = white noise.
     recursion : SubspaceRecursion or None
         The subspace method; None before it starts.
     next_count : int
@@ -52,6 +56,7 @@ class SubspaceRun:
         Bases taken for them.
     """
 
+    array: ArraySnapshots
     header: ArraySnapshots
     sensors: SensorHistory
     timing: BlockTiming
@@ -59,11 +64,17 @@ class SubspaceRun:
     n_columns: int
     next_sample: int
     history: ComplexArray
+    used: NDArray[np.bool_]
     whitening: ComplexArray | None
     recursion: SubspaceRecursion | None = None
     next_count: int = 0
     windows: tuple[Window, ...] = ()
     captured: tuple[CapturedSubspace, ...] = ()
+
+    @property
+    def used_history(self) -> ComplexArray:
+        """Newest contiguous snapshots of the elements that are used."""
+        return self.history if self.used.all() else self.history[..., self.used]
 
 
 def window_estimates(
@@ -89,7 +100,7 @@ def window_estimates(
         Holds the snapshots of the covariance: the run itself, or the one before a gap.
     """
     subspaces = [c for c in run.captured if c.index in window.indices]
-    header, timing, beta = run.header, source.timing, configuration.forgetting_factor
+    header, timing, beta = source.header, source.timing, configuration.forgetting_factor
     end = min(window.covariance_end, timing.last_index)
     summary = _summary(configuration, source, end) if subspaces else CovarianceSummary()
     middle = end - 0.5 * (summary.n_snapshots - 1)
@@ -97,7 +108,7 @@ def window_estimates(
     return SubspaceEstimates(
         stamp=window.stamp,
         method=configuration.method,
-        basis=_stacked(subspaces, run),
+        basis=_stacked(subspaces, source),
         time_offsets=np.array([c.timing.time_offset(c.index, window.stamp) for c in subspaces]),
         element_positions=header.element_positions,
         sample_period=header.sample_period,
@@ -138,7 +149,7 @@ def starting_columns(configuration: SubspaceConfiguration, run: SubspaceRun) -> 
 def _stacked(subspaces: list[CapturedSubspace], run: SubspaceRun) -> ComplexArray:
     if subspaces:
         return np.stack([c.basis for c in subspaces], axis=-3)
-    batch, n_elements = run.history.shape[:-2], run.history.shape[-1]
+    batch, n_elements = run.history.shape[:-2], len(run.header.element_positions)
     return np.empty((*batch, 0, n_elements, run.n_columns), dtype=np.complex128)
 
 
@@ -149,7 +160,7 @@ def _summary(configuration: SubspaceConfiguration, run: SubspaceRun, end: int) -
     # The columns of the covariance method are no limit to what is in a covariance of its own.
     counted = configuration.method == "covariance" and configuration.source_count == 0
     return summarise_covariance(
-        run.history[..., start:stop, :],
+        run.used_history[..., start:stop, :],
         0 if counted else run.n_columns,
         run.header,
         run.whitening,

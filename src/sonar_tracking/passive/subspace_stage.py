@@ -4,7 +4,8 @@ A recursive method (PAST, OPAST, block PAST or the eigenvectors of an exponentia
 covariance) follows the signal subspace through all snapshots. Around each sample time k T the
 stage publishes P adjacent subspaces (Ryu, Park, Choi 2003, eq. 7) and the sample covariance of the
 snapshots before or around it. The first estimate belongs to the first sample time whose window is
-complete.
+complete. Bad elements are left out (:mod:`sonar_tracking.passive.channel_monitor`): the subspace is
+then started again on the others, from the snapshots that are kept for the covariance.
 """
 
 from __future__ import annotations
@@ -15,11 +16,11 @@ import numpy as np
 
 from sonar_tracking.errors import ConfigurationError, InputError, Notice, Severity
 from sonar_tracking.passive.block_checks import (
-    ChannelMonitor,
     check_block,
     check_first_block,
     check_unchanged,
 )
+from sonar_tracking.passive.channel_monitor import new_monitor, used_elements
 from sonar_tracking.passive.records import (
     END_OF_DATA,
     NANOSECONDS,
@@ -145,7 +146,7 @@ class SubspaceStage:
             run, missing = self._continued_run(previous, block)
         monitor, channel_notices = run.monitor.update(block)
         notices = list(channel_notices)
-        run = self._opened(replace(run, monitor=monitor), missing)
+        run = self._opened(self._with_used(replace(run, monitor=monitor)), missing)
         estimates: list[SubspaceEstimates] = []
         if previous is not None and missing:
             notices.append(_gap_notice(missing, block))
@@ -162,6 +163,8 @@ class SubspaceStage:
             estimates.append(self._estimates(window, run, run))
         if end_of_data and estimates:
             estimates[-1] = replace(estimates[-1], next_stamp=END_OF_DATA)
+        if any(each.rank >= len(each.element_positions) - 1 for each in estimates):
+            notices.append(_crowded_notice(len(run.header.element_positions)))
         self._run = run
         return SubspaceUpdate(tuple(estimates), tuple(notices))
 
@@ -173,21 +176,24 @@ class SubspaceStage:
                 "source_count = 0 cannot be used on a batch of runs; give the number of sources."
             )
         timing = first_timing(block.stamp, block.data.shape[-2], block.sample_period)
-        covariance = block.noise_covariance
+        covariance, n_elements = block.noise_covariance, block.data.shape[-1]
+        array = replace(block, data=block.data[..., :0, :])
         return SubspaceRun(
-            header=replace(block, data=block.data[..., :0, :]),
+            array=array,
+            header=array,
             sensors=SensorHistory(((block.stamp, block.sensor),)),
             timing=timing,
-            monitor=ChannelMonitor(np.zeros(len(block.element_positions))),
+            monitor=new_monitor(n_elements),
             n_columns=configuration.source_count,
             next_sample=self._schedule.first_complete(timing),
-            history=np.empty((*block.data.shape[:-2], 0, block.data.shape[-1]), complex),
+            history=np.empty((*block.data.shape[:-2], 0, n_elements), complex),
+            used=np.ones(n_elements, dtype=bool),
             whitening=None if covariance is None else noise_factors(covariance)[1],
         )
 
     def _continued_run(self, run: SubspaceRun, block: ArraySnapshots) -> tuple[SubspaceRun, int]:
         check_block(block)
-        check_unchanged(block, run.header)
+        check_unchanged(block, run.array)
         timing, missing = run.timing.following(block.stamp, block.data.shape[-2])
         if missing < 0:
             raise InputError(
@@ -197,6 +203,26 @@ class SubspaceStage:
         history = run.history if missing == 0 else run.history[..., :0, :]
         sensors = run.sensors.appended(block.stamp, block.sensor)
         return replace(run, sensors=sensors, timing=timing, history=history), missing
+
+    def _with_used(self, run: SubspaceRun) -> SubspaceRun:
+        """Leave bad elements out, or take them back; the subspace then starts again."""
+        used, count = run.monitor.used, self.configuration.source_count
+        if run.history.ndim > 2 or np.count_nonzero(used) <= max(count, 1):
+            return run
+        if np.array_equal(used, run.used):
+            return run
+        header = used_elements(run.array, used)
+        noise = header.noise_covariance
+        return replace(
+            run,
+            header=header,
+            used=used,
+            whitening=None if noise is None else noise_factors(noise)[1],
+            recursion=None,
+            n_columns=count,
+            next_count=0,
+            captured=(),
+        )
 
     def _opened(self, run: SubspaceRun, missing: int) -> SubspaceRun:
         """Open the windows that reach into the block; leave out those lost in a long gap."""
@@ -215,8 +241,8 @@ class SubspaceStage:
     ) -> tuple[SubspaceRun, list[Notice]]:
         data = np.asarray(block.data, dtype=np.complex128)
         first_index = run.timing.first_index
-        history = np.concatenate([run.history, data], axis=-2)
-        run = replace(run, history=history)
+        run = replace(run, history=np.concatenate([run.history, data], axis=-2))
+        data = data if run.used.all() else data[..., run.used]
         recursion = run.recursion
         if recursion is None:
             run, recursion = self._started(run)
@@ -224,7 +250,8 @@ class SubspaceStage:
                 return run, []
             if self.configuration.source_count == 0:
                 # The snapshots the sources were counted on are not lost to the recursion.
-                data, first_index = history, run.timing.last_index + 1 - history.shape[-2]
+                data = run.used_history
+                first_index = run.timing.last_index + 1 - data.shape[-2]
         wanted = {index for window in run.windows for index in window.indices}
         try:
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
@@ -247,7 +274,7 @@ class SubspaceStage:
             return run, None
         recursion = start_recursion(
             self._method,
-            run.history.shape[-1],
+            len(run.header.element_positions),
             n_columns,
             run.history.shape[:-2],
             run.header.noise_covariance,
@@ -289,6 +316,15 @@ def _gap_notice(missing: int, block: ArraySnapshots) -> Notice:
         "gap",
         f"{missing} snapshots are missing before the block at "
         f"{block.stamp / NANOSECONDS:.3f} s; tracking continues with the subspace from before.",
+    )
+
+
+def _crowded_notice(n_elements: int) -> Notice:
+    return Notice(
+        Severity.WARN,
+        "rank",
+        f"The data show {n_elements - 1} sources or more, as many as {n_elements} elements can "
+        "tell apart; those that are weak or close to others may have no track.",
     )
 
 
