@@ -42,6 +42,7 @@ def test_every_target_is_found_soon_and_nothing_else(result: StartRuns) -> None:
     assert metrics["targets_never_held"] == 0.0
     assert metrics["false_tracks_per_hour"] == 0.0
     assert metrics["lasting_swaps"] == 0.0
+    assert metrics["name_kept_percent"] > 96.0
     assert metrics["confirmation_delay_s"] < 3.0
     assert metrics["count_error"] < 0.3
     assert metrics["rmse_deg"] < 0.5

@@ -32,11 +32,11 @@ def run() -> OfflineRun:
     return run_offline_chain(small_scenario())
 
 
-def test_one_track_list_a_second_and_one_truth_a_block(run: OfflineRun) -> None:
+def test_two_track_lists_a_second_and_one_truth_a_block(run: OfflineRun) -> None:
     scenario = small_scenario()
     stamps = [tracks.stamp for tracks in run.tracks]
-    assert [stamp % 1_000_000_000 for stamp in stamps] == [0] * len(stamps)
-    assert stamps == list(range(stamps[0], stamps[-1] + 1, 1_000_000_000))
+    assert [stamp % 500_000_000 for stamp in stamps] == [0] * len(stamps)
+    assert stamps == list(range(stamps[0], stamps[-1] + 1, 500_000_000))
     assert [truth.stamp for truth in run.truth][:2] == [scenario.stamp(-1.0), scenario.stamp(-0.9)]
 
 

@@ -54,7 +54,7 @@ def confirmed(track: BearingTracks) -> FloatArray:
 @pytest.mark.parametrize("source_count", [5, 0])
 def test_five_targets_start_within_four_covariances(source_count: int) -> None:
     subspaces = SubspaceConfiguration(
-        method="past", forgetting_factor=0.86, source_count=source_count
+        method="past", forgetting_factor=0.86, period=1.0, source_count=source_count
     )
     tracks = tracked(crossing_data(1, 0.0, 4.0), subspaces, PUBLISHED)
     # Tentative from the first covariance on, with the identifiers they keep.
@@ -76,7 +76,7 @@ def test_five_targets_start_within_four_covariances(source_count: int) -> None:
 
 def test_started_tracks_survive_the_crossings() -> None:
     # Twelve runs of the whole scene at 0 dB, from nothing; from truth all runs succeed.
-    subspaces = SubspaceConfiguration(method="past", forgetting_factor=0.86)
+    subspaces = SubspaceConfiguration(method="past", forgetting_factor=0.86, period=1.0)
     successes = 0
     for seed in range(12):
         tracks = tracked(crossing_data(seed, 0.0, 40.0), subspaces, PUBLISHED)
@@ -102,7 +102,7 @@ def test_strong_moving_targets_start_no_extra_tracks(level_db: float) -> None:
     centres = np.deg2rad([-50.0, -25.0, 0.0, 25.0, 50.0])
     truth = centres + np.deg2rad(10.0) * np.sin(0.3 * times[:, None] + np.arange(5))
     data = snapshots_of(np.random.default_rng(2), truth, level_db)
-    tracks = tracked(data, SubspaceConfiguration(), BearingTrackerConfiguration())
+    tracks = tracked(data, SubspaceConfiguration(period=1.0), BearingTrackerConfiguration())
     seen = {
         number
         for track in tracks

@@ -35,7 +35,7 @@ from tests.passive.crossing_scene import (
 )
 from tests.passive.test_past import past_by_the_letter
 
-PAST = SubspaceConfiguration(method="past", forgetting_factor=0.86, source_count=5)
+PAST = SubspaceConfiguration(method="past", forgetting_factor=0.86, period=1.0, source_count=5)
 
 
 def given(**changes: object) -> BearingTrackerConfiguration:
@@ -223,7 +223,8 @@ def test_signal_to_noise_ratio_is_reported() -> None:
         [0.0, 10.0],
     )
     estimates = estimated(
-        data, SubspaceConfiguration(source_count=2, covariance_snapshots=400, n_subspaces=1)
+        data,
+        SubspaceConfiguration(period=1.0, source_count=2, covariance_snapshots=400, n_subspaces=1),
     )
     ratios = tracked(
         estimates,
@@ -250,7 +251,7 @@ def test_target_that_passes_endfire_stays_tracked() -> None:
     truth = np.arcsin(np.sin(unfolded))
     data = snapshots_of(np.random.default_rng(10), truth[:, None], 20.0)
     tracks = tracked(
-        estimated(data, SubspaceConfiguration(source_count=1)),
+        estimated(data, SubspaceConfiguration(period=1.0, source_count=1)),
         given(
             initial_bearings_deg=(78.0,),
             initial_rates_deg=(2.4,),

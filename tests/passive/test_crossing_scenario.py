@@ -45,7 +45,11 @@ def scores(level_db: float, trackers: dict[str, BearingTrackerStage]) -> dict[st
     generator = np.random.default_rng(1)
     stage = SubspaceStage(
         SubspaceConfiguration(
-            method="past", forgetting_factor=0.86, source_count=5, covariance_snapshots=0
+            method="past",
+            forgetting_factor=0.86,
+            period=1.0,
+            source_count=5,
+            covariance_snapshots=0,
         )
     )
     angles: dict[str, list] = {name: [] for name in trackers}

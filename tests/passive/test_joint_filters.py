@@ -30,7 +30,7 @@ from tests.passive.crossing_scene import (
 
 METHODS = ["coherent", "joint_map"]
 CAUSAL = SubspaceConfiguration(
-    source_count=5, n_subspaces=1, update_snapshots=1, covariance_snapshots=200
+    period=1.0, source_count=5, n_subspaces=1, update_snapshots=1, covariance_snapshots=200
 )
 CENTRED = replace(CAUSAL, covariance_snapshots=199, covariance_alignment="centred")
 

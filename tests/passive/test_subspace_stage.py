@@ -23,7 +23,7 @@ from tests.passive.crossing_scene import (
 )
 
 SECOND = 1_000_000_000
-PAPER = SubspaceConfiguration(method="past", forgetting_factor=0.86, source_count=5)
+PAPER = SubspaceConfiguration(method="past", forgetting_factor=0.86, period=1.0, source_count=5)
 
 
 def fed(
@@ -92,6 +92,7 @@ def test_covariance_ends_at_the_sample_time_or_lies_around_it(
 ) -> None:
     data = crossing_data(17, 0.0, 3.0)
     configuration = SubspaceConfiguration(
+        period=1.0,
         source_count=5,
         n_subspaces=n_subspaces,
         covariance_snapshots=n_snapshots,
@@ -115,7 +116,11 @@ def test_covariance_ends_at_the_sample_time_or_lies_around_it(
 def test_centred_covariance_cut_off_by_a_gap_lies_before_it() -> None:
     blocks = list(blocks_of(crossing_data(18, 0.0, 3.0)))
     configuration = SubspaceConfiguration(
-        source_count=5, n_subspaces=1, covariance_snapshots=100, covariance_alignment="centred"
+        period=1.0,
+        source_count=5,
+        n_subspaces=1,
+        covariance_snapshots=100,
+        covariance_alignment="centred",
     )
     # The data stop with the 19th snapshot after t = 1 s and go on at 1.6 s.
     estimates, _ = fed(SubspaceStage(configuration), blocks[:21] + blocks[26:])

@@ -46,7 +46,7 @@ def test_graph_and_offline_chain_give_the_same_bits(tmp_path: Path, method: str)
     assert report["score"]["rmse_deg"] < 1.0
     live = [tracks_from_bytes(message.data) for message in read_bag(bag).messages([TRACKS])]
     offline = run_offline_chain(scenario).tracks
-    assert len(live) == len(offline) == 15
+    assert len(live) == len(offline) == 30
     assert len(live[-1].id) == 5
     for ours, theirs in zip(live, offline, strict=True):
         for field in dataclasses.fields(ours):

@@ -191,6 +191,7 @@ def bench_estimates(data: ComplexArray, n_sources: int) -> tuple[SubspaceEstimat
     stage = SubspaceStage(
         SubspaceConfiguration(
             method="covariance",
+            period=1.0,
             source_count=n_sources,
             n_subspaces=7,
             covariance_snapshots=PERIOD_SNAPSHOTS,

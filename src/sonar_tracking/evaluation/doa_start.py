@@ -41,14 +41,17 @@ LAYOUTS = (
             Column("targets_never_held", "missed", ".2f"),
             Column("false_tracks_per_hour", "false/h", ".1f"),
             Column("lasting_swaps", "swaps", ".2f"),
+            Column("name_kept_percent", "name kept", ".1f"),
             Column("gospa_deg", "GOSPA", ".2f"),
             Column("rmse_deg", "RMSE", ".2f"),
         ),
         "Means over the runs. count error: confirmed tracks against targets, mean without sign; "
-        "right in % of the periods. delay: from the appearance of a target to its confirmed track, "
-        "s; worst: of the slowest target in any run. missed: targets without a track, a run. "
-        "swaps: exchanges of identity that last, a run. GOSPA: deg, cut-off 5 deg, order 2; a "
-        "track that coasts after its target has left counts against it.",
+        "right in % of the periods. delay: from the appearance of a target to the end of the "
+        "period of its confirmed track, s; worst: of the slowest target in any run. missed: "
+        "targets without a track, a run. swaps: exchanges of identity for 2.5 s or longer, a run, "
+        "there and back counted both. name kept: share of its life that a target has its "
+        "longest-held identity, %. GOSPA: deg, cut-off 5 deg, order 2; a track that coasts after "
+        "its target has left counts against it.",
     ),
 )
 
@@ -122,6 +125,7 @@ def _metrics(runs: Sequence[StartRun]) -> dict[str, float]:
         ),
         "swaps": float(np.mean([entry.identity_swaps for entry in identities])),
         "lasting_swaps": float(np.mean([entry.lasting_identity_swaps for entry in identities])),
+        "name_kept_percent": 100.0 * float(np.mean([entry.continuity for entry in identities])),
         "gospa_deg": float(np.mean([score.gospa_deg for score in scores])),
         "rmse_deg": float(_known([score.rmse_deg for score in scores]).mean()),
     }

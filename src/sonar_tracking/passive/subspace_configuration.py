@@ -20,7 +20,7 @@ class SubspaceConfiguration:
         0.97, "Weight beta of the past, per snapshot", minimum=0.01, maximum=0.99999
     )
     period: float = parameter(
-        1.0, "Time between estimates, at its multiples in stamp time", unit="s", minimum=1e-3
+        0.5, "Time between estimates, at its multiples in stamp time", unit="s", minimum=1e-3
     )
     source_count: int = parameter(
         0, "Columns of the subspace; 0 = found by MDL at the start", minimum=0
