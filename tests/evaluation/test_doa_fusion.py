@@ -11,7 +11,7 @@ import pytest
 
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.evaluation.doa_fusion import BOUND, bound_deg2
-from sonar_tracking.evaluation.doa_fusion_joint import CAUSAL, CENTRED
+from sonar_tracking.evaluation.doa_fusion_joint import CAUSAL, CENTRED, DEFAULT
 from sonar_tracking.evaluation.doa_fusion_systems import (
     AUTOMATIC,
     AVERAGE_ONLY,
@@ -95,6 +95,14 @@ def test_joint_filter_stays_near_the_bound(
         assert metric(study, system, level, "rmse_over_bound") < of_bound
         nees = metric(study, system, level, "median_nees_per_dimension")
         assert nees == pytest.approx(1.0, abs=0.25)
+
+
+def test_default_process_noise_keeps_all_targets(study: Study) -> None:
+    # It is told nothing of the turns, so that its errors are larger than with the process noise
+    # of this scenario, but no target is lost.
+    for level in LEVELS_DB:
+        assert metric(study, DEFAULT, level) < 0.5 * metric(study, PROPOSED, level)
+        assert metric(study, DEFAULT, level, "success_percent") >= 95
 
 
 @pytest.mark.parametrize(("level", "expected"), [(-5, 0.0530), (-3, 0.0361), (0, 0.0207)])

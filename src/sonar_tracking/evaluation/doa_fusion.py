@@ -81,7 +81,8 @@ LAYOUTS = (
         "good as 7. correlated variance: PROPOSED, believing what the second table confirms. "
         "automatic start: PROPOSED, not told the first bearings. joint MAP: one filter over all "
         "targets, q 0.01 deg²/s³; causal: of the last 200 snapshots; centred: of 199 around the "
-        "sample time, half a second late. / bound: root of the MSE over that of the bound.",
+        "sample time, half a second late; default q: causal, not told that these targets turn. "
+        "/ bound: root of the MSE over that of the bound.",
         condition="SNR",
     ),
     TableLayout(

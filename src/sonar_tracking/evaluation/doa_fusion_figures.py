@@ -31,6 +31,7 @@ SYSTEM_STYLES = {
     "automatic start": ("#56B4E9", "D"),
     "joint MAP, causal": ("#009E73", "P"),
     "joint MAP, centred": ("#000000", "X"),
+    "joint MAP, default q": ("#882255", "D"),
     "tracking bound": ("#555555", ""),
 }
 """Colour and marker of each system drawn against the level."""

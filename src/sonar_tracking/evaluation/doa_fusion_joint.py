@@ -2,8 +2,8 @@
 
 Causal: the last 200 snapshots up to the sample time, which tell where the targets were half a
 block before. Centred: the 199 snapshots around it, half a second late. The process noise is what
-the targets really do; the number of sources and the first bearings are told, as to the published
-trackers.
+the targets really do, or the default, which finds out when they turn. The number of sources and the
+first bearings are told, as to the published trackers.
 """
 
 from __future__ import annotations
@@ -38,8 +38,9 @@ PROCESS_NOISE_DEG2 = 0.01
 
 CAUSAL = "joint MAP, causal"
 CENTRED = "joint MAP, centred"
+DEFAULT = "joint MAP, default q"
 
-BLOCKS = {CAUSAL: ("causal", 200), CENTRED: ("centred", 199)}
+BLOCKS = {CAUSAL: ("causal", 200), CENTRED: ("centred", 199), DEFAULT: ("causal", 200)}
 """Alignment and snapshots of each tracker's blocks, by its name."""
 
 
@@ -71,7 +72,7 @@ def joint_batch(batch: RunBatch) -> JointRuns:
         name: SubspaceStage(_estimator(alignment, n_snapshots, n_targets))
         for name, (alignment, n_snapshots) in BLOCKS.items()
     }
-    trackers = {name: BearingTrackerStage(_tracker(scenario)) for name in BLOCKS}
+    trackers = {name: BearingTrackerStage(_tracker(scenario, name)) for name in BLOCKS}
     tracks: dict[str, list[BearingTracks]] = {name: [] for name in BLOCKS}
     last_stamp = scenario.stamp(float(STEP_TIMES[-1]))
     for block in snapshot_blocks(scenario, batch.seeds, LEVELS_DB, BLOCK_SNAPSHOTS):
@@ -80,7 +81,8 @@ def joint_batch(batch: RunBatch) -> JointRuns:
                 if scenario.stamp(0.0) <= estimates.stamp <= last_stamp:
                     tracks[name].append(trackers[name].update(estimates).tracks)
     angles, rates = true_bearings(scenario, STEP_TIMES)
-    ages = {CAUSAL: 0.5 * (BLOCKS[CAUSAL][1] - 1) / scenario.array.snapshot_rate, CENTRED: 0.0}
+    half_block = 0.5 * (BLOCKS[CAUSAL][1] - 1) / scenario.array.snapshot_rate
+    ages = {CAUSAL: half_block, CENTRED: 0.0, DEFAULT: half_block}
     return JointRuns(
         {name: histories_of(own[1:], angles, rates, ages[name]) for name, own in tracks.items()}
     )
@@ -98,9 +100,9 @@ def _estimator(alignment: str, n_snapshots: int, n_targets: int) -> SubspaceConf
     )
 
 
-def _tracker(scenario: Scenario) -> BearingTrackerConfiguration:
+def _tracker(scenario: Scenario, name: str) -> BearingTrackerConfiguration:
     angles, rates = true_bearings(scenario, np.zeros(1))
-    return BearingTrackerConfiguration(
+    configuration = BearingTrackerConfiguration(
         method="joint_map",
         source_rank=len(scenario.targets),
         start="given",
@@ -108,6 +110,11 @@ def _tracker(scenario: Scenario) -> BearingTrackerConfiguration:
         initial_rates_deg=tuple(np.degrees(rates[0]).tolist()),
         initial_angle_variance_deg2=INITIAL_ANGLE_VARIANCE_DEG2,
         initial_rate_variance_deg2=INITIAL_RATE_VARIANCE_DEG2,
+    )
+    if name == DEFAULT:
+        return configuration
+    return replace(
+        configuration,
         process_noise_deg2=PROCESS_NOISE_DEG2,
         steady_process_noise_deg2=PROCESS_NOISE_DEG2,
     )
