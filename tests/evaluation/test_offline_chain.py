@@ -7,7 +7,12 @@ import pytest
 
 from sonar_tracking.errors import ConfigurationError, InputError
 from sonar_tracking.evaluation.offline_chain import OfflineRun, run_offline_chain
-from sonar_tracking.simulation.scenario import NodeParameters, Scenario, scenario_from_mapping
+from sonar_tracking.simulation.scenario import (
+    NodeParameters,
+    Scenario,
+    load_scenario,
+    scenario_from_mapping,
+)
 
 
 def small_scenario() -> Scenario:
@@ -70,3 +75,13 @@ def test_more_sources_than_elements_are_refused() -> None:
     scenario = dataclasses.replace(small_scenario(), nodes=nodes)
     with pytest.raises(InputError, match="source_count"):
         run_offline_chain(scenario)
+
+
+def test_ships_whose_bearings_cross_keep_their_names() -> None:
+    """Four ships, own ship alters course, one ship is silent for a while: four tracks, no more."""
+    run = run_offline_chain(load_scenario("crossing_targets"))
+    identities = run.score().identities
+    assert identities.lasting_identity_swaps == identities.false_tracks == 0
+    assert identities.lost_tracks == identities.targets_never_held == 0
+    assert identities.smallest_continuity > 0.95
+    assert run.score().rmse_deg < 0.2
