@@ -322,6 +322,11 @@ def test_wrong_noise_covariance_is_refused(noise: ComplexArray, reason: str, run
     assert set(established(last)) == {1, 2}
 
 
+def test_noise_of_a_colour_that_is_not_told_is_no_source() -> None:
+    colour = np.linalg.cholesky(noise_colour(0.3))
+    assert not all_ids(tracked(circular_noise(np.random.default_rng(17), 24000, 15) @ colour.T))
+
+
 def test_coloured_noise_alone_is_no_source() -> None:
     generator = np.random.default_rng(16)
     colour = noise_colour(0.6)

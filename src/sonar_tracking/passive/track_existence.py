@@ -124,12 +124,38 @@ def existence_evidence(
     interval : float
         Since the estimate before, s: snapshots that it had too do not count again.
     """
+    if estimates.covariance_snapshots == 0:
+        return no_evidence(len(angles))
+    middle = angles + rates * estimates.covariance_time_offset
+    duration = estimates.covariance_snapshots * estimates.sample_period
+    snapshots = estimates.covariance_snapshots * min(1.0, interval / duration)
+    ratio = power_ratios(estimates, middle)
+    excess = np.maximum(ratio - 1.0, _LEAST_EXCESS / np.sqrt(estimates.covariance_snapshots))
+    log_ratio = snapshots * (ratio * excess / (1.0 + excess) - np.log1p(excess))
+    close = unresolved(middle, middle, estimates) & ~np.eye(len(angles), dtype=bool)
+    return Evidence(np.where(close.any(axis=1), np.nan, log_ratio))
+
+
+def power_ratios(estimates: SubspaceEstimates, angles: FloatArray) -> FloatArray:
+    """Return the power along each angle, orthogonal to all others, over that of the noise.
+
+    Parameters
+    ----------
+    estimates : SubspaceEstimates
+        Of a single run.
+    angles : ndarray, shape (n,)
+        In the middle of the covariance, rad.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        NaN without a covariance or noise power.
+    """
     covariance, power = estimates.covariance, float(estimates.noise_power)
     if len(angles) == 0 or covariance is None or not power > 0.0:
-        return no_evidence(len(angles))
+        return np.full(len(angles), np.nan)
     number = wavenumber(estimates.center_frequency, estimates.sound_speed)
-    middle = angles + rates * estimates.covariance_time_offset
-    vectors = steering_vectors(estimates.element_positions, middle, number)
+    vectors = steering_vectors(estimates.element_positions, angles, number)
     if estimates.noise_covariance is not None:
         factor = noise_factor(estimates.noise_covariance)
         vectors = np.asarray(np.linalg.solve(factor, vectors), dtype=np.complex128)
@@ -138,10 +164,4 @@ def existence_evidence(
     # Row n of the pseudoinverse is the part of vector n orthogonal to the others, over its power.
     rows = np.linalg.pinv(vectors, rcond=_SEPARABLE)
     along = np.einsum("nm,mk,nk->n", rows, covariance, rows.conj()).real
-    ratio = along / (np.abs(rows) ** 2).sum(axis=1) / power
-    duration = estimates.covariance_snapshots * estimates.sample_period
-    snapshots = estimates.covariance_snapshots * min(1.0, interval / duration)
-    excess = np.maximum(ratio - 1.0, _LEAST_EXCESS / np.sqrt(estimates.covariance_snapshots))
-    log_ratio = snapshots * (ratio * excess / (1.0 + excess) - np.log1p(excess))
-    close = unresolved(middle, middle, estimates) & ~np.eye(len(angles), dtype=bool)
-    return Evidence(np.where(close.any(axis=1), np.nan, log_ratio))
+    return np.asarray(along / (np.abs(rows) ** 2).sum(axis=1) / power)
