@@ -35,7 +35,9 @@ from tests.passive.crossing_scene import (
 )
 from tests.passive.test_past import past_by_the_letter
 
-PAST = SubspaceConfiguration(method="past", forgetting_factor=0.86, period=1.0, source_count=5)
+PAST = SubspaceConfiguration(
+    method="past", forgetting_factor=0.86, period=1.0, source_count=5, n_subspaces=7
+)
 
 
 def given(**changes: object) -> BearingTrackerConfiguration:

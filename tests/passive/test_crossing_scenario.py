@@ -49,6 +49,7 @@ def scores(level_db: float, trackers: dict[str, BearingTrackerStage]) -> dict[st
             forgetting_factor=0.86,
             period=1.0,
             source_count=5,
+            n_subspaces=7,
             covariance_snapshots=0,
         )
     )

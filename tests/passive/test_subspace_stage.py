@@ -23,7 +23,9 @@ from tests.passive.crossing_scene import (
 )
 
 SECOND = 1_000_000_000
-PAPER = SubspaceConfiguration(method="past", forgetting_factor=0.86, period=1.0, source_count=5)
+PAPER = SubspaceConfiguration(
+    method="past", forgetting_factor=0.86, period=1.0, source_count=5, n_subspaces=7
+)
 
 
 def fed(

@@ -26,7 +26,11 @@ class SubspaceConfiguration:
         0, "Columns of the subspace; 0 = found by MDL at the start", minimum=0
     )
     n_subspaces: int = parameter(
-        7, "Adjacent subspaces P published with each estimate, odd", minimum=1, maximum=999
+        1,
+        "Adjacent subspaces P published with each estimate, odd; ml_fusion takes their mean, but "
+        "half of them are later than the sample time",
+        minimum=1,
+        maximum=999,
     )
     update_snapshots: int = parameter(
         10,
