@@ -16,10 +16,13 @@ from sonar_tracking.graph.node_catalogue import NODES, NodeDescription
 from sonar_tracking.graph.recorder import PARAMETER_DESCRIPTIONS as RECORDER_PARAMETERS
 from sonar_tracking.graph.topics import Topic, TopicKind
 from sonar_tracking.simulation.array_configuration import ArrayConfiguration, NoiseConfiguration
+from sonar_tracking.simulation.bearing_sensor_configuration import BearingSensorConfiguration
+from sonar_tracking.simulation.contact_configuration import ContactSensorConfiguration
+from sonar_tracking.simulation.hydrophone_configuration import HydrophoneConfiguration
 from sonar_tracking.simulation.platforms import OwnShipConfiguration, TurnConfiguration
 from sonar_tracking.simulation.scenario import load_scenario
 from sonar_tracking.simulation.scenario_file import scenario_names
-from sonar_tracking.simulation.target import MOTIONS, TargetConfiguration
+from sonar_tracking.simulation.target import MOTIONS, LineConfiguration, TargetConfiguration
 
 README = Path(__file__).resolve().parent.parent / "README.md"
 BEGIN, END = "<!-- reference: begin -->", "<!-- reference: end -->"
@@ -131,7 +134,11 @@ def _scenario_keys() -> str:
         "noise": NoiseConfiguration,
         "own_ship": OwnShipConfiguration,
         "own_ship.turns[]": TurnConfiguration,
+        "bearing_sensors[]": BearingSensorConfiguration,
+        "active_sonar": ContactSensorConfiguration,
+        "hydrophones": HydrophoneConfiguration,
         "targets[]": TargetConfiguration,
+        "targets[].lines[]": LineConfiguration,
     }
     sections |= {f"targets[].motion, kind: {kind}": motion for kind, motion in MOTIONS.items()}
     rows = [
