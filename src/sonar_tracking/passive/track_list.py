@@ -73,11 +73,15 @@ def running_rows(
 ) -> TrackRows:
     """Return the rows of the running tracks and of those that end."""
     unknown = np.full(filters.mean.shape[:-1], np.nan)
+    measured = unknown
+    if measurement is not None:
+        # All angles of the list are those of its stamp; the data are a little older.
+        measured = measurement.angle + measurement.age * filters.mean[..., 1]
     return TrackRows(
         ids,
         status,
         filters,
-        unknown if measurement is None else measurement.angle,
+        measured,
         unknown if measurement is None else measurement.innovation,
         unknown if measurement is None else measurement.variance,
         signal_to_noise_ratio,
