@@ -68,9 +68,10 @@ class BearingTrackerConfiguration:
         minimum=0.0,
     )
     steady_process_noise_deg2: float = parameter(
-        0.0001,
-        "The same while the innovations of a bearing show no turn, so that slow crossings keep "
-        "their names; with process_noise_deg2 or more q is constant (joint_map)",
+        0.001,
+        "The same while the innovations of a bearing show no turn, and a tenth of it while another "
+        "is nearer than half a beamwidth, so that slow crossings keep their names; with "
+        "process_noise_deg2 or more q is constant (joint_map)",
         unit="deg^2/s^3",
         minimum=0.0,
     )

@@ -36,8 +36,8 @@ ComplexArray = NDArray[np.complex128]
 _LEAST_GAIN = 1e-9
 """Share of its variance that an angle must lose for the block to count as a measurement of it."""
 
-_UNRESOLVED = 0.25
-"""Share of the beamwidth below which the innovations of two bearings tell nothing about turns."""
+_HELD_SHARE = 0.1
+"""Of the steady process noise, while the array does not resolve a bearing from another."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,9 @@ class JointFilters:
 
     def predicted(self, filters: JointState, interval: float) -> JointState:
         """Return the filter after an interval in s."""
+        held = _HELD_SHARE * self.configuration.steady_process_noise_density
         density = self._densities(filters.manoeuvres.level)
+        density = np.where(filters.manoeuvres.held, held, density)
         state = joint_prediction(filters, interval, density)
         return replace(
             filters,
@@ -164,9 +166,7 @@ class JointFilters:
         targets = self.targets(before)
         age = -estimates.covariance_time_offset
         middle = targets.mean[..., 0] - age * targets.mean[..., 1]
-        close = unresolved(middle, middle, estimates, _UNRESOLVED) & ~np.eye(
-            middle.shape[-1], dtype=bool
-        )
+        close = unresolved(middle, middle, estimates) & ~np.eye(middle.shape[-1], dtype=bool)
         resolved = np.asarray(~close.any(axis=-1))
         return before.manoeuvres.updated(
             targets, self.targets(after), age, before.interval, resolved

@@ -10,8 +10,8 @@ is right. Its exponential mean
 
 is then standard normal too, while a turn pushes it to one side. The level of process noise is
 raised by one when m^2 exceeds a limit, and lowered by one when it falls below another. Where the
-array does not resolve a bearing from another, its innovations tell nothing about turns: the level
-from before is held.
+array does not resolve a bearing from another, its innovations tell nothing about turns: level and,
+with even less process noise, rate from before are held until they part.
 
 References
 ----------
@@ -58,14 +58,17 @@ class Manoeuvres:
         m, mean normalised innovation.
     level : ndarray of int, shape (..., n_targets)
         Level of process noise, from 0 (steady) to ``HIGHEST_LEVEL``.
+    held : ndarray of bool, shape (..., n_targets)
+        Whether the array did not resolve the bearing from another at the last update.
     """
 
     deviation: FloatArray
     level: NDArray[np.int_]
+    held: BoolArray
 
     def kept(self, rows: NDArray[np.intp]) -> Manoeuvres:
         """Return those of some of the targets."""
-        return Manoeuvres(self.deviation[..., rows], self.level[..., rows])
+        return Manoeuvres(self.deviation[..., rows], self.level[..., rows], self.held[..., rows])
 
     def extended(self, n_targets: int) -> Manoeuvres:
         """Return them with more targets, which move steadily."""
@@ -73,6 +76,7 @@ class Manoeuvres:
         return Manoeuvres(
             np.concatenate([self.deviation, np.zeros(shape)], axis=-1),
             np.concatenate([self.level, np.zeros(shape, dtype=np.int_)], axis=-1),
+            np.concatenate([self.held, np.zeros(shape, dtype=bool)], axis=-1),
         )
 
     def updated(
@@ -109,9 +113,10 @@ class Manoeuvres:
         lower = told & (mean**2 < _LOWERED) & (self.level > 0)
         deviation = np.where(told, mean, self.deviation)
         deviation = np.where(higher, np.copysign(_AFTER_RAISE, mean), deviation)
-        return Manoeuvres(deviation, self.level + higher - lower)
+        return Manoeuvres(deviation, self.level + higher - lower, ~resolved)
 
 
 def steady(shape: tuple[int, ...]) -> Manoeuvres:
     """Return those of targets, (..., n_targets), of which nothing has been said yet."""
-    return Manoeuvres(np.zeros(shape), np.zeros(shape, dtype=np.int_))
+    no = np.zeros(shape, dtype=bool)
+    return Manoeuvres(np.zeros(shape), no.astype(np.int_), no)
