@@ -10,9 +10,13 @@ import numpy as np
 from sonar_tracking.errors import Notice, Severity
 from sonar_tracking.passive.line_records import FrequencyLines
 from sonar_tracking.passive.records import BearingTracks, TrackStatus
+from sonar_tracking.tma.line_attribution import VAGUEST
 from sonar_tracking.tma.station_view import StationView
 from sonar_tracking.tma.target_records import MAXIMUM_LINES, TargetObservation
 from sonar_tracking.tma.tma_tracker_configuration import TmaTrackerConfiguration
+
+HIGHEST, SHARPEST = 1e7, 1e-9
+"""Highest frequency of a line, Hz, and its least relative deviation: no clock is better."""
 
 
 @dataclass(frozen=True)
@@ -78,8 +82,9 @@ def observation_of(
         return empty, f"{name} has the angle {angle:g} rad, more than a full turn"
     if math.isnan(variance) and configuration.azimuth_deviation > 0.0:
         variance = configuration.azimuth_deviation**2
-    if not (math.isfinite(variance) and variance > 0.0):
-        return empty, f"{name} has the variance {variance:g} rad^2, which must be positive"
+    if not 0.0 < variance < VAGUEST:
+        allowed = f"which must be positive and below {VAGUEST:g}"
+        return empty, f"{name} has the variance {variance:g} rad^2, {allowed}"
     variance = max(variance, configuration.minimum_azimuth_deviation**2)
     variance += (view.turn_rate * configuration.array_lag) ** 2
     elevation, elevation_variance = _elevation(bearings, row, configuration)
@@ -120,7 +125,7 @@ def lines_of(lines: FrequencyLines, tracks: list[int]) -> tuple[dict[int, list[H
         tracks, zip(*columns, strict=True), strict=True
     ):
         line = HeardLine(int(number), float(frequency), float(deviation))
-        if not (_positive(line.frequency) and _positive(line.deviation)):
+        if not _plausible(line):
             bad.append(line.line_id)
         elif track and line.line_id in heard.setdefault(track, {}):
             repeated.append(line.line_id)
@@ -128,7 +133,7 @@ def lines_of(lines: FrequencyLines, tracks: list[int]) -> tuple[dict[int, list[H
             heard[track][line.line_id] = line
     problems = []
     if bad:
-        problems.append(f"line {bad[0]} has a frequency or deviation that is not positive")
+        problems.append(f"line {bad[0]} has an impossible frequency or standard deviation")
     if repeated:
         problems.append(f"line {repeated[0]} is told twice")
     best = {track: _best(list(own.values())) for track, own in heard.items()}
@@ -170,6 +175,12 @@ def _elevation(
     value, variance = float(bearings.elevation[row]), float(bearings.elevation_variance[row])
     usable = math.isfinite(value) and _positive(variance)
     return (value, variance) if usable else (np.nan, np.nan)
+
+
+def _plausible(line: HeardLine) -> bool:
+    if not (0.0 < line.frequency <= HIGHEST):
+        return False
+    return SHARPEST * line.frequency < line.deviation < line.frequency
 
 
 def _positive(value: float) -> bool:

@@ -24,6 +24,9 @@ FRAMES = 10
 MARGIN = float(np.log(20.0))
 """By which the best track must lead the next one."""
 
+VAGUEST = 10.0
+"""Variance of an angle that says nothing any more, rad^2."""
+
 FORGOTTEN_AFTER = 600 * NANOSECONDS
 """A line not heard for this long is forgotten, ns."""
 
@@ -115,7 +118,7 @@ def _distances(
     angle: float, variance: float, tracks: Mapping[int, TrackAngle]
 ) -> dict[int, tuple[float, float]]:
     """Return squared normalised distance and variance of the difference, to each track."""
-    if not (np.isfinite(angle) and np.isfinite(variance) and variance > 0.0):
+    if not (abs(angle) <= 2.0 * np.pi and 0.0 < variance < VAGUEST):
         return {}
     spreads = {number: track.variance + variance for number, track in tracks.items()}
     return {

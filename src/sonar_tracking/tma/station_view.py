@@ -21,6 +21,9 @@ from sonar_tracking.tma.tma_tracker_configuration import TmaTrackerConfiguration
 
 OWN_SHIP_FRAMES = "own_ship/"
 
+FARTHEST = 1e8
+"""Largest coordinate of a station in ``map``, m."""
+
 
 @dataclass(frozen=True)
 class StationView:
@@ -118,6 +121,11 @@ def station_view(
             velocity = tuple(own_ship.velocity + turn_rate * np.array([-arm[1], arm[0]]))
         if not math.isfinite(axis):
             axis = heading + configuration.mounting_yaw
+    if max(map(abs, position)) > FARTHEST or math.hypot(*velocity) >= configuration.sound_speed:
+        raise InputError(
+            f"{sensor.sensor_id} is said to be at {position[0]:g}, {position[1]:g} m and to move "
+            f"with {math.hypot(*velocity):g} m/s; check its pose, and own ship's odometry."
+        )
     return StationView(
         sensor_id=sensor.sensor_id,
         frame_id=sensor.frame_id,

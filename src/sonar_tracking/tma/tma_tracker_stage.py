@@ -19,7 +19,7 @@ from sonar_tracking.passive.records import UNKNOWN_STAMP, BearingTracks, TrackSt
 from sonar_tracking.position_tracks import PositionTracks
 from sonar_tracking.tma.bearing_observations import left_out, lines_of, observation_of, with_lines
 from sonar_tracking.tma.followed_target import FollowedTarget, new_solver
-from sonar_tracking.tma.line_attribution import LineAttribution, TrackAngle
+from sonar_tracking.tma.line_attribution import VAGUEST, LineAttribution, TrackAngle
 from sonar_tracking.tma.passive_frame import PassiveFrame, TmaUpdate
 from sonar_tracking.tma.station_pairing import Pair, StationPairing
 from sonar_tracking.tma.station_view import StationView, station_view
@@ -334,7 +334,7 @@ def _angles(bearings: BearingTracks, view: StationView) -> dict[int, TrackAngle]
     for row in np.flatnonzero(bearings.status != TrackStatus.TERMINATED):
         angle = float(bearings.arrival_angle[row])
         variance = float(bearings.covariance[row, 0, 0])
-        if np.isfinite(angle) and np.isfinite(variance) and variance >= 0.0:
+        if abs(angle) <= 2.0 * np.pi and 0.0 <= variance < VAGUEST:
             cone = view.from_broadside(angle, bearings.angle_kind)
             angles[int(bearings.id[row])] = TrackAngle(cone, variance)
     return angles
