@@ -17,12 +17,10 @@ from sonar_tracking.graph.contact_conversions import thresholds_to_message
 from sonar_tracking.graph.data_flow import Received
 from sonar_tracking.graph.event_time_join import JoinedItem
 from sonar_tracking.graph.marker_conversions import position_markers
-from sonar_tracking.graph.message_fields import message_class
 from sonar_tracking.graph.node_catalogue import HPDA_TRACKER
 from sonar_tracking.graph.node_process import run_node
 from sonar_tracking.graph.own_ship_interpolation import interpolate_own_ship, motion_in_map
 from sonar_tracking.graph.position_conversions import position_tracks_to_message
-from sonar_tracking.graph.quality_of_service import publisher_profile
 from sonar_tracking.graph.sonar_node import SonarNode
 from sonar_tracking.graph.topics import (
     ACTIVE_MARKERS,
@@ -53,11 +51,7 @@ class HpdaTracker(SonarNode):
         self._tracker = make_contact_tracker(self._configuration)
         self._tracks = self.data_publisher(ACTIVE_TRACKS)
         self._thresholds = self.data_publisher(ACTIVE_THRESHOLD)
-        self._markers = self.create_publisher(
-            message_class(ACTIVE_MARKERS.message_type),
-            ACTIVE_MARKERS.name,
-            publisher_profile(ACTIVE_MARKERS.kind),
-        )
+        self._markers = self.marker_publisher(ACTIVE_MARKERS)
         self.data_subscriptions(
             {CONTACTS: contacts_from_message},
             series={ODOMETRY: (own_ship_from_message, interpolate_own_ship)},

@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
 from sonar_tracking.configuration import describe
@@ -19,6 +20,7 @@ from sonar_tracking.graph import parameters, quality_of_service
 from sonar_tracking.graph.data_flow import DataInput, DataOutput, ProgressReporter, Received
 from sonar_tracking.graph.diagnostics import PARAMETERS, UNEXPECTED, Diagnostics, kind_of
 from sonar_tracking.graph.event_time_join import EventTimeJoin, Interpolation, JoinedItem
+from sonar_tracking.graph.message_fields import message_class
 from sonar_tracking.graph.node_catalogue import NodeDescription
 from sonar_tracking.graph.node_configuration import NodeConfiguration
 from sonar_tracking.graph.node_watch import NodeWatch, input_concern
@@ -99,6 +101,11 @@ class SonarNode(Node):
         )
         self.data_outputs.append(output)
         return output
+
+    def marker_publisher(self, topic: Topic) -> Publisher:
+        """Return a publisher of pictures, which nobody waits for or counts."""
+        profile = quality_of_service.publisher_profile(topic.kind)
+        return self.create_publisher(message_class(topic.message_type), topic.name, profile)
 
     def data_subscriptions(
         self,

@@ -11,13 +11,11 @@ from sonar_tracking.errors import InputError, Notice
 from sonar_tracking.graph.data_flow import Received
 from sonar_tracking.graph.event_time_join import JoinedItem
 from sonar_tracking.graph.marker_conversions import position_markers
-from sonar_tracking.graph.message_fields import message_class
 from sonar_tracking.graph.node_catalogue import TMA_TRACKER
 from sonar_tracking.graph.node_configuration import TmaInputConfiguration
 from sonar_tracking.graph.node_process import run_node
 from sonar_tracking.graph.own_ship_interpolation import interpolate_own_ship, motion_in_map
 from sonar_tracking.graph.position_conversions import position_tracks_to_message
-from sonar_tracking.graph.quality_of_service import publisher_profile
 from sonar_tracking.graph.sonar_node import SonarNode
 from sonar_tracking.graph.topics import (
     BEARING_TRACKS,
@@ -56,11 +54,7 @@ class TmaTracker(SonarNode):
         self._stage = TmaTrackerStage(self._configuration, len(bearings))
         self._published = 0
         self._tracks = self.data_publisher(PASSIVE_TRACKS)
-        self._markers = self.create_publisher(
-            message_class(PASSIVE_MARKERS.message_type),
-            PASSIVE_MARKERS.name,
-            publisher_profile(PASSIVE_MARKERS.kind),
-        )
+        self._markers = self.marker_publisher(PASSIVE_MARKERS)
         group: dict[Topic, Callable[[Any], Any]] = {
             topic: _or_error(directions_from_message) for topic in bearings
         }
