@@ -11,7 +11,7 @@ from sonar_tracking.evaluation import tma_frequency_fusion, tma_observability
 from sonar_tracking.evaluation.batch_runner import run_batches
 from sonar_tracking.evaluation.studies import STUDIES
 from sonar_tracking.evaluation.study import Study
-from sonar_tracking.evaluation.tma_batch_rows import LIKELIHOOD, PATH
+from sonar_tracking.evaluation.tma_batch_rows import FUSED_LIKELIHOOD, LIKELIHOOD, PATH
 from sonar_tracking.evaluation.tma_frequency_fusion import (
     BOUND,
     SCENARIOS,
@@ -95,6 +95,9 @@ def test_bad_data_and_turns_cost_little(study: Study) -> None:
 
 
 def test_batch_estimators_are_told_apart(study: Study) -> None:
+    straight = "batch: target exactly straight, S1"
+    for system in (LIKELIHOOD, FUSED_LIKELIHOOD):
+        assert study.row(system, straight).metrics["range_per_bound"] < 1.5
     moving = "batch: random accelerations, S1"
     assert study.row(LIKELIHOOD, moving).metrics["nees_per_dimension"] > 5.0
     assert study.row(PATH, moving).metrics["nees_per_dimension"] < 2.0

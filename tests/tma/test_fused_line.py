@@ -11,6 +11,7 @@ from sonar_tracking.tma.fused_line import (
     add_references,
     first_references,
     fuse_lines,
+    fused_frames,
 )
 from sonar_tracking.tma.records import TmaMeasurement
 
@@ -79,3 +80,12 @@ def test_it_takes_a_batch_of_runs() -> None:
     )
     alone, together = FusedLine().update(frame), FusedLine().update(batch)
     np.testing.assert_allclose(together.mean[0], alone.mean, rtol=1e-12)
+
+
+def test_frames_of_a_batch_estimator_have_the_line_that_the_filter_has() -> None:
+    lines = [(200.0, 300.0, NAN), (201.0, NAN, 402.0), (202.0, NAN, 404.0), (NAN, NAN, NAN)]
+    frames = fused_frames([measurement(*one, stamp=1 + n) for n, one in enumerate(lines)])
+    assert [one.n_lines for one in frames] == [1, 1, 1, 1]
+    # The third line is used from its second frame on, 402 Hz being what 201 Hz was.
+    measured = [float(one.frequency[0]) for one in frames]
+    assert measured == pytest.approx([200.0, 201.0, 202.0, NAN], nan_ok=True)

@@ -26,12 +26,14 @@ from sonar_tracking.filtering.consistency import normalised_squared
 from sonar_tracking.simulation.tma_scene import TmaRuns, simulate_runs
 from sonar_tracking.tma.batch_likelihood import estimate_batch_likelihood
 from sonar_tracking.tma.batch_smoother import estimate_batch_path
+from sonar_tracking.tma.fused_line import fused_frames
 from sonar_tracking.tma.records import FloatArray
 
 CONDITION = "batch: "
 """How the condition of these rows begins."""
 
 LIKELIHOOD = "maximum likelihood, straight"
+FUSED_LIKELIHOOD = "the same on the paper's fused line"
 PATH = "most probable path"
 
 STRAIGHT, RANDOM = "target exactly straight, S1", "random accelerations, S1"
@@ -62,6 +64,8 @@ def estimate_whole_batch(batch: RunBatch) -> BatchHistories:
     straight = simulate_runs(replace(scene, acceleration=0.0), batch.seeds)
     likelihood = estimate_batch_likelihood(list(straight.frames()))
     histories = {(LIKELIHOOD, STRAIGHT): _last(straight, likelihood.mean, likelihood.covariance)}
+    fused = estimate_batch_likelihood(fused_frames(list(straight.frames())))
+    histories[FUSED_LIKELIHOOD, STRAIGHT] = _last(straight, fused.mean, fused.covariance)
     moving = simulate_runs(scene, batch.seeds)
     frames = list(moving.frames())
     likelihood = estimate_batch_likelihood(frames)

@@ -13,6 +13,7 @@ Cheong (2011), eqs. 17-25.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -84,6 +85,25 @@ class FusedLine:
         rate = range_rate(moved.mean, measurement)[..., 0]
         expected = moved.mean[..., 0, KINEMATIC] * (1.0 - rate / measurement.sound_speed)
         return np.where(moved.known[..., 0], expected, np.nan)
+
+
+def fused_frames(measurements: Sequence[TmaMeasurement]) -> list[TmaMeasurement]:
+    """Return frames with the paper's one line instead of their own, for a batch estimator.
+
+    Parameters
+    ----------
+    measurements : sequence of TmaMeasurement
+        All frames in order. A line that comes when all known ones are gone starts a new reference
+        at the virtual line's first frequency: there is no filter that could bridge the gap.
+    """
+    references = first_references(measurements[0])
+    frames = []
+    for measurement in measurements:
+        fused = fuse_lines(measurement, references)
+        nothing = np.full(references.virtual.shape, np.nan)
+        references = add_references(measurement, references, fused, nothing)
+        frames.append(fused)
+    return frames
 
 
 def first_references(measurement: TmaMeasurement) -> LineReferences:
