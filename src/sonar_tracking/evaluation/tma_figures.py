@@ -97,7 +97,9 @@ def draw_errors(
     for index, (axis, quantity) in enumerate(zip(axes.flat, QUANTITIES, strict=True)):
         for system, one in histories.items():
             rms = np.sqrt(np.mean(one.error[..., index] ** 2, axis=0))
-            axis.semilogy(rms, color=SYSTEM_COLOURS[system], linewidth=1.2, label=system)
+            # The twin lies on the default where turns do it all: dotted, so that both are seen.
+            style = ":" if system == BEARINGS_ONLY else "-"
+            axis.semilogy(rms, style, color=SYSTEM_COLOURS[system], linewidth=1.2, label=system)
         axis.semilogy(bound[:, index], color="black", linestyle="--", label="bound")
         axis.set_ylabel(f"RMS {quantity}")
         axis.grid(alpha=0.3, which="both")
