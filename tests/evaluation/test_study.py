@@ -63,3 +63,23 @@ def test_report_shows_published_figures_beside_measured_ones() -> None:
     assert first.split() == ["A", "0.50", "0.40", "98"]
     assert next(line for line in lines if " B " in line).split() == ["B", "-", "0"]
     assert not any("C" in line.split() for line in lines)
+
+
+def test_a_table_wider_than_the_terminal_is_continued_below_and_nothing_is_cut_off() -> None:
+    names = [f"metric {number}" for number in range(8)]
+    condition = "a condition that says at length what was done to the target"
+    rows = tuple(
+        StudyRow(system, condition, {name: float(index) for index, name in enumerate(names)})
+        for system in ("maximum likelihood, straight", "range bank (default)")
+    )
+    layout = TableLayout("Wide", tuple(Column(name, name, ".3f") for name in names))
+    text = StringIO()
+    print_study(Study("wide", 1, 1, 0.0, rows), (layout,), Console(file=text, width=60))
+    lines = text.getvalue().splitlines()
+    shown = [line for line in lines if line.lstrip().startswith("range bank (default)")]
+    assert len(shown) > 1
+    figures = [figure for line in shown for figure in line.split()[3:]]
+    assert figures == [f"{index:.3f}" for index in range(8)]
+    assert [heading for line in lines for heading in names if heading in line] == names
+    assert lines.count(condition) == len(shown)
+    assert max(len(line) for line in lines if line != condition) <= 60

@@ -1,9 +1,14 @@
-"""Terminal report of a study: tables with the published figures beside the measured ones."""
+"""Terminal report of a study: tables with the published figures beside the measured ones.
+
+A table that is wider than the terminal is continued below with its other columns: no figure and no
+name is cut off.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from sonar_tracking.evaluation.study import Study, StudyRow
@@ -11,7 +16,22 @@ from sonar_tracking.evaluation.study_definition import Column, TableLayout
 
 if TYPE_CHECKING:
     from rich.console import Console
-    from rich.table import Table
+    from rich.text import Text
+
+_PUBLISHED_STYLE = "cyan"
+
+
+@dataclass(frozen=True)
+class _Cells:
+    """One column of a table as text: heading, one cell a row, style."""
+
+    heading: str
+    cells: tuple[str, ...]
+    style: str = ""
+
+    @property
+    def width(self) -> int:
+        return max(len(text) for text in (self.heading, *self.cells))
 
 
 def print_study(study: Study, layouts: Sequence[TableLayout], console: Console) -> None:
@@ -30,8 +50,12 @@ def print_study(study: Study, layouts: Sequence[TableLayout], console: Console) 
         rows = [row for row in study.rows if layout.shows(row)]
         if not rows:
             continue
-        console.print()
-        console.print(_table(layout, rows))
+        console.print(f"\n{layout.title}", style="italic", highlight=False)
+        systems = _Cells("system", tuple(f" {row.system}" for row in rows))
+        conditions = [row.condition for row in rows]
+        for columns in _parts(_columns(layout, rows), console.width - systems.width):
+            for line in _lines(systems, columns, conditions):
+                console.print(line, soft_wrap=True)
         if layout.note:
             console.print(layout.note, style="dim", highlight=False)
     console.print(
@@ -40,34 +64,47 @@ def print_study(study: Study, layouts: Sequence[TableLayout], console: Console) 
     )
 
 
-def _table(layout: TableLayout, rows: Sequence[StudyRow]) -> Table:
-    from rich import box
-    from rich.table import Table
+def _columns(layout: TableLayout, rows: Sequence[StudyRow]) -> list[list[_Cells]]:
+    """Return the columns of figures, each with that of the published ones if there are any."""
+    columns = []
+    for column in layout.columns:
+        measured = tuple(_number(row.metrics.get(column.metric), column) for row in rows)
+        group = [_Cells(column.heading, measured)]
+        if any(column.metric in row.published for row in rows):
+            published = tuple(_number(row.published.get(column.metric), column) for row in rows)
+            group.append(_Cells("paper", published, _PUBLISHED_STYLE))
+        columns.append(group)
+    return columns
 
-    table = Table(
-        title=layout.title,
-        box=box.SIMPLE_HEAD,
-        title_justify="left",
-        pad_edge=False,
-        padding=(0, 1, 0, 0),
-    )
-    table.add_column("system")
-    published = [any(column.metric in row.published for row in rows) for column in layout.columns]
-    for column, has_published in zip(layout.columns, published, strict=True):
-        table.add_column(column.heading, justify="right", no_wrap=True)
-        if has_published:
-            table.add_column("paper", justify="right", no_wrap=True, style="cyan")
-    for index, row in enumerate(rows):
-        if index == 0 or rows[index - 1].condition != row.condition:
-            table.add_row(row.condition, style="bold")
-        cells = [f" {row.system}"]
-        for column, has_published in zip(layout.columns, published, strict=True):
-            cells.append(_number(row.metrics.get(column.metric), column))
-            if has_published:
-                cells.append(_number(row.published.get(column.metric), column))
-        last = index + 1 == len(rows) or rows[index + 1].condition != row.condition
-        table.add_row(*cells, end_section=last)
-    return table
+
+def _parts(groups: Sequence[list[_Cells]], width: int) -> Iterator[list[_Cells]]:
+    """Yield the columns that fit beside each other; measured and published stay together."""
+    part: list[_Cells] = []
+    for group in groups:
+        if part and sum(column.width + 2 for column in (*part, *group)) > width:
+            yield part
+            part = []
+        part = [*part, *group]
+    yield part
+
+
+def _lines(systems: _Cells, columns: Sequence[_Cells], conditions: Sequence[str]) -> Iterator[Text]:
+    """Yield the lines of one part of a table: a line for each condition above its rows."""
+    from rich.text import Text
+
+    heading = Text(systems.heading.ljust(systems.width), style="bold")
+    for column in columns:
+        heading.append("  " + column.heading.rjust(column.width), style=column.style)
+    yield heading
+    yield Text("─" * heading.cell_len)
+    for index, (system, condition) in enumerate(zip(systems.cells, conditions, strict=True)):
+        if index == 0 or conditions[index - 1] != condition:
+            yield Text(condition, style="bold")
+        line = Text(system.ljust(systems.width))
+        for column in columns:
+            line.append("  " + column.cells[index].rjust(column.width), style=column.style)
+        yield line
+    yield Text()
 
 
 def _number(value: float | None, column: Column) -> str:
