@@ -77,7 +77,7 @@ def test_rows_count_what_was_found_and_only_pairs_apart(tmp_path: Path) -> None:
     result = result_of((5, 9), truth, [[1.0, 33.0], [np.nan, 12.0]], [[np.nan], [-60.0]])
     single = result_of((4,), [[0.0], [0.0]], [[0.5], [-0.5]], [[70.0], [np.nan]])
     rows = room_rows([[result, single]])
-    pair, alone, together, near = (row.metrics for row in rows)
+    pair, alone, together, near, singles = (row.metrics for row in rows)
     assert (pair["sub_arrays"], pair["found_percent"]) == (2, 50.0)
     assert pair["median_error_deg"] == pytest.approx(2.0)
     assert pair["median_onset_error_deg"] == pytest.approx(1.0)
@@ -89,8 +89,9 @@ def test_rows_count_what_was_found_and_only_pairs_apart(tmp_path: Path) -> None:
     assert pair["count_right_percent"] == 100.0 and pair["extra_tracks"] == 0.5
     assert alone["count_right_percent"] == 50.0 and alone["count_high_percent"] == 50.0
     assert alone["median_error_deg"] == pytest.approx(0.5) and "apart_sub_arrays" not in alone
-    assert together["pairs_sub_arrays"] == near["pairs_sub_arrays"] == 1
-    assert together["pairs_worst_pair_found_percent"] == 100.0
+    assert together["together_sub_arrays"] == near["together_sub_arrays"] == 1
+    assert singles["together_sub_arrays"] == 2 and singles["together_count_right_percent"] == 50.0
+    assert together["together_worst_pair_found_percent"] == 100.0
     (image,) = draw_room_array([[result, single]], rows, tmp_path)
     assert image.read_bytes().startswith(b"\x89PNG")
 
@@ -103,9 +104,9 @@ def test_runs_are_told_each_and_together() -> None:
     ]
     rows = {(row.system, row.condition): row.metrics for row in room_rows([[r] for r in runs])}
     condition = f"{FROM_NOTHING}, pairs 20 deg apart or more"
-    assert rows["run 1", condition]["pairs_found_percent"] == 100.0
-    assert rows["run 2", condition]["pairs_count_low_percent"] == 100.0
-    assert rows["all pairs", condition]["pairs_found_percent"] == 50.0
+    assert rows["run 1", condition]["together_found_percent"] == 100.0
+    assert rows["run 2", condition]["together_count_low_percent"] == 100.0
+    assert rows["all pairs", condition]["together_found_percent"] == 50.0
     case = rows["sources 5 and 9", f"{FROM_NOTHING}, 5000 Hz"]
     assert case["sub_array_0_source_9_error_deg"] == pytest.approx(2.0), "mean over the runs"
 

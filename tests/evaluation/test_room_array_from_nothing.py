@@ -24,3 +24,14 @@ def test_two_sources_and_no_more_are_found_at_nearly_every_sub_array() -> None:
     assert np.isfinite(errors).all(axis=1).mean() >= 0.9
     assert np.nanmedian(np.abs(errors)) <= 2.0
     assert (miscount == 0).mean() >= 0.8
+
+
+def test_reflections_of_a_single_source_are_no_sources() -> None:
+    if not MEASURED.is_file():
+        pytest.skip(f"{MEASURED} is not there")
+    cases = ((4,), (8,))
+    task = RoomTask(str(MEASURED), 5000.0, np.random.SeedSequence(9), cases, (FROM_NOTHING,))
+    for result in track_recordings(task):
+        assert np.isfinite(result.errors_deg).mean() >= 0.9, f"source {result.sources[0]} found"
+        assert np.nanmedian(np.abs(result.errors_deg)) <= 2.0
+        assert (result.miscount == 0).mean() >= 0.9

@@ -25,7 +25,12 @@ N = 100
 FASTEST = np.deg2rad(5.0)
 
 
-def counted(data: ComplexArray, noise_covariance: ComplexArray | None = None) -> list[int]:
+def counted(
+    data: ComplexArray,
+    noise_covariance: ComplexArray | None = None,
+    together: int = 4,
+    fastest: float = FASTEST,
+) -> list[int]:
     """Return the count after each covariance of a hundred snapshots."""
     estimates = SubspaceEstimates(
         stamp=0,
@@ -41,11 +46,11 @@ def counted(data: ComplexArray, noise_covariance: ComplexArray | None = None) ->
         covariance_snapshots=N,
         noise_covariance=noise_covariance,
     )
-    recent, counts = RecentCovariances(), []
+    recent, counts = RecentCovariances(counted_together=together), []
     for number, block in enumerate(data.reshape(-1, N, len(POSITIONS))):
         middle = round(number * N * SAMPLE_PERIOD * 1e9)
         recent = recent.with_newest(middle, sample_covariance(block))
-        counts.append(recent.n_sources(estimates, FASTEST))
+        counts.append(recent.n_sources(estimates, fastest))
     return counts
 
 
@@ -77,11 +82,33 @@ def test_noise_alone_is_no_source(correlation: float) -> None:
     assert max(counted(data, colour if correlation else None)) == 0
 
 
-def test_only_the_newest_four_are_kept() -> None:
-    recent = RecentCovariances()
-    for number in range(9):
-        recent = recent.with_newest(number, np.full((2, 2), number, dtype=complex))
-    assert recent.middles == (5, 6, 7, 8)
+def test_only_the_newest_that_are_counted_on_are_kept() -> None:
+    for together, kept in ((None, (5, 6, 7, 8)), (1, (8,)), (3, (6, 7, 8)), (16, tuple(range(9)))):
+        recent = (
+            RecentCovariances()
+            if together is None
+            else RecentCovariances(counted_together=together)
+        )
+        for number in range(9):
+            recent = recent.with_newest(number, np.full((2, 2), number, dtype=complex))
+        assert recent.middles == kept
+
+
+def test_longer_means_show_weaker_sources_where_none_moves_fast() -> None:
+    generator = np.random.default_rng(4)
+    data = [snapshots_of(generator, np.broadcast_to(FIVE, (16 * N, 5)), -12.0) for _ in range(5)]
+    slow = np.deg2rad(0.05)
+    last = {n: np.mean([counted(d, None, n, slow)[-1] for d in data]) for n in (1, 4, 16)}
+    assert last[1] < 0.5 < last[4] < 4.5 < last[16]
+    fast = [counted(d, None, 16, FASTEST)[-1] for d in data]
+    assert fast == [counted(d, None, 4, FASTEST)[-1] for d in data], "the long mean is not believed"
+
+
+def test_a_covariance_by_itself_is_not_helped_by_those_before() -> None:
+    generator = np.random.default_rng(5)
+    data = snapshots_of(generator, np.broadcast_to(FIVE, (4 * N, 5)), -9.0)
+    alone = [counted(block, together=1)[0] for block in data.reshape(4, N, -1)]
+    assert alone == counted(data, together=1)
 
 
 def test_what_motion_may_have_spread_is_not_believed_by_hand() -> None:

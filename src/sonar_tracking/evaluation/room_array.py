@@ -101,6 +101,8 @@ NOTHING_TRACKER_PARAMETERS: dict[str, Any] = {
     "start": "automatic",
     # A sub-array moves on by 2 to 4 deg at once, every two seconds.
     "process_noise_deg2": 1.0,
+    # In longer means weak reflections stand out of the noise: sources of their own.
+    "covariances_counted": 1,
 }
 
 _CASE_GROUPS = tuple(

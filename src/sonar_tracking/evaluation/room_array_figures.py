@@ -8,15 +8,25 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sonar_tracking.evaluation.room_array_rows import FROM_NOTHING, TOLD, RoomResult
+from sonar_tracking.evaluation.room_array_rows import (
+    APART_DEG,
+    FROM_NOTHING,
+    TOLD,
+    RoomResult,
+)
 from sonar_tracking.evaluation.room_near_field_figures import draw_near_field
 from sonar_tracking.evaluation.room_near_field_rows import NearFieldResult
 from sonar_tracking.evaluation.study import StudyRow
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")
+_MARKERS = ("o", "^", "s", "D", "v")
+"""Of the frequencies."""
+
+_SHADE = "0.92"
 _FILES = {TOLD: "room_array.png", FROM_NOTHING: "room_array_from_nothing.png"}
 
 
@@ -57,53 +67,86 @@ def _draw_system(recordings: Sequence[RoomResult], path: Path) -> Path:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    cases = list(dict.fromkeys(result.sources for result in recordings))
+    cases = sorted({result.sources for result in recordings}, key=lambda case: (len(case), case))
+    markers = dict(zip(sorted({r.frequency for r in recordings}), _MARKERS, strict=False))
     n_columns = min(4, len(cases))
     n_rows = -(-len(cases) // n_columns)
-    figure = Figure(figsize=(2.0 + 3.2 * n_columns, 1.0 + 2.8 * n_rows), layout="constrained")
+    figure = Figure(figsize=(2.0 + 3.2 * n_columns, 1.4 + 2.8 * n_rows), layout="constrained")
     FigureCanvasAgg(figure)
     grid = figure.subplots(n_rows, n_columns, sharex=True, sharey=True, squeeze=False)
     for axes in grid.ravel()[len(cases) :]:
         axes.remove()
-    for axes, case in zip(grid.ravel(), cases, strict=False):
-        _draw_case(axes, [result for result in recordings if result.sources == case])
+    for place, (axes, case) in enumerate(zip(grid.ravel(), cases, strict=False)):
+        _draw_case(axes, [result for result in recordings if result.sources == case], markers)
+        lowest = place + n_columns >= len(cases)
+        axes.tick_params(labelbottom=lowest)
+        axes.set_xlabel("position of the sub-array, elements" if lowest else "", fontsize=9)
     figure.suptitle(f"Recorded array, {recordings[0].system}", fontsize=11)
-    figure.supxlabel("position of the sub-array, elements")
-    figure.supylabel("arrival angle, deg (line: surveyed, points: tracked, crosses: extra tracks)")
+    figure.supylabel("arrival angle, deg", fontsize=10)
+    _explain(figure, markers, any(not result.apart.all() for result in recordings))
     figure.savefig(path, dpi=120)
     return path
 
 
-def _draw_case(axes: Axes, recordings: Sequence[RoomResult]) -> None:
+def _explain(figure: Figure, markers: dict[float, str], shaded: bool) -> None:
+    """Say below the pictures what lines, marks and shades are."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    handles: list[Line2D | Patch] = [Line2D([], [], color="0.3", linewidth=1, label="surveyed")]
+    handles += [
+        Line2D(
+            [], [], color="0.3", linestyle="", marker=marker, markersize=4,
+            label=f"tracked, {frequency:g} Hz",
+        )
+        for frequency, marker in markers.items()
+    ]  # fmt: skip
+    handles.append(
+        Line2D([], [], color="black", linestyle="", marker="x", label="track of no source")
+    )
+    if shaded:
+        handles.append(
+            Patch(color=_SHADE, label=f"nearer than {APART_DEG:g} deg, not in the percentages")
+        )
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), fontsize=9)
+
+
+def _draw_case(axes: Axes, recordings: Sequence[RoomResult], markers: dict[float, str]) -> None:
     sources = recordings[0].sources
     positions = np.arange(len(recordings[0].truth))
     apart = recordings[0].apart
     if len(sources) > 1 and not apart.all():
         axes.fill_between(
             positions, 0.0, 1.0, where=~apart, transform=axes.get_xaxis_transform(),
-            color="0.92", step="mid", linewidth=0.0,
+            color=_SHADE, step="mid", linewidth=0.0,
         )  # fmt: skip
-    for recording in recordings:
-        for extra in np.degrees(recording.extra).T:
-            axes.plot(positions, extra, "x", color="0.3", markersize=3, markeredgewidth=0.7)
     for column, source in enumerate(sources):
         colour = COLOURS[column]
         axes.plot(np.degrees(recordings[0].truth[:, column]), color=colour, linewidth=1)
         for recording in recordings:
-            axes.plot(np.degrees(recording.tracked[:, column]), ".", color=colour, markersize=3)
+            axes.plot(
+                np.degrees(recording.tracked[:, column]), color=colour, linestyle="",
+                marker=markers[recording.frequency], markersize=3, fillstyle="none",
+                markeredgewidth=0.7,
+            )  # fmt: skip
         axes.plot([], [], color=colour, label=f"source {source}")
+    for recording in recordings:
+        for extra in np.degrees(recording.extra).T:
+            axes.plot(positions, extra, "x", color="black", markersize=4, markeredgewidth=0.9)
     axes.set_title(_title(recordings), fontsize=8)
     axes.legend(fontsize=7, loc="upper right")
     axes.grid(alpha=0.3)
 
 
 def _title(recordings: Sequence[RoomResult]) -> str:
-    """Return shares of found and rightly counted sub-arrays where the sources are apart."""
-    single = len(recordings[0].sources) == 1
+    """Return shares of found and rightly counted sub-arrays, of pairs where they are apart."""
+    sources = recordings[0].sources
+    single = len(sources) == 1
+    name = f"source {sources[0]}" if single else f"sources {sources[0]} and {sources[1]}"
     masks = [np.ones(len(r.truth), bool) if single else r.apart for r in recordings]
     pairs = list(zip(recordings, masks, strict=True))
     if not any(mask.any() for mask in masks):
-        return "nowhere 20 deg apart"
+        return f"{name}: nowhere {APART_DEG:g} deg apart"
     found = np.concatenate([np.isfinite(r.tracked[mask]).all(axis=1) for r, mask in pairs])
     right = np.concatenate([r.miscount[mask] == 0 for r, mask in pairs])
-    return f"found {100 * found.mean():.0f} %, count right {100 * right.mean():.0f} %"
+    return f"{name}: found {100 * found.mean():.0f} %, count right {100 * right.mean():.0f} %"

@@ -78,7 +78,7 @@ class RoomResult:
 
 
 def recording_rows(recordings: Sequence[RoomResult]) -> tuple[StudyRow, ...]:
-    """Return one row a system, case and frequency, and those of all pairs together."""
+    """Return one row a system, case and frequency, those of all pairs and of all single sources."""
     rows: list[StudyRow] = []
     for system in dict.fromkeys(r.system for r in recordings):
         of_system = [r for r in recordings if r.system == system]
@@ -88,6 +88,7 @@ def recording_rows(recordings: Sequence[RoomResult]) -> tuple[StudyRow, ...]:
             for group in groups
         )
         rows.extend(_together(system, [r for r in of_system if len(r.sources) == 2]))
+        rows.extend(_alone(system, [r for r in of_system if len(r.sources) == 1]))
     return tuple(rows)
 
 
@@ -127,14 +128,23 @@ def _together(system: str, pairs: list[RoomResult]) -> list[StudyRow]:
     rows.append(StudyRow("all pairs", condition, _pair_figures(pairs)))
     near = [(r, ~r.apart) for r in pairs]
     if any(chosen.any() for _, chosen in near):
-        metrics = {f"pairs_{name}": value for name, value in _figures(near).items()}
+        metrics = {f"together_{name}": value for name, value in _figures(near).items()}
         rows.append(StudyRow("all pairs", f"{system}, pairs closer than that", metrics))
     return rows
 
 
+def _alone(system: str, recordings: list[RoomResult]) -> list[StudyRow]:
+    """Return the row of all recordings of one source."""
+    if not recordings:
+        return []
+    figures = _figures([(r, np.ones(len(r.truth), dtype=bool)) for r in recordings])
+    metrics = {f"together_{name}": value for name, value in figures.items()}
+    return [StudyRow("all single sources", f"{system}, one source", metrics)]
+
+
 def _pair_figures(pairs: list[RoomResult]) -> dict[str, float]:
     """Return the figures of all pairs that are apart, and those of the worst pair of each kind."""
-    metrics = {f"pairs_{k}": v for k, v in _figures([(r, r.apart) for r in pairs]).items()}
+    metrics = {f"together_{k}": v for k, v in _figures([(r, r.apart) for r in pairs]).items()}
     each = []
     for sources in dict.fromkeys(r.sources for r in pairs):
         chosen = [(r, r.apart) for r in pairs if r.sources == sources and r.apart.any()]
@@ -145,7 +155,7 @@ def _pair_figures(pairs: list[RoomResult]) -> dict[str, float]:
         "median_error_deg": max(figures["median_error_deg"] for figures in each),
         "count_right_percent": min(figures["count_right_percent"] for figures in each),
     }
-    return metrics | {f"pairs_worst_pair_{name}": value for name, value in worst.items()}
+    return metrics | {f"together_worst_pair_{name}": value for name, value in worst.items()}
 
 
 def _figures(chosen: Sequence[tuple[RoomResult, BoolArray]]) -> dict[str, float]:
@@ -182,14 +192,14 @@ def _columns(prefix: str) -> tuple[Column, ...]:
 
 
 _TOGETHER = (
-    Column("pairs_sub_arrays", "n", ".0f"),
-    Column("pairs_found_percent", "found %", ".1f"),
-    Column("pairs_median_error_deg", "error deg", ".2f"),
-    Column("pairs_count_right_percent", "count %", ".1f"),
-    Column("pairs_extra_tracks", "extra", ".2f"),
-    Column("pairs_worst_pair_found_percent", "worst %", ".1f"),
-    Column("pairs_worst_pair_median_error_deg", "worst deg", ".2f"),
-    Column("pairs_worst_pair_count_right_percent", "worst %", ".1f"),
+    Column("together_sub_arrays", "n", ".0f"),
+    Column("together_found_percent", "found %", ".1f"),
+    Column("together_median_error_deg", "error deg", ".2f"),
+    Column("together_count_right_percent", "count %", ".1f"),
+    Column("together_extra_tracks", "extra", ".2f"),
+    Column("together_worst_pair_found_percent", "least found %", ".1f"),
+    Column("together_worst_pair_median_error_deg", "largest deg", ".2f"),
+    Column("together_worst_pair_count_right_percent", "least count %", ".1f"),
 )
 
 
@@ -212,7 +222,7 @@ def _tables(system: str) -> tuple[TableLayout, ...]:
         TableLayout(
             f"Together, {system}",
             _TOGETHER,
-            "Last: least found, largest median error and least count right of any pair.",
+            "As above; last: least found, largest median error and least count right of any pair.",
             system,
         ),
     )

@@ -45,7 +45,12 @@ def draw_near_field(results: Sequence[NearFieldResult], path: Path) -> Path:
     for row, source in enumerate(sources):
         axes = figure.add_subplot(grid[row, 1])
         _draw_errors(axes, [r for r in moving if r.sources == (source,)])
-        axes.set_title(f"source {source}, {moving[0].n_elements} elements", fontsize=9)
+        axes.set_title(
+            f"source {source}, {moving[0].n_elements} elements: to the bearing by the onsets",
+            fontsize=9,
+        )
+        if row == 0:
+            axes.legend(fontsize=7, loc="upper right", ncols=3)
         if row + 1 == len(sources):
             axes.set_xlabel("position of the sub-array, elements")
     figure.savefig(path, dpi=120)
@@ -74,9 +79,8 @@ def _draw_map(axes: Axes, whole: Sequence[NearFieldResult]) -> None:
             [0.0, end[0]], [0.0, end[1]], color=_COLOURS[PLANE], linewidth=0.6, alpha=0.7,
             label=f"bearings by {PLANE} waves" if index == 0 else None,
         )  # fmt: skip
-    for result in whole:
-        x, y = _places(result.located)[0]
-        axes.annotate(str(result.sources[0]), (x, y), (6, 6), textcoords="offset points")
+    for source, (x, y) in {r.sources[0]: _places(r.located)[0] for r in whole}.items():
+        axes.annotate(str(source), (x, y), (9, -4), textcoords="offset points")
     axes.set_aspect("equal")
     axes.set_xlabel("along the array, m")
     axes.set_ylabel("away from it, m")
@@ -101,7 +105,6 @@ def _draw_errors(axes: Axes, results: Sequence[NearFieldResult]) -> None:
     survey = np.degrees(first.surveyed - first.located)[:, 0, 0]
     axes.plot(survey, color="0.4", linewidth=1, label="survey")
     axes.axhline(0.0, color="black", linewidth=0.6)
-    axes.set_ylim(-15.0, 15.0)
-    axes.set_ylabel("to onsets, deg")
+    axes.set_ylim(-15.0, 20.0)
+    axes.set_ylabel("bearing error, deg")
     axes.grid(alpha=0.3)
-    axes.legend(fontsize=7, loc="upper right", ncols=3)

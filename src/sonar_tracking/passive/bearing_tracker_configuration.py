@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from sonar_tracking.configuration import parameter
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.passive.recent_covariances import COUNTED_TOGETHER
 from sonar_tracking.passive.subspace_configuration import SubspaceConfiguration
 
 SQUARE_DEGREE = math.radians(1.0) ** 2
@@ -53,6 +54,14 @@ class BearingTrackerConfiguration:
     )
     maximum_rate_deg: float = parameter(
         5.0, "Fastest bearing that the automatic start looks for", unit="deg/s", minimum=1e-3
+    )
+    covariances_counted: int = parameter(
+        COUNTED_TOGETHER,
+        "Most successive covariances in whose mean sources are counted, beside the means of the "
+        "last 1, 2, 4 and so on below it: more show weaker sources, but also weaker reflections, "
+        "and nothing where a bearing may turn meanwhile; 1 = each by itself (coherent, joint_map)",
+        minimum=1,
+        maximum=16,
     )
     silence_time: float = parameter(
         1.5,

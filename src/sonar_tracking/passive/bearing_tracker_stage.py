@@ -32,6 +32,7 @@ from sonar_tracking.passive.bearing_tracker_configuration import (
 )
 from sonar_tracking.passive.independent_filters import IndependentFilters
 from sonar_tracking.passive.joint_filters import JointFilters
+from sonar_tracking.passive.recent_covariances import RecentCovariances
 from sonar_tracking.passive.records import (
     END_OF_DATA,
     BearingTracks,
@@ -214,6 +215,7 @@ class BearingTrackerStage:
             maximum_rate=float(np.deg2rad(self.configuration.maximum_rate_deg)),
             next_id=self._next_id + n_given,
             follows_count=self.configuration.needs_covariance,
+            recent=RecentCovariances(counted_together=self.configuration.covariances_counted),
         )
 
     def _predicted(self, estimates: SubspaceEstimates) -> _TrackerState:

@@ -19,7 +19,7 @@ covariance matrices of spiked population models", J. Multivariate Analysis 97(6)
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,8 +36,8 @@ from sonar_tracking.passive.source_number import (
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
-_COUNTED_TOGETHER = (1, 2, 4)
-"""Covariances whose mean is counted on."""
+COUNTED_TOGETHER = 4
+"""Covariances in the longest mean that is counted on, if nothing else is said."""
 
 _SNAPSHOTS_PER_ELEMENT = 2
 
@@ -55,10 +55,13 @@ class RecentCovariances:
         Middle of the snapshots of each, ns.
     covariances : tuple of ndarray, shape (n_elements, n_elements), complex
         All of as many snapshots.
+    counted_together : int
+        Most of them whose mean is counted on; so are the means of the last 1, 2, 4 and so on below.
     """
 
     middles: tuple[int, ...] = ()
     covariances: tuple[ComplexArray, ...] = ()
+    counted_together: int = COUNTED_TOGETHER
 
     def with_newest(self, middle: int, covariance: ComplexArray) -> RecentCovariances:
         """Return them with one more, without those that are no longer counted on.
@@ -66,10 +69,12 @@ class RecentCovariances:
         After a change of the array the others are dropped.
         """
         if self.covariances and self.covariances[-1].shape != covariance.shape:
-            return RecentCovariances((middle,), (covariance,))
-        oldest = 1 - max(_COUNTED_TOGETHER)
-        return RecentCovariances(
-            (*self.middles[oldest:], middle), (*self.covariances[oldest:], covariance)
+            return replace(self, middles=(middle,), covariances=(covariance,))
+        oldest = max(len(self.middles) + 1 - self.counted_together, 0)
+        return replace(
+            self,
+            middles=(*self.middles[oldest:], middle),
+            covariances=(*self.covariances[oldest:], covariance),
         )
 
     def n_sources(self, estimates: SubspaceEstimates, maximum_rate: float) -> int:
@@ -84,13 +89,13 @@ class RecentCovariances:
         """
         duration = estimates.covariance_snapshots * estimates.sample_period
         counts = [0]
-        for number in _COUNTED_TOGETHER:
-            if number > len(self.middles):
-                break
+        number = 1
+        while number <= len(self.middles):
             mean = np.mean(self.covariances[-number:], axis=0)
             span = (self.middles[-1] - self.middles[-number]) * 1e-9 + duration
             snapshots = number * estimates.covariance_snapshots
             counts.append(_counted(mean, estimates, snapshots, span * maximum_rate))
+            number *= 2
         return max(counts)
 
 
