@@ -12,11 +12,13 @@ PACKAGE = "sonar_tracking"
 NODES = (
     "array_simulator",
     "hydrophone_simulator",
+    "bearing_simulator",
     "contact_simulator",
     "band_demodulator",
     "subspace_estimator",
     "bearing_tracker",
     "line_tracker",
+    "tma_tracker",
     "hpda_tracker",
     "recorder",
 )

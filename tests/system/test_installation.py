@@ -11,6 +11,7 @@ from ament_index_python import get_package_share_directory
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.graph.node_catalogue import NODES
 from sonar_tracking.resources import find_resource
 
 PROJECT = Path(__file__).resolve().parents[2]
@@ -50,7 +51,7 @@ def test_ros_tools_find_package_files_and_programs() -> None:
     assert (share / "launch" / "pipeline.launch.py").is_file()
     assert (share / "config" / "scenarios" / "doa_fusion.yaml").is_file()
     programs = share.parents[1] / "lib" / "sonar_tracking"
-    for name in ("array_simulator", "subspace_estimator", "bearing_tracker", "sonar-tracking"):
+    for name in (*NODES, "recorder", "sonar-tracking"):
         assert os.access(programs / name, os.X_OK), name
 
 
