@@ -2,9 +2,11 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
+from xml.etree.ElementTree import parse
 
 import pytest
 from ament_index_python import get_package_share_directory
@@ -53,6 +55,16 @@ def test_ros_tools_find_package_files_and_programs() -> None:
     programs = share.parents[1] / "lib" / "sonar_tracking"
     for name in (*NODES, "recorder", "sonar-tracking"):
         assert os.access(programs / name, os.X_OK), name
+
+
+def test_every_message_package_that_is_imported_is_a_dependency() -> None:
+    """rosdep installs what package.xml names, and nothing else."""
+    declared = {entry.text for entry in parse(PROJECT / "package.xml").findall("exec_depend")}
+    sources = (path.read_text() for path in (PROJECT / "src").rglob("*.py"))
+    pattern = re.compile(r"^ *(?:from|import) (\w+_(?:msgs|interfaces))\b", re.MULTILINE)
+    imported = {name for source in sources for name in pattern.findall(source)}
+    assert {"nav_msgs", "sensor_msgs", "sonar_tracking_msgs"} <= imported
+    assert imported - declared == set()
 
 
 def test_command_starts() -> None:
