@@ -58,7 +58,7 @@ def test_ros_tools_find_package_files_and_programs() -> None:
 
 
 def test_every_message_package_that_is_imported_is_a_dependency() -> None:
-    """rosdep installs what package.xml names, and nothing else."""
+    """What package.xml names is all that rosdep installs."""
     declared = {entry.text for entry in parse(PROJECT / "package.xml").findall("exec_depend")}
     sources = (path.read_text() for path in (PROJECT / "src").rglob("*.py"))
     pattern = re.compile(r"^ *(?:from|import) (\w+_(?:msgs|interfaces))\b", re.MULTILINE)
