@@ -88,9 +88,19 @@ COLUMNS: dict[str, Column] = {
 }
 """The columns of position tracks."""
 
+DATA_TYPES = {column.dtype: np.dtype(column.dtype) for column in COLUMNS.values()}
+
+EMPTY_COLUMNS: dict[str, NDArray[Any]] = {
+    name: np.empty((0, *column.width), column.dtype) for name, column in COLUMNS.items()
+}
+"""Most pictures have neither lines nor contributors: their columns without rows are shared."""
+
+
+_NOTHING: NDArray[Any] = np.empty(0)
+
 
 def _left_out() -> NDArray[Any]:
-    return np.empty(0)
+    return _NOTHING
 
 
 @dataclass(frozen=True)
@@ -187,8 +197,10 @@ class PositionTracks:
     def __post_init__(self) -> None:
         """Fill the columns that were left out and check the others."""
         for name, column in COLUMNS.items():
-            rows = len(getattr(self, column.key))
-            object.__setattr__(self, name, _filled(name, getattr(self, name), rows, column))
+            given = getattr(self, name)
+            stored = _filled(name, given, len(getattr(self, column.key)), column)
+            if stored is not given:
+                object.__setattr__(self, name, stored)
         if not self.contributor_sensor:
             sensors = ("",) * len(self.contributor_track)
             object.__setattr__(self, "contributor_sensor", sensors)
@@ -263,10 +275,12 @@ def no_position_tracks(stamp: int, next_stamp: int = UNKNOWN_STAMP) -> PositionT
 
 def _filled(name: str, values: Any, rows: int, column: Column) -> NDArray[Any]:
     """Return a column with its type and shape, filled where it was left out."""
+    if column.fill is not None and len(values) == 0:
+        if rows == 0:
+            return EMPTY_COLUMNS[name]
+        return np.full((rows, *column.width), column.fill, DATA_TYPES[column.dtype])
+    array = np.asarray(values, DATA_TYPES[column.dtype])
     shape = (rows, *column.width)
-    array = np.asarray(values, column.dtype)
-    if array.size == 0 and column.fill is not None:
-        return np.full(shape, column.fill, column.dtype)
     if array.shape != shape:
         raise InputError(
             f"PositionTracks.{name} has shape {array.shape}, but {column.key} has {rows} rows "

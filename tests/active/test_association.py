@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from sonar_tracking.active import contact_gating
 from sonar_tracking.active.contact_gating import (
     GatePairs,
     SensorGeometry,
@@ -114,7 +115,12 @@ def test_a_missed_track_loses_existence() -> None:
     assert np.all(outcome.claimed == 0.0)
 
 
-def test_gating_finds_what_exhaustive_search_finds() -> None:
+@pytest.mark.parametrize("compared_at_once", [0, 3000, 100_000])
+def test_gating_finds_what_exhaustive_search_finds(
+    compared_at_once: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whether all are compared or boxes are searched."""
+    monkeypatch.setattr(contact_gating, "COMPARED_AT_ONCE", compared_at_once)
     generator = np.random.default_rng(1)
     bank = bank_of(generator.uniform(-3000.0, 3000.0, (60, 2)).tolist())
     contacts = contacts_at(generator.uniform(-3000.0, 3000.0, (200, 2)).tolist())
@@ -160,7 +166,7 @@ def test_modes_mix_without_changing_the_mean() -> None:
     assert still.moments()[0] == pytest.approx(bank.moments()[0])
     assert still.moments()[1] == pytest.approx(bank.moments()[1])
     assert np.sum(still.mode_probability) == pytest.approx(1.0)
-    assert modes.mode_prior() @ modes.mode_transition() == pytest.approx(modes.mode_prior())
+    assert modes.mode_prior @ modes.mode_transition == pytest.approx(modes.mode_prior)
 
 
 def test_turns_keep_the_speed_and_follow_the_circle() -> None:

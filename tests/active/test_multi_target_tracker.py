@@ -206,3 +206,22 @@ def test_what_is_shown_stays_until_its_end_is_told_once(method: str) -> None:
         ended |= gone
         shown = listed - gone
     assert len(ended) > 3
+
+
+@pytest.mark.parametrize("method", WITH_EXISTENCE)
+def test_a_track_that_gives_way_to_a_crowd_is_told_to_have_ended(method: str) -> None:
+    """Where there are more tracks than allowed, too, nobody has to guess what became of one."""
+    generator = np.random.default_rng(27)
+    tracker = start(method, maximum_tracks=10, tentative_probability=1e-6)
+    shown: set[int] = set()
+    ended: set[int] = set()
+    for number in range(30):
+        tracks = tracker.update(ping(number, generator, clutter=30)).tracks
+        listed = {int(name) for name in tracks.id}
+        assert shown <= listed
+        gone = {int(name) for name in tracks.id[tracks.status == TrackStatus.TERMINATED]}
+        assert not ended & listed
+        ended |= gone
+        shown = listed - gone
+        assert len(shown) <= 10
+    assert ended

@@ -1,16 +1,18 @@
 """Protects: the bench compares like with like, and its figures reach the JSON."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from sonar_tracking.evaluation import bench
+from sonar_tracking.evaluation import bench, bench_contacts
 from sonar_tracking.evaluation.bench_contacts import (
+    COMPARED_SYSTEMS,
     GATED_PEER,
     PEER,
-    SIDE_BY_SIDE,
+    PEER_SCENES,
     measure_side_by_side,
 )
 from sonar_tracking.evaluation.bench_peers import (
@@ -23,6 +25,7 @@ from sonar_tracking.passive.past import Past
 from sonar_tracking.passive.records import ComplexArray
 
 BETA = 0.97
+SHORT_SCENE = replace(PEER_SCENES[0], n_pings=15)
 
 
 @pytest.fixture(scope="module")
@@ -56,12 +59,12 @@ def test_figures_of_every_method_and_size_are_written(
 ) -> None:
     monkeypatch.setattr(bench, "SIZES", ((6, 2), (8, 3)))
     monkeypatch.setattr(bench, "CLUTTER", (10,))
-    monkeypatch.setattr(bench, "PEER_PINGS", 3)
+    monkeypatch.setattr(bench, "PEER_SCENES", (replace(PEER_SCENES[0], n_pings=3),))
     study = bench.run_bench(tmp_path / "bench.json")
     content = json.loads((tmp_path / "bench.json").read_text())
     assert content["study"] == "bench"
-    expected = {"M 6, N 2", "M 8, N 3", "clutter 10 a ping"}
-    assert {row["condition"] for row in content["rows"]} - {SIDE_BY_SIDE} == expected
+    expected = {"M 6, N 2", "M 8, N 3", "clutter 10 a ping", PEER_SCENES[0].condition}
+    assert {row["condition"] for row in content["rows"]} == expected
     assert all(value > 0 for row in content["rows"] for value in row["metrics"].values())
     assert study.row(bench.PEER, "M 6, N 2").metrics["speed_over_textbook"] == 1.0
     trackers = {row.system for row in study.rows if "milliseconds_per_period" in row.metrics}
@@ -70,8 +73,16 @@ def test_figures_of_every_method_and_size_are_written(
 
 
 def test_stone_soup_tracks_as_well_from_the_same_contacts() -> None:
-    rows = {row.system: row.metrics for row in measure_side_by_side(15)}
-    if not rows:
+    rows = {row.system: row.metrics for row in measure_side_by_side(SHORT_SCENE)}
+    if PEER not in rows:
         pytest.skip("Stone Soup is not installed; ./scripts/test.sh installs it")
     assert rows[PEER]["ospa_m"] == pytest.approx(rows[GATED_PEER]["ospa_m"], abs=1e-6)
     assert rows["integrated"]["ospa_m"] < 1.1 * rows[PEER]["ospa_m"]
+    assert rows[GATED_PEER]["speed_over_gated"] == 1.0
+
+
+def test_without_stone_soup_the_other_rows_are_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bench_contacts, "stone_soup_installed", lambda: False)
+    rows = {row.system: row.metrics for row in measure_side_by_side(SHORT_SCENE)}
+    assert set(rows) == set(COMPARED_SYSTEMS)
+    assert all(set(metrics) == {"milliseconds_per_scan", "ospa_m"} for metrics in rows.values())

@@ -8,9 +8,8 @@ where there are clearly more than claimed.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
-
-import numpy as np
 
 from sonar_tracking.active.detection_model import DetectionModel
 from sonar_tracking.errors import Notice, Severity
@@ -51,7 +50,7 @@ class ClutterMonitor:
             What the ping claims.
         """
         claimed = model.expected_clutter()
-        if not np.isfinite(claimed):
+        if not math.isfinite(claimed):
             return self
         counted = max(0.0, n_contacts - n_tracks * model.detection_probability)
         return ClutterMonitor(
@@ -71,7 +70,7 @@ class ClutterMonitor:
 
     def factor(self) -> float:
         """Return by what the claimed density has to be multiplied; 1 = the claim is believed."""
-        clear = self.claimed + CLEAR_DEVIATIONS * np.sqrt(max(self.claimed, 1.0))
+        clear = self.claimed + CLEAR_DEVIATIONS * math.sqrt(max(self.claimed, 1.0))
         if self.claimed <= 0.0 or self.counted <= max(CLEAR_RATIO * self.claimed, clear):
             return 1.0
         return self.counted / self.claimed

@@ -6,6 +6,7 @@ reported, since the others are still good.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -88,22 +89,14 @@ def check_ping(contacts: Contacts, last: PingOrigin | None) -> tuple[Contacts, t
             f"The ping has {n_contacts} ranges, {len(contacts.azimuth)} azimuths and "
             f"{len(contacts.amplitude)} amplitudes; give equally many (amplitudes may be empty)."
         )
-    for name in ("range_standard_deviation", "azimuth_standard_deviation"):
-        values = np.asarray(getattr(contacts, name))
-        if values.shape not in ((), (n_contacts,)):
-            raise InputError(
-                f"{name} of the ping has {values.size} entries for {n_contacts} contacts; give "
-                "one, or one a contact."
-            )
-        if not (np.all(np.isfinite(values)) and np.all(values > 0.0)):
-            raise InputError(f"{name} of the ping is not positive; give the errors of the sensor.")
+    contacts = _with_regular_deviations(contacts)
     where = (*contacts.sensor_position, *contacts.sensor_velocity)
-    if not np.all(np.isfinite(where)):
+    if not all(map(math.isfinite, where)):
         raise InputError("Position or velocity of the sensor is unknown; give own-ship motion.")
-    speed = float(np.hypot(*contacts.sensor_velocity))
+    speed = math.hypot(*contacts.sensor_velocity)
     if speed > LARGEST_SENSOR_SPEED:
         raise InputError(f"The sensor moves at {speed:.0f} m/s, which it cannot; check its motion.")
-    described, doubts = plausible_description(_with_regular_deviations(contacts))
+    described, doubts = plausible_description(contacts)
     usable, notices = _usable(described)
     return usable, (*doubts, *notices, *_jump_notices(contacts, last))
 
@@ -124,14 +117,19 @@ def check_order(stamp: int, last: PingOrigin | None) -> None:
 
 
 def _with_regular_deviations(contacts: Contacts) -> Contacts:
-    limited = {
-        name: np.clip(getattr(contacts, name), *limits) for name, limits in DEVIATION_LIMITS.items()
-    }
-    changed: dict[str, Any] = {
-        name: values
-        for name, values in limited.items()
-        if not np.array_equal(values, getattr(contacts, name))
-    }
+    changed: dict[str, Any] = {}
+    for name, (smallest, largest) in DEVIATION_LIMITS.items():
+        values = np.asarray(getattr(contacts, name))
+        if values.shape not in ((), (len(contacts.range),)):
+            raise InputError(
+                f"{name} of the ping has {values.size} entries for {len(contacts.range)} contacts; "
+                "give one, or one a contact."
+            )
+        if ((values >= smallest) & (values <= largest)).all():
+            continue
+        if not ((values > 0.0) & (values < np.inf)).all():
+            raise InputError(f"{name} of the ping is not positive; give the errors of the sensor.")
+        changed[name] = np.clip(values, smallest, largest)
     return replace(contacts, **changed) if changed else contacts
 
 
@@ -140,9 +138,9 @@ def _jump_notices(contacts: Contacts, last: PingOrigin | None) -> tuple[Notice, 
     if last is None:
         return ()
     interval = last.interval(contacts.stamp)
-    velocity = 0.5 * (np.array(last.velocity) + np.array(contacts.sensor_velocity))
-    expected = np.array(last.position) + interval * velocity
-    jump = float(np.hypot(*(np.array(contacts.sensor_position) - expected)))
+    motion = zip(last.position, last.velocity, contacts.sensor_velocity, strict=True)
+    expected = [position + 0.5 * interval * (before + now) for position, before, now in motion]
+    jump = math.dist(contacts.sensor_position, expected)
     if jump <= LARGEST_JUMP + 0.5 * LARGEST_ACCELERATION * interval**2:
         return ()
     text = (
@@ -159,7 +157,7 @@ def _usable(contacts: Contacts) -> tuple[Contacts, tuple[Notice, ...]]:
     if measured:
         good &= (contacts.amplitude >= 0.0) & (contacts.amplitude <= LARGEST_AMPLITUDE)
     notices = []
-    if not np.all(good):
+    if not good.all():
         text = (
             f"{np.count_nonzero(~good)} of {len(good)} contacts have no positive finite range, "
             "no finite azimuth or a negative amplitude and are left out; check the detector."

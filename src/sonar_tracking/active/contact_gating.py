@@ -28,6 +28,9 @@ IndexArray = NDArray[np.intp]
 BOXED_PER_PORTION = 500_000
 """Contacts in boxes around gates that are looked at together; bounds the memory."""
 
+COMPARED_AT_ONCE = 3000
+"""Up to so many of tracks times contacts no search is faster than comparing all."""
+
 BOX_SIZE = 1.5 * GATE_SIZE
 """Half of a box, in standard deviations: a gate at a contact may be wider by its noise."""
 
@@ -67,6 +70,8 @@ def sensor_geometry(contacts: Contacts, sound_speed: float) -> SensorGeometry:
 
 
 def _largest(deviation: float | FloatArray) -> float:
+    if isinstance(deviation, float):
+        return deviation
     # Without contacts there are no deviations, and the gates are not used.
     return float(np.max(deviation)) if np.size(deviation) else SMALLEST_DEVIATION
 
@@ -110,6 +115,12 @@ class GatePairs:
         """Return some of the pairs."""
         return GatePairs(self.track[mask], self.contact[mask])
 
+    def first_of_each_track(self) -> IndexArray:
+        """Return the rows of the pairs at which another track begins."""
+        begins = np.ones(len(self.track), dtype=bool)
+        np.not_equal(self.track[1:], self.track[:-1], out=begins[1:])
+        return np.flatnonzero(begins)
+
 
 def predict_gates(bank: TrackBank, sensor: SensorGeometry) -> TrackGates:
     """Return the gates of predicted tracks.
@@ -149,16 +160,22 @@ def find_pairs(bank: TrackBank, gates: TrackGates, contacts: PlacedContacts) -> 
     contacts : PlacedContacts
         Contacts of the ping.
     """
-    order = np.argsort(contacts.position[:, 0], kind="stable")
-    sorted_x = contacts.position[order, 0]
+    order = contacts.position[:, 0].argsort(kind="stable")
     mean, spread = bank.moments()
+    if len(bank) * len(order) <= COMPARED_AT_ONCE:
+        pairs = _near_of_few(gates, order, contacts)
+        square = _squared_distances(mean, spread, contacts, pairs)
+        inside = square < GATE_SIZE**2
+        pairs = pairs.kept(inside)
+        return pairs.kept(nearest_in_gates(pairs.track, square[inside]))
+    sorted_x = contacts.position[order, 0]
     low, high = _boxed(gates, sorted_x, bank.confirmed)
-    before = np.cumsum(high - low)
+    before = (high - low).cumsum()
     tracks, columns, squares = [], [], []
     first = 0
     while first < len(bank):
         reached = before[first - 1] if first else 0
-        last = int(np.searchsorted(before, reached + BOXED_PER_PORTION, side="right"))
+        last = int(before.searchsorted(reached + BOXED_PER_PORTION, side="right"))
         rows = np.arange(first, max(last, first + 1))
         pairs = _near(rows, low[rows], high[rows], gates, order, contacts)
         square = _squared_distances(mean, spread, contacts, pairs)
@@ -189,7 +206,7 @@ def delayed_position_covariance(covariance: FloatArray, delay: FloatArray) -> Fl
     step = delay[..., None, None]
     crossed = covariance[..., :2, 2:]
     velocity = covariance[..., 2:, 2:]
-    both = crossed + np.swapaxes(crossed, -1, -2)
+    both = crossed + crossed.swapaxes(-1, -2)
     return np.asarray(covariance[..., :2, :2] + step * both + step**2 * velocity)
 
 
@@ -202,25 +219,36 @@ def determinant(matrix: FloatArray) -> FloatArray:
     return np.asarray(np.maximum(product - matrix[..., 0, 1] ** 2, SMALLEST_SHARE * product))
 
 
-def inverse(matrix: FloatArray) -> FloatArray:
-    """Return the inverses of symmetric matrices, shape (..., 2, 2), in closed form."""
-    result = np.empty_like(matrix)
+def inverse(matrix: FloatArray, area: FloatArray) -> FloatArray:
+    """Return the inverses of symmetric matrices, shape (..., 2, 2), of known determinants."""
+    result = -matrix
     result[..., 0, 0] = matrix[..., 1, 1]
     result[..., 1, 1] = matrix[..., 0, 0]
-    result[..., 0, 1] = result[..., 1, 0] = -matrix[..., 0, 1]
-    return np.asarray(result / determinant(matrix)[..., None, None])
+    result[..., 1, 0] = result[..., 0, 1]
+    result /= area[..., None, None]
+    return result
 
 
 def _boxed(
     gates: TrackGates, sorted_x: FloatArray, confirmed: NDArray[np.bool_]
 ) -> tuple[IndexArray, IndexArray]:
     """Return which of the contacts sorted by x lie in the box of each gate: from, to."""
+    centre = gates.centre[:, 0]
     half_x = BOX_SIZE * np.sqrt(gates.covariance[:, 0, 0])
-    low = np.searchsorted(sorted_x, gates.centre[:, 0] - half_x)
-    high = np.searchsorted(sorted_x, gates.centre[:, 0] + half_x)
+    low = sorted_x.searchsorted(centre - half_x)
+    high = sorted_x.searchsorted(centre + half_x)
     half = half_widths(high - low, confirmed)
-    middle = np.searchsorted(sorted_x, gates.centre[:, 0])
+    middle = sorted_x.searchsorted(centre)
     return np.maximum(low, middle - half), np.minimum(high, middle + half)
+
+
+def _near_of_few(gates: TrackGates, order: IndexArray, contacts: PlacedContacts) -> GatePairs:
+    """Return the same as the boxes, by looking at each contact in each gate."""
+    x, y = contacts.position[order].T
+    near = np.abs(x - gates.centre[:, :1]) < BOX_SIZE * np.sqrt(gates.covariance[:, 0, :1])
+    near &= np.abs(y - gates.centre[:, 1:]) < BOX_SIZE * np.sqrt(gates.covariance[:, 1, 1:])
+    track, column = near.nonzero()
+    return GatePairs(track, order[column])
 
 
 def _near(
@@ -234,9 +262,9 @@ def _near(
     """Return pairs in the box around each gate."""
     half_y = BOX_SIZE * np.sqrt(gates.covariance[rows, 1, 1])
     counts = high - low
-    local = np.repeat(np.arange(len(rows)), counts)
-    starts = np.cumsum(counts) - counts
-    contact = order[np.arange(len(local)) - starts[local] + low[local]]
+    local = np.arange(len(rows)).repeat(counts)
+    shift = low - (counts.cumsum() - counts)
+    contact = order[np.arange(len(local)) + shift[local]]
     offset = np.abs(contacts.position[contact, 1] - gates.centre[rows[local], 1])
     near = offset < half_y[local]
     return GatePairs(rows[local][near], contact[near])

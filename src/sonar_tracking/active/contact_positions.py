@@ -20,6 +20,8 @@ from sonar_tracking.active.records import Contacts
 
 FloatArray = NDArray[np.float64]
 
+IDENTITY = np.eye(2)
+
 
 @dataclass(frozen=True)
 class PlacedContacts:
@@ -59,13 +61,15 @@ def place_contacts(contacts: Contacts, sound_speed: float) -> PlacedContacts:
     sound_speed : float
         m/s; 0 = the ping takes no time.
     """
-    direction = np.stack([np.cos(contacts.azimuth), np.sin(contacts.azimuth)], axis=1)
+    direction = np.empty((len(contacts.azimuth), 2))
+    np.cos(contacts.azimuth, out=direction[:, 0])
+    np.sin(contacts.azimuth, out=direction[:, 1])
     path = 2.0 * contacts.range
     sensor = np.array(contacts.sensor_position)
     travel = path / sound_speed if sound_speed > 0.0 else np.zeros_like(path)
     shift = travel[:, None] * np.array(contacts.sensor_velocity)
-    along = np.sum(direction * shift, axis=1)
-    distance = (path**2 - np.sum(shift**2, axis=1)) / (2.0 * (path + along))
+    along = (direction * shift).sum(axis=1)
+    distance = (path**2 - (shift**2).sum(axis=1)) / (2.0 * (path + along))
     delay = (path - distance) / sound_speed if sound_speed > 0.0 else np.zeros_like(path)
     covariance = position_covariance(
         direction,
@@ -100,7 +104,7 @@ def position_covariance(
     ndarray, shape (n, 2, 2)
         m^2.
     """
-    along = np.broadcast_to(np.square(range_standard_deviation), np.shape(distance))
+    along = np.square(range_standard_deviation)
     across = (distance * azimuth_standard_deviation) ** 2
     outer = direction[:, :, None] * direction[:, None, :]
-    return across[:, None, None] * np.eye(2) + (along - across)[:, None, None] * outer
+    return across[:, None, None] * IDENTITY + (along - across)[:, None, None] * outer

@@ -10,6 +10,7 @@ Kim, Song (2007), equations 4-5; Jung, Shin (2002), equations 2-3.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -77,7 +78,7 @@ class DetectionModel:
 
     def expected_clutter(self) -> float:
         """Return the mean number of false contacts in a ping; infinite or NaN if unknown."""
-        if np.isfinite(self.uniform_density):
+        if math.isfinite(self.uniform_density):
             area = 0.5 * self.sector * (self.maximum_range**2 - self.minimum_range**2)
             return float(self.uniform_density * area)
         cells = self.sector * (self.maximum_range - self.minimum_range) / self.cell_size
@@ -85,26 +86,24 @@ class DetectionModel:
 
     def clutter_density(self, distance: FloatArray) -> FloatArray:
         """Return lambda at distances (m) from the sensor, 1/m^2, at the detector's threshold."""
-        if np.isfinite(self.uniform_density):
-            density = np.full_like(distance, self.uniform_density)
-        else:
-            area = self.cell_size * np.maximum(distance, 1.0)
-            density = self.false_alarm_probability / area
-        return np.maximum(self.clutter_factor * density, SMALLEST_CLUTTER_DENSITY)
+        if math.isfinite(self.uniform_density):
+            uniform = max(self.clutter_factor * self.uniform_density, SMALLEST_CLUTTER_DENSITY)
+            return np.full(len(distance), uniform)
+        area = self.cell_size * np.maximum(distance, 1.0)
+        density = self.clutter_factor * (self.false_alarm_probability / area)
+        return np.maximum(density, SMALLEST_CLUTTER_DENSITY)
 
     def amplitude_ratio(self, amplitudes: FloatArray, thresholds: FloatArray) -> FloatArray:
         """Return e(a) of amplitudes above thresholds, 1 where either is not known."""
-        known = np.isfinite(amplitudes) & np.isfinite(thresholds)
-        levels = (
-            linear_from_decibel(AVERAGED_LEVELS_DB)
-            if self.averaged
-            else np.array([self.signal_to_noise_ratio_linear])
-        )
-        filled, limit = np.where(known, amplitudes, 0.0), np.where(known, thresholds, 0.0)
-        ratios = [amplitude_likelihood_ratio(filled, limit, float(level)) for level in levels]
-        ratio = np.mean(ratios, axis=0)
+        excess = amplitudes - thresholds
+        if self.averaged:
+            levels = linear_from_decibel(AVERAGED_LEVELS_DB)
+            ratios = [amplitude_likelihood_ratio(excess, 0.0, float(level)) for level in levels]
+            ratio = np.asarray(np.mean(ratios, axis=0))
+        else:
+            ratio = amplitude_likelihood_ratio(excess, 0.0, self.signal_to_noise_ratio_linear)
         share = self.outlier_share
-        return np.where(known, ratio / (1.0 - share + share * ratio), 1.0)
+        return np.where(np.isfinite(excess), ratio / (1.0 - share + share * ratio), 1.0)
 
 
 def make_detection_model(
@@ -120,27 +119,22 @@ def make_detection_model(
         Fills in what the ping does not carry.
     """
     cell_size = contacts.range_resolution * contacts.azimuth_resolution
-    per_cell = np.isfinite(cell_size * contacts.false_alarm_probability)
+    per_cell = math.isfinite(cell_size * contacts.false_alarm_probability)
     maximum_range = _known(contacts.maximum_range, configuration.maximum_range or np.inf)
     minimum_range = _known(contacts.minimum_range, 0.0)
     sector = _known(contacts.azimuth_width, 2.0 * np.pi)
     density = contacts.clutter_density
     notices: tuple[Notice, ...] = ()
-    if not np.isfinite(density) and not per_cell:
+    if not math.isfinite(density) and not per_cell:
         density = configuration.clutter_density
         density = density or _counted_density(contacts, minimum_range, maximum_range, sector)
-    if not np.isnan(density) and density <= 0.0:
+    if density <= 0.0:
         text = "The clutter density is zero; the smallest one that makes sense is used instead."
         notices = (Notice(Severity.WARN, "clutter_density", text),)
     ratio = float(linear_from_decibel(configuration.signal_to_noise_ratio_db))
+    detected = _known(contacts.detection_probability, configuration.detection_probability)
     model = DetectionModel(
-        detection_probability=float(
-            np.clip(
-                _known(contacts.detection_probability, configuration.detection_probability),
-                0.01,
-                0.999,
-            )
-        ),
+        detection_probability=min(0.999, max(0.01, detected)),
         signal_to_noise_ratio_linear=_known(contacts.signal_to_noise_ratio_linear, ratio),
         averaged=configuration.amplitude_model == "averaged",
         outlier_share=configuration.outlier_share,
@@ -156,14 +150,14 @@ def make_detection_model(
 
 
 def _known(value: float, otherwise: float) -> float:
-    return value if np.isfinite(value) else otherwise
+    return value if math.isfinite(value) else otherwise
 
 
 def _threshold(contacts: Contacts) -> float:
-    if np.isfinite(contacts.detection_threshold):
+    if math.isfinite(contacts.detection_threshold):
         return contacts.detection_threshold
     if contacts.false_alarm_probability > 0.0:
-        return -float(np.log(contacts.false_alarm_probability))
+        return -math.log(contacts.false_alarm_probability)
     # The weakest contact is a fair estimate of a threshold that nobody told.
     return float(np.min(contacts.amplitude)) if len(contacts.amplitude) else np.nan
 

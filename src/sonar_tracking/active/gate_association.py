@@ -76,7 +76,7 @@ def amplitude_likelihood_ratio(
         SNR as a power ratio, not in dB.
     """
     ratio = signal_to_noise_ratio_linear
-    excess = np.clip((amplitudes - threshold) * ratio / (1.0 + ratio), 0.0, 300.0)
+    excess = ((amplitudes - threshold) * ratio / (1.0 + ratio)).clip(0.0, 300.0)
     return np.asarray(np.exp(excess) / (1.0 + ratio))
 
 

@@ -65,6 +65,7 @@ def apply_thresholds(
     model: DetectionModel,
     configuration: ContactTrackerConfiguration,
     stamp: int,
+    next_stamp: int,
 ) -> AppliedThresholds:
     """Return the thresholds in force.
 
@@ -78,12 +79,12 @@ def apply_thresholds(
         Of the ping.
     configuration : ContactTrackerConfiguration
         Which thresholds are wanted; :func:`check_thresholds` has passed.
-    stamp : int
+    stamp, next_stamp : int
         Of the ping, ns.
     """
     cells = gates.volume / (model.cell_size * np.maximum(gates.distance, 1.0))
     if not _wanted(configuration):
-        return _as_detected(bank, gates, model, cells, stamp)
+        return _as_detected(bank, gates, model, cells, (stamp, next_stamp))
     base = model.false_alarm_probability
     search = min(configuration.search_false_alarm_probability or base, base)
     probability = np.full(len(bank), search)
@@ -101,6 +102,7 @@ def apply_thresholds(
         published=GateThresholds(
             **_gates_of_confirmed(bank, gates, cells, ratio),
             stamp=stamp,
+            next_stamp=next_stamp,
             false_alarm_probability=probability[bank.confirmed],
             threshold=threshold[bank.confirmed],
             search_false_alarm_probability=search,
@@ -132,7 +134,11 @@ def _wanted(configuration: ContactTrackerConfiguration) -> bool:
 
 
 def _as_detected(
-    bank: TrackBank, gates: TrackGates, model: DetectionModel, cells: FloatArray, stamp: int
+    bank: TrackBank,
+    gates: TrackGates,
+    model: DetectionModel,
+    cells: FloatArray,
+    stamps: tuple[int, int],
 ) -> AppliedThresholds:
     n_tracks, n_confirmed = len(bank), int(np.count_nonzero(bank.confirmed))
     ratio = model.signal_to_noise_ratio_linear
@@ -144,7 +150,8 @@ def _as_detected(
         search_share=1.0,
         published=GateThresholds(
             **_gates_of_confirmed(bank, gates, cells, ratio),
-            stamp=stamp,
+            stamp=stamps[0],
+            next_stamp=stamps[1],
             false_alarm_probability=np.full(n_confirmed, model.false_alarm_probability),
             threshold=np.full(n_confirmed, model.threshold),
             search_false_alarm_probability=model.false_alarm_probability,

@@ -102,7 +102,7 @@ def associate_integrated(
     track, contact = pairs.track, pairs.contact
     in_gate = detection_probability * PROBABILITY_IN_GATE
     modal = evidence.density * (evidence.amplitude_ratio / PROBABILITY_IN_GATE)[:, None]
-    merged = np.sum(bank.mode_probability[track] * modal, axis=1)
+    merged = (bank.mode_probability[track] * modal).sum(axis=1)
     total = summed(track, merged, n_tracks)
     share = merged / np.maximum(total[track], 1e-300)
     claim = np.minimum(LARGEST_CLAIM, (in_gate * bank.existence)[track] * share)
@@ -111,15 +111,15 @@ def associate_integrated(
     scaled = in_gate[track][:, None] * modal
     scaled = scaled / (evidence.clutter_density + np.maximum(others, 0.0))[:, None]
     n_modes = bank.mean.shape[1]
-    ratio = np.repeat((1.0 - in_gate)[:, None], n_modes, axis=1)
-    for mode in range(n_modes):
-        ratio[:, mode] += summed(track, scaled[:, mode], n_tracks)
+    cell = (track[:, None] * n_modes + np.arange(n_modes)).ravel()
+    explained = summed(cell, scaled.ravel(), n_tracks * n_modes).reshape(n_tracks, n_modes)
+    ratio = (1.0 - in_gate)[:, None] + explained
     weights = scaled / ratio[track]
     mode_weight = bank.mode_probability * ratio
-    likelihood = np.sum(mode_weight, axis=1)
+    likelihood = mode_weight.sum(axis=1)
     mode_probability = mode_weight / likelihood[:, None]
     existence = updated_existence(bank.existence, likelihood)
-    beta = np.sum(mode_probability[track] * weights, axis=1)
+    beta = (mode_probability[track] * weights).sum(axis=1)
     return BankAssociation(
         bank=replace(bank, existence=existence, mode_probability=mode_probability),
         weights=weights,
@@ -136,4 +136,4 @@ def summed(rows: NDArray[np.intp], values: FloatArray, count: int) -> FloatArray
 def updated_existence(existence: FloatArray, likelihood_ratio: FloatArray) -> FloatArray:
     """Return Lambda p / (1 - p + Lambda p), kept off 0 and 1."""
     weighted = likelihood_ratio * existence
-    return np.clip(weighted / (1.0 - existence + weighted), *EXISTENCE_LIMITS)
+    return (weighted / (1.0 - existence + weighted)).clip(*EXISTENCE_LIMITS)

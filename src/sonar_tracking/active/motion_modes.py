@@ -12,6 +12,7 @@ Kim, Song (2007), equations 1-2 (the speed under the root is printed as the posi
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,6 +50,7 @@ class MotionModes:
     turn_probability: float = 0.01
     stay_probability: float = 0.9
 
+    @cached_property
     def mode_transition(self) -> FloatArray:
         """Return Pi, row = mode before, shape (n_modes, n_modes)."""
         if self.n_modes == 1:
@@ -58,6 +60,7 @@ class MotionModes:
             [[1.0 - turn, 0.5 * turn, 0.5 * turn], [1.0 - stay, stay, 0.0], [1.0 - stay, 0.0, stay]]
         )
 
+    @cached_property
     def mode_prior(self) -> FloatArray:
         """Return the stationary mode probabilities, shape (n_modes,)."""
         if self.n_modes == 1:
@@ -83,15 +86,10 @@ def turn_coefficients(
     rates: FloatArray, interval: float
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Return sin(W T)/W, (1 - cos(W T))/W, cos(W T), sin(W T), with their limits at W = 0."""
-    angle = rates * interval
-    half = 0.5 * angle
-    half_sinc = np.sinc(half / np.pi)
-    return (
-        interval * np.sinc(angle / np.pi),
-        interval * half_sinc * np.sin(half),
-        np.cos(angle),
-        np.sin(angle),
-    )
+    whole_and_half = np.multiply.outer((1.0, 0.5), rates * interval)
+    ratio, half_ratio = interval * np.sinc(whole_and_half / np.pi)
+    sine, half_sine = np.sin(whole_and_half)
+    return ratio, half_ratio * half_sine, np.cos(whole_and_half[0]), sine
 
 
 def turn_matrices(rates: FloatArray, interval: float) -> FloatArray:
@@ -108,7 +106,10 @@ def turn_matrices(rates: FloatArray, interval: float) -> FloatArray:
     return matrix
 
 
+@lru_cache(maxsize=16)
 def white_acceleration_noise(acceleration_deviation: float, interval: float) -> FloatArray:
-    """Return Q = sigma^2 G G^T, shape (4, 4)."""
+    """Return Q = sigma^2 G G^T, shape (4, 4); read only, since it is kept."""
     gain = np.kron(np.array([[0.5 * interval**2], [interval]]), np.eye(2))
-    return np.asarray(acceleration_deviation**2 * gain @ gain.T)
+    noise = np.asarray(acceleration_deviation**2 * gain @ gain.T)
+    noise.setflags(write=False)
+    return noise

@@ -62,6 +62,7 @@ from sonar_tracking.active.track_list import shown_tracks, thresholds_without_ga
 from sonar_tracking.active.track_management import (
     ListedTracks,
     duplicates,
+    limited,
     list_tracks,
     start_candidates,
     surviving,
@@ -143,7 +144,8 @@ class MultiTargetTracker:
         ping = self._placed(contacts, self._clutter.corrected(model))
         bank = self._predicted(ping.stamp)
         gates = predict_gates(bank, ping.sensor)
-        applied = apply_thresholds(bank, gates, ping.model, self._configuration, ping.stamp)
+        stamps = contacts.stamp, contacts.next_stamp
+        applied = apply_thresholds(bank, gates, ping.model, self._configuration, *stamps)
         pairs = self._pairs(bank, gates, ping, applied)
         updates = update_pairs(bank, ping.placed, pairs)
         if self._particles.used:
@@ -153,15 +155,13 @@ class MultiTargetTracker:
         if self._particles.used:
             bank = self._particles.update(bank, pairs, association.weights[:, 0])
         listed = self._managed(bank, pairs, association, ping)
-        bank = listed.bank.selected(listed.alive)
-        bank = self._with_candidates(bank, ping, applied, association.claimed)
-        self._bank, self._last = bank, origin_of(contacts)
-        self._particles.keep(bank)
-        return self._update(
-            listed,
-            replace(applied.published, next_stamp=contacts.next_stamp),
-            (*notices, *guessed, *self._clutter.notices()),
-        )
+        candidates = self._candidates(ping, applied, association.claimed)
+        listed, candidates = limited(listed, candidates, self._configuration.maximum_tracks)
+        self._bank = listed.bank.selected(listed.alive).followed_by(candidates)
+        self._last = origin_of(contacts)
+        self._particles.keep(self._bank)
+        notices = (*notices, *guessed, *self._clutter.notices())
+        return self._update(listed, applied.published, notices)
 
     def coast(self, stamp: int, next_stamp: int) -> ContactTrackerUpdate:
         """Return the tracks predicted to a ping of which nothing else is known.
@@ -261,7 +261,8 @@ class MultiTargetTracker:
             updated=np.where(detected > 0.5, ping.stamp, bank.updated),
         )
         mean, _ = bank.moments()
-        distance = np.hypot(*(mean[:, :2] - ping.sensor.position).T)
+        separation = mean[:, :2] - ping.sensor.position
+        distance = np.hypot(separation[:, 0], separation[:, 1])
         model = ping.model
         alive = surviving(
             bank, distance, model.maximum_range, model.detection_probability, self._configuration
@@ -270,10 +271,12 @@ class MultiTargetTracker:
         return ListedTracks(bank, alive, self._was_shown(bank), detected)
 
     def _was_shown(self, bank: TrackBank) -> NDArray[np.bool_]:
-        return np.isin(bank.id, self._shown)
+        shown = np.zeros(len(bank), dtype=bool)
+        shown[bank.id.searchsorted(self._shown)] = True
+        return shown
 
-    def _with_candidates(
-        self, bank: TrackBank, ping: _Ping, applied: AppliedThresholds, claimed: FloatArray
+    def _candidates(
+        self, ping: _Ping, applied: AppliedThresholds, claimed: FloatArray
     ) -> TrackBank:
         below = ping.amplitudes < applied.search_threshold
         rows = np.flatnonzero((claimed <= LARGEST_CLAIM_OF_A_NEW_CONTACT) & ~below)
@@ -282,16 +285,11 @@ class MultiTargetTracker:
             self._initial_existence(ping, rows, applied.search_threshold),
             ping.stamp,
             self._next_id,
-            self._modes.mode_prior(),
+            self._modes.mode_prior,
             self._configuration.initial_speed_deviation,
         )
         self._next_id += len(rows)
-        bank = bank.followed_by(candidates)
-        excess = len(bank) - self._configuration.maximum_tracks
-        if excess <= 0:
-            return bank
-        least = np.argsort(bank.existence + bank.confirmed, kind="stable")[:excess]
-        return bank.selected(np.delete(np.arange(len(bank)), least))
+        return candidates
 
     def _initial_existence(
         self, ping: _Ping, rows: NDArray[np.intp], threshold: float

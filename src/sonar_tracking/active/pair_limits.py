@@ -32,8 +32,8 @@ def half_widths(counts: IndexArray, confirmed: BoolArray) -> IndexArray:
     confirmed : ndarray of bool, shape (n_tracks,)
         Boxes of confirmed tracks are looked at as a whole.
     """
-    if np.sum(counts) <= MAXIMUM_BOXED:
-        return np.asarray(counts)
+    if counts.sum() <= MAXIMUM_BOXED:
+        return counts
     each = MAXIMUM_BOXED // (2 * len(counts))
     return np.where(confirmed, counts, np.maximum(each, CONTACTS_IN_GATE[0]))
 
@@ -57,13 +57,13 @@ def nearest_in_gates(
     ndarray of bool, shape (n_pairs,)
     """
     counts = np.bincount(track)
-    largest = np.broadcast_to(limits, len(counts)) if np.ndim(limits) == 0 else limits
-    if np.all(counts <= np.asarray(largest)[: len(counts)]):
+    largest = np.asarray(limits)
+    if (counts <= (largest[: len(counts)] if largest.ndim else largest)).all():
         return np.ones(len(track), dtype=bool)
     order = np.lexsort((square, track))
     nearest = np.empty(len(track), dtype=np.intp)
     nearest[order] = np.arange(len(track)) - np.repeat(np.cumsum(counts) - counts, counts)
-    return np.asarray(nearest < np.asarray(largest)[track])
+    return np.asarray(nearest < (largest[track] if largest.ndim else largest))
 
 
 def few_enough(track: IndexArray, square: FloatArray, confirmed: BoolArray) -> BoolArray:

@@ -62,15 +62,16 @@ def update_pairs(bank: TrackBank, contacts: PlacedContacts, pairs: GatePairs) ->
     cross = covariance[..., :2] + step * covariance[..., 2:]
     spread = cross[..., :2, :] + step * cross[..., 2:, :]
     spread = spread + contacts.covariance[pairs.contact][:, None]
-    weighted = inverse(spread)
+    area = determinant(spread)
+    weighted = inverse(spread, area)
     gain = np.matmul(cross, weighted)
     scaled = np.matmul(weighted, innovation[..., None])[..., 0]
-    square = np.sum(innovation * scaled, axis=-1)
-    density = np.exp(-0.5 * square) / (2.0 * np.pi * np.sqrt(determinant(spread)))
+    square = (innovation * scaled).sum(axis=-1)
+    density = np.exp(-0.5 * square) / (2.0 * np.pi * np.sqrt(area))
     return PairUpdates(
         density=density,
         correction=np.matmul(gain, innovation[..., None])[..., 0],
-        reduction=np.matmul(gain, np.swapaxes(cross, -1, -2)),
+        reduction=np.matmul(gain, cross.swapaxes(-1, -2)),
     )
 
 
@@ -92,7 +93,8 @@ def mix_updates(
     """
     if not len(pairs.track):
         return bank
-    rows, starts = np.unique(pairs.track, return_index=True)
+    starts = pairs.first_of_each_track()
+    rows = pairs.track[starts]
     weighted = weights[..., None] * updates.correction
     combined = np.add.reduceat(weighted, starts, axis=0)
     spread = weighted[..., :, None] * updates.correction[..., None, :]

@@ -6,6 +6,7 @@ parameters then fill in, and reported.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -42,7 +43,7 @@ def plausible_description(contacts: Contacts) -> tuple[Contacts, tuple[Notice, .
     notices = []
     for name, (low, high) in LIMITS.items():
         value = float(getattr(contacts, name))
-        if np.isnan(value) or low <= value <= high:
+        if math.isnan(value) or low <= value <= high:
             continue
         unknown[name] = np.nan
         notices.append(_notice(name, f"is {value:g}, outside {low:g} to {high:g}"))

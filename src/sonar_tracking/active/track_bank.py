@@ -65,15 +65,12 @@ class TrackBank:
 
     def selected(self, rows: BoolArray | IntArray) -> TrackBank:
         """Return some of the tracks."""
-        return TrackBank(**{f.name: getattr(self, f.name)[rows] for f in fields(self)})
+        return TrackBank(*[getattr(self, name)[rows] for name in COLUMNS])
 
     def followed_by(self, other: TrackBank) -> TrackBank:
         """Return both lists as one."""
         return TrackBank(
-            **{
-                f.name: np.concatenate([getattr(self, f.name), getattr(other, f.name)])
-                for f in fields(self)
-            }
+            *[np.concatenate((getattr(self, name), getattr(other, name))) for name in COLUMNS]
         )
 
     def moments(self) -> tuple[FloatArray, FloatArray]:
@@ -85,10 +82,14 @@ class TrackBank:
         if self.mean.shape[1] == 1:
             return self.mean[:, 0], self.covariance[:, 0]
         weight = self.mode_probability
-        mean = np.sum(weight[..., None] * self.mean, axis=1)
+        mean = (weight[..., None] * self.mean).sum(axis=1)
         deviation = self.mean - mean[:, None]
         spread = self.covariance + deviation[..., :, None] * deviation[..., None, :]
-        return mean, np.sum(weight[..., None, None] * spread, axis=1)
+        return mean, (weight[..., None, None] * spread).sum(axis=1)
+
+
+COLUMNS = tuple(field.name for field in fields(TrackBank))
+"""Of the bank, in the order of its constructor."""
 
 
 def empty_bank(n_modes: int) -> TrackBank:
@@ -124,7 +125,7 @@ def predict_bank(
     mixed, spread, probability = _mixed(bank, modes)
     matrices = turn_matrices(modes.turn_rates(mixed[..., 2:]), interval)
     noise = white_acceleration_noise(modes.acceleration_deviation, interval)
-    covariance = np.matmul(np.matmul(matrices, spread), np.swapaxes(matrices, -1, -2)) + noise
+    covariance = np.matmul(np.matmul(matrices, spread), matrices.swapaxes(-1, -2)) + noise
     return TrackBank(
         id=bank.id,
         existence=survival_probability * bank.existence,
@@ -140,14 +141,14 @@ def predict_bank(
 def _mixed(bank: TrackBank, modes: MotionModes) -> tuple[FloatArray, FloatArray, FloatArray]:
     if modes.n_modes == 1:
         return bank.mean, bank.covariance, bank.mode_probability
-    joint = bank.mode_probability[:, :, None] * modes.mode_transition()
-    probability = np.sum(joint, axis=1)
-    weight = np.swapaxes(joint / probability[:, None, :], 1, 2)
+    joint = bank.mode_probability[:, :, None] * modes.mode_transition
+    probability = joint.sum(axis=1)
+    weight = (joint / probability[:, None, :]).swapaxes(1, 2)
     mean = np.matmul(weight, bank.mean)
     deviation = bank.mean[:, None] - mean[:, :, None]
     n_tracks, n_modes = probability.shape
     flat = bank.covariance.reshape(n_tracks, n_modes, 16)
     within = np.matmul(weight, flat).reshape(n_tracks, n_modes, 4, 4)
     weighted = weight[..., None] * deviation
-    between = np.matmul(np.swapaxes(weighted, -1, -2), deviation)
+    between = np.matmul(weighted.swapaxes(-1, -2), deviation)
     return mean, within + between, probability

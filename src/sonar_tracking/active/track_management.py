@@ -13,13 +13,13 @@ Kim, Song (2007), section 3; the rules it leaves open are stated in the function
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sonar_tracking.active.contact_gating import GatePairs
-from sonar_tracking.active.contact_positions import PlacedContacts
+from sonar_tracking.active.contact_positions import IDENTITY, PlacedContacts
 from sonar_tracking.active.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.active.track_bank import TrackBank
 from sonar_tracking.active.track_list import TrackRows
@@ -90,9 +90,11 @@ def duplicates(bank: TrackBank, pairs: GatePairs, weights: FloatArray) -> BoolAr
     weights : ndarray, shape (n_pairs, n_modes)
         Probabilities of association in each mode.
     """
+    repeated = np.zeros(len(bank), dtype=bool)
+    if not len(pairs.contact) or np.bincount(pairs.contact).max() < 2:
+        return repeated
     mean, covariance = bank.moments()
     first, second = _near_each_other(_sharing(pairs), mean, covariance)
-    repeated = np.zeros(len(bank), dtype=bool)
     if not len(first):
         return repeated
     difference = mean[first] - mean[second]
@@ -134,11 +136,11 @@ def start_candidates(
         Per axis, m/s.
     """
     count, n_modes = len(existence), len(mode_prior)
-    mean = np.zeros((count, 4))
-    mean[:, :2] = contacts.position
-    variance = speed_deviation**2 * np.eye(2)
+    mean = np.zeros((count, n_modes, 4))
+    mean[..., :2] = contacts.position[:, None]
+    variance = speed_deviation**2 * IDENTITY
     delay = contacts.delay[:, None, None]
-    covariance = np.zeros((count, 4, 4))
+    covariance = np.empty((count, 4, 4))
     # The position is that at the reflection: at the stamp it was delay * velocity before.
     covariance[:, :2, :2] = contacts.covariance + delay**2 * variance
     covariance[:, :2, 2:] = covariance[:, 2:, :2] = -delay * variance
@@ -149,9 +151,9 @@ def start_candidates(
         confirmed=np.zeros(count, dtype=bool),
         initiated=np.full(count, stamp, dtype=np.int64),
         updated=np.full(count, stamp, dtype=np.int64),
-        mean=np.repeat(mean[:, None], n_modes, axis=1),
-        covariance=np.repeat(covariance[:, None], n_modes, axis=1),
-        mode_probability=np.tile(mode_prior, (count, 1)),
+        mean=mean,
+        covariance=covariance[:, None].repeat(n_modes, axis=1),
+        mode_probability=mode_prior[None].repeat(count, axis=0),
     )
 
 
@@ -175,6 +177,33 @@ class ListedTracks:
     alive: BoolArray
     was_shown: BoolArray
     detected: FloatArray
+
+
+def limited(
+    listed: ListedTracks, candidates: TrackBank, maximum_tracks: int
+) -> tuple[ListedTracks, TrackBank]:
+    """Return tracks and candidates of which the least probable end if there are too many.
+
+    Parameters
+    ----------
+    listed : ListedTracks
+        Tracks and what became of them.
+    candidates : TrackBank
+        What the ping starts.
+    maximum_tracks : int
+        Largest number of both together; confirmed tracks go first.
+    """
+    rows = np.flatnonzero(listed.alive)
+    excess = len(rows) + len(candidates) - maximum_tracks
+    if excess <= 0:
+        return listed, candidates
+    bank = listed.bank
+    worth = np.concatenate([(bank.existence + bank.confirmed)[rows], candidates.existence])
+    stays = np.ones(len(worth), dtype=bool)
+    stays[np.argsort(worth, kind="stable")[:excess]] = False
+    alive = listed.alive.copy()
+    alive[rows] = stays[: len(rows)]
+    return replace(listed, alive=alive), candidates.selected(stays[len(rows) :])
 
 
 def list_tracks(listed: ListedTracks, tentative_probability: float) -> TrackRows:

@@ -19,9 +19,10 @@ from sonar_tracking.evaluation.batch_runner import Task, Workers, compute
 from sonar_tracking.evaluation.bench_contacts import (
     CLUTTER,
     CONTACT_LAYOUTS,
-    PEER_PINGS,
+    PEER_SCENES,
     measure_clutter,
     measure_side_by_side,
+    stone_soup_installed,
 )
 from sonar_tracking.evaluation.bench_peers import (
     eigenvectors_each_period,
@@ -113,7 +114,7 @@ def run_bench(json: Path | None = None) -> Study:
     tasks = [
         *(Task(measure_size, size) for size in SIZES),
         *(Task(measure_clutter, clutter) for clutter in CLUTTER),
-        Task(measure_side_by_side, PEER_PINGS),
+        *(Task(measure_side_by_side, scene) for scene in PEER_SCENES),
     ]
     with Progress(console=console, transient=True) as progress:
         bar = progress.add_task("bench", total=len(tasks))
@@ -121,6 +122,9 @@ def run_bench(json: Path | None = None) -> Study:
     rows = tuple(row for part in results for row in part)
     study = Study("bench", REPETITIONS, SEED, time.perf_counter() - started, rows)
     print_study(study, (*LAYOUTS, *CONTACT_LAYOUTS), console)
+    if not stone_soup_installed():
+        text = "Stone Soup is not installed: rows of the peer are left out (pip install stonesoup)."
+        console.print(text, style="yellow")
     if json is not None:
         write_json((study,), Path(json))
     return study

@@ -98,4 +98,4 @@ def update(
 
 def symmetrised(matrix: FloatArray) -> FloatArray:
     """Return the symmetric part of a stack of square matrices."""
-    return 0.5 * (matrix + np.swapaxes(matrix, -1, -2))
+    return 0.5 * (matrix + matrix.swapaxes(-1, -2))
