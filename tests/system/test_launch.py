@@ -8,7 +8,11 @@ from typing import Any
 
 import pytest
 
-LAUNCH_FILE = Path(__file__).resolve().parents[2] / "launch" / "pipeline.launch.py"
+from sonar_tracking.graph.node_catalogue import NODES
+
+PROJECT = Path(__file__).resolve().parents[2]
+LAUNCH_FILE = PROJECT / "launch" / "pipeline.launch.py"
+SCENARIOS = PROJECT / "config" / "scenarios"
 
 
 class Recorded:
@@ -65,3 +69,23 @@ def test_every_node_gets_the_parameters_of_the_scenario(launched: Any) -> None:
 def test_parameter_file_comes_last(launched: Any) -> None:
     for node in launched(parameters="mine.yaml", use_sim_time="true").values():
         assert node.keywords["parameters"][1:] == [{"use_sim_time": True}, "mine.yaml"]
+
+
+@pytest.mark.parametrize("scenario", sorted(path.stem for path in SCENARIOS.glob("*.yaml")))
+def test_every_scenario_is_launched_with_programs_and_parameters_that_exist(
+    launched: Any, scenario: str
+) -> None:
+    nodes = launched(scenario=scenario)
+    assert set(nodes) <= set(NODES)
+    assert any(NODES[name].serves_clock for name in nodes)
+    for name, node in nodes.items():
+        known = {entry.name for entry in NODES[name].parameters}
+        given = node.keywords["parameters"][0]
+        assert set(given) <= known
+        for value in given.values():
+            assert isinstance(value, (str, bool, int, float)) or (value and list(value))
+
+
+def test_stations_of_a_scenario_reach_the_tracker_behind_them(launched: Any) -> None:
+    given = launched(scenario="cross_fix")["tma_tracker"].keywords["parameters"][0]
+    assert len(given["bearing_topics"]) == len(given["line_topics"]) == 2
