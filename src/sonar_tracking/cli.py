@@ -9,7 +9,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Annotated
 
-from sonar_tracking.errors import SonarTrackingError
+from sonar_tracking.errors import ConfigurationError, SonarTrackingError
 
 try:
     import typer
@@ -79,9 +79,18 @@ def replay(
 def wav(
     file: Annotated[Path, typer.Argument(help="Multichannel WAV, one channel an element.")],
     geometry: Annotated[Path, typer.Option(help="YAML file with the element positions.")],
-    frequency: Annotated[float, typer.Option(help="Centre of the narrow band, Hz.")],
     output: Annotated[Path, typer.Option(help="The new bag.")],
+    frequency: Annotated[
+        float | None, typer.Option(help="Centre of the narrow band bearings are made of, Hz.")
+    ] = None,
     bandwidth: Annotated[float | None, typer.Option(help="Width of the narrow band, Hz.")] = None,
+    samples: Annotated[
+        bool, typer.Option("--samples", help="Keep the time series: the replay finds lines too.")
+    ] = False,
+    own_ship: Annotated[
+        Path | None,
+        typer.Option(help="With --samples: CSV or npz, time_s, east_m, north_m, heading_deg."),
+    ] = None,
     truth: Annotated[
         Path | None, typer.Option(help="CSV file: time_s, target, arrival_angle_deg.")
     ] = None,
@@ -89,9 +98,24 @@ def wav(
         Path | None, typer.Option(help="YAML file: node, parameter, value; kept for the replay.")
     ] = None,
 ) -> None:
-    """Bring a multichannel WAV file into a bag of narrowband snapshots."""
+    """Bring a multichannel WAV file into a bag.
+
+    By default of narrowband snapshots; with --samples of the element time series themselves, so
+    that the replay makes bearings and frequency lines of them, and positions if --own-ship tells
+    how own ship moved.
+    """
     importer = _needs("sonar_tracking.graph.import_command")
-    print(importer.import_wav_file(file, geometry, frequency, bandwidth, output, truth, parameters))
+    if samples:
+        done = importer.import_wav_samples(
+            file, geometry, frequency, bandwidth, output, own_ship, truth, parameters
+        )
+    elif own_ship is not None:
+        raise ConfigurationError("--own-ship goes with --samples; give both, or neither.")
+    else:
+        done = importer.import_wav_file(
+            file, geometry, frequency, bandwidth, output, truth, parameters
+        )
+    print(done)
 
 
 @import_app.command()

@@ -6,7 +6,14 @@ import pytest
 
 from sonar_tracking.configuration import describe
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.graph.node_catalogue import BEARING_TRACKER, NODES, SUBSPACE_ESTIMATOR
+from sonar_tracking.graph.node_catalogue import (
+    ARRAY_SIMULATOR,
+    BAND_DEMODULATOR,
+    BEARING_TRACKER,
+    LINE_TRACKER,
+    NODES,
+    SUBSPACE_ESTIMATOR,
+)
 from sonar_tracking.graph.node_settings import (
     read_settings,
     resolved_settings,
@@ -72,8 +79,20 @@ def test_queues_hold_all_estimates_the_blocks_in_the_graph_set_off(
     period: float, depth: int
 ) -> None:
     given = {SUBSPACE_ESTIMATOR.name: {"period": period}}
-    settings = with_room_for_bursts(resolved_settings(given, tuple(NODES.values()), "here"), 0.1)
+    nodes = (ARRAY_SIMULATOR, SUBSPACE_ESTIMATOR, BEARING_TRACKER)
+    settings = with_room_for_bursts(resolved_settings(given, nodes, "here"), 0.1)
     # Four blocks of 0.1 s may be under way, twice over; ten messages are the default.
     assert settings[SUBSPACE_ESTIMATOR.name]["flow_depth"] == depth
     assert settings[BEARING_TRACKER.name]["flow_depth"] == depth
     assert settings["array_simulator"]["flow_depth"] == 10
+
+
+def test_queues_hold_all_frames_that_wait_for_their_bearings() -> None:
+    """Estimators up to four messages of 2 s behind, twice, and a covariance of 24 / 6 s = 4 s."""
+    given = {
+        SUBSPACE_ESTIMATOR.name: {"period": 2.0, "covariance_snapshots": 24},
+        BAND_DEMODULATOR.name: {"bandwidth": 6.0},
+    }
+    nodes = (BAND_DEMODULATOR, SUBSPACE_ESTIMATOR, BEARING_TRACKER, LINE_TRACKER)
+    settings = with_room_for_bursts(resolved_settings(given, nodes, "here"), 0.5)
+    assert {values["flow_depth"] for values in settings.values()} == {2 * (4 + 8 * 2 + 8 // 2)}

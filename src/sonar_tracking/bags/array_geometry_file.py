@@ -31,6 +31,11 @@ class _Entries:
         (), "channel of each element, numbered from 1; empty = channel 1, 2, ... in this order"
     )
     sound_speed: float = parameter(1500.0, "in the water", unit="m/s", minimum=1.0, maximum=1e5)
+    mounting_x: float = parameter(0.0, "array ahead of own ship's reference", unit="m")
+    mounting_y: float = parameter(0.0, "array to port of it", unit="m")
+    mounting_yaw_deg: float = parameter(
+        0.0, "direction of the array axis, anticlockwise from the bow", unit="deg"
+    )
 
 
 @dataclass(frozen=True)
@@ -49,6 +54,10 @@ class RecordedArray:
         m/s.
     epoch : int
         Instant of the first sample, ns.
+    mounting : tuple of float
+        Origin of the array ahead of and to port of own ship's reference, m.
+    mounting_yaw : float
+        Direction of the array axis, anticlockwise from own ship's bow, rad.
     """
 
     sensor_id: str
@@ -56,6 +65,8 @@ class RecordedArray:
     channels: tuple[int, ...]
     sound_speed: float
     epoch: int = DEFAULT_EPOCH
+    mounting: tuple[float, float] = (0.0, 0.0)
+    mounting_yaw: float = 0.0
 
     @property
     def aperture(self) -> float:
@@ -90,7 +101,8 @@ def read_array_geometry(path: Path | str) -> RecordedArray:
     """Read a geometry file.
 
     The YAML holds ``n_elements`` and ``spacing`` of a line array, or ``element_x`` (``element_y``,
-    ``element_z``); and, all optional, ``channels``, ``sound_speed``, ``sensor_id``, ``epoch``.
+    ``element_z``); and, all optional, ``channels``, ``sound_speed``, ``sensor_id``, ``epoch``,
+    ``mounting_x``, ``mounting_y``, ``mounting_yaw_deg``.
 
     Raises
     ------
@@ -130,7 +142,15 @@ def array_from_mapping(mapping: Mapping[str, Any], where: str) -> RecordedArray:
     positions = _positions(entries, prefix)
     _check_channels(entries.channels, len(positions), prefix)
     channels = tuple(int(channel) for channel in entries.channels)
-    return RecordedArray(entries.sensor_id, positions, channels, entries.sound_speed, epoch)
+    return RecordedArray(
+        sensor_id=entries.sensor_id,
+        element_positions=positions,
+        channels=channels,
+        sound_speed=entries.sound_speed,
+        epoch=epoch,
+        mounting=(entries.mounting_x, entries.mounting_y),
+        mounting_yaw=float(np.radians(entries.mounting_yaw_deg)),
+    )
 
 
 def _positions(entries: _Entries, prefix: str) -> NDArray[np.float64]:

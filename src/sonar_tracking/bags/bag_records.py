@@ -26,6 +26,7 @@ from sonar_tracking.position_tracks import PositionTracks
 from sonar_tracking.simulation.records import OwnShipState
 
 SNAPSHOTS_TYPE = "sonar_tracking_msgs/msg/ArraySnapshots"
+SAMPLES_TYPE = "sonar_tracking_msgs/msg/ArraySamples"
 BEARING_TRACKS_TYPE = "sonar_tracking_msgs/msg/BearingTracks"
 POSITION_TRACKS_TYPE = "sonar_tracking_msgs/msg/Tracks"
 CONTACTS_TYPE = "sonar_tracking_msgs/msg/Contacts"

@@ -8,7 +8,7 @@ is centred on: ``epoch + sample / sample_rate``.
 from __future__ import annotations
 
 import heapq
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,20 +17,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sonar_tracking.bags.array_geometry_file import RecordedArray, read_array_geometry
-from sonar_tracking.bags.bag_records import BEARING_TRACKS_TYPE, SNAPSHOTS_TYPE
-from sonar_tracking.bags.bearing_truth_file import SurveyedBearings, read_surveyed_bearings
-from sonar_tracking.bags.metadata import OfferedQuality
-from sonar_tracking.bags.recorded_messages import snapshots_cdr, truth_cdr
+from sonar_tracking.bags.bag_records import SNAPSHOTS_TYPE
+from sonar_tracking.bags.bearing_truth_file import read_surveyed_bearings
+from sonar_tracking.bags.recorded_messages import snapshots_cdr
 from sonar_tracking.bags.recording_information import RecordingInformation
 from sonar_tracking.bags.wav_file import WavFile, open_wav
-from sonar_tracking.bags.writer import BagWriter
+from sonar_tracking.bags.wav_recording import (
+    TRUTH_TOPIC,
+    Message,
+    missing_end,
+    sample_stamp,
+    truth_messages,
+    write_messages,
+)
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.passive.demodulation import Band, Demodulator, design_band
-from sonar_tracking.passive.records import END_OF_DATA, NANOSECONDS
+from sonar_tracking.passive.records import END_OF_DATA
 from sonar_tracking.simulation.scenario_checks import NARROWBAND_LIMIT
 
 SNAPSHOTS_TOPIC = "/array/snapshots"
-TRUTH_TOPIC = "/truth/bearing_tracks"
 
 BLOCK_SNAPSHOTS = 20
 """Snapshots in one message."""
@@ -45,9 +50,6 @@ DEFAULT_NODE_PARAMETERS: Mapping[str, Mapping[str, Any]] = {
 """Nodes a replay starts where nothing else is asked for, with their default parameters."""
 
 _SAMPLES_AT_ONCE = 1 << 16
-
-_Message = tuple[int, str, bytes, int]
-"""Stamp, topic, serialised message, snapshots in it."""
 
 
 @dataclass(frozen=True)
@@ -145,16 +147,17 @@ def import_wav(
     columns = array.columns(wav.n_channels, str(wav.path))
     band = _checked_band(array, wav, frequency, bandwidth)
     surveyed = read_surveyed_bearings(truth) if truth is not None else []
-    dropped = _missing_end(wav)
+    dropped = missing_end(wav)
     blocks = _finite_blocks(wav, columns, band, dropped)
     first = next(blocks, None)
     if first is None:
         raise ConfigurationError(dropped[-1] if dropped else _too_short(wav, band))
     information = _information(wav, array, band, node_parameters, bool(surveyed))
     messages = heapq.merge(
-        _snapshot_messages(first, blocks, wav, array, band), _truth_messages(surveyed, array)
+        _snapshot_messages(first, blocks, wav, array, band), truth_messages(surveyed, array)
     )
-    path, n_snapshots, n_blocks = _written_bag(Path(output), information, messages)
+    inputs = {SNAPSHOTS_TOPIC: SNAPSHOTS_TYPE}
+    path, counts, n_snapshots = write_messages(Path(output), information, inputs, messages)
     return ImportSummary(
         output=path,
         n_channels=wav.n_channels,
@@ -163,39 +166,11 @@ def import_wav(
         snapshot_rate=wav.sample_rate / band.decimation,
         bandwidth=band.bandwidth,
         n_snapshots=n_snapshots,
-        n_blocks=n_blocks,
+        n_blocks=counts[SNAPSHOTS_TOPIC],
         dropped=tuple(dropped),
         seconds=wav.n_samples / wav.sample_rate,
         plane_wave_range=2.0 * array.aperture**2 * frequency / array.sound_speed,
     )
-
-
-def _written_bag(
-    output: Path, information: RecordingInformation, messages: Iterable[_Message]
-) -> tuple[Path, int, int]:
-    """Write the messages; return the bag and the numbers of snapshots and blocks in it."""
-    writer = BagWriter(output, information)
-    writer.add_topic(SNAPSHOTS_TOPIC, SNAPSHOTS_TYPE, role="input")
-    if TRUTH_TOPIC in information.topic_roles:
-        quality = OfferedQuality(durability="transient_local")
-        writer.add_topic(TRUTH_TOPIC, BEARING_TRACKS_TYPE, role="truth", qos=quality)
-    n_snapshots = n_blocks = 0
-    for stamp, topic, data, count in messages:
-        writer.write(topic, stamp, data)
-        n_snapshots += count
-        n_blocks += topic == SNAPSHOTS_TOPIC
-    writer.close()
-    return writer.path, n_snapshots, n_blocks
-
-
-def _missing_end(wav: WavFile) -> list[str]:
-    if not wav.missing_samples:
-        return []
-    announced = (wav.n_samples + wav.missing_samples) / wav.sample_rate
-    return [
-        f"{wav.path} is cut off: it announces {announced:.1f} s and holds "
-        f"{wav.n_samples / wav.sample_rate:.1f} s; copy it again if the rest is wanted."
-    ]
 
 
 def _too_short(wav: WavFile, band: Band) -> str:
@@ -260,13 +235,13 @@ def _snapshot_messages(
     wav: WavFile,
     array: RecordedArray,
     band: Band,
-) -> Iterator[_Message]:
+) -> Iterator[Message]:
     """Yield the messages, each with the stamp of the next as its watermark."""
     block: _Block | None = first
     while block is not None:
         following = next(blocks, None)
-        stamp = _stamp(array, wav, block.first_sample)
-        next_stamp = _stamp(array, wav, following.first_sample) if following else END_OF_DATA
+        stamp = sample_stamp(array, wav, block.first_sample)
+        next_stamp = sample_stamp(array, wav, following.first_sample) if following else END_OF_DATA
         data = snapshots_cdr(
             array=array,
             stamp=stamp,
@@ -278,18 +253,6 @@ def _snapshot_messages(
         )
         yield stamp, SNAPSHOTS_TOPIC, data, len(block.data)
         block = following
-
-
-def _truth_messages(surveyed: list[SurveyedBearings], array: RecordedArray) -> Iterator[_Message]:
-    stamps = [array.epoch + round(bearings.time * NANOSECONDS) for bearings in surveyed]
-    for bearings, stamp, next_stamp in zip(
-        surveyed, stamps, [*stamps[1:], END_OF_DATA], strict=False
-    ):
-        yield stamp, TRUTH_TOPIC, truth_cdr(array, stamp, next_stamp, bearings), 0
-
-
-def _stamp(array: RecordedArray, wav: WavFile, sample: int) -> int:
-    return array.epoch + (sample * NANOSECONDS + wav.sample_rate // 2) // wav.sample_rate
 
 
 def _information(

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sonar_tracking.bags.array_geometry_file import RecordedArray
-from sonar_tracking.bags.bag_records import BEARING_TRACKS_TYPE, SNAPSHOTS_TYPE
+from sonar_tracking.bags.bag_records import BEARING_TRACKS_TYPE, SAMPLES_TYPE, SNAPSHOTS_TYPE
 from sonar_tracking.bags.bearing_truth_file import SurveyedBearings
 from sonar_tracking.bags.message_definitions import installed_typestore
-from sonar_tracking.passive.records import NANOSECONDS, TrackStatus
+from sonar_tracking.passive.records import NANOSECONDS, Sensor, TrackStatus
+from sonar_tracking.passive.sample_records import ArraySamples
 
-_FRAME = "own_ship/array"
 _CONE = 0
 
 
@@ -43,14 +43,12 @@ def snapshots_cdr(
     """
     flat = np.ascontiguousarray(data, np.complex64).reshape(-1).view(np.float32)
     values = {
-        **_head(array, stamp, next_stamp, SNAPSHOTS_TYPE),
+        **_head(Sensor(array.sensor_id), stamp, next_stamp, SNAPSHOTS_TYPE),
+        **_elements(array.element_positions),
         "sample_period": sample_period,
         "center_frequency": frequency,
         "bandwidth": bandwidth,
         "sound_speed": array.sound_speed,
-        "element_x": np.ascontiguousarray(array.element_positions[:, 0]),
-        "element_y": np.ascontiguousarray(array.element_positions[:, 1]),
-        "element_z": np.ascontiguousarray(array.element_positions[:, 2]),
         "n_snapshots": len(data),
         "data": flat,
         "noise_covariance": np.zeros(0),
@@ -58,12 +56,25 @@ def snapshots_cdr(
     return _serialised(SNAPSHOTS_TYPE, values)
 
 
+def samples_cdr(block: ArraySamples) -> bytes:
+    """Return a serialised ArraySamples message (data rounded to float32)."""
+    values = {
+        **_head(block.sensor, block.stamp, block.next_stamp, SAMPLES_TYPE),
+        **_elements(block.element_positions),
+        "sample_rate": block.sample_rate,
+        "sound_speed": block.sound_speed,
+        "n_samples": len(block.data),
+        "data": np.ascontiguousarray(block.data, np.float32).reshape(-1),
+    }
+    return _serialised(SAMPLES_TYPE, values)
+
+
 def truth_cdr(array: RecordedArray, stamp: int, next_stamp: int, truth: SurveyedBearings) -> bytes:
     """Return serialised true bearings (a BearingTracks message)."""
     count = len(truth.target)
     unknown = np.full(count, np.nan)
     values = {
-        **_head(array, stamp, next_stamp, BEARING_TRACKS_TYPE),
+        **_head(Sensor(array.sensor_id), stamp, next_stamp, BEARING_TRACKS_TYPE),
         "angle_kind": _CONE,
         "id": truth.target,
         "status": np.full(count, TrackStatus.CONFIRMED, np.uint8),
@@ -82,19 +93,23 @@ def truth_cdr(array: RecordedArray, stamp: int, next_stamp: int, truth: Surveyed
     return _serialised(BEARING_TRACKS_TYPE, values)
 
 
-def _head(array: RecordedArray, stamp: int, next_stamp: int, type_name: str) -> dict[str, Any]:
-    """Return what every message of a sensor begins with; its pose is not known."""
+def _head(sensor: Sensor, stamp: int, next_stamp: int, type_name: str) -> dict[str, Any]:
+    """Return what every message of a sensor begins with."""
     types = installed_typestore(type_name).types
-    unknown = float("nan")
-    point = types["geometry_msgs/msg/Point"](unknown, unknown, unknown)
-    turn = types["geometry_msgs/msg/Quaternion"](unknown, unknown, unknown, unknown)
+    point = types["geometry_msgs/msg/Point"](*sensor.position)
+    turn = types["geometry_msgs/msg/Quaternion"](*sensor.orientation)
     return {
-        "header": types["std_msgs/msg/Header"](_time(types, stamp), _FRAME),
+        "header": types["std_msgs/msg/Header"](_time(types, stamp), sensor.frame_id),
         "next_stamp": _time(types, next_stamp),
-        "sensor_id": array.sensor_id,
+        "sensor_id": sensor.sensor_id,
         "sensor_pose": types["geometry_msgs/msg/Pose"](point, turn),
-        "sensor_velocity": types["geometry_msgs/msg/Vector3"](unknown, unknown, unknown),
+        "sensor_velocity": types["geometry_msgs/msg/Vector3"](*sensor.velocity),
     }
+
+
+def _elements(positions: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+    columns = np.ascontiguousarray(positions.T)
+    return dict(zip(("element_x", "element_y", "element_z"), columns, strict=True))
 
 
 def _time(types: dict[str, Any], stamp: int) -> Any:

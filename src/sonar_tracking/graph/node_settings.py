@@ -20,7 +20,9 @@ from sonar_tracking.configuration import (
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.graph_plan import FLOW_WINDOW
 from sonar_tracking.graph.node_catalogue import (
+    BAND_DEMODULATOR,
     BEARING_TRACKER,
+    LINE_TRACKER,
     NODES,
     SUBSPACE_ESTIMATOR,
     NodeDescription,
@@ -30,6 +32,10 @@ from sonar_tracking.passive.bearing_tracker_configuration import (
     check_estimator,
 )
 from sonar_tracking.passive.bearing_tracker_stage import BearingTrackerStage
+from sonar_tracking.passive.line_tracker_configuration import (
+    LineTrackerConfiguration,
+    check_line_tracker,
+)
 from sonar_tracking.passive.subspace_configuration import SubspaceConfiguration
 from sonar_tracking.passive.subspace_stage import SubspaceStage
 from sonar_tracking.simulation.scenario_file import read_yaml_mapping
@@ -42,6 +48,7 @@ _STAGES: Mapping[type, Callable[[Any], object]] = {
     SubspaceConfiguration: SubspaceStage,
     BearingTrackerConfiguration: BearingTrackerStage,
     ContactTrackerConfiguration: make_contact_tracker,
+    LineTrackerConfiguration: check_line_tracker,
     TmaTrackerConfiguration: check_tma_tracker,
 }
 """What refuses parameters that do not fit together, by their configuration."""
@@ -84,7 +91,9 @@ def with_room_for_bursts(settings: NodeSettings, block_seconds: float) -> NodeSe
     """Return settings whose queues hold what the blocks in the graph set off at once.
 
     The clock moves by whole blocks, and one block completes several estimates when their period
-    is shorter: all of them are published before the next node has read the first.
+    is shorter: all of them are published before the next node has read the first. The line tracker
+    keeps samples until their bearings are known, and publishes all frames of what has waited at
+    once: at the begin, at the end, and when the estimators have fallen behind.
 
     Parameters
     ----------
@@ -93,10 +102,18 @@ def with_room_for_bursts(settings: NodeSettings, block_seconds: float) -> NodeSe
     block_seconds : float
         Step of the clock, s.
     """
-    period = settings.get(SUBSPACE_ESTIMATOR.name, {}).get("period")
+    estimator = settings.get(SUBSPACE_ESTIMATOR.name, {})
+    period = estimator.get("period")
     if not isinstance(period, float):
         return settings
     needed = 2 * FLOW_WINDOW * math.ceil(block_seconds / period)
+    frame_length = settings.get(LINE_TRACKER.name, {}).get("frame_length")
+    if isinstance(frame_length, float):
+        # Snapshots come about once per 1 / bandwidth; an unknown bandwidth is above 1 Hz.
+        bandwidth = float(str(settings.get(BAND_DEMODULATOR.name, {}).get("bandwidth", 0.0)))
+        waiting = float(str(estimator["covariance_snapshots"])) / (bandwidth or 1.0)
+        waiting += 2 * FLOW_WINDOW * (block_seconds + period)
+        needed = max(needed, 2 * math.ceil(waiting / (0.5 * frame_length)))
     return {
         name: {**values, "flow_depth": min(max(int(str(values["flow_depth"])), needed), _DEEPEST)}
         if not NODES[name].section

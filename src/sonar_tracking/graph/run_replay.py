@@ -26,7 +26,7 @@ from sonar_tracking.graph.replay_comparison import ReplayComparison
 from sonar_tracking.graph.run_options import RunOptions
 from sonar_tracking.graph.run_report import RunReport
 from sonar_tracking.graph.scenario_graph import planned_nodes
-from sonar_tracking.graph.topics import SNAPSHOTS, Topic
+from sonar_tracking.graph.topics import SAMPLES, SNAPSHOTS, Topic
 from sonar_tracking.graph.transport_profile import choose_transport
 from sonar_tracking.passive.records import NANOSECONDS
 
@@ -194,9 +194,12 @@ def _offered(bag: Bag, nodes: tuple[PlannedNode, ...]) -> tuple[Topic, ...]:
 
 
 def _block_seconds(bag: Bag) -> float:
-    """Return the time between the first two blocks of snapshots, s; 0 = there are not two."""
-    stamps = [m.log_time for m in islice(bag.messages({resolved(SNAPSHOTS)}), 2)]
-    return (stamps[-1] - stamps[0]) / NANOSECONDS if stamps else 0.0
+    """Return the longest time between the first two blocks of a topic, s; 0 = there are none."""
+    longest = 0
+    for topic in (SNAPSHOTS, SAMPLES):
+        stamps = [m.log_time for m in islice(bag.messages({resolved(topic)}), 2)]
+        longest = max(longest, stamps[-1] - stamps[0] if stamps else 0)
+    return longest / NANOSECONDS
 
 
 def _largest_input_bytes(bag: Bag, offered: tuple[Topic, ...]) -> int:

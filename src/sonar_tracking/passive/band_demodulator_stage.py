@@ -91,7 +91,7 @@ class BandDemodulatorStage:
         return self._advance(samples)
 
     def _begin(self, samples: ArraySamples) -> None:
-        self._run = _Run(samples, self._band(samples))
+        self._run = _Run(samples, demodulated_band(self._configuration, samples))
         self._sensors = SensorHistory()
         self._begin_filter(samples, 0)
 
@@ -109,25 +109,6 @@ class BandDemodulatorStage:
         self._held: NDArray[np.complex128] = np.empty((0, samples.data.shape[1]), np.complex128)
         self._held_sample = self._demodulator.next_centre
         self._filter_stamp = samples.stamp + round(skip * NANOSECONDS / samples.sample_rate)
-
-    def _band(self, samples: ArraySamples) -> Band:
-        configuration = self._configuration
-        limit = (
-            MAXIMUM_RELATIVE_BANDWIDTH
-            * samples.sound_speed
-            / max(aperture(samples.element_positions), 1e-9)
-        )
-        bandwidth = configuration.bandwidth or min(
-            0.5 * limit, 0.1 * configuration.center_frequency
-        )
-        if bandwidth >= limit:
-            raise InputError(
-                f"bandwidth is {bandwidth:g} Hz; for this array it must be below {limit:.4g} Hz."
-            )
-        try:
-            return design_band(samples.sample_rate, configuration.center_frequency, bandwidth)
-        except ConfigurationError as error:
-            raise InputError(str(error)) from error
 
     def _advance(self, samples: ArraySamples) -> tuple[ArraySnapshots, ...]:
         assert self._run is not None
@@ -172,3 +153,45 @@ class BandDemodulatorStage:
             next_stamp=next_stamp,
             sensor=self._sensors.at(stamp),
         )
+
+
+def demodulated_band(configuration: BandDemodulatorConfiguration, samples: ArraySamples) -> Band:
+    """Return the band that is taken out of samples.
+
+    Parameters
+    ----------
+    configuration : BandDemodulatorConfiguration
+        Centre and width.
+    samples : ArraySamples
+        Tell array, sample rate and sound speed.
+
+    Raises
+    ------
+    InputError
+        If the band does not suit them.
+    """
+    limit = _narrow(samples.element_positions, samples.sound_speed)
+    bandwidth = chosen_bandwidth(configuration, samples.element_positions, samples.sound_speed)
+    if bandwidth >= limit:
+        raise InputError(
+            f"bandwidth is {bandwidth:g} Hz; for this array it must be below {limit:.4g} Hz."
+        )
+    try:
+        return design_band(samples.sample_rate, configuration.center_frequency, bandwidth)
+    except ConfigurationError as error:
+        raise InputError(str(error)) from error
+
+
+def chosen_bandwidth(
+    configuration: BandDemodulatorConfiguration,
+    element_positions: NDArray[np.float64],
+    sound_speed: float,
+) -> float:
+    """Return the bandwidth that is asked for, or what suits an array where none is, Hz."""
+    suitable = 0.5 * _narrow(element_positions, sound_speed)
+    return configuration.bandwidth or min(suitable, 0.1 * configuration.center_frequency)
+
+
+def _narrow(element_positions: NDArray[np.float64], sound_speed: float) -> float:
+    """Return the bandwidth from which on a band is not narrow for an array, Hz."""
+    return MAXIMUM_RELATIVE_BANDWIDTH * sound_speed / max(float(aperture(element_positions)), 1e-9)
