@@ -29,8 +29,12 @@ from sonar_tracking.evaluation.multi_target_clutter_runs import (
 )
 from sonar_tracking.evaluation.multi_target_clutter_scene import SceneOptions
 from sonar_tracking.evaluation.multi_target_clutter_systems import (
+    CLUSTERING,
+    CLUSTERING_LITERAL,
+    HPDA_KALMAN,
     HPDA_PARTICLE,
     INTEGRATED,
+    INTEGRATED_STRAIGHT,
     PAPER_SYSTEMS,
     PHD,
     STRAIGHT_SYSTEMS,
@@ -40,6 +44,12 @@ from sonar_tracking.evaluation.study import StudyRow
 from sonar_tracking.evaluation.study_definition import Column, StudyDefinition, TableLayout
 
 FloatArray = NDArray[np.float64]
+
+PANELS = (
+    (INTEGRATED, INTEGRATED_STRAIGHT, HPDA_PARTICLE, HPDA_KALMAN),
+    (CLUSTERING, CLUSTERING_LITERAL, PHD),
+)
+"""Trackers drawn together in the pictures of the number of targets."""
 
 BOUND = "Cramer-Rao bound"
 EARLY = slice(5, 100)
@@ -67,8 +77,10 @@ LAYOUTS = (
         ),
         "Published: HPDA's number of targets is closest to the truth in both environments; in "
         "environment 2 clustering counts too few, SMC-PHD too many early. curve: mean absolute "
-        "error of the run-averaged number; count: of single runs; early: pings 5 to 99. OSPA, "
-        "GOSPA: m, cut-off 200 m, order 2. ms: processor time a ping.",
+        "error of the run-averaged number; count: of single runs; early: pings 5 to 99. Averages "
+        "hide the scatter of SMC-PHD: in environment 1 HPDA's curve error is 0.43 to 0.54 of its "
+        "error over 16 runs, 0.85 over 100. OSPA, GOSPA: m, cut-off 200 m, order 2. ms: processor "
+        "time a ping.",
     ),
     TableLayout(
         "Tracks",
@@ -175,7 +187,7 @@ def draw(results: Sequence[Any], rows: Sequence[StudyRow], directory: Path) -> t
         condition = f"environment {number}"
         runs = [run for run in results if run.condition == condition]
         path = directory / f"figure_{7 + number}_number_environment_{number}.png"
-        pictures.append(draw_counts(path, runs, tuple(PAPER_SYSTEMS)))
+        pictures.append(draw_counts(path, runs, PANELS))
     return tuple(pictures)
 
 

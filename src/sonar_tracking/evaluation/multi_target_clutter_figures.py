@@ -21,6 +21,9 @@ FloatArray = NDArray[np.float64]
 COLOURS = ("#0072B2", "#56B4E9", "#D55E00", "#E69F00", "#009E73", "#CC79A7", "#999999")
 """Okabe and Ito's palette: told apart by colour-blind readers, too."""
 
+CURVE_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#000000")
+"""Of curves in one panel; from the same palette."""
+
 
 def draw_scene(path: Path, truth: Sequence[FloatArray]) -> Path:
     """Draw the true paths.
@@ -33,7 +36,7 @@ def draw_scene(path: Path, truth: Sequence[FloatArray]) -> Path:
         Identity, x and y at each ping.
     """
     figure, axes = _tactical("Paths of the targets")
-    _draw_truth(axes, truth)
+    _draw_truth(axes, truth, 1.5)
     axes.legend(fontsize="small")
     return _saved(figure, path)
 
@@ -51,14 +54,14 @@ def draw_tracks(path: Path, run: ClutterRun, system: str) -> Path:
         Name of the tracker.
     """
     figure, axes = _tactical(f"{system}, {run.condition}, one run")
-    _draw_truth(axes, run.truth)
+    _draw_truth(axes, run.truth, 6.0)
     estimates = np.concatenate(run.systems[system].estimates)
-    axes.plot(estimates[:, 1], estimates[:, 2], "k.", markersize=1.5, label="estimates")
+    axes.plot(estimates[:, 1], estimates[:, 2], "k.", markersize=1.2, label="estimates")
     axes.legend(fontsize="small")
     return _saved(figure, path)
 
 
-def draw_counts(path: Path, runs: Sequence[ClutterRun], systems: Sequence[str]) -> Path:
+def draw_counts(path: Path, runs: Sequence[ClutterRun], systems: Sequence[Sequence[str]]) -> Path:
     """Draw the true and the run-averaged estimated number of targets over time.
 
     Parameters
@@ -67,24 +70,38 @@ def draw_counts(path: Path, runs: Sequence[ClutterRun], systems: Sequence[str]) 
         Picture to write; missing directories are made.
     runs : sequence of ClutterRun
         Of one environment.
-    systems : sequence of str
-        Trackers drawn.
+    systems : sequence of sequence of str
+        Trackers drawn, one panel for each group: the restless curves of some would hide others.
     """
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(8.0, 4.5), layout="constrained")
-    axes = figure.add_subplot()
-    times = PING_INTERVAL * np.arange(len(runs[0].true_count))
-    for colour, name in zip(COLOURS, systems, strict=False):
-        count = np.mean([run.systems[name].count for run in runs], axis=0)
-        axes.plot(times, count, color=colour, linewidth=1.2, label=name)
-    axes.plot(times, runs[0].true_count, "k--", linewidth=1.5, label="truth")
-    axes.set_xlabel("time (s)")
-    axes.set_ylabel("number of targets")
-    axes.set_title(f"Number of targets, {runs[0].condition}")
-    axes.grid(alpha=0.3)
-    axes.legend(fontsize="small")
+    n_panels = max(1, len(systems))
+    figure = Figure(figsize=(8.5, 1.0 + 3.2 * n_panels), layout="constrained")
+    panels = figure.subplots(n_panels, 1, sharex=True, squeeze=False)[:, 0]
+    for axes, names in zip(panels, systems or ((),), strict=True):
+        _draw_numbers(axes, runs, names)
+    average = f", mean of {len(runs)} runs" if systems and len(runs) > 1 else ""
+    panels[0].set_title(f"Number of targets, {runs[0].condition}{average}")
+    panels[-1].set_xlabel("time (s)")
     return _saved(figure, path)
+
+
+def _draw_numbers(axes: Axes, runs: Sequence[ClutterRun], names: Sequence[str]) -> None:
+    from matplotlib.ticker import MaxNLocator
+
+    times = PING_INTERVAL * np.arange(len(runs[0].true_count))
+    truth = runs[0].true_count
+    axes.plot(times, truth, color="0.75", linewidth=5.0, drawstyle="steps-post", label="truth")
+    for index, (colour, name) in enumerate(zip(CURVE_COLOURS, names, strict=False)):
+        count = np.mean([run.systems[name].count for run in runs], axis=0)
+        # Narrower from one to the next: curves on top of one another are all seen.
+        width = 0.7 * (len(names) - index)
+        axes.plot(times, count, color=colour, linewidth=width, label=name)
+    axes.set_ylabel("number of targets")
+    axes.set_ylim(bottom=0.0)
+    axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.grid(alpha=0.3)
+    axes.legend(fontsize="small", loc="upper left")
 
 
 def _tactical(title: str) -> tuple[Figure, Axes]:
@@ -101,12 +118,12 @@ def _tactical(title: str) -> tuple[Figure, Axes]:
     return figure, axes
 
 
-def _draw_truth(axes: Axes, truth: Sequence[FloatArray]) -> None:
+def _draw_truth(axes: Axes, truth: Sequence[FloatArray], width: float) -> None:
     points = np.concatenate(truth)
     for colour, identity in zip(COLOURS, np.unique(points[:, 0]), strict=False):
         own = points[points[:, 0] == identity]
         label = f"target {identity:.0f}"
-        axes.plot(own[:, 1], own[:, 2], color=colour, linewidth=1.5, label=label)
+        axes.plot(own[:, 1], own[:, 2], color=colour, linewidth=width, alpha=0.8, label=label)
         axes.plot(own[0, 1], own[0, 2], "o", color=colour)
 
 
