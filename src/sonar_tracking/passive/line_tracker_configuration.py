@@ -16,8 +16,8 @@ class LineTrackerConfiguration:
         2.0,
         "Length of a Hann frame; frames overlap by half, at multiples of half of it in stamp time",
         unit="s",
-        minimum=0.1,
-        maximum=60.0,
+        minimum=1.0,
+        maximum=4.0,
     )
     minimum_frequency: float = parameter(
         10.0, "Lowest frequency analysed", unit="Hz", minimum=0.0, maximum=1e6

@@ -9,8 +9,9 @@ the noise in phase with the line moves the three log powers, so that
 
 with the Hann window's transform W, the correlation R (1, 2/3, 1/6) of its bins and the
 signal-to-noise ratio of the line on its own frequency; kappa is 0.37 at the bin and 0.26 halfway
-between two. Below 15 dB a factor 1 + 1/snr + 10/snr^2 stands for the higher orders, fitted to
-simulated tones. The Cramer-Rao bound of a whole frame is 0.101 / snr.
+between two. Below 15 dB a factor 1 + 1/snr + 10/snr^2 + 600/snr^3 stands for the higher orders and
+for weak lines that pass the threshold by their noise, fitted to simulated tones. The Cramer-Rao
+bound of a whole frame is 0.101 / snr.
 
 A line's skirts are no lines: a peak is left out below the envelope of the Hann window's sidelobes,
 1 / (pi x (x^2 - 1)) at x bins, of a stronger one, with a margin of 6 dB.
@@ -58,7 +59,9 @@ def hann_transform(offset: FloatArray) -> FloatArray:
     return np.where(pole, 0.5, np.sinc(offset) / np.where(pole, 1.0, 1.0 - square))
 
 
-def find_peaks(normalised: FloatArray, threshold: FloatArray) -> SpectralPeaks:
+def find_peaks(
+    normalised: FloatArray, threshold: FloatArray, power: FloatArray | None = None
+) -> SpectralPeaks:
     """Return the lines in a spectrum.
 
     Parameters
@@ -67,14 +70,20 @@ def find_peaks(normalised: FloatArray, threshold: FloatArray) -> SpectralPeaks:
         Power over background.
     threshold : ndarray, shape (n_bins,)
         Of the same.
+    power : ndarray, shape (n_bins,), optional
+        Before the normalisation: a strong line is in the background of the bins beside it, which
+        would bend its top. Default: the same background everywhere.
     """
+    power = normalised if power is None else power
     middle = normalised[1:-1]
     top = (middle >= normalised[:-2]) & (middle > normalised[2:]) & (middle > threshold[1:-1])
     bins = np.flatnonzero(top) + 1
-    around = normalised[bins[:, None] + np.arange(-1, 2)]
+    around = power[bins[:, None] + np.arange(-1, 2)]
+    around = around * (normalised[bins] / around[:, 1])[:, None]
     offset = np.interp(_vertex(np.log(np.maximum(around, 1e-12))), _VERTEX, _OFFSET)
     ratio = np.maximum((around[:, 1] - 1.0) / hann_transform(offset) ** 2, 0.5)
-    variance = np.interp(offset, _OFFSET, _KAPPA) / ratio * (1.0 + 1.0 / ratio + 10.0 / ratio**2)
+    higher = 1.0 + 1.0 / ratio + 10.0 / ratio**2 + 600.0 / ratio**3
+    variance = np.interp(offset, _OFFSET, _KAPPA) / ratio * higher
     keep = ~_skirts(bins + offset, ratio)
     return SpectralPeaks(bins[keep], (bins + offset)[keep], variance[keep], ratio[keep])
 
