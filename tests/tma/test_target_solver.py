@@ -1,6 +1,7 @@
 """Protects the stage of one target: sides, stations, honesty, what it refuses."""
 
 from dataclasses import replace
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -139,3 +140,34 @@ def test_a_track_that_jumps_to_another_target_is_started_anew() -> None:
         (solution,) = solver.update(replace(GOOD, stamp=second * 10**9 + 1, azimuths=(azimuth,)))
     offset = solution.mean[:2] - GOOD.position
     assert np.arctan2(offset[1], offset[0]) == pytest.approx(-2.0, abs=0.1)
+
+
+@pytest.mark.parametrize("angle_deg", [37.0, 180.0, 271.3])
+def test_turning_the_scene_turns_both_sides_and_all_that_is_said_of_them(angle_deg: float) -> None:
+    """Sides, travel time and observability too, through own ship's turn, to one part in 1e6."""
+    angle = np.radians(angle_deg)
+    rotation = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    both = np.kron(np.eye(2), rotation)
+    here, there = TargetSolver(), TargetSolver()
+    runs = one_run(scene_of_legs(TURNING, 0.2))
+    for seen in islice(target_observations(runs, 0, array=True), 180):
+        seen = replace(seen, propagation_speed=1500.0)
+        turned = replace(
+            seen,
+            position=tuple(rotation @ seen.position),
+            velocity=tuple(rotation @ seen.velocity),
+            azimuths=tuple(np.array(seen.azimuths) + angle),
+        )
+        solutions, others = here.update(seen), there.update(turned)
+        assert [one.side for one in solutions] == [one.side for one in others]
+        for one, other in zip(solutions, others, strict=True):
+            covariance = both @ one.covariance @ both.T
+            scale = np.sqrt(np.diagonal(covariance))
+            error = (other.mean - both @ one.mean) / np.abs(np.linalg.norm(one.mean))
+            np.testing.assert_allclose(error, 0.0, atol=1e-6)
+            np.testing.assert_allclose(
+                (other.covariance - covariance) / np.outer(scale, scale), 0.0, atol=1e-6
+            )
+            assert other.probability == pytest.approx(one.probability, rel=1e-6)
+            assert other.observability == pytest.approx(one.observability, rel=1e-6, abs=1e-9)
+    assert len(solutions) == 1
