@@ -190,7 +190,7 @@ def test_a_sector_is_no_full_circle() -> None:
     assert counted.expected_clutter() == pytest.approx(len(contacts.range))
 
 
-@pytest.mark.parametrize("method", WITH_EXISTENCE)
+@pytest.mark.parametrize("method", METHODS)
 def test_what_is_shown_stays_until_its_end_is_told_once(method: str) -> None:
     """Tentative tracks as well: nobody has to guess what became of one."""
     generator = np.random.default_rng(26)

@@ -20,7 +20,8 @@ class ContactTrackerConfiguration:
     method: str = parameter(
         "integrated",
         "Association: all contacts by distance and amplitude likelihood with turning motion modes "
-        "(integrated), or the one best by amplitude rank (hpda)",
+        "(integrated), or the one best by amplitude rank (hpda). Baselines: roi_clustering without "
+        "existence probability, and smc_phd, where it is the weight of a peak",
         choices=("integrated", "hpda_kalman", "hpda_particle", "roi_clustering", "smc_phd"),
     )
     detection_probability: float = parameter(

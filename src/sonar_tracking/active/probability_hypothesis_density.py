@@ -1,8 +1,9 @@
 """Baseline: the probability hypothesis density of all targets as one cloud (SMC-PHD).
 
-The weights of the cloud integrate to the expected number of targets; targets have no identities.
-Births are drawn around the contacts of the ping before: at the present ones the contacts would be
-used twice and the count run away.
+The weights of the cloud integrate to the expected number of targets. Targets have no identities in
+the published method: here its peaks are joined from ping to ping (``peak_tracks``). Births are
+drawn around the contacts of the ping before: at the present ones the contacts would be used twice
+and the count run away.
 
 References
 ----------
@@ -34,16 +35,19 @@ from sonar_tracking.active.particle_cloud import (
     predict_cloud,
     systematic_rows,
 )
+from sonar_tracking.active.peak_tracks import follow_peaks, no_peak_tracks, predict_peaks
 from sonar_tracking.active.records import Contacts, ContactTrackerUpdate
 from sonar_tracking.active.state_extraction import extract_states
-from sonar_tracking.active.track_list import TrackRows, shown_tracks, thresholds_without_gates
-from sonar_tracking.passive.records import TrackStatus
+from sonar_tracking.active.track_list import shown_tracks, thresholds_without_gates
 
 FloatArray = NDArray[np.float64]
 
 SURVIVAL_PROBABILITY = 0.99
 BIRTH_MASS = 0.2
 BIRTH_PARTICLES = 500
+TURNS_COVERED_BY = 0.01
+"""White acceleration with which the gates of peaks are predicted, m/s^2."""
+
 ROUGHENING = np.array([1.0, 1.0, 0.02, 0.02])
 """Standard deviations added after resampling, m and m/s."""
 
@@ -70,16 +74,17 @@ class DensityTracker:
         nothing = np.zeros(0)
         self._cloud = ParticleCloud(np.zeros((0, 4)), nothing.astype(np.int64), nothing)
         self._before: PlacedContacts | None = None
+        self._tracks = no_peak_tracks()
         self._next_id = configuration.first_id
         self._last: PingOrigin | None = None
 
     @property
     def next_id(self) -> int:
-        """Identifier the next estimate will get."""
+        """Identifier the next track will get."""
         return self._next_id
 
     def update(self, contacts: Contacts) -> ContactTrackerUpdate:
-        """Return number and states after one ping; each state gets an identity of its own.
+        """Return number and states after one ping; peaks keep their identities.
 
         Raises
         ------
@@ -93,12 +98,11 @@ class DensityTracker:
         interval = self._interval(contacts.stamp)
         cloud = self._weighed(self._predicted(interval, model, sensor), placed, sensor, model)
         mass = float(np.sum(cloud.weight))
-        states, covariances = extract_states(cloud, round(mass), self._generator)
+        self._followed(cloud, mass, interval, contacts.stamp)
         self._cloud = self._resampled(cloud, mass)
         self._before, self._last = placed, origin_of(contacts)
-        rows = self._listed(states, covariances, contacts.stamp)
         return ContactTrackerUpdate(
-            tracks=shown_tracks(rows, contacts.stamp, contacts.next_stamp),
+            tracks=shown_tracks(self._tracks.listed(), contacts.stamp, contacts.next_stamp),
             target_count=mass,
             thresholds=thresholds_without_gates(contacts.stamp, contacts.next_stamp, model),
             notices=(*notices, *guessed),
@@ -117,10 +121,9 @@ class DensityTracker:
         self._cloud = predict_cloud(self._cloud, self._motion, interval, self._generator)
         self._last = self._last and self._last.moved_to(stamp)
         mass = float(np.sum(self._cloud.weight))
-        states, covariances = extract_states(self._cloud, round(mass), self._generator)
-        rows = self._listed(states, covariances, stamp)
+        self._followed(self._cloud, mass, interval, stamp)
         return ContactTrackerUpdate(
-            tracks=shown_tracks(rows, stamp, next_stamp),
+            tracks=shown_tracks(self._tracks.listed(), stamp, next_stamp),
             target_count=mass,
             thresholds=thresholds_without_gates(stamp, next_stamp),
         )
@@ -187,17 +190,9 @@ class DensityTracker:
             cloud.state[rows] + noise, cloud.mode[rows], np.full(count, mass / count)
         )
 
-    def _listed(self, states: FloatArray, covariances: FloatArray, stamp: int) -> TrackRows:
-        count = len(states)
-        identifiers = self._next_id + np.arange(count, dtype=np.int64)
-        self._next_id += count
-        stamps = np.full(count, stamp, dtype=np.int64)
-        return TrackRows(
-            id=identifiers,
-            status=np.full(count, int(TrackStatus.CONFIRMED), dtype=np.int64),
-            existence=np.full(count, np.nan),
-            state=states,
-            covariance=covariances,
-            initiated=stamps,
-            updated=stamps,
-        )
+    def _followed(self, cloud: ParticleCloud, mass: float, interval: float, stamp: int) -> None:
+        """Find the peaks of a ping and go on with the tracks of those before."""
+        peaks = extract_states(cloud, round(mass), self._generator)
+        before = predict_peaks(self._tracks, interval, TURNS_COVERED_BY)
+        self._tracks = follow_peaks(before, peaks, cloud, stamp, self._next_id)
+        self._next_id += int(np.count_nonzero(self._tracks.id >= self._next_id))

@@ -2,7 +2,8 @@
 
 A region of interest seen at two successive pings away from all tracks starts a track; a track with
 no region for two pings ends. With a low probability of detection regions are missing more often
-than targets, which is why the method counts too few.
+than targets, which is why the method counts too few. It counts instead of estimating: its tracks
+have no existence probability.
 
 References
 ----------

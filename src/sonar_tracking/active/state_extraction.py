@@ -7,6 +7,8 @@ Vo, Singh, Doucet (2005), section 3.4; Arthur, Vassilvitskii (2007) for the seed
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,10 +19,27 @@ FloatArray = NDArray[np.float64]
 ITERATIONS = 10
 
 
-def extract_states(
-    cloud: ParticleCloud, count: int, generator: np.random.Generator
-) -> tuple[FloatArray, FloatArray]:
-    """Return the weighted medians and the covariances of ``count`` clusters.
+@dataclass(frozen=True)
+class Peaks:
+    """Clusters of a cloud.
+
+    Attributes
+    ----------
+    state : ndarray, shape (n, 4)
+        Their weighted medians.
+    covariance : ndarray, shape (n, 4, 4)
+        Of their particles.
+    mass : ndarray, shape (n,)
+        Sum of their weights: the number of targets there.
+    """
+
+    state: FloatArray
+    covariance: FloatArray
+    mass: FloatArray
+
+
+def extract_states(cloud: ParticleCloud, count: int, generator: np.random.Generator) -> Peaks:
+    """Return ``count`` clusters, or fewer: empty ones are left out.
 
     Parameters
     ----------
@@ -30,18 +49,11 @@ def extract_states(
         Targets; 0 gives empty arrays.
     generator : numpy.random.Generator
         Of the seeding.
-
-    Returns
-    -------
-    states : ndarray, shape (n, 4)
-        At most ``count``: empty clusters are left out.
-    covariances : ndarray, shape (n, 4, 4)
-        Of the clusters.
     """
     useful = cloud.weight > 1e-12
     cloud = ParticleCloud(cloud.state[useful], cloud.mode[useful], cloud.weight[useful])
     if count <= 0 or not len(cloud.weight):
-        return np.zeros((0, 4)), np.zeros((0, 4, 4))
+        return Peaks(np.zeros((0, 4)), np.zeros((0, 4, 4)), np.zeros(0))
     centres = _seeds(cloud, count, generator)
     for _ in range(ITERATIONS):
         label = _labels(cloud, centres)
@@ -55,9 +67,10 @@ def extract_states(
     parts = [
         ParticleCloud(cloud.state[rows], cloud.mode[rows], cloud.weight[rows]) for rows in clusters
     ]
-    return (
-        np.array([_weighted_median(part) for part in parts]),
-        np.array([part.moments()[1] for part in parts]),
+    return Peaks(
+        state=np.array([_weighted_median(part) for part in parts]),
+        covariance=np.array([part.moments()[1] for part in parts]),
+        mass=np.array([float(np.sum(part.weight)) for part in parts]),
     )
 
 

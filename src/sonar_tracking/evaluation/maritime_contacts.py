@@ -165,9 +165,6 @@ def track_scenario(
     seconds = (time.process_time() - started) / len(pings)
     score = score_position_tracks(scenario.true_tracks(latency), tracks, CUTOFF)
     metrics = {**_figures(score), "scan_ms": 1e3 * seconds, "latency_s": latency}
-    if configuration.method == "smc_phd":
-        for identity in ("continuity", "identity_swaps", "false_tracks_per_hour"):
-            del metrics[identity]
     return ScenarioRun(name, scenario.name, metrics, tracks)
 
 
