@@ -1,10 +1,8 @@
 """Score of position tracks against the true positions of a run.
 
 Only confirmed and coasted tracks whose position is known count. In each period they are assigned
-to the truths by the least sum of squared distances, cut off at 200 m unless told otherwise: that
-gives OSPA and GOSPA. A target farther off but within the 99 % ellipse of a track is held by it too
-(:mod:`sonar_tracking.evaluation.claimed_uncertainty`); errors and identities are those of the
-tracks that hold a target. Truth is taken at the stamp of the tracks, the instant their
+to the truths by the least sum of squared distances, cut off at 200 m unless told otherwise;
+everything else follows from that. Truth is taken at the stamp of the tracks, the instant their
 states refer to (a tracker that must reckon with travel time does so before it publishes), and
 interpolated between its samples. The two sides of one ambiguous bearing count as one track:
 :mod:`sonar_tracking.evaluation.track_sides`.
@@ -19,7 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from sonar_tracking.evaluation.claimed_uncertainty import claimed
 from sonar_tracking.evaluation.identity_score import (
     IdentityScore,
     ScoredPeriod,
@@ -47,9 +44,6 @@ ORDER = 2.0
 STATES = 4
 """Dimension of a state: x, y, vx, vy."""
 
-_CLAIMED = 0.999
-"""Cut-offs that a target costs which a track holds by its ellipse alone: nearer ones go first."""
-
 
 @dataclass(frozen=True)
 class PositionScore:
@@ -64,7 +58,7 @@ class PositionScore:
     period : float
         Between track lists (median), s.
     cutoff_m : float
-        Distance from which on a track is none of a target outside its ellipse, m.
+        Distance from which on a track is none of a target, m.
     rmse_m, median_error_m : float
         Distance of all assigned pairs, m.
     velocity_rmse_m_per_s : float
@@ -189,19 +183,18 @@ def _scored(
     error = entry.state[sided.rows] - reference.state[:, None, :]
     apart = np.linalg.norm(error[..., :2], axis=-1)
     assignment = assign(apart, cutoff_m, ORDER)
-    own = claimed(error[..., :2], entry.covariance[sided.rows, :2, :2], cutoff_m)
-    reach = np.where(own, np.minimum(apart, _CLAIMED * cutoff_m), apart)
-    held = assign(reach, cutoff_m, ORDER)
-    pairs = held.truths, held.estimates
+    pairs = assignment.truths, assignment.estimates
     speed_error = np.linalg.norm(error[pairs][:, 2:], axis=-1)
     return _Period(
-        scored=scored_period(entry.stamp, reference.id, sided.id, held, reach < cutoff_m),
+        scored=scored_period(entry.stamp, reference.id, sided.id, assignment, apart < cutoff_m),
         ospa=ospa(assignment, cutoff_m, ORDER),
         gospa=gospa(assignment, cutoff_m, ORDER),
         distance=apart[pairs],
         speed_error=speed_error[np.isfinite(speed_error)],
         nearest=np.min(apart, axis=1) if apart.shape[1] else np.empty(0),
-        nees=normalised_square_error(error[pairs], entry.covariance[sided.rows[held.estimates]]),
+        nees=normalised_square_error(
+            error[pairs], entry.covariance[sided.rows[assignment.estimates]]
+        ),
         two_sided=sided.other >= 0,
         wrong_side=wrong_sides(entry, sided, reference.state[:, :2]),
     )
