@@ -15,6 +15,7 @@ from sonar_tracking.passive.line_tracker_stage import (
 )
 from sonar_tracking.passive.records import END_OF_DATA, NANOSECONDS, BearingTracks, TrackStatus
 from sonar_tracking.passive.sample_records import ArraySamples
+from sonar_tracking.simulation.sample_propagation import plane_wave_emission_times
 from tests.passive.sample_scene import (
     EPOCH,
     POSITIONS,
@@ -151,6 +152,33 @@ def test_the_beam_follows_the_bearing_between_pictures() -> None:
         angles += [update.lines.arrival_angle for update in stage.update(block, pictures)]
         pictures = []
     assert np.degrees(np.concatenate(angles)) == pytest.approx([16.0, 18.0, 40.0, 39.0, 38.0, 37.0])
+
+
+def test_the_variance_of_a_beam_is_predicted_with_the_bearing() -> None:
+    """2 s after its picture: P11 + 2 t P12 + t^2 P22."""
+    stage = LineTrackerStage()
+    covariance = np.array([[[4e-6, 1e-6], [1e-6, 9e-6]]])
+    stream = blocks(element_samples([TARGET], 5.0))
+    updates = run(stream, replace(bearings([20.0]), covariance=covariance), stage)
+    heard = next(each.lines for each in updates if len(each.lines.frequency))
+    step = (heard.stamp - EPOCH) / NANOSECONDS
+    expected = 4e-6 + 2.0 * step * 1e-6 + step**2 * 9e-6
+    np.testing.assert_allclose(heard.arrival_angle_variance, expected)
+
+
+@pytest.mark.parametrize(("angles_deg", "owner"), [((50.0, 130.0), 2), ((130.0, 50.0), 1)])
+def test_an_array_that_is_no_line_tells_ahead_from_astern(
+    angles_deg: tuple[float, float], owner: int
+) -> None:
+    """A circle of elements, a tone from 130 degrees: its mirror image at 50 hears nothing."""
+    around = 2.0 * np.pi * np.arange(16) / 16
+    circle = 4.0 * np.stack([np.cos(around), np.sin(around), np.zeros(16)], axis=1)
+    times = np.arange(round(8.0 * RATE)) / RATE
+    emitted = plane_wave_emission_times(np.array(np.radians(130.0)), SOUND_SPEED, circle, times)
+    data = element_samples([], 8.0) + 10.0 * np.cos(2.0 * np.pi * 240.3 * emitted)
+    stream = [replace(each, element_positions=circle) for each in blocks(data)]
+    updates = run(stream, bearings(angles_deg))
+    assert all(owners(update) == [(owner, 240)] for update in updates[2:-1])
 
 
 def test_without_bearings_there_are_no_lines() -> None:
