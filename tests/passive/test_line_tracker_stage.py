@@ -136,8 +136,19 @@ def test_a_line_changes_its_owner_when_the_other_is_clearly_louder() -> None:
     assert {int(name) for update in updates for name in update.lines.line_id} == {1}
 
 
+def test_a_line_keeps_its_owner_while_the_other_is_hardly_louder() -> None:
+    """Between beams on 20 and 25 deg: 23.3 deg is nearer to the second, by less than 3 dB."""
+    samples = np.concatenate(
+        [element_samples([Tone(301.3, angle, 15.0)], 10.0) for angle in (20.5, 23.3, 26.5)]
+    )
+    updates = run(blocks(samples), bearings([20.0, 25.0]))
+    assert [owners(updates[index]) for index in (7, 17, 27)] == [[(1, 301)], [(1, 301)], [(2, 301)]]
+    alone = run(blocks(samples[10_000:20_000]), bearings([20.0, 25.0]))
+    assert owners(alone[-3]) == [(2, 301)]
+
+
 def test_lines_of_own_ship_are_left_out_and_do_no_harm() -> None:
-    tones = [Tone(150.2, 20.0, 40.0), Tone(220.6, 20.0, 10.0)]
+    tones = [Tone(150.4, 20.0, 40.0), Tone(220.6, 20.0, 10.0)]
     assert owners(listen(tones, [20.0])[-2]) == [(1, 150), (1, 221)]
     masked = listen(tones, [20.0], own_ship_frequencies=(150.0,), own_ship_tolerance=0.5)
     assert owners(masked[-2]) == [(1, 221)]

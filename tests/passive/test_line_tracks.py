@@ -94,3 +94,24 @@ def test_a_line_goes_on_under_its_name_when_only_another_beam_hears_it() -> None
     reports = follow(tracks, frames)
     assert {line for each in reports for line, _ in each} == {1}
     assert tracks.lines[0].track_id == 2
+
+
+def test_a_line_known_better_than_half_a_bin_may_still_move_by_that() -> None:
+    """Its source hunts: 0.2 Hz are seven deviations, and less than half a bin."""
+    frames = [[heard(100.0)]] * 20 + [[heard(100.2)]] * 5
+    names = {
+        name for each in follow(LineTracks(LineTrackerConfiguration()), frames) for name, _ in each
+    }
+    assert names == {1}
+
+
+def test_two_lines_nearer_than_their_errors_are_told_apart_by_their_beams() -> None:
+    frames = [[heard(100.0, 1), heard(100.05, 2)]] * 10 + [[heard(100.05, 1), heard(100.0, 2)]]
+    tracks = LineTracks(LineTrackerConfiguration())
+    assert follow(tracks, frames)[-1] == [(1, 100.05), (2, 100.0)]
+
+
+def test_an_old_line_goes_before_a_new_one() -> None:
+    """A peak of noise beside a line is forgotten, although it would fit a peak between better."""
+    frames = [[heard(100.0)]] * 10 + [[heard(100.0), heard(100.1)], [heard(100.06)]]
+    assert follow(LineTracks(LineTrackerConfiguration()), frames)[-1] == [(1, 100.06)]
