@@ -32,6 +32,10 @@ METHODS = ["coherent", "joint_map"]
 CAUSAL = SubspaceConfiguration(
     period=1.0, source_count=5, n_subspaces=1, update_snapshots=1, covariance_snapshots=200
 )
+DEFAULT_PROCESS_NOISE: dict[str, object] = {
+    "process_noise_deg2": 0.1,
+    "steady_process_noise_deg2": 0.001,
+}
 CENTRED = replace(CAUSAL, covariance_snapshots=199, covariance_alignment="centred")
 
 
@@ -103,6 +107,38 @@ def test_joint_tracker_is_consistent() -> None:
     filtered = covariances[..., 0, 0]
     nis = innovations**2 * (claimed - filtered) / claimed**2
     assert np.nanmean(nis) == pytest.approx(1.0, abs=0.25)
+
+
+@pytest.mark.parametrize("level_db", [-3.0, 0.0])
+def test_covariances_are_right_without_being_told_how_bearings_turn(level_db: float) -> None:
+    tracks = tracked(
+        estimated(crossing_data(15, level_db, 40.0, (10,)), CAUSAL),
+        given(**DEFAULT_PROCESS_NOISE, source_rank=5),
+    )
+    rates = np.stack([track.arrival_angle_rate for track in tracks[1:]], axis=-2)
+    degrees = errors_deg(tracks)
+    errors = np.stack([np.deg2rad(degrees), rates - crossing_rates(np.arange(1.0, 41.0))], axis=-1)
+    covariances = np.stack([track.covariance for track in tracks[1:]], axis=-4)
+    weighted = np.linalg.solve(covariances, errors[..., None])[..., 0]
+    # Half of the time two bearings are closer than the array resolves.
+    assert 0.8 < np.mean(np.sum(errors * weighted, axis=-1)) / 2.0 < 1.4
+    assert np.abs(degrees[..., -5:, :]).max() < 2.0
+    assert np.mean(degrees**2) < {-3.0: 0.1, 0.0: 0.065}[level_db]
+
+
+def test_fast_bearings_are_given_room_to_turn_unless_the_noise_is_told() -> None:
+    def grown(rate_deg: float, **changes: object) -> float:
+        mean = np.array([[0.0, np.deg2rad(rate_deg)]])
+        filters = JointFilters(given(**changes))
+        state = filters.predicted(filters.started(KalmanState(mean, np.zeros((1, 2, 2)))), 1.0)
+        return float(np.rad2deg(np.rad2deg(state.covariance[1, 1])))
+
+    default = DEFAULT_PROCESS_NOISE
+    assert grown(0.1, **default) == pytest.approx(0.001)
+    assert grown(2.0, **default) == pytest.approx(np.pi / 180.0)
+    assert grown(-2.0, **default) == pytest.approx(np.pi / 180.0)
+    assert grown(20.0, **default) == pytest.approx(0.1), "no more than in a turn"
+    assert grown(2.0) == grown(0.0) == pytest.approx(0.01)
 
 
 @pytest.mark.parametrize("method", METHODS)

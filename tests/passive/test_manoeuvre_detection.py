@@ -7,7 +7,12 @@ import pytest
 
 from sonar_tracking.filtering.constant_velocity import process_noise_matrix, transition_matrix
 from sonar_tracking.filtering.kalman import KalmanState, predict, update
-from sonar_tracking.passive.manoeuvre_detection import HIGHEST_LEVEL, Manoeuvres, steady
+from sonar_tracking.passive.manoeuvre_detection import (
+    HIGHEST_LEVEL,
+    Manoeuvres,
+    passing_process_noise,
+    steady,
+)
 from tests.passive.crossing_scene import FloatArray
 
 MATRIX = np.array([[1.0, 0.0]])
@@ -74,3 +79,20 @@ def test_new_targets_are_steady_and_rows_follow_their_targets() -> None:
     assert grown.level.tolist() == [2, 0, 0]
     assert grown.held.tolist() == [True, False, False]
     assert grown.kept(np.array([1, 0])).deviation.tolist() == [0.0, 3.0]
+
+
+def test_passing_needs_noise_like_the_cube_of_the_rate() -> None:
+    # 2 deg/s: 0.125 * 2^3 = 1 deg^3/s^3, one of the three degrees in radians: pi / 180 deg^2/s^3.
+    density = np.rad2deg(np.rad2deg(passing_process_noise(np.deg2rad([2.0, -2.0, 0.2, 0.0]))))
+    assert density == pytest.approx(np.pi / 180.0 * np.array([1.0, 1.0, 1e-3, 0.0]))
+
+
+def test_a_straight_course_at_any_scale_stays_within_that_noise() -> None:
+    # Up to 45 degrees from the closest point, the acceleration would change the rate in the time
+    # 1 / rate by no more than six standard deviations of the noise; over one where it turns most.
+    angle = np.linspace(-np.pi / 4.0, np.pi / 4.0, 201)
+    for fastest in (0.001, 0.05):
+        rate = fastest * np.cos(angle) ** 2
+        change = np.abs(2.0 * rate**2 * np.tan(angle)) / rate
+        deviation = np.sqrt(passing_process_noise(rate) / rate)
+        assert 1.0 < (change / deviation).max() < 6.0

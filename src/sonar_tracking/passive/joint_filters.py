@@ -2,9 +2,9 @@
 
 The state of n targets is [n angles, n rates]. A block measures the angles at its middle, half a
 block before the sample time when it ends there, at the sample time when it is centred on it. Each
-bearing has its level of process noise, from that of steady motion to the full one of a turn
-(:mod:`sonar_tracking.passive.manoeuvre_detection`). When a turn is found out the update is done
-again, with what the turn has added since it began.
+bearing has its level of process noise, from that of steady motion to the full one of a turn, and
+never less than passing at its rate takes (:mod:`sonar_tracking.passive.manoeuvre_detection`). When
+a turn is found out the update is done again, with what the turn has added since it began.
 """
 
 from __future__ import annotations
@@ -25,7 +25,13 @@ from sonar_tracking.passive.joint_bearing_filter import (
     joint_process_noise,
     joint_update,
 )
-from sonar_tracking.passive.manoeuvre_detection import HIGHEST_LEVEL, MEMORY, Manoeuvres, steady
+from sonar_tracking.passive.manoeuvre_detection import (
+    HIGHEST_LEVEL,
+    MEMORY,
+    Manoeuvres,
+    passing_process_noise,
+    steady,
+)
 from sonar_tracking.passive.records import SubspaceEstimates
 from sonar_tracking.passive.track_existence import unresolved
 from sonar_tracking.passive.weighted_subspace_fit import SubspaceFit, weighted_subspace_fit
@@ -103,10 +109,7 @@ class JointFilters:
 
     def predicted(self, filters: JointState, interval: float) -> JointState:
         """Return the filter after an interval in s."""
-        held = _HELD_SHARE * self.configuration.steady_process_noise_density
-        density = self._densities(filters.manoeuvres.level)
-        density = np.where(filters.manoeuvres.held, held, density)
-        state = joint_prediction(filters, interval, density)
+        state = joint_prediction(filters, interval, self._process_noise(filters))
         return replace(
             filters,
             mean=state.mean,
@@ -159,9 +162,7 @@ class JointFilters:
         self, before: JointState, after: KalmanState, estimates: SubspaceEstimates
     ) -> Manoeuvres:
         """Return which bearings turn, by the first update."""
-        if self.configuration.steady_process_noise_density >= (
-            self.configuration.process_noise_density
-        ):
+        if self._constant_process_noise:
             return before.manoeuvres
         targets = self.targets(before)
         age = -estimates.covariance_time_offset
@@ -179,6 +180,22 @@ class JointFilters:
         density = np.where(begun, self._densities(level), 0.0)
         added = joint_process_noise(begun.shape[-1], MEMORY, density)
         return replace(filters, covariance=filters.covariance + added)
+
+    def _process_noise(self, filters: JointState) -> FloatArray:
+        """Return the spectral density of each bearing's acceleration, rad^2/s^3."""
+        density = self._densities(filters.manoeuvres.level)
+        if self._constant_process_noise:
+            return density
+        held = _HELD_SHARE * self.configuration.steady_process_noise_density
+        density = np.where(filters.manoeuvres.held, held, density)
+        rates = self.targets(filters).mean[..., 1]
+        passing = np.minimum(passing_process_noise(rates), self.configuration.process_noise_density)
+        return np.maximum(density, passing)
+
+    @property
+    def _constant_process_noise(self) -> bool:
+        configuration = self.configuration
+        return configuration.steady_process_noise_density >= configuration.process_noise_density
 
     def _densities(self, level: NDArray[np.int_]) -> FloatArray:
         """Return the spectral densities of levels of process noise, rad^2/s^3."""
