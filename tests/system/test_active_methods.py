@@ -21,7 +21,7 @@ from tests.system.command_line import digests, report_of, run_command
 
 TRACKS = "/active/tracks"
 PINGS = 25
-VARIANTS = {
+VARIANTS: dict[str, dict[str, str | float]] = {
     "hpda_kalman": {"method": "hpda_kalman"},
     "hpda_particle": {"method": "hpda_particle", "n_particles": 300},
     "roi_clustering": {"method": "roi_clustering", "n_particles": 300},
@@ -49,7 +49,7 @@ def test_graph_and_offline_chain_give_the_same_bits(
     variant: str, recorded: tuple[Path, Scenario], tmp_path: Path
 ) -> None:
     bag, scenario = recorded
-    parameters = {**scenario.nodes["hpda_tracker"], **VARIANTS[variant]}
+    parameters = dict(scenario.nodes["hpda_tracker"]) | VARIANTS[variant]
     overrides, again = tmp_path / "parameters.yaml", tmp_path / "again"
     overrides.write_text(yaml.safe_dump({"hpda_tracker": parameters}))
     done = run_command(
@@ -74,7 +74,7 @@ def test_a_replay_with_other_parameters_replays_identically(
     recorded: tuple[Path, Scenario], tmp_path: Path
 ) -> None:
     bag, scenario = recorded
-    parameters = {**scenario.nodes["hpda_tracker"], **VARIANTS["hpda_kalman, closed form"]}
+    parameters = dict(scenario.nodes["hpda_tracker"]) | VARIANTS["hpda_kalman, closed form"]
     overrides, again = tmp_path / "parameters.yaml", tmp_path / "again"
     overrides.write_text(yaml.safe_dump({"hpda_tracker": parameters}))
     run_command(
