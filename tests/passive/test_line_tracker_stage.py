@@ -114,9 +114,10 @@ def test_a_line_in_the_sidelobes_of_another_beam_stays_with_its_target() -> None
 
 
 def test_a_line_of_nobody_is_given_to_nobody() -> None:
-    """A strong source without a track is heard in the sidelobes of every tracked beam."""
-    updates = listen([Tone(301.3, 70.0, 22.0)], [-40.0, 20.0])
-    assert all(owners(update) == [] for update in updates)
+    """A strong source without a track is heard in the sidelobes and flanks of tracked beams."""
+    for angle in (70.0, 26.5):  # the second 6 dB down in the beam on 20 deg
+        updates = listen([Tone(301.3, angle, 22.0)], [-40.0, 20.0])
+        assert all(owners(update) == [] for update in updates)
 
 
 def test_in_beams_that_overlap_the_stronger_gets_the_line_and_keeps_it() -> None:

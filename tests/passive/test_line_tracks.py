@@ -97,8 +97,8 @@ def test_a_line_goes_on_under_its_name_when_only_another_beam_hears_it() -> None
 
 
 def test_a_line_known_better_than_half_a_bin_may_still_move_by_that() -> None:
-    """Its source hunts: 0.2 Hz are seven deviations, and less than half a bin."""
-    frames = [[heard(100.0)]] * 20 + [[heard(100.2)]] * 5
+    """Its source hunts: 0.24 Hz are eight deviations, and less than half a bin."""
+    frames = [[heard(100.0)]] * 20 + [[heard(100.24)]] * 5
     names = {
         name for each in follow(LineTracks(LineTrackerConfiguration()), frames) for name, _ in each
     }
