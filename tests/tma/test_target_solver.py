@@ -171,3 +171,14 @@ def test_turning_the_scene_turns_both_sides_and_all_that_is_said_of_them(angle_d
             assert other.probability == pytest.approx(one.probability, rel=1e-6)
             assert other.observability == pytest.approx(one.observability, rel=1e-6, abs=1e-9)
     assert len(solutions) == 1
+
+
+def test_mirror_images_are_equally_observable() -> None:
+    """Own ship straight on: nothing tells the sides apart; each goes back to its own azimuth."""
+    solver = TargetSolver()
+    runs = one_run(scene_of_legs(STRAIGHT, 0.05))
+    for seen in islice(target_observations(runs, 0, array=True), 150):
+        left, right = solver.update(seen)
+    assert 0.1 < left.observability < 0.99
+    assert right.observability == pytest.approx(left.observability, rel=1e-6)
+    np.testing.assert_allclose(right.mean * [1.0, -1.0, 1.0, -1.0], left.mean, rtol=1e-6)
