@@ -1,5 +1,6 @@
 """Protects: stated behaviour of the trackers of contacts on bad and missing input."""
 
+import tracemalloc
 from dataclasses import replace
 from typing import Any
 
@@ -40,7 +41,7 @@ def test_duplicates_and_pings_out_of_order_are_refused(method: str) -> None:
         with pytest.raises(InputError, match="not later"):
             tracker.update(ping(number, generator))
     after = tracker.update(ping(10, generator))
-    assert set(before.tracks.id[confirmed(before)]) <= set(after.tracks.id) or method == "smc_phd"
+    assert set(before.tracks.id[confirmed(before)]) <= set(after.tracks.id)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -117,21 +118,48 @@ def test_unknown_clutter_is_counted(method: str) -> None:
     assert len(confirmed(update)) == 1
 
 
-def test_ten_thousand_contacts_leave_memory_bounded() -> None:
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("claimed", [5.0, 10_000.0])
+def test_ten_thousand_contacts_leave_memory_bounded(method: str, claimed: float) -> None:
+    """Whether the detector admits them or not; afterwards it goes on as before."""
     generator = np.random.default_rng(12)
-    tracker = start("integrated", maximum_tracks=5000)
-    for number in range(3):
-        update = tracker.update(ping(number, generator, clutter=10_000))
-    assert len(update.tracks.id) <= 5000
+    tracker = start(method, maximum_tracks=15_000, n_particles=100)
+    tracemalloc.start()
+    try:
+        for number in range(3):
+            crowd = ping(number, generator, clutter=10_000)
+            update = tracker.update(replace(crowd, clutter_density=claimed / (np.pi * 1e8)))
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 400e6
+    assert update.target_count <= 15_000.0
+    for number in range(4, 16):
+        update = tracker.update(ping(number, generator))
+    assert np.all(np.isfinite(update.tracks.state))
 
 
-def test_a_sensor_that_jumps_loses_no_track_list() -> None:
+@pytest.mark.parametrize("method", ["roi_clustering", "smc_phd"])
+def test_more_targets_than_particles_are_kept_for_are_said(method: str) -> None:
+    generator = np.random.default_rng(28)
+    tracker = start(method, maximum_tracks=10, n_particles=50)
+    texts: list[str] = []
+    for number in range(5):
+        crowd = replace(ping(number, generator, clutter=5000), clutter_density=1e-9)
+        texts += [notice.text for notice in tracker.update(crowd).notices]
+    assert any("as many as clouds" in text or "told apart" in text for text in texts)
+
+
+@pytest.mark.parametrize("maximum_range", [np.nan, 10_000.0])
+@pytest.mark.parametrize("method", WITH_EXISTENCE)
+def test_a_sensor_that_jumps_loses_no_track_list(method: str, maximum_range: float) -> None:
+    """Not even if all targets are out of range from where it says it is."""
     generator = np.random.default_rng(13)
-    tracker = start("integrated")
+    tracker = start(method)
     for number in range(15):
         update = tracker.update(ping(number, generator))
     known = set(update.tracks.id[confirmed(update)].tolist())
-    jumped = replace(ping(15, generator), sensor_position=(50_000.0, 0.0), maximum_range=np.nan)
+    jumped = replace(ping(15, generator), sensor_position=(5e4, 0.0), maximum_range=maximum_range)
     update = tracker.update(jumped)
     assert known <= set(update.tracks.id.tolist())
     for number in range(16, 20):

@@ -243,6 +243,25 @@ def test_ten_thousand_contacts_are_survived(tracker: Tracker) -> None:
     assert tracker.target(-1)[0] == tracker.target(SETTLED - 1)[0]
 
 
+def test_a_clutter_density_of_zero_is_said_and_survived(tracker: Tracker) -> None:
+    start = tracker.new_run()
+    tracker.send(*(replace(ping(start, n), clutter_density=0.0) for n in range(SETTLED + 1)))
+    tracker.assert_pictures(start, range(SETTLED + 1))
+    tracker.probe.wait_sentence(f"{NODE}: clutter_density", "clutter density is zero")
+
+
+def test_a_sensor_that_jumps_is_said_and_loses_no_track(tracker: Tracker) -> None:
+    start = tracker.new_run()
+    tracker.send(*(ping(start, number) for number in range(SETTLED)))
+    tracker.send(replace(ping(start, SETTLED), sensor_position=(50_000.0, 9_000.0)))
+    tracker.send(*(ping(start, SETTLED + number) for number in (1, 2)))
+    tracker.assert_pictures(start, range(SETTLED + 3))
+    identifier, _ = tracker.target(SETTLED - 1)
+    assert identifier in tracker.outputs[SETTLED].id
+    assert tracker.target(-1) == (identifier, TrackStatus.CONFIRMED)
+    tracker.probe.wait_sentence(f"{NODE}: sensor_position", "from where its motion takes it")
+
+
 def test_silence_ends_the_track_once(tracker: Tracker) -> None:
     start = tracker.new_run()
     tracker.send(*(ping(start, number) for number in range(SETTLED)))

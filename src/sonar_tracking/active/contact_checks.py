@@ -133,15 +133,29 @@ def _with_regular_deviations(contacts: Contacts) -> Contacts:
     return replace(contacts, **changed) if changed else contacts
 
 
-def _jump_notices(contacts: Contacts, last: PingOrigin | None) -> tuple[Notice, ...]:
-    """Say that the sensor is not where its motion takes it; its contacts are still used."""
+def sensor_jump(contacts: Contacts, last: PingOrigin | None) -> float:
+    """Return how far the sensor is from where its motion takes it, m; 0 = it may be there.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        The ping.
+    last : PingOrigin or None
+        The ping before; None at the first.
+    """
     if last is None:
-        return ()
+        return 0.0
     interval = last.interval(contacts.stamp)
     motion = zip(last.position, last.velocity, contacts.sensor_velocity, strict=True)
     expected = [position + 0.5 * interval * (before + now) for position, before, now in motion]
     jump = math.dist(contacts.sensor_position, expected)
-    if jump <= LARGEST_JUMP + 0.5 * LARGEST_ACCELERATION * interval**2:
+    return jump if jump > LARGEST_JUMP + 0.5 * LARGEST_ACCELERATION * interval**2 else 0.0
+
+
+def _jump_notices(contacts: Contacts, last: PingOrigin | None) -> tuple[Notice, ...]:
+    """Say that the sensor is not where its motion takes it; its contacts are still used."""
+    jump = sensor_jump(contacts, last)
+    if jump == 0.0:
         return ()
     text = (
         f"The sensor is {jump:.0f} m from where its motion takes it; contacts are placed from its "

@@ -27,6 +27,7 @@ from sonar_tracking.active.contact_checks import (
     check_order,
     check_ping,
     origin_of,
+    sensor_jump,
 )
 from sonar_tracking.active.contact_gating import (
     GatePairs,
@@ -85,6 +86,8 @@ class _Ping:
     amplitudes: FloatArray
     model: DetectionModel
     sensor: SensorGeometry
+    reach: float
+    """Beyond which a track is out of range, m."""
 
 
 class MultiTargetTracker:
@@ -208,6 +211,8 @@ class MultiTargetTracker:
             amplitudes=contacts.amplitude if measured else np.full(len(contacts.range), np.nan),
             model=model,
             sensor=sensor_geometry(contacts, sound_speed),
+            # A sensor that has jumped may be back at the next ping: no track ends for its place.
+            reach=np.inf if sensor_jump(contacts, self._last) else model.maximum_range,
         )
 
     def _predicted(self, stamp: int) -> TrackBank:
@@ -263,10 +268,8 @@ class MultiTargetTracker:
         mean, _ = bank.moments()
         separation = mean[:, :2] - ping.sensor.position
         distance = np.hypot(separation[:, 0], separation[:, 1])
-        model = ping.model
-        alive = surviving(
-            bank, distance, model.maximum_range, model.detection_probability, self._configuration
-        )
+        detection = ping.model.detection_probability
+        alive = surviving(bank, distance, ping.reach, detection, self._configuration)
         alive &= ~duplicates(bank, pairs, association.weights)
         return ListedTracks(bank, alive, self._was_shown(bank), detected)
 

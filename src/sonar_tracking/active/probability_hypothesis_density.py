@@ -39,12 +39,19 @@ from sonar_tracking.active.peak_tracks import follow_peaks, no_peak_tracks, pred
 from sonar_tracking.active.records import Contacts, ContactTrackerUpdate
 from sonar_tracking.active.state_extraction import extract_states
 from sonar_tracking.active.track_list import shown_tracks, thresholds_without_gates
+from sonar_tracking.errors import Notice, Severity
 
 FloatArray = NDArray[np.float64]
 
 SURVIVAL_PROBABILITY = 0.99
 BIRTH_MASS = 0.2
 BIRTH_PARTICLES = 500
+LARGEST_NUMBER = 50
+"""Of targets that are told apart; bounds particles and peaks whatever the contacts."""
+
+PAIRS_AT_ONCE = 3_000_000
+"""Of particles and contacts; bounds the memory."""
+
 TURNS_COVERED_BY = 0.01
 """White acceleration with which the gates of peaks are predicted, m/s^2."""
 
@@ -105,7 +112,7 @@ class DensityTracker:
             tracks=shown_tracks(self._tracks.listed(), contacts.stamp, contacts.next_stamp),
             target_count=mass,
             thresholds=thresholds_without_gates(contacts.stamp, contacts.next_stamp, model),
-            notices=(*notices, *guessed),
+            notices=(*notices, *guessed, *_crowd_notices(mass)),
         )
 
     def coast(self, stamp: int, next_stamp: int) -> ContactTrackerUpdate:
@@ -176,14 +183,18 @@ class DensityTracker:
         sensor: SensorGeometry,
         model: DetectionModel,
     ) -> ParticleCloud:
-        density = particle_densities(cloud.state, placed, sensor)
-        detected = model.detection_probability * density
-        total = model.clutter_density(placed.distance) + cloud.weight @ detected
-        factor = 1.0 - model.detection_probability + detected @ (1.0 / total)
+        clutter = model.clutter_density(placed.distance)
+        factor = np.full(len(cloud.weight), 1.0 - model.detection_probability)
+        at_once = max(1, PAIRS_AT_ONCE // len(cloud.weight))
+        for first in range(0, len(clutter), at_once):
+            columns = np.arange(first, min(first + at_once, len(clutter)))
+            density = particle_densities(cloud.state, placed.selected(columns), sensor)
+            detected = model.detection_probability * density
+            factor += detected @ (1.0 / (clutter[columns] + cloud.weight @ detected))
         return ParticleCloud(cloud.state, cloud.mode, cloud.weight * factor)
 
     def _resampled(self, cloud: ParticleCloud, mass: float) -> ParticleCloud:
-        count = self._configuration.n_particles * max(1, round(mass))
+        count = self._configuration.n_particles * max(1, _told_apart(mass))
         rows = systematic_rows(cloud.weight, count, self._generator)
         noise = ROUGHENING * self._generator.standard_normal((count, 4))
         return ParticleCloud(
@@ -192,7 +203,21 @@ class DensityTracker:
 
     def _followed(self, cloud: ParticleCloud, mass: float, interval: float, stamp: int) -> None:
         """Find the peaks of a ping and go on with the tracks of those before."""
-        peaks = extract_states(cloud, round(mass), self._generator)
+        peaks = extract_states(cloud, _told_apart(mass), self._generator)
         before = predict_peaks(self._tracks, interval, TURNS_COVERED_BY)
         self._tracks = follow_peaks(before, peaks, cloud, stamp, self._next_id)
         self._next_id += int(np.count_nonzero(self._tracks.id >= self._next_id))
+
+
+def _told_apart(mass: float) -> int:
+    return min(round(mass), LARGEST_NUMBER)
+
+
+def _crowd_notices(mass: float) -> tuple[Notice, ...]:
+    if round(mass) <= LARGEST_NUMBER:
+        return ()
+    text = (
+        f"The density holds {mass:.0f} targets; {LARGEST_NUMBER} of them are told apart. Check the "
+        "claimed clutter and the detector's threshold."
+    )
+    return (Notice(Severity.WARN, "target_count", text),)

@@ -48,12 +48,16 @@ from sonar_tracking.active.particle_cloud import (
 from sonar_tracking.active.records import Contacts, ContactTrackerUpdate
 from sonar_tracking.active.regions_of_interest import WINDOW, PolarContacts, find_regions
 from sonar_tracking.active.track_list import TrackRows, shown_tracks, thresholds_without_gates
+from sonar_tracking.errors import Notice, Severity
 from sonar_tracking.passive.records import TrackStatus
 
 FloatArray = NDArray[np.float64]
 
 BIRTH_COUNT = 2
 DEATH_COUNT = 2
+
+LARGEST_NUMBER_OF_CLOUDS = 500
+"""Tracks, each with its particles: bounds memory and time whatever the clutter."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +92,8 @@ class RegionTracker:
         self._generator = np.random.default_rng(configuration.seed)
         self._tracks: list[_RegionTrack] = []
         self._window: list[PolarContacts] = []
-        self._pending: list[tuple[FloatArray, int]] = []
+        self._most_tracks = min(configuration.maximum_tracks, LARGEST_NUMBER_OF_CLOUDS)
+        self._pending = np.zeros((0, 2)), np.zeros(0, dtype=np.int64)
         self._next_id = configuration.first_id
         self._last: PingOrigin | None = None
 
@@ -129,7 +134,7 @@ class RegionTracker:
             tracks=shown_tracks(self._listed(ended), contacts.stamp, contacts.next_stamp),
             target_count=float(len(self._tracks)),
             thresholds=thresholds_without_gates(contacts.stamp, contacts.next_stamp, model),
-            notices=(*notices, *guessed),
+            notices=(*notices, *guessed, *self._notices()),
         )
 
     def coast(self, stamp: int, next_stamp: int) -> ContactTrackerUpdate:
@@ -150,6 +155,15 @@ class RegionTracker:
             target_count=float(len(self._tracks)),
             thresholds=thresholds_without_gates(stamp, next_stamp),
         )
+
+    def _notices(self) -> tuple[Notice, ...]:
+        if len(self._tracks) < self._most_tracks:
+            return ()
+        text = (
+            f"There are {len(self._tracks)} tracks, as many as clouds of particles are kept for; "
+            "no others are started. Raise the detector's threshold, or use the method integrated."
+        )
+        return (Notice(Severity.WARN, "maximum_tracks", text),)
 
     def _predict(self, stamp: int) -> None:
         interval = 0.0 if self._last is None else self._last.interval(stamp)
@@ -213,23 +227,23 @@ class RegionTracker:
     def _start(self, regions: FloatArray, sensor: SensorGeometry, stamp: int) -> None:
         """Count free regions from ping to ping and start tracks of those that last."""
         deviation = sensor.range_standard_deviation
-        single: list[FloatArray] = []
+        single = np.empty_like(regions)
+        n_single = 0
         for region in regions:
-            if all(np.hypot(*(region - other)) >= 3.0 * deviation for other in single):
-                single.append(region)
-        pending = []
-        for region in single:
-            before = [
-                count
-                for other, count in self._pending
-                if np.hypot(*(region - other)) < 3.0 * np.sqrt(2.0) * deviation
-            ]
-            count = max(before, default=0) + 1
+            if np.all(_distances(single[:n_single], region) >= 3.0 * deviation):
+                single[n_single] = region
+                n_single += 1
+        before, counts = self._pending
+        positions, numbers = [], []
+        for region in single[:n_single]:
+            near = _distances(before, region) < 3.0 * np.sqrt(2.0) * deviation
+            count = int(np.max(counts[near], initial=0)) + 1
             if count < BIRTH_COUNT:
-                pending.append((region, count))
-                continue
-            self._tracks.append(self._born(region, sensor, stamp))
-        self._pending = pending
+                positions.append(region)
+                numbers.append(count)
+            elif len(self._tracks) < self._most_tracks:
+                self._tracks.append(self._born(region, sensor, stamp))
+        self._pending = (np.array(positions).reshape(-1, 2), np.array(numbers, dtype=np.int64))
 
     def _born(self, region: FloatArray, sensor: SensorGeometry, stamp: int) -> _RegionTrack:
         covariance = np.zeros((4, 4))
@@ -257,6 +271,11 @@ class RegionTracker:
             initiated=np.array([track.initiated for track in tracks], dtype=np.int64),
             updated=np.array([track.updated for track in tracks], dtype=np.int64),
         )
+
+
+def _distances(positions: FloatArray, region: FloatArray) -> FloatArray:
+    separation = region - positions
+    return np.hypot(separation[:, 0], separation[:, 1])
 
 
 def _region_covariances(regions: FloatArray, sensor: SensorGeometry) -> FloatArray:

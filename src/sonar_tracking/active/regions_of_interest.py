@@ -101,13 +101,21 @@ def _near_contacts(
     limit: float,
 ) -> list[list[int]]:
     """Return the contacts of another ping within the limit of each contact, the nearest first."""
-    near: list[list[int]] = []
-    for first in range(0, len(contacts.distance), CONTACTS_AT_ONCE):
-        rows = slice(first, first + CONTACTS_AT_ONCE)
-        along = (others.distance - contacts.distance[rows, None]) / deviations[0]
-        across = wrap_angle(others.azimuth - contacts.azimuth[rows, None]) / deviations[1]
+    near: list[list[int]] = [[] for _ in contacts.distance]
+    order = np.argsort(contacts.distance, kind="stable")
+    others_order = np.argsort(others.distance, kind="stable")
+    distances = others.distance[others_order]
+    reach = 1.001 * np.sqrt(2.0 * limit) * deviations[0]
+    for first in range(0, len(order), CONTACTS_AT_ONCE):
+        rows = order[first : first + CONTACTS_AT_ONCE]
+        low = np.searchsorted(distances, contacts.distance[rows[0]] - reach)
+        high = np.searchsorted(distances, contacts.distance[rows[-1]] + reach)
+        columns = np.sort(others_order[low:high])
+        along = (others.distance[columns] - contacts.distance[rows, None]) / deviations[0]
+        across = wrap_angle(others.azimuth[columns] - contacts.azimuth[rows, None]) / deviations[1]
         square = 0.5 * (along**2 + across**2)
-        for row in square:
-            inside = np.flatnonzero(row < limit)
-            near.append(inside[np.argsort(row[inside], kind="stable")].tolist())
+        for row, values in zip(rows, square, strict=True):
+            inside = np.flatnonzero(values < limit)
+            inside = inside[np.argsort(values[inside], kind="stable")]
+            near[row] = columns[inside].tolist()
     return near
