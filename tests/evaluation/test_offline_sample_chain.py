@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -29,9 +31,9 @@ def run(scenario: Scenario) -> OfflineSampleRun:
     return run_offline_sample_chain(scenario)
 
 
-def received_frequencies(scenario: Scenario, time: float) -> np.ndarray:
-    """Return the frequencies of the target's lines at the array, by the rate of emission times."""
-    target, receiver = scenario.targets[0], scenario.receiver()
+def received_frequencies(scenario: Scenario, time: float, number: int = 0) -> np.ndarray:
+    """Return the frequencies of a target's lines at the array, by the rate of emission times."""
+    target, receiver = scenario.targets[number], scenario.receiver()
     assert isinstance(target.motion, KinematicMotion)
     times = time + np.array([-0.01, 0.01])
     places = receiver.trajectory.state(times).position
@@ -97,3 +99,30 @@ def test_every_frame_has_a_list_and_the_end_is_passed_on(run: OfflineSampleRun) 
     assert {line.next_stamp - line.stamp for line in run.lines[:-1]} == {1_000_000_000}
     assert run.lines[-1].next_stamp == END_OF_DATA
     assert run.bearings[-1].next_stamp == END_OF_DATA
+
+
+def test_two_targets_get_their_own_lines(scenario: Scenario) -> None:
+    """50 degrees apart, their tonals 1.5 Hz apart in the band that both bearings come from."""
+    freighter = scenario.targets[0]
+    assert isinstance(freighter.motion, KinematicMotion)
+    ferry = replace(
+        freighter,
+        name="ferry",
+        lines=tuple(
+            replace(freighter.lines[0], frequency=frequency) for frequency in (215.0, 301.5, 340.0)
+        ),
+        motion=replace(freighter.motion, position=(3500.0, -500.0), course_deg=340.0, speed=4.0),
+    )
+    scene = replace(scenario, targets=(freighter, ferry), duration=90.0)
+    both = run_offline_sample_chain(scene)
+    last = both.bearings[-1]
+    first, second = last.id[np.argsort(last.arrival_angle)]  # the freighter is farther aft
+    heard = 0
+    for lines in both.lines[-40:-1]:
+        time = (lines.stamp - scene.epoch) / 1e9
+        for number, track in enumerate((first, second)):
+            own = lines.frequency[lines.track_id == track]
+            error = own[:, None] - received_frequencies(scene, time, number)
+            assert (np.min(np.abs(error), axis=1) < 0.5).all()
+            heard += len(own)
+    assert heard > 0.8 * 6 * 39
