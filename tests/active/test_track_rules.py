@@ -212,7 +212,9 @@ def test_strong_contacts_start_likelier_candidates_and_weak_ones_none() -> None:
     )
     tracker.update(scene)
     assert tracker.next_id == 3  # 4.0 lies below the threshold of the search, 4.6
-    later = replace(scene, stamp=scene.stamp + 10**10)
-    existence = tracker.update(later).tracks.existence_probability
+    nothing = np.zeros(0)
+    silence = replace(scene, range=nothing, azimuth=nothing, amplitude=nothing)
+    tracks = tracker.update(replace(silence, stamp=scene.stamp + 10**10)).tracks
+    existence = tracks.existence_probability
     assert len(existence) == 2
     assert existence[1] > 2.0 * existence[0]
