@@ -239,6 +239,26 @@ def test_after_a_reset_names_go_on() -> None:
     assert second[5].lines.line_id[0] > 5
 
 
+@pytest.mark.parametrize("gain", [0.0, 1e-3, 300.0])
+def test_a_bad_element_is_named_once_and_costs_no_line(gain: float) -> None:
+    """Element 5 fails after 10 s and comes back after 20 s; 50 dB of noise would hide the line."""
+    data = element_samples([TARGET], 30.0)
+    data[10_000:20_000, 5] = gain * element_samples([], 10.0, seed=3)[:, 0]
+    updates = run(blocks(data), bearings([20.0]))
+    assert all(owners(update) == [(1, 301)] for update in updates[2:-1])
+    notices = [notice.text for update in updates for notice in update.notices]
+    assert len(notices) == 1 and "Element 5 is silent, or far louder" in notices[0]
+
+
+def test_when_most_elements_are_bad_all_are_used() -> None:
+    data = element_samples([TARGET], 12.0)
+    data[:, :5] *= 1e-4
+    data[:, 11:] *= 1e4
+    updates = run(blocks(data), bearings([20.0]))
+    assert not any(update.notices for update in updates)
+    assert updates[5].rows is not None and np.isfinite(updates[5].rows.level_db).all()
+
+
 def test_an_array_that_aliases_at_high_frequencies_is_told() -> None:
     stream = [
         replace(each, element_positions=2.0 * POSITIONS) for each in blocks(np.ones((9000, 16)))

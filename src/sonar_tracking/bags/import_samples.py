@@ -215,6 +215,7 @@ class _Blocks:
         if not self._wav.is_float:
             return
         self._kept = []
+        spans: list[tuple[str, float, float]] = []
         for index in range(len(self._edges) - 1):
             bad = ~np.isfinite(self._data(index)).all(axis=0)
             if not bad.any():
@@ -222,10 +223,14 @@ class _Blocks:
                 continue
             channels = ", ".join(str(self._columns[each] + 1) for each in np.flatnonzero(bad))
             first, last = (edge / self._wav.sample_rate for edge in self._edges[index : index + 2])
-            notes.append(
-                f"{self._wav.path} has samples that are not numbers on channel {channels}; "
-                f"{first:.3f} s to {last:.3f} s were left out."
-            )
+            if spans and spans[-1][0] == channels and spans[-1][2] == first:
+                first = spans.pop()[1]
+            spans.append((channels, first, last))
+        notes.extend(
+            f"{self._wav.path} has samples that are not numbers on channel {channels}; "
+            f"{first:.3f} s to {last:.3f} s were left out."
+            for channels, first, last in spans
+        )
         if not self._kept:
             raise ConfigurationError(notes[-1])
 

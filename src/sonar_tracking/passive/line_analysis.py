@@ -20,6 +20,7 @@ from sonar_tracking.passive.line_tracks import HeardLine
 from sonar_tracking.passive.sample_frames import SampleFrame
 from sonar_tracking.passive.sample_records import ArraySamples
 from sonar_tracking.passive.spectral_peaks import find_peaks
+from sonar_tracking.passive.usable_elements import BoolArray
 
 FloatArray = NDArray[np.float64]
 
@@ -79,13 +80,17 @@ class LineAnalysis:
         """Return the spectra of the elements, shape (n_bins, n_elements)."""
         return element_spectra(frame, self.first_bin, self.last_bin)
 
-    def beam_powers(self, spectra: ComplexArray, angles: FloatArray) -> FloatArray:
+    def beam_powers(self, spectra: ComplexArray, used: BoolArray, angles: FloatArray) -> FloatArray:
         """Return the power spectra of beams on arrival angles (rad), shape (n_beams, n_bins)."""
-        return beam_powers(spectra, self._frequencies, self._positions, self._sound_speed, angles)
+        positions = self._positions[used]
+        return beam_powers(
+            spectra[:, used], self._frequencies, positions, self._sound_speed, angles
+        )
 
     def heard(
         self,
         spectra: ComplexArray,
+        used: BoolArray,
         power: FloatArray,
         normalised: FloatArray,
         track_ids: NDArray[np.uint64],
@@ -100,7 +105,7 @@ class LineAnalysis:
                 level = float(power[beam, peak])
                 if not self.inside[peak] or self._is_own_ship(float(frequency[index])):
                     continue
-                if level * margin < self._strongest_power(spectra, int(peak)):
+                if level * margin < self._strongest_power(spectra, used, int(peak)):
                     continue
                 line = HeardLine(
                     track_id=int(track_id),
@@ -125,9 +130,10 @@ class LineAnalysis:
             frame_id=frame.sensor.frame_id,
         )
 
-    def _strongest_power(self, spectra: ComplexArray, peak: int) -> float:
+    def _strongest_power(self, spectra: ComplexArray, used: BoolArray, peak: int) -> float:
+        positions = self._positions[used]
         return strongest_power(
-            spectra[peak], self._frequencies[peak], self._positions, self._sound_speed
+            spectra[peak, used], self._frequencies[peak], positions, self._sound_speed
         )
 
     def _is_own_ship(self, frequency: float) -> bool:

@@ -9,7 +9,7 @@ Whose line is it? Sidelobes let a strong tone into every beam, so that a peak is
 direction hears its frequency stronger than its beam does by ``ownership_margin_db``. Of the beams
 that remain (neighbours that overlap) the strongest gets the line, or the one that had it before
 unless it is weaker by that margin. Peaks less than two bins apart are one line. Lines of own ship
-are left out by their frequencies.
+are left out by their frequencies, silent and faulty elements by their power.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ from sonar_tracking.passive.line_tracks import HeardLine, LineTrack, LineTracks
 from sonar_tracking.passive.records import NANOSECONDS, BearingTracks, TrackStatus
 from sonar_tracking.passive.sample_frames import SampleFrame, SampleFramer
 from sonar_tracking.passive.sample_records import ArraySamples
+from sonar_tracking.passive.usable_elements import BoolArray, element_notices, usable_elements
 
 RESOLUTION_BINS = 2.0
 """Peaks closer than this, in whatever beams, are one line."""
@@ -85,6 +86,7 @@ class LineTrackerStage:
         self._pictures: tuple[BearingTracks, ...] = ()
         self.analysis: LineAnalysis | None = None
         self._notices: tuple[Notice, ...] = ()
+        self._used: BoolArray | None = None
         self._lines.clear()
 
     def update(
@@ -125,9 +127,13 @@ class LineTrackerStage:
         if frame.samples is None:
             return LineUpdate(_reported(frame, beams, (), analysis.frame_length), None, notices)
         spectra = analysis.spectra(frame.samples)
-        power = analysis.beam_powers(spectra, beams.arrival_angle)
+        used = usable_elements(spectra)
+        notices += element_notices(used, np.ones_like(used) if self._used is None else self._used)
+        self._used = used
+        power = analysis.beam_powers(spectra, used, beams.arrival_angle)
         normalised = analysis.normaliser.normalise(power)
-        heard = self._owned(analysis.heard(spectra, power, normalised, beams.track_id), analysis)
+        peaks = analysis.heard(spectra, used, power, normalised, beams.track_id)
+        heard = self._owned(peaks, analysis)
         confirmed = self._lines.update(frame.stamp, heard, analysis.bin_width)
         return LineUpdate(
             lines=_reported(frame, beams, confirmed, analysis.frame_length),
