@@ -63,7 +63,7 @@ class PeerParameters:
 
 def stone_soup_positions(
     pings: Sequence[Contacts], parameters: PeerParameters, gated: bool
-) -> tuple[list[FloatArray], float]:
+) -> tuple[list[FloatArray], FloatArray]:
     """Track contacts with Stone Soup.
 
     Parameters
@@ -79,8 +79,8 @@ def stone_soup_positions(
     -------
     positions : list of ndarray, shape (n_tracks, 2)
         Of the tracks after each ping, m.
-    seconds : float
-        Processor time a ping, s.
+    seconds : ndarray, shape (n_pings,)
+        Processor time of each ping, s.
 
     Raises
     ------
@@ -88,12 +88,12 @@ def stone_soup_positions(
         If Stone Soup is not installed.
     """
     tracker = _tracker(_detections(pings), parameters, gated)
-    positions = []
-    started = time.process_time()
+    positions, finished = [], [time.process_time()]
     for _, tracks in tracker:
         states = [track.state_vector[POSITION, 0] for track in tracks]
         positions.append(np.array(states, dtype=np.float64).reshape(-1, 2))
-    return positions, (time.process_time() - started) / len(pings)
+        finished.append(time.process_time())
+    return positions, np.diff(finished)
 
 
 def _detections(pings: Sequence[Contacts]) -> list[tuple[datetime, set[Any]]]:
