@@ -194,7 +194,7 @@ class MultiTargetTracker:
         self, listed: ListedTracks, thresholds: GateThresholds, notices: tuple[Notice, ...]
     ) -> ContactTrackerUpdate:
         rows = list_tracks(listed, self._configuration.tentative_probability)
-        self._shown = rows.id[rows.status != TrackStatus.TERMINATED]
+        self._shown = rows.id[rows.status != int(TrackStatus.TERMINATED)]
         return ContactTrackerUpdate(
             tracks=shown_tracks(rows, thresholds.stamp, thresholds.next_stamp),
             target_count=float(np.count_nonzero(self._bank.confirmed)),

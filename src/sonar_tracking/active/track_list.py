@@ -54,7 +54,7 @@ def shown_tracks(rows: TrackRows, stamp: int, next_stamp: int) -> PositionTracks
         stamp=stamp,
         id=rows.id.astype(np.uint64),
         status=rows.status.astype(np.uint8),
-        source=np.full(len(rows.id), TrackSource.ACTIVE, np.uint8),
+        source=np.full(len(rows.id), int(TrackSource.ACTIVE), np.uint8),
         state=rows.state,
         covariance=rows.covariance,
         existence_probability=rows.existence,

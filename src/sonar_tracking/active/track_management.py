@@ -219,16 +219,16 @@ def list_tracks(listed: ListedTracks, tentative_probability: float) -> TrackRows
         Existence from which a candidate is shown.
     """
     bank = listed.bank
-    status = np.full(len(bank), int(TrackStatus.TENTATIVE), dtype=np.int64)
-    status[bank.confirmed] = TrackStatus.CONFIRMED
-    status[bank.confirmed & (listed.detected < 0.5)] = TrackStatus.COASTED
-    status[~listed.alive] = TrackStatus.TERMINATED
     likely = bank.confirmed | (bank.existence >= tentative_probability)
     rows = np.flatnonzero(listed.was_shown | (listed.alive & likely))
+    confirmed = bank.confirmed[rows]
+    status = np.where(confirmed, int(TrackStatus.CONFIRMED), int(TrackStatus.TENTATIVE))
+    status[confirmed & (listed.detected[rows] < 0.5)] = int(TrackStatus.COASTED)
+    status[~listed.alive[rows]] = int(TrackStatus.TERMINATED)
     mean, covariance = bank.moments()
     return TrackRows(
         id=bank.id[rows],
-        status=status[rows],
+        status=status,
         existence=bank.existence[rows],
         state=mean[rows],
         covariance=covariance[rows],
