@@ -72,3 +72,19 @@ def test_a_restarted_producer_goes_on_counting() -> None:
     flow.finished("recorder", BLOCKS, 11)
     assert flow.largest_backlog() == 0
     assert flow.messages_out("simulator") == 12
+
+
+def test_lost_messages_are_waited_for_no_longer_and_still_told() -> None:
+    flow = ledger()
+    flow.published("simulator", BLOCKS, 5)
+    flow.finished("chain", BLOCKS, 5)
+    flow.finished("recorder", BLOCKS, 3)
+    for backlog in flow.backlogs():
+        flow.write_off(backlog)
+    assert flow.largest_backlog() == 0
+    flow.published("simulator", BLOCKS, 6)
+    flow.finished("chain", BLOCKS, 6)
+    assert flow.largest_backlog() == 1
+    flow.finished("recorder", BLOCKS, 4)
+    assert flow.largest_backlog() == 0
+    assert [(lost.node, lost.messages) for lost in flow.lost()] == [("recorder", 2)]

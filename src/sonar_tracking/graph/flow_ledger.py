@@ -111,6 +111,10 @@ class FlowLedger:
             if node in (edge[0], self._producers.get(edge[1])):
                 self._written_off[edge] = self._published[edge[1]] - self._finished[edge]
 
+    def write_off(self, backlog: Backlog) -> None:
+        """Wait no longer for messages that were lost on the way."""
+        self._written_off[backlog.node, backlog.topic] += backlog.messages
+
     def messages_in(self, node: str) -> int:
         """Return how many messages a node has finished."""
         return sum(count for (name, _), count in self._finished.items() if name == node)

@@ -31,6 +31,8 @@ START_PATIENCE = 60.0
 DRAIN_PATIENCE = 10.0
 INTERRUPTED_DRAIN_PATIENCE = 2.0
 STALL_SECONDS = 5.0
+LOST_SECONDS = 60.0
+"""What no node has moved a message for so long is taken for lost: the run goes on, and fails."""
 REMATCH_SECONDS = 0.5
 FOREIGN_PATIENCE = 3.0
 _LONGEST_WAIT = 0.05
@@ -63,6 +65,7 @@ class Orchestration:
         self._stops = 0
         self._watched = 0.0
         self._progress = (-1, 0.0)
+        self._stall_told = 0.0
         self._flow_started: float | None = None
         self._flow_ended: float | None = None
         self._handlers: dict[int, object] = {}
@@ -297,14 +300,19 @@ class Orchestration:
         self._take_notices(control)
         if self.ledger.changes != self._progress[0]:
             self._progress = (self.ledger.changes, wall)
+            self._stall_told = wall
         backlogs = self.ledger.backlogs()
-        if backlogs and wall - self._progress[1] > STALL_SECONDS:
-            self._progress = (self._progress[0], wall)
+        if backlogs and wall - self._stall_told > STALL_SECONDS:
+            self._stall_told = wall
             worst = backlogs[0]
             self._display.say(
                 f"waiting for {worst.node}: it has not finished {worst.messages} messages of "
                 f"{worst.topic}; its log is {self._log_directory / worst.node}.log"
             )
+        if backlogs and wall - self._progress[1] > LOST_SECONDS:
+            self._progress = (self.ledger.changes, wall)
+            for lost in backlogs:
+                self.ledger.write_off(lost)
         if self._display.due(wall):
             backlog = backlogs[0].messages if backlogs else 0
             state = GraphState(
