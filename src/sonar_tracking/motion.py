@@ -10,6 +10,7 @@ Sound takes time: what is received at t left the target at the emission time t_e
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -55,6 +56,25 @@ class Turn:
     time: float
     azimuth: float
     rate: float
+
+
+def lever_arm(azimuth: float, ahead: float, port: float) -> FloatArray:
+    """Return where a point aboard a platform is from the platform's reference, in ``map``, m.
+
+    Parameters
+    ----------
+    azimuth : float
+        Heading of the platform, rad.
+    ahead, port : float
+        Of the point ahead of the reference and to port of it, m.
+    """
+    cosine, sine = math.cos(azimuth), math.sin(azimuth)
+    return np.array([cosine * ahead - sine * port, sine * ahead + cosine * port])
+
+
+def swing_velocity(turn_rate: float, arm: FloatArray) -> FloatArray:
+    """Return the velocity of a point off the turning point, across its lever arm (m), m/s."""
+    return turn_rate * np.array([-arm[1], arm[0]])
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,9 @@ def strongest(peaks: SpectralPeaks) -> tuple[float, float, float]:
 
 def test_without_noise_the_frequency_is_exact() -> None:
     positions = 100.0 + np.linspace(-0.5, 0.5, 21)
-    found = [strongest(find_peaks(power, THRESHOLD))[0] for power in spectra(positions, 1e8, None)]
+    found = [
+        strongest(find_peaks(power, THRESHOLD, power))[0] for power in spectra(positions, 1e8, None)
+    ]
     np.testing.assert_allclose(found, positions, atol=2e-4)
 
 
@@ -38,7 +40,7 @@ def test_the_variance_is_what_it_says(snr_db: float) -> None:
     generator = np.random.default_rng(6)
     positions = 100.0 + generator.uniform(-0.5, 0.5, 3000)
     power = spectra(positions, 10.0 ** (snr_db / 10.0), generator)
-    near = [find_peaks(each, THRESHOLD) for each in power]
+    near = [find_peaks(each, THRESHOLD, each) for each in power]
     found = [
         (strongest(peaks), position)
         for peaks, position in zip(near, positions, strict=True)
@@ -61,7 +63,8 @@ def test_the_variance_is_near_the_cramer_rao_bound() -> None:
     positions = 100.0 + generator.uniform(-0.5, 0.5, 500)
     bound = 6.0 / (4.0 * np.pi**2 * 1.5 * 1e3)
     claimed = [
-        strongest(find_peaks(each, THRESHOLD))[1] for each in spectra(positions, 1e3, generator)
+        strongest(find_peaks(each, THRESHOLD, each))[1]
+        for each in spectra(positions, 1e3, generator)
     ]
     assert 2.3 < np.mean(claimed) / bound < 3.9
 
@@ -69,18 +72,20 @@ def test_the_variance_is_near_the_cramer_rao_bound() -> None:
 def test_the_level_is_that_of_the_line_between_two_bins_too() -> None:
     for position in (100.0, 100.25, 100.5):
         power = spectra(np.array([position]), 1e4, None)[0]
-        assert strongest(find_peaks(power, THRESHOLD))[2] == pytest.approx(1e4, rel=1e-2)
+        assert strongest(find_peaks(power, THRESHOLD, power))[2] == pytest.approx(1e4, rel=1e-2)
 
 
 def test_sidelobes_of_a_strong_line_are_no_lines() -> None:
     power = spectra(np.array([100.3]), 1e7, None)[0] + 1.0
-    assert len(find_peaks(power, THRESHOLD).bin) == 1
+    assert len(find_peaks(power, THRESHOLD, power).bin) == 1
 
 
 def test_a_weak_line_beside_a_strong_one_is_found() -> None:
     power = spectra(np.array([100.3]), 1e4, None)[0] + spectra(np.array([106.0]), 30.0, None)[0]
-    np.testing.assert_allclose(find_peaks(power, THRESHOLD).position, [100.3, 106.0], atol=0.05)
+    np.testing.assert_allclose(
+        find_peaks(power, THRESHOLD, power).position, [100.3, 106.0], atol=0.05
+    )
 
 
 def test_nothing_above_the_threshold_is_no_line() -> None:
-    assert len(find_peaks(np.ones(200), THRESHOLD).bin) == 0
+    assert len(find_peaks(np.ones(200), THRESHOLD, np.ones(200)).bin) == 0

@@ -8,12 +8,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from sonar_tracking.active.records import Contacts, FloatArray
 from sonar_tracking.configuration import parameter
 from sonar_tracking.errors import InputError
-from sonar_tracking.motion import KinematicState, wrap_angle
+from sonar_tracking.motion import KinematicState, lever_arm, swing_velocity, wrap_angle
 from sonar_tracking.position_tracks import MAP_FRAME
 
 
@@ -78,11 +76,8 @@ def _on_own_ship(
             "sensor_velocity."
         )
     heading = float(own_ship.azimuth)
-    cosine, sine = math.cos(heading), math.sin(heading)
-    rotation = np.array([[cosine, -sine], [sine, cosine]])
-    arm = rotation @ (mounting.mounting_x, mounting.mounting_y)
-    # A sensor off the turning point moves across its lever arm.
-    swing = float(own_ship.turn_rate) * np.array([-arm[1], arm[0]])
+    arm = lever_arm(heading, mounting.mounting_x, mounting.mounting_y)
+    swing = swing_velocity(float(own_ship.turn_rate), arm)
     yaw = heading + math.radians(mounting.mounting_yaw_deg)
     return replace(
         contacts,

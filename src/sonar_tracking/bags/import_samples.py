@@ -35,6 +35,7 @@ from sonar_tracking.bags.wav_recording import (
 )
 from sonar_tracking.configuration import from_mapping
 from sonar_tracking.errors import ConfigurationError, InputError
+from sonar_tracking.motion import lever_arm, swing_velocity
 from sonar_tracking.passive.band_demodulator_stage import (
     BandDemodulatorConfiguration,
     chosen_bandwidth,
@@ -265,13 +266,11 @@ class _Blocks:
 
     def _sensor(self, index: int) -> Sensor:
         """Return the array aboard own ship; its height is zero."""
-        ahead, port = self._array.mounting
         azimuth = float(self._motion.azimuth[index])
-        cosine, sine = np.cos(azimuth), np.sin(azimuth)
-        arm = np.array([cosine * ahead - sine * port, sine * ahead + cosine * port])
+        arm = lever_arm(azimuth, *self._array.mounting)
         x, y = self._motion.position[index] + arm
-        turning = self._motion.turn_rate[index] * np.array([-arm[1], arm[0]])
-        vx, vy = self._motion.velocity[index] + turning
+        turn_rate = float(self._motion.turn_rate[index])
+        vx, vy = self._motion.velocity[index] + swing_velocity(turn_rate, arm)
         half = 0.5 * (azimuth + self._array.mounting_yaw)
         return Sensor(
             sensor_id=self._array.sensor_id,

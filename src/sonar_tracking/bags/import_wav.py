@@ -31,9 +31,9 @@ from sonar_tracking.bags.wav_recording import (
     write_messages,
 )
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.passive.block_checks import MAXIMUM_RELATIVE_BANDWIDTH
 from sonar_tracking.passive.demodulation import Band, Demodulator, design_band
 from sonar_tracking.passive.records import END_OF_DATA
-from sonar_tracking.simulation.scenario_checks import NARROWBAND_LIMIT
 
 SNAPSHOTS_TOPIC = "/array/snapshots"
 
@@ -185,14 +185,14 @@ def _checked_band(
     array: RecordedArray, wav: WavFile, frequency: float, bandwidth: float | None
 ) -> Band:
     """Return the band, or raise a sentence if it is not narrow for the array."""
-    limit = NARROWBAND_LIMIT * array.sound_speed / array.aperture
+    limit = MAXIMUM_RELATIVE_BANDWIDTH * array.sound_speed / array.aperture
     if bandwidth is None:
         bandwidth = DEFAULT_RELATIVE_BANDWIDTH * array.sound_speed / array.aperture
     if bandwidth >= limit:
         raise ConfigurationError(
             f"A bandwidth of {bandwidth:g} Hz is not narrow for an array of {array.aperture:g} m: "
-            f"bandwidth * aperture / sound_speed must be below {NARROWBAND_LIMIT:g}; give less "
-            f"than {limit:.4g} Hz."
+            f"bandwidth * aperture / sound_speed must be below {MAXIMUM_RELATIVE_BANDWIDTH:g}; "
+            f"give less than {limit:.4g} Hz."
         )
     return design_band(wav.sample_rate, frequency, bandwidth)
 

@@ -49,10 +49,10 @@ def import_wav_file(
     """
     if frequency is None:
         raise ConfigurationError("Give --frequency, the centre of the band snapshots are made of.")
-    given = read_settings(parameters) if parameters is not None else {}
+    given = _given(parameters)
     settings = resolved_settings(given, (SUBSPACE_ESTIMATOR, BEARING_TRACKER), str(parameters))
     summary = import_wav(file, geometry, frequency, bandwidth, output, truth, settings)
-    return f"{summary.text()}\nreplay it with: sonar-tracking replay {output}"
+    return _with_next_command(summary.text(), output)
 
 
 def import_wav_samples(
@@ -83,7 +83,7 @@ def import_wav_samples(
     ConfigurationError
         If anything given cannot be used; no bag is left then.
     """
-    given = read_settings(parameters) if parameters is not None else {}
+    given = _given(parameters)
     band = {"center_frequency": frequency, "bandwidth": bandwidth}
     demodulator = given.setdefault(BAND_DEMODULATOR.name, {})
     demodulator |= {name: value for name, value in band.items() if value is not None}
@@ -102,7 +102,7 @@ def import_wav_samples(
         given[TMA_TRACKER.name] = topics | given.get(TMA_TRACKER.name, {})
     settings = resolved_settings(given, tuple(nodes), where)
     done = import_samples(file, geometry, output, settings, own_ship, truth)
-    return f"{done}\nreplay it with: sonar-tracking replay {output}"
+    return _with_next_command(done, output)
 
 
 def import_contacts_file(
@@ -129,9 +129,18 @@ def import_contacts_file(
     ConfigurationError
         If anything given cannot be used; no bag is left then.
     """
-    given = read_settings(parameters) if parameters is not None else {}
+    given = _given(parameters)
     settings = resolved_settings(given, (HPDA_TRACKER,), str(parameters))
     values = {**sensor, "epoch": checked_epoch(sensor["epoch"], "")}
     described = from_mapping(ContactSensor, values, "import contacts")
     done = import_contacts(file, output, described, own_ship, truth, settings)
+    return _with_next_command(done, output)
+
+
+def _given(parameters: Path | None) -> dict[str, dict[str, Any]]:
+    """Return the settings in the file, none without one."""
+    return read_settings(parameters) if parameters is not None else {}
+
+
+def _with_next_command(done: str, output: Path) -> str:
     return f"{done}\nreplay it with: sonar-tracking replay {output}"

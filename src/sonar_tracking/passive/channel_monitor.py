@@ -24,7 +24,7 @@ from sonar_tracking.passive.records import ArraySnapshots
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-_SILENT_RATIO, _LOUD_RATIO, _SATURATED_RATIO = 1e-3, 100.0, 4.0
+SILENT_RATIO, LOUD_RATIO, _SATURATED_RATIO = 1e-3, 100.0, 4.0
 """Powers over the median of the array."""
 
 _CLIPPED_DIFFERENCE = 0.6
@@ -86,8 +86,8 @@ class ChannelMonitor:
         clipped, saturated = loud, loud
         if seen >= _POWER_SNAPSHOTS:
             median = _median(power, power > 0.0)
-            silent = silent | (power < _SILENT_RATIO * median)
-            loud = power > _LOUD_RATIO * median
+            silent = silent | (power < SILENT_RATIO * median)
+            loud = power > LOUD_RATIO * median
         if seen >= _AMPLITUDE_SNAPSHOTS:
             clipped = _clipped(amplitudes) & ~silent
             saturated = clipped & (power > _SATURATED_RATIO * _median(power, power > 0.0))

@@ -59,9 +59,7 @@ def hann_transform(offset: FloatArray) -> FloatArray:
     return np.where(pole, 0.5, np.sinc(offset) / np.where(pole, 1.0, 1.0 - square))
 
 
-def find_peaks(
-    normalised: FloatArray, threshold: FloatArray, power: FloatArray | None = None
-) -> SpectralPeaks:
+def find_peaks(normalised: FloatArray, threshold: FloatArray, power: FloatArray) -> SpectralPeaks:
     """Return the lines in a spectrum.
 
     Parameters
@@ -70,11 +68,10 @@ def find_peaks(
         Power over background.
     threshold : ndarray, shape (n_bins,)
         Of the same.
-    power : ndarray, shape (n_bins,), optional
+    power : ndarray, shape (n_bins,)
         Before the normalisation: a strong line is in the background of the bins beside it, which
-        would bend its top. Default: the same background everywhere.
+        would bend its top.
     """
-    power = normalised if power is None else power
     middle = normalised[1:-1]
     top = (middle >= normalised[:-2]) & (middle > normalised[2:]) & (middle > threshold[1:-1])
     bins = np.flatnonzero(top) + 1

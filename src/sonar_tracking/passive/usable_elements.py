@@ -12,11 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sonar_tracking.errors import Notice, Severity
+from sonar_tracking.passive.channel_monitor import LOUD_RATIO, SILENT_RATIO
 
 BoolArray = NDArray[np.bool_]
-
-SILENT_RATIO, LOUD_RATIO = 1e-3, 100.0
-"""Powers over the median of the array."""
 
 
 def usable_elements(spectra: NDArray[np.complex128]) -> BoolArray:

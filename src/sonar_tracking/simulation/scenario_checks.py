@@ -8,6 +8,7 @@ import numpy as np
 
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.geometry import aperture
+from sonar_tracking.passive.block_checks import MAXIMUM_RELATIVE_BANDWIDTH
 from sonar_tracking.simulation.array_configuration import ArrayConfiguration
 from sonar_tracking.simulation.bearing_motion import TableMotion
 from sonar_tracking.simulation.bearing_sensor_configuration import check_bearing_sensors
@@ -23,9 +24,6 @@ from sonar_tracking.simulation.target import TargetConfiguration
 
 if TYPE_CHECKING:
     from sonar_tracking.simulation.scenario import Scenario
-
-NARROWBAND_LIMIT = 0.1
-"""Largest bandwidth * aperture / sound_speed at which one phase per element is a fair model."""
 
 
 def check_scenario(scenario: Scenario, where: str) -> None:
@@ -82,10 +80,10 @@ def _check_array(array: ArrayConfiguration, where: str) -> None:
             "the coordinates element_x."
         )
     ratio = array.bandwidth * aperture(array.element_positions()) / array.sound_speed
-    if ratio >= NARROWBAND_LIMIT:
+    if ratio >= MAXIMUM_RELATIVE_BANDWIDTH:
         raise ConfigurationError(
             f"{where}: bandwidth * aperture / sound_speed is {ratio:.3g}; the narrowband model "
-            f"needs less than {NARROWBAND_LIMIT:g}: reduce the bandwidth or the array."
+            f"needs less than {MAXIMUM_RELATIVE_BANDWIDTH:g}: reduce the bandwidth or the array."
         )
 
 

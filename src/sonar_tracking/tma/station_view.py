@@ -13,10 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from sonar_tracking.errors import InputError
-from sonar_tracking.motion import KinematicState, wrap_angle
+from sonar_tracking.motion import KinematicState, lever_arm, swing_velocity, wrap_angle
 from sonar_tracking.passive.records import AngleKind, Sensor
 from sonar_tracking.position_tracks import MAP_FRAME
-from sonar_tracking.tma.records import FloatArray
 from sonar_tracking.tma.tma_tracker_configuration import TmaTrackerConfiguration
 
 OWN_SHIP_FRAMES = "own_ship/"
@@ -114,11 +113,11 @@ def station_view(
         aboard = not known or sensor.frame_id.startswith(OWN_SHIP_FRAMES)
         turn_rate = float(own_ship.turn_rate) if aboard else 0.0
         heading = float(own_ship.azimuth)
-        arm = _arm(heading, configuration)
+        arm = lever_arm(heading, configuration.mounting_x, configuration.mounting_y)
         if not all(map(math.isfinite, position)):
             position = tuple(own_ship.position + arm)
         if not all(map(math.isfinite, velocity)):
-            velocity = tuple(own_ship.velocity + turn_rate * np.array([-arm[1], arm[0]]))
+            velocity = tuple(own_ship.velocity + swing_velocity(turn_rate, arm))
         if not math.isfinite(axis):
             axis = heading + configuration.mounting_yaw
     if max(map(abs, position)) > FARTHEST or math.hypot(*velocity) >= configuration.sound_speed:
@@ -134,13 +133,6 @@ def station_view(
         axis=axis,
         turn_rate=turn_rate,
     )
-
-
-def _arm(heading: float, configuration: TmaTrackerConfiguration) -> FloatArray:
-    """Return the array's origin from own ship's reference, in ``map``, m."""
-    cosine, sine = math.cos(heading), math.sin(heading)
-    ahead, port = configuration.mounting_x, configuration.mounting_y
-    return np.array([cosine * ahead - sine * port, sine * ahead + cosine * port])
 
 
 def _yaw(sensor: Sensor) -> float:
