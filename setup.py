@@ -23,7 +23,7 @@ NODES = (
     "recorder",
 )
 
-node_executables = [f"{node} = {PACKAGE}.graph.{node}:main" for node in NODES]
+node_executables = [f"{node} = {PACKAGE}.graph.nodes.{node}:main" for node in NODES]
 command = ["sonar-tracking = sonar_tracking.cli:main"]
 
 # colcon puts console scripts where `ros2 run` looks for them, lib/sonar_tracking (setup.cfg). pip

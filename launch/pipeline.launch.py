@@ -12,9 +12,9 @@ from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
-from sonar_tracking.graph.scenario_graph import started_nodes, with_published_topics
-from sonar_tracking.graph.transport_profile import choose_transport
-from sonar_tracking.simulation.scenario import load_scenario
+from sonar_tracking.graph.catalogue.scenario_graph import started_nodes, with_published_topics
+from sonar_tracking.graph.catalogue.transport_profile import choose_transport
+from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
 
 # The linear algebra of a node is small: threads of its own cost more than they give, and results
 # stay the same whatever the machine.

@@ -12,17 +12,26 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from sonar_tracking.configuration import ParameterDescription, describe
-from sonar_tracking.graph.node_catalogue import NODES, NodeDescription
-from sonar_tracking.graph.recorder import PARAMETER_DESCRIPTIONS as RECORDER_PARAMETERS
-from sonar_tracking.graph.topics import Topic, TopicKind
-from sonar_tracking.simulation.array_configuration import ArrayConfiguration, NoiseConfiguration
-from sonar_tracking.simulation.bearing_sensor_configuration import BearingSensorConfiguration
-from sonar_tracking.simulation.contact_configuration import ContactSensorConfiguration
-from sonar_tracking.simulation.hydrophone_configuration import HydrophoneConfiguration
-from sonar_tracking.simulation.platforms import OwnShipConfiguration, TurnConfiguration
-from sonar_tracking.simulation.scenario import load_scenario
-from sonar_tracking.simulation.scenario_file import scenario_names
-from sonar_tracking.simulation.target import MOTIONS, LineConfiguration, TargetConfiguration
+from sonar_tracking.graph.catalogue.node_catalogue import NODES, NodeDescription
+from sonar_tracking.graph.catalogue.topics import Topic, TopicKind
+from sonar_tracking.graph.nodes.recorder import PARAMETER_DESCRIPTIONS as RECORDER_PARAMETERS
+from sonar_tracking.simulation.scenarios.array_configuration import (
+    ArrayConfiguration,
+    NoiseConfiguration,
+)
+from sonar_tracking.simulation.scenarios.bearing_sensor_configuration import (
+    BearingSensorConfiguration,
+)
+from sonar_tracking.simulation.scenarios.contact_configuration import ContactSensorConfiguration
+from sonar_tracking.simulation.scenarios.hydrophone_configuration import HydrophoneConfiguration
+from sonar_tracking.simulation.scenarios.platforms import OwnShipConfiguration, TurnConfiguration
+from sonar_tracking.simulation.scenarios.scenario_file import scenario_names
+from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
+from sonar_tracking.simulation.scenarios.target import (
+    MOTIONS,
+    LineConfiguration,
+    TargetConfiguration,
+)
 
 README = Path(__file__).resolve().parent.parent / "README.md"
 BEGIN, END = "<!-- reference: begin -->", "<!-- reference: end -->"

@@ -52,7 +52,7 @@ def run(
     json: JsonOption = None,
 ) -> None:
     """Run a scenario through the live graph: every node a process of its own."""
-    module = _needs("sonar_tracking.graph.run_command")
+    module = _needs("sonar_tracking.graph.verbs.run_command")
     raise typer.Exit(module.run(scenario, duration, rate, record, not no_display, json))
 
 
@@ -71,7 +71,7 @@ def replay(
     json: JsonOption = None,
 ) -> None:
     """Replay a recording through the live graph and compare with what was recorded."""
-    module = _needs("sonar_tracking.graph.run_command")
+    module = _needs("sonar_tracking.graph.verbs.run_command")
     raise typer.Exit(module.replay(bag, rate, record, parameters, repair, not no_display, json))
 
 
@@ -104,7 +104,7 @@ def wav(
     that the replay makes bearings and frequency lines of them, and positions if --own-ship tells
     how own ship moved.
     """
-    importer = _needs("sonar_tracking.graph.import_command")
+    importer = _needs("sonar_tracking.graph.verbs.import_command")
     if samples:
         done = importer.import_wav_samples(
             file, geometry, frequency, bandwidth, output, own_ship, truth, parameters
@@ -153,7 +153,7 @@ def contacts(
     own_north_m and own_heading_deg. Lines of one time are one ping; a line with neither range nor
     direction is a ping that heard nothing. A line that cannot be used is left out and named.
     """
-    importer = _needs("sonar_tracking.graph.import_command")
+    importer = _needs("sonar_tracking.graph.verbs.import_command")
     sensor = {
         "range_deviation": range_deviation,
         "bearing_deviation_deg": bearing_deviation_deg,
@@ -178,7 +178,7 @@ def evaluate(
     ] = None,
 ) -> None:
     """Repeat a published study, and show the published figures beside the measured ones."""
-    studies = _needs("sonar_tracking.evaluation.studies")
+    studies = _needs("sonar_tracking.evaluation.studies.study_catalogue")
     studies.run_study(study, runs, seed, workers, scheduler, json, plots, data)
 
 
@@ -191,7 +191,7 @@ def score(
     ] = 200.0,
 ) -> None:
     """Score the bearing and position tracks in a bag against the truth in the bag."""
-    _needs("sonar_tracking.evaluation.score_bag").score_bag(bag, json, cutoff)
+    _needs("sonar_tracking.evaluation.metrics.score_bag").score_bag(bag, json, cutoff)
 
 
 @app.command()
@@ -206,7 +206,7 @@ def plot(
 @app.command()
 def bench(json: JsonOption = None) -> None:
     """Measure the speed of the algorithms side by side with peers."""
-    _needs("sonar_tracking.evaluation.bench").run_bench(json)
+    _needs("sonar_tracking.evaluation.bench.bench").run_bench(json)
 
 
 def _needs(module: str) -> ModuleType:

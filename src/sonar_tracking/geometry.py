@@ -17,10 +17,10 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
+from sonar_tracking.records.arrays import ComplexArray, FloatArray
+
 PhaseReference = Literal["first_element", "array_centre"]
 
 PHASE_REFERENCES: tuple[str, ...] = ("first_element", "array_centre")

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-FloatArray = NDArray[np.float64]
+from sonar_tracking.records.arrays import FloatArray
 
 NEWTON_STEPS = 4
 """Fixed number of steps: the result must not depend on how instants are grouped into arrays."""

@@ -3,9 +3,9 @@
 import numpy as np
 
 from sonar_tracking.active.contact_tracker import ContactTracker, make_contact_tracker
-from sonar_tracking.active.contact_tracker_configuration import ContactTrackerConfiguration
-from sonar_tracking.active.records import Contacts, ContactTrackerUpdate
-from sonar_tracking.passive.records import TrackStatus
+from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
 
 METHODS = ("integrated", "hpda_kalman", "hpda_particle", "roi_clustering", "smc_phd")
 WITH_EXISTENCE = METHODS[:3]

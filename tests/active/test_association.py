@@ -3,24 +3,24 @@
 import numpy as np
 import pytest
 
-from sonar_tracking.active import contact_gating
-from sonar_tracking.active.contact_gating import (
+from sonar_tracking.active.association.jpda import associate_jointly
+from sonar_tracking.active.association.lm_ipda import PairEvidence, associate_integrated
+from sonar_tracking.active.contacts.contact_positions import PlacedContacts, place_contacts
+from sonar_tracking.active.detection.gate_association import (
+    PROBABILITY_IN_GATE,
+    GateModel,
+    associate_by_distance,
+)
+from sonar_tracking.active.tracks import contact_gating
+from sonar_tracking.active.tracks.contact_gating import (
     GatePairs,
     SensorGeometry,
     find_pairs,
     predict_gates,
 )
-from sonar_tracking.active.contact_positions import PlacedContacts, place_contacts
-from sonar_tracking.active.gate_association import (
-    PROBABILITY_IN_GATE,
-    GateModel,
-    associate_by_distance,
-)
-from sonar_tracking.active.integrated_association import PairEvidence, associate_integrated
-from sonar_tracking.active.joint_association import associate_jointly
-from sonar_tracking.active.motion_modes import MotionModes, turn_matrices
-from sonar_tracking.active.pair_updates import mix_updates, update_pairs
-from sonar_tracking.active.particle_cloud import (
+from sonar_tracking.active.tracks.motion_modes import MotionModes, turn_matrices
+from sonar_tracking.active.tracks.pair_updates import mix_updates, update_pairs
+from sonar_tracking.active.tracks.particle_cloud import (
     ParticleCloud,
     ParticleMotion,
     gaussian_cloud,
@@ -28,10 +28,10 @@ from sonar_tracking.active.particle_cloud import (
     predict_cloud,
     resample_cloud,
 )
-from sonar_tracking.active.records import Contacts
-from sonar_tracking.active.track_bank import TrackBank, predict_bank
+from sonar_tracking.active.tracks.track_bank import TrackBank, predict_bank
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.filtering.kalman import update as kalman_update
+from sonar_tracking.records.contacts import Contacts
 
 COVARIANCE = np.diag([400.0, 900.0, 1.0, 2.0])
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sonar_tracking.errors import ConfigurationError, InputError
-from sonar_tracking.passive.records import TrackStatus
+from sonar_tracking.records.bearings import TrackStatus
 from tests.active.contact_scene import (
     METHODS,
     NOTHING,

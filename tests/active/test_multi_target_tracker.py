@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sonar_tracking.active.contact_tracker_configuration import ContactTrackerConfiguration
-from sonar_tracking.active.detection_model import make_detection_model
-from sonar_tracking.passive.records import TrackStatus
+from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.detection.detection_model import make_detection_model
+from sonar_tracking.records.bearings import TrackStatus
 from tests.active.contact_scene import (
     METHODS,
     NOTHING,

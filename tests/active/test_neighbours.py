@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from sonar_tracking.active.contact_tracker import make_contact_tracker
-from sonar_tracking.active.contact_tracker_configuration import ContactTrackerConfiguration
-from sonar_tracking.active.records import Contacts
-from sonar_tracking.passive.records import TrackStatus
+from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.records.contacts import Contacts
 
 DEVIATION = 4.0
 

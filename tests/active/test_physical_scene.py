@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sonar_tracking.active.clutter_monitor import ClutterMonitor
 from sonar_tracking.active.contact_tracker import make_contact_tracker
-from sonar_tracking.active.contact_tracker_configuration import ContactTrackerConfiguration
-from sonar_tracking.active.detection_model import DetectionModel
+from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.detection.clutter_monitor import ClutterMonitor
+from sonar_tracking.active.detection.detection_model import DetectionModel
 from sonar_tracking.motion import Trajectory, Turn
-from sonar_tracking.passive.records import TrackStatus
-from sonar_tracking.simulation.contact_configuration import ContactSensorConfiguration
-from sonar_tracking.simulation.contact_simulation import ContactSimulation, ContactTarget
+from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.simulation.scenarios.contact_configuration import ContactSensorConfiguration
+from sonar_tracking.simulation.sensors.contact_simulation import ContactSimulation, ContactTarget
 
 SENSOR = ContactSensorConfiguration(
     range_standard_deviation=30.0,

@@ -5,18 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sonar_tracking.active.clutter_monitor import ClutterMonitor
-from sonar_tracking.active.contact_gating import GatePairs, SensorGeometry, predict_gates
-from sonar_tracking.active.contact_tracker_configuration import ContactTrackerConfiguration
-from sonar_tracking.active.detection_model import DetectionModel
-from sonar_tracking.active.gate_association import PROBABILITY_IN_GATE
-from sonar_tracking.active.gate_thresholds import apply_thresholds
-from sonar_tracking.active.integrated_association import PairEvidence, associate_integrated
-from sonar_tracking.active.motion_modes import MotionModes
-from sonar_tracking.active.rank_association import associate_ranked
-from sonar_tracking.active.track_bank import TrackBank, predict_bank
-from sonar_tracking.active.track_management import duplicates, start_candidates, surviving
-from sonar_tracking.passive.records import TrackStatus
+from sonar_tracking.active.association.hpda import associate_ranked
+from sonar_tracking.active.association.lm_ipda import PairEvidence, associate_integrated
+from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.detection.clutter_monitor import ClutterMonitor
+from sonar_tracking.active.detection.detection_model import DetectionModel
+from sonar_tracking.active.detection.gate_association import PROBABILITY_IN_GATE
+from sonar_tracking.active.tracks.contact_gating import GatePairs, SensorGeometry, predict_gates
+from sonar_tracking.active.tracks.gate_thresholds import apply_thresholds
+from sonar_tracking.active.tracks.motion_modes import MotionModes
+from sonar_tracking.active.tracks.track_bank import TrackBank, predict_bank
+from sonar_tracking.active.tracks.track_management import duplicates, start_candidates, surviving
+from sonar_tracking.records.bearings import TrackStatus
 from tests.active.contact_scene import WITH_EXISTENCE, ping, start
 from tests.active.test_association import bank_of, contacts_at
 

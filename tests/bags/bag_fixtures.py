@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from sonar_tracking.bags.message_definitions import installed_typestore
-from sonar_tracking.bags.recording_information import RecordingInformation
-from sonar_tracking.bags.writer import BagWriter
+from sonar_tracking.bags.storage.message_definitions import installed_typestore
+from sonar_tracking.bags.storage.recording_information import RecordingInformation
+from sonar_tracking.bags.storage.writer import BagWriter
 
 SNAPSHOTS = "sonar_tracking_msgs/msg/ArraySnapshots"
 TRACKS = "sonar_tracking_msgs/msg/BearingTracks"

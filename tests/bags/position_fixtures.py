@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sonar_tracking.active.records import Contacts
-from sonar_tracking.bags.message_definitions import installed_typestore
-from sonar_tracking.messages.sample_reading import LOFAR_AXIS
-from sonar_tracking.position_tracks import COLUMNS, PositionTracks
-from sonar_tracking.simulation.records import OwnShipState
+from sonar_tracking.bags.storage.message_definitions import installed_typestore
+from sonar_tracking.message_reading.sample_reading import LOFAR_AXIS
+from sonar_tracking.records.contacts import Contacts
+from sonar_tracking.records.own_ship import OwnShipState
+from sonar_tracking.records.positions import COLUMNS, PositionTracks
 from tests.bags.bag_fixtures import SECOND, filled
 
 POSITIONS = "sonar_tracking_msgs/msg/Tracks"

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from sonar_tracking.passive.records import TrackStatus
-from sonar_tracking.position_tracks import PositionTracks, TrackSource
+from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.records.positions import PositionTracks, TrackSource
 
 EPOCH = 1_767_225_600
 SECOND = 1_000_000_000

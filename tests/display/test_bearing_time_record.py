@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sonar_tracking.bags.writer import BagWriter
+from sonar_tracking.bags.storage.writer import BagWriter
 from sonar_tracking.display.bearing_time_record import N_BEAMS, beam_picture
 from sonar_tracking.display.plot_bag import plot_bag
 from sonar_tracking.display.summary_table import bearing_summary
 from sonar_tracking.display.track_history import track_histories
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.geometry import line_array, steering_vectors, wavenumber
-from sonar_tracking.passive.records import AngleKind, ArraySnapshots, BearingTracks, TrackStatus
+from sonar_tracking.records.bearings import AngleKind, ArraySnapshots, BearingTracks, TrackStatus
 from tests.bags.bag_fixtures import CLOCK, EPOCH, SECOND, TRACKS, open_writer, write_messages
 
 POSITIONS = line_array(10, 0.5)

@@ -9,7 +9,7 @@ import pytest
 
 from sonar_tracking.display.line_record import MOST_LINES, draw_line_record, line_histories
 from sonar_tracking.display.lofar_gram import MOST_COLUMNS, beam_grams, draw_lofar_gram
-from sonar_tracking.passive.line_records import FrequencyLines, LofarRows
+from sonar_tracking.records.lines import FrequencyLines, LofarRows
 
 EPOCH = 1_767_225_600
 SECOND = 1_000_000_000

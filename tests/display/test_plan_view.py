@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sonar_tracking.display.plan_view import COLUMNS, ROWS, PlanView
-from sonar_tracking.passive.records import TrackStatus
+from sonar_tracking.records.bearings import TrackStatus
 from tests.display.position_pictures import position_tracks
 
 

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sonar_tracking.active.records import Contacts
-from sonar_tracking.bags.writer import BagWriter
+from sonar_tracking.bags.storage.writer import BagWriter
 from sonar_tracking.display.plot_bag import plot_bag
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.simulation.records import OwnShipState
+from sonar_tracking.records.contacts import Contacts
+from sonar_tracking.records.own_ship import OwnShipState
 from tests.bags.bag_fixtures import EPOCH, SECOND, TRACKS, tracks_cdr
 from tests.bags.position_fixtures import (
     CONTACTS,

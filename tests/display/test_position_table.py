@@ -8,15 +8,11 @@ import numpy as np
 import pytest
 from rich.console import Console, RenderableType
 
-from sonar_tracking.display.position_table import (
-    compass_text,
-    position_cells,
-    position_table,
-)
+from sonar_tracking.display.position_table import compass_text, position_cells, position_table
 from sonar_tracking.display.run_display import LineDisplay, LiveDisplay
 from sonar_tracking.display.track_table import GraphState, TrackTable
-from sonar_tracking.passive.records import TrackStatus
-from sonar_tracking.position_tracks import TrackHypothesis
+from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.records.positions import TrackHypothesis
 from tests.display.position_pictures import position_tracks
 
 STATE = GraphState("tma", 12.0, 6.0, 1, "running")

@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sonar_tracking.active.records import Contacts
-from sonar_tracking.active.sensor_location import MountingConfiguration
+from sonar_tracking.active.contacts.sensor_location import MountingConfiguration
 from sonar_tracking.display.located_pings import located_pings, recorded_mounting
 from sonar_tracking.display.position_history import open_histories, position_histories
 from sonar_tracking.display.tactical_plot import draw_tactical_plot
@@ -21,8 +20,9 @@ from sonar_tracking.display.tactical_scene import (
     own_ship_track,
     stations_at_rest,
 )
-from sonar_tracking.passive.records import AngleKind, BearingTracks, Sensor, TrackStatus
-from sonar_tracking.simulation.records import OwnShipState
+from sonar_tracking.records.bearings import AngleKind, BearingTracks, Sensor, TrackStatus
+from sonar_tracking.records.contacts import Contacts
+from sonar_tracking.records.own_ship import OwnShipState
 from tests.display.position_pictures import EPOCH, SECOND, position_tracks
 
 START = EPOCH * SECOND

@@ -13,7 +13,7 @@ from sonar_tracking.display.track_table import (
     TrackTable,
     bearing_time_picture,
 )
-from sonar_tracking.passive.records import BearingTracks, TrackStatus
+from sonar_tracking.records.bearings import BearingTracks, TrackStatus
 
 SECOND = 1_000_000_000
 STATE = GraphState("doa_fusion", 12.0, 6.0, 1, "running")

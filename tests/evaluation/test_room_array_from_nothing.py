@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sonar_tracking.evaluation.room_array import RoomTask, track_recordings
-from sonar_tracking.evaluation.room_array_rows import FROM_NOTHING
+from sonar_tracking.evaluation.studies.room_array.rows import FROM_NOTHING
+from sonar_tracking.evaluation.studies.room_array.study import RoomTask, track_recordings
 
 MEASURED = Path("../shared/data/ula32_room_responses/rir_sources_1_2_3_4_5_8_9.npz")
 

@@ -15,10 +15,13 @@ import numpy as np
 import pytest
 
 from sonar_tracking.active.contact_tracker import make_contact_tracker
-from sonar_tracking.evaluation.multi_target_clutter_scene import SceneOptions, simulate_scene
-from sonar_tracking.evaluation.multi_target_clutter_systems import INTEGRATED, PAPER_SYSTEMS
-from sonar_tracking.evaluation.set_distances import assign, gospa, ospa
-from sonar_tracking.passive.records import TrackStatus
+from sonar_tracking.evaluation.metrics.ospa_gospa import assign, gospa, ospa
+from sonar_tracking.evaluation.studies.multi_target_clutter.scene import (
+    SceneOptions,
+    simulate_scene,
+)
+from sonar_tracking.evaluation.studies.multi_target_clutter.systems import INTEGRATED, PAPER_SYSTEMS
+from sonar_tracking.records.bearings import TrackStatus
 
 TIME = datetime(2026, 1, 1)
 

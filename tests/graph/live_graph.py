@@ -20,16 +20,16 @@ from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 from sonar_tracking_msgs.msg import Progress
 
-from sonar_tracking.graph import quality_of_service
-from sonar_tracking.graph.message_fields import message_class, time_from_stamp
-from sonar_tracking.graph.topics import (
+from sonar_tracking.graph.catalogue.topics import (
     CLOCK_TOPIC,
     DIAGNOSTICS_TOPIC,
     PROGRESS_TOPIC,
     Topic,
     TopicKind,
 )
-from sonar_tracking.messages.fields import stamp_from_time
+from sonar_tracking.graph.message_writing.field_writing import message_class, time_from_stamp
+from sonar_tracking.graph.node_base import quality_of_service
+from sonar_tracking.message_reading.field_reading import stamp_from_time
 
 DOMAIN = 1 + os.getpid() % 100
 PATIENCE = 40.0
@@ -46,7 +46,7 @@ class NodeProcess:
     Parameters
     ----------
     module : str
-        E.g. ``"sonar_tracking.graph.subspace_estimator"``.
+        E.g. ``"sonar_tracking.graph.nodes.subspace_estimator"``.
     log : Path
         Where its output goes.
     parameters : dict

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.geometry import steering_vectors
+from sonar_tracking.records.arrays import ComplexArray, FloatArray
 from tests.passive.crossing_scene import POSITIONS, WAVENUMBER, circular_noise
-
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 ANGLES = np.deg2rad([-10.0, 2.0])
 INCOHERENT = np.array([[1.0, 0.0], [0.0, 0.5]], dtype=complex)

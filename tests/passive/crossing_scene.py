@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from sonar_tracking.geometry import line_array, steering_vectors, wavenumber
-from sonar_tracking.passive.records import END_OF_DATA, ArraySnapshots
-
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
+from sonar_tracking.records.arrays import ComplexArray, FloatArray
+from sonar_tracking.records.bearings import ArraySnapshots
+from sonar_tracking.records.time import END_OF_DATA
 
 EPOCH = 1_767_225_600 * 1_000_000_000
 SOUND_SPEED = 1500.0

@@ -7,15 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.passive.records import (
-    END_OF_DATA,
-    NANOSECONDS,
-    BearingTracks,
-    Sensor,
-    TrackStatus,
-)
-from sonar_tracking.passive.sample_records import ArraySamples
-from sonar_tracking.simulation.sample_propagation import plane_wave_emission_times
+from sonar_tracking.records.bearings import BearingTracks, Sensor, TrackStatus
+from sonar_tracking.records.samples import ArraySamples
+from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS
+from sonar_tracking.simulation.signals.sample_propagation import plane_wave_emission_times
 
 EPOCH = 1_767_225_600 * NANOSECONDS
 RATE = 1000.0

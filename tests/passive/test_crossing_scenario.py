@@ -8,11 +8,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sonar_tracking.passive.bearing_tracker_stage import (
+from sonar_tracking.passive.bearings.bearing_tracker_stage import (
     BearingTrackerConfiguration,
     BearingTrackerStage,
 )
-from sonar_tracking.passive.subspace_stage import SubspaceConfiguration, SubspaceStage
+from sonar_tracking.passive.subspaces.subspace_stage import SubspaceConfiguration, SubspaceStage
 from tests.passive.crossing_scene import (
     EPOCH,
     block_of,

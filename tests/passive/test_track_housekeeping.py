@@ -10,12 +10,12 @@ import pytest
 
 from sonar_tracking.errors import InputError
 from sonar_tracking.geometry import steering_vectors
-from sonar_tracking.passive.bearing_tracker_stage import (
+from sonar_tracking.passive.bearings.bearing_tracker_stage import (
     BearingTrackerConfiguration,
     BearingTrackerStage,
 )
-from sonar_tracking.passive.records import BearingTracks, TrackStatus
-from sonar_tracking.passive.subspace_stage import SubspaceConfiguration, SubspaceStage
+from sonar_tracking.passive.subspaces.subspace_stage import SubspaceConfiguration, SubspaceStage
+from sonar_tracking.records.bearings import BearingTracks, TrackStatus
 from tests.passive.block_scene import noise_colour
 from tests.passive.crossing_scene import (
     EPOCH,

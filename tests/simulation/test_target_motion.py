@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 from sonar_tracking.motion import Trajectory, Turn
-from sonar_tracking.simulation.bearing_motion import (
+from sonar_tracking.simulation.scenarios.bearing_motion import (
     ArctangentMotion,
     LinearMotion,
     SinusoidalMotion,
     TableMotion,
     TargetMotion,
 )
-from sonar_tracking.simulation.kinematic_motion import KinematicMotion
-from sonar_tracking.simulation.platforms import Receiver, TurnConfiguration
+from sonar_tracking.simulation.scenarios.kinematic_motion import KinematicMotion
+from sonar_tracking.simulation.scenarios.platforms import Receiver, TurnConfiguration
 
 
 def receiver(

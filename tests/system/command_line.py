@@ -99,7 +99,7 @@ class RunningCommand:
                 arguments = (stat.parent / "cmdline").read_bytes().decode()
             except (OSError, ValueError):
                 continue
-            if parent == self._process.pid and f"sonar_tracking.graph.{node}" in arguments:
+            if parent == self._process.pid and f"sonar_tracking.graph.nodes.{node}" in arguments:
                 found.append(int(stat.parent.name))
         return found
 

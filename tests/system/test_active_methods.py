@@ -13,10 +13,11 @@ import numpy as np
 import pytest
 import yaml
 
-from sonar_tracking.bags.bag_records import position_tracks_of
-from sonar_tracking.bags.reader import read_bag
-from sonar_tracking.evaluation.offline_active_chain import run_offline_active_chain
-from sonar_tracking.simulation.scenario import Scenario, load_scenario, scenario_to_yaml
+from sonar_tracking.bags.storage.bag_records import position_tracks_of
+from sonar_tracking.bags.storage.reader import read_bag
+from sonar_tracking.evaluation.offline.offline_contact_chain import run_offline_active_chain
+from sonar_tracking.simulation.scenarios.scenario import Scenario
+from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario, scenario_to_yaml
 from tests.system.command_line import digests, report_of, run_command
 
 TRACKS = "/active/tracks"

@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sonar_tracking.bags.reader import read_bag
-from sonar_tracking.evaluation.offline_chain import run_offline_chain
-from sonar_tracking.graph.run_observer import tracks_from_bytes
-from sonar_tracking.simulation.scenario import Scenario, load_scenario, scenario_to_yaml
+from sonar_tracking.bags.storage.reader import read_bag
+from sonar_tracking.evaluation.offline.offline_bearing_chain import run_offline_chain
+from sonar_tracking.graph.orchestration.run_observer import tracks_from_bytes
+from sonar_tracking.simulation.scenarios.scenario import Scenario
+from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario, scenario_to_yaml
 from tests.system.command_line import report_of, run_command
 
 TRACKS = "/passive/bearing_tracks"

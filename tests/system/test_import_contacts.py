@@ -8,10 +8,10 @@ import numpy as np
 import yaml
 
 from sonar_tracking.active.contact_tracker import make_contact_tracker
-from sonar_tracking.active.contact_tracker_configuration import ContactTrackerConfiguration
-from sonar_tracking.bags.bag_records import position_tracks_of
-from sonar_tracking.bags.import_contacts import ContactSensor, read_pings
-from sonar_tracking.bags.reader import read_bag
+from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.bags.importers.import_contacts import ContactSensor, read_pings
+from sonar_tracking.bags.storage.bag_records import position_tracks_of
+from sonar_tracking.bags.storage.reader import read_bag
 from tests.system.command_line import report_of, run_command
 
 N_PINGS = 40

@@ -9,10 +9,10 @@ import numpy as np
 import yaml
 from scipy.io import wavfile
 
-from sonar_tracking.bags.bag_records import frequency_lines_of, position_tracks_of
-from sonar_tracking.bags.reader import read_bag
-from sonar_tracking.evaluation.offline_sample_chain import run_offline_sample_chain
-from sonar_tracking.simulation.scenario import load_scenario
+from sonar_tracking.bags.storage.bag_records import frequency_lines_of, position_tracks_of
+from sonar_tracking.bags.storage.reader import read_bag
+from sonar_tracking.evaluation.offline.offline_sample_chain import run_offline_sample_chain
+from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
 from tests.system.command_line import report_of, run_command
 
 SECONDS = 60.0

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 import yaml
 
-from sonar_tracking.bags.bag_records import bearing_tracks_of
-from sonar_tracking.bags.reader import read_bag
-from sonar_tracking.evaluation.room_array import BANDWIDTH, node_parameters, track_bag
-from sonar_tracking.evaluation.room_responses import (
+from sonar_tracking.bags.storage.bag_records import bearing_tracks_of
+from sonar_tracking.bags.storage.reader import read_bag
+from sonar_tracking.evaluation.studies.room_array.responses import (
     read_room_responses,
     received_signal,
     write_recording,
 )
+from sonar_tracking.evaluation.studies.room_array.study import BANDWIDTH, node_parameters, track_bag
 from tests.system.command_line import report_of, run_command
 
 MEASURED = Path("../shared/data/ula32_room_responses/rir_sources_1_2_3_4_5_8_9.npz")

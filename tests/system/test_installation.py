@@ -13,7 +13,7 @@ from ament_index_python import get_package_share_directory
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.graph.node_catalogue import NODES
+from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from sonar_tracking.resources import find_resource
 
 PROJECT = Path(__file__).resolve().parents[2]

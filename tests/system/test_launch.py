@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from sonar_tracking.graph.node_catalogue import NODES
+from sonar_tracking.graph.catalogue.node_catalogue import NODES
 
 PROJECT = Path(__file__).resolve().parents[2]
 LAUNCH_FILE = PROJECT / "launch" / "pipeline.launch.py"

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from sonar_tracking.bags.reader import read_bag
-from sonar_tracking.bags.writer import BagWriter
+from sonar_tracking.bags.storage.reader import read_bag
+from sonar_tracking.bags.storage.writer import BagWriter
 from tests.system.command_line import digests, report_of, run_command
 from tests.system.conftest import RecordedRun
 

@@ -17,11 +17,11 @@ from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
 from sonar_tracking import cli
-from sonar_tracking.bags.reader import read_bag
-from sonar_tracking.evaluation.offline_chain import run_offline_chain
-from sonar_tracking.graph import run_command as run_command_module
-from sonar_tracking.graph.run_observer import tracks_from_bytes
-from sonar_tracking.simulation.scenario import load_scenario
+from sonar_tracking.bags.storage.reader import read_bag
+from sonar_tracking.evaluation.offline.offline_bearing_chain import run_offline_chain
+from sonar_tracking.graph.orchestration.run_observer import tracks_from_bytes
+from sonar_tracking.graph.verbs import run_command as run_command_module
+from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
 from tests.system.command_line import (
     PATIENCE,
     RunningCommand,

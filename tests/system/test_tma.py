@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sonar_tracking.bags.bag_records import position_tracks_of
-from sonar_tracking.bags.reader import read_bag
-from sonar_tracking.evaluation.offline_tma_chain import run_offline_tma_chain
-from sonar_tracking.simulation.scenario import load_scenario
+from sonar_tracking.bags.storage.bag_records import position_tracks_of
+from sonar_tracking.bags.storage.reader import read_bag
+from sonar_tracking.evaluation.offline.offline_tma_chain import run_offline_tma_chain
+from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
 from tests.system.command_line import digests, report_of, run_command
 
 TRACKS = "/passive/tracks"

@@ -7,14 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
-from sonar_tracking.bags.bag_records import (
+from sonar_tracking.bags.storage.bag_records import (
     bearing_tracks_of,
     frequency_lines_of,
     lofar_rows_of,
 )
-from sonar_tracking.bags.reader import read_bag
-from sonar_tracking.evaluation.offline_sample_chain import run_offline_sample_chain
-from sonar_tracking.simulation.scenario import load_scenario
+from sonar_tracking.bags.storage.reader import read_bag
+from sonar_tracking.evaluation.offline.offline_sample_chain import run_offline_sample_chain
+from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
 from tests.system.command_line import digests, report_of, run_command
 
 SECONDS = 60.0

@@ -9,16 +9,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sonar_tracking.passive.records import BearingTracks, TrackStatus
-from sonar_tracking.position_tracks import PositionTracks
-from sonar_tracking.simulation.bearing_sensor_configuration import BearingSensorConfiguration
-from sonar_tracking.simulation.bearing_simulation import BearingSimulation, SimulatedFrame
-from sonar_tracking.simulation.kinematic_motion import KinematicMotion
-from sonar_tracking.simulation.platforms import OwnShipConfiguration, TurnConfiguration
-from sonar_tracking.simulation.scenario import Scenario
-from sonar_tracking.simulation.target import LineConfiguration, TargetConfiguration
-from sonar_tracking.tma.passive_frame import PassiveFrame, TmaUpdate
-from sonar_tracking.tma.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.records.bearings import BearingTracks, TrackStatus
+from sonar_tracking.records.positions import PositionTracks
+from sonar_tracking.simulation.scenarios.bearing_sensor_configuration import (
+    BearingSensorConfiguration,
+)
+from sonar_tracking.simulation.scenarios.kinematic_motion import KinematicMotion
+from sonar_tracking.simulation.scenarios.platforms import OwnShipConfiguration, TurnConfiguration
+from sonar_tracking.simulation.scenarios.scenario import Scenario
+from sonar_tracking.simulation.scenarios.target import LineConfiguration, TargetConfiguration
+from sonar_tracking.simulation.sensors.bearing_simulation import BearingSimulation, SimulatedFrame
+from sonar_tracking.tma.targets.passive_frame import PassiveFrame, TmaUpdate
+from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
 
 SECOND = 10**9
 LINES = (LineConfiguration(210.0), LineConfiguration(300.0), LineConfiguration(350.0))

@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from sonar_tracking.evaluation.offline_chain import run_offline_chain
+from sonar_tracking.evaluation.offline.offline_bearing_chain import run_offline_chain
 from sonar_tracking.motion import Trajectory
-from sonar_tracking.simulation.array_configuration import ArrayConfiguration
-from sonar_tracking.simulation.kinematic_motion import KinematicMotion
-from sonar_tracking.simulation.platforms import OwnShipConfiguration, TurnConfiguration
-from sonar_tracking.simulation.scenario import Scenario
-from sonar_tracking.simulation.target import TargetConfiguration
-from sonar_tracking.tma.passive_frame import PassiveFrame
-from sonar_tracking.tma.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.simulation.scenarios.array_configuration import ArrayConfiguration
+from sonar_tracking.simulation.scenarios.kinematic_motion import KinematicMotion
+from sonar_tracking.simulation.scenarios.platforms import OwnShipConfiguration, TurnConfiguration
+from sonar_tracking.simulation.scenarios.scenario import Scenario
+from sonar_tracking.simulation.scenarios.target import TargetConfiguration
+from sonar_tracking.tma.targets.passive_frame import PassiveFrame
+from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
 from tests.tma.passive_scene import listed, running
 
 SCENARIO = Scenario(

@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sonar_tracking.evaluation.tma_scenarios import scenario
+from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import scenario
 from sonar_tracking.filtering.consistency import normalised_squared
-from sonar_tracking.simulation.tma_scene import TmaRuns, simulate_runs
-from sonar_tracking.tma.batch_likelihood import (
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.simulation.sensors.tma_scene import TmaRuns, simulate_runs
+from sonar_tracking.tma.batch.batch_likelihood import (
     BatchConfiguration,
     BatchEstimate,
     estimate_batch_likelihood,
 )
-from sonar_tracking.tma.batch_smoother import estimate_batch_path
-from sonar_tracking.tma.records import FloatArray
+from sonar_tracking.tma.batch.batch_smoother import estimate_batch_path
 
 N_RUNS = 12
 

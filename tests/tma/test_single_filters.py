@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sonar_tracking.evaluation.tma_scenarios import scenario
-from sonar_tracking.simulation.tma_scene import TmaRuns, simulate_runs
-from sonar_tracking.tma.records import FloatArray
-from sonar_tracking.tma.stacked_lines import (
+from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import scenario
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.simulation.sensors.tma_scene import TmaRuns, simulate_runs
+from sonar_tracking.tma.estimators.chan_summed_lines import SummedLines, sum_of_lines
+from sonar_tracking.tma.estimators.jauffret_stacked_lines import (
     COVARIANCE,
     FULL,
     NEVER,
@@ -16,7 +17,6 @@ from sonar_tracking.tma.stacked_lines import (
     SingleFilterConfiguration,
     StackedLines,
 )
-from sonar_tracking.tma.summed_lines import SummedLines, sum_of_lines
 
 N_RUNS = 20
 

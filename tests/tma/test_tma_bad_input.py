@@ -11,15 +11,15 @@ import pytest
 
 from sonar_tracking.errors import Severity
 from sonar_tracking.motion import KinematicState
-from sonar_tracking.passive.records import BearingTracks
-from sonar_tracking.position_tracks import PositionTracks
-from sonar_tracking.simulation.bearing_simulation import SimulatedFrame
-from sonar_tracking.simulation.kinematic_motion import KinematicMotion
-from sonar_tracking.simulation.platforms import TurnConfiguration
-from sonar_tracking.simulation.target import LineConfiguration
-from sonar_tracking.tma.passive_frame import PassiveFrame, TmaUpdate
-from sonar_tracking.tma.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.records.bearings import BearingTracks
+from sonar_tracking.records.positions import PositionTracks
+from sonar_tracking.simulation.scenarios.kinematic_motion import KinematicMotion
+from sonar_tracking.simulation.scenarios.platforms import TurnConfiguration
+from sonar_tracking.simulation.scenarios.target import LineConfiguration
+from sonar_tracking.simulation.sensors.bearing_simulation import SimulatedFrame
+from sonar_tracking.tma.targets.passive_frame import PassiveFrame, TmaUpdate
+from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
+from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
 from tests.tma.passive_scene import (
     ARRAY,
     DIRECTIONS,

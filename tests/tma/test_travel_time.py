@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from sonar_tracking.motion import Trajectory, emission_times
-from sonar_tracking.simulation.kinematic_motion import KinematicMotion
-from sonar_tracking.tma.measurement_model import linearise, offset_seen
-from sonar_tracking.tma.records import TmaMeasurement
-from sonar_tracking.tma.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.simulation.scenarios.kinematic_motion import KinematicMotion
+from sonar_tracking.tma.estimators.measurement_model import linearise, offset_seen
+from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
+from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
+from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
 from tests.tma.passive_scene import DIRECTIONS, NEAR, error_of, fed, listed, scene, simulated
 
 STATE = np.array([4000.0, 3000.0, -8.0, 6.0, 300.0])

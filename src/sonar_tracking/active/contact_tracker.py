@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from sonar_tracking.active.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.baselines.region_tracker import RegionTracker
+from sonar_tracking.active.baselines.smc_phd import DensityTracker
+from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.active.multi_target_tracker import MultiTargetTracker
-from sonar_tracking.active.probability_hypothesis_density import DensityTracker
-from sonar_tracking.active.records import Contacts, ContactTrackerUpdate
-from sonar_tracking.active.region_tracker import RegionTracker
+from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
 
 
 class ContactTracker(Protocol):

@@ -21,15 +21,28 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from sonar_tracking.active.clutter_monitor import ClutterMonitor
-from sonar_tracking.active.contact_checks import (
+from sonar_tracking.active.association.hpda import associate_ranked
+from sonar_tracking.active.association.lm_ipda import (
+    BankAssociation,
+    PairEvidence,
+    associate_integrated,
+)
+from sonar_tracking.active.contacts.contact_checks import (
     PingOrigin,
     check_order,
     check_ping,
     origin_of,
     sensor_jump,
 )
-from sonar_tracking.active.contact_gating import (
+from sonar_tracking.active.contacts.contact_positions import PlacedContacts, place_contacts
+from sonar_tracking.active.contacts.contact_tracker_configuration import (
+    ContactTrackerConfiguration,
+    check_configuration,
+)
+from sonar_tracking.active.detection.clutter_monitor import ClutterMonitor
+from sonar_tracking.active.detection.detection_model import DetectionModel, make_detection_model
+from sonar_tracking.active.particle_tracks import ParticleTracks
+from sonar_tracking.active.tracks.contact_gating import (
     GatePairs,
     SensorGeometry,
     TrackGates,
@@ -37,30 +50,16 @@ from sonar_tracking.active.contact_gating import (
     predict_gates,
     sensor_geometry,
 )
-from sonar_tracking.active.contact_positions import PlacedContacts, place_contacts
-from sonar_tracking.active.contact_tracker_configuration import (
-    ContactTrackerConfiguration,
-    check_configuration,
-)
-from sonar_tracking.active.detection_model import DetectionModel, make_detection_model
-from sonar_tracking.active.gate_thresholds import (
+from sonar_tracking.active.tracks.contact_track_list import shown_tracks, thresholds_without_gates
+from sonar_tracking.active.tracks.gate_thresholds import (
     AppliedThresholds,
     apply_thresholds,
     check_thresholds,
 )
-from sonar_tracking.active.integrated_association import (
-    BankAssociation,
-    PairEvidence,
-    associate_integrated,
-)
-from sonar_tracking.active.motion_modes import MotionModes
-from sonar_tracking.active.pair_updates import PairUpdates, mix_updates, update_pairs
-from sonar_tracking.active.particle_tracks import ParticleTracks
-from sonar_tracking.active.rank_association import associate_ranked
-from sonar_tracking.active.records import Contacts, ContactTrackerUpdate, GateThresholds
-from sonar_tracking.active.track_bank import TrackBank, empty_bank, predict_bank
-from sonar_tracking.active.track_list import shown_tracks, thresholds_without_gates
-from sonar_tracking.active.track_management import (
+from sonar_tracking.active.tracks.motion_modes import MotionModes
+from sonar_tracking.active.tracks.pair_updates import PairUpdates, mix_updates, update_pairs
+from sonar_tracking.active.tracks.track_bank import TrackBank, empty_bank, predict_bank
+from sonar_tracking.active.tracks.track_management import (
     ListedTracks,
     duplicates,
     limited,
@@ -69,9 +68,9 @@ from sonar_tracking.active.track_management import (
     surviving,
 )
 from sonar_tracking.errors import Notice
-from sonar_tracking.passive.records import TrackStatus
-
-FloatArray = NDArray[np.float64]
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate, GateThresholds
 
 LARGEST_CLAIM_OF_A_NEW_CONTACT = 0.5
 """A contact that tracks explain with more than this probability starts no candidate."""

@@ -15,13 +15,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sonar_tracking.active.contact_gating import GatePairs, SensorGeometry
-from sonar_tracking.active.contact_positions import PlacedContacts
-from sonar_tracking.active.contact_tracker_configuration import ContactTrackerConfiguration
-from sonar_tracking.active.pair_updates import PairUpdates
-from sonar_tracking.active.particle_cloud import (
+from sonar_tracking.active.contacts.contact_positions import PlacedContacts
+from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.tracks.contact_gating import GatePairs, SensorGeometry
+from sonar_tracking.active.tracks.pair_updates import PairUpdates
+from sonar_tracking.active.tracks.particle_cloud import (
     ParticleCloud,
     ParticleMotion,
     gaussian_cloud,
@@ -29,9 +28,8 @@ from sonar_tracking.active.particle_cloud import (
     predict_cloud,
     resample_cloud,
 )
-from sonar_tracking.active.track_bank import TrackBank
-
-FloatArray = NDArray[np.float64]
+from sonar_tracking.active.tracks.track_bank import TrackBank
+from sonar_tracking.records.arrays import FloatArray
 
 
 class ParticleTracks:

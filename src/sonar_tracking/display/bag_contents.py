@@ -6,9 +6,8 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from sonar_tracking.active.contact_tracker_configuration import ContactTrackerConfiguration
-from sonar_tracking.active.records import Contacts
-from sonar_tracking.bags.bag_records import (
+from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.bags.storage.bag_records import (
     BEARING_TRACKS_TYPE,
     CONTACTS_TYPE,
     FREQUENCY_LINES_TYPE,
@@ -23,7 +22,7 @@ from sonar_tracking.bags.bag_records import (
     position_tracks_of,
     topics_of_type,
 )
-from sonar_tracking.bags.reader import Bag
+from sonar_tracking.bags.storage.reader import Bag
 from sonar_tracking.display.located_pings import located_pings, recorded_mounting
 from sonar_tracking.display.position_history import (
     PositionHistory,
@@ -31,9 +30,10 @@ from sonar_tracking.display.position_history import (
     position_histories,
 )
 from sonar_tracking.display.track_history import TrackHistory, track_histories
-from sonar_tracking.passive.line_records import FrequencyLines, LofarRows
-from sonar_tracking.passive.records import BearingTracks
-from sonar_tracking.simulation.records import OwnShipState
+from sonar_tracking.records.bearings import BearingTracks
+from sonar_tracking.records.contacts import Contacts
+from sonar_tracking.records.lines import FrequencyLines, LofarRows
+from sonar_tracking.records.own_ship import OwnShipState
 
 CONTACT_TRACKER = "hpda_tracker"
 """Node whose parameters tell where the sensor of contacts is mounted, and the sound speed."""

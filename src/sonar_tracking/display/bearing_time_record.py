@@ -17,13 +17,14 @@ from numpy.typing import NDArray
 
 from sonar_tracking.display.track_history import TrackHistory
 from sonar_tracking.geometry import wavenumber
-from sonar_tracking.passive.conventional_beamformer import beam_powers
-from sonar_tracking.passive.records import AngleKind, ArraySnapshots
+from sonar_tracking.passive.directions.conventional_beamformer import beam_powers
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.bearings import AngleKind, ArraySnapshots
+from sonar_tracking.records.time import seconds
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-FloatArray = NDArray[np.float64]
 
 N_BEAMS = 361
 MOST_LINES = 600
@@ -145,7 +146,7 @@ def _draw_line(
     width: float,
 ) -> float:
     """Draw one track; return the time of its end, s."""
-    times = (history.stamps - start) * 1e-9
+    times = seconds(history.stamps - start)
     axes.plot(
         history.degrees_with_gaps(),
         times,
@@ -159,7 +160,7 @@ def _draw_line(
 
 def _draw_picture(axes: Axes, picture: BeamPicture, start: int) -> float:
     """Draw the background; return the time of its end, s."""
-    times = (picture.stamps - start) * 1e-9
+    times = seconds(picture.stamps - start)
     step = float(np.median(np.diff(times))) if len(times) > 1 else 1.0
     edges = np.append(times, times[-1] + step)
     degrees = np.degrees(picture.angles)

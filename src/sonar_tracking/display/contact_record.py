@@ -12,18 +12,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sonar_tracking.active.records import Contacts
 from sonar_tracking.display.bearing_time_record import TRACK_COLOURS
 from sonar_tracking.display.position_history import PositionHistory
 from sonar_tracking.motion import compass_from_azimuth
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.contacts import Contacts
+from sonar_tracking.records.time import seconds
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.collections import PathCollection
 
-FloatArray = NDArray[np.float64]
 
 MOST_CONTACTS = 100_000
 """Of more, evenly chosen ones are drawn."""
@@ -88,7 +88,7 @@ def contact_record(pings: Sequence[Contacts], start: int) -> ContactRecord:
     start : int
         Stamp of time zero, ns.
     """
-    sensor_times = np.array([(ping.stamp - start) * 1e-9 for ping in pings])
+    sensor_times = np.array([seconds(ping.stamp - start) for ping in pings])
     counts = [len(ping.range) for ping in pings]
     times = np.repeat(sensor_times, counts)
     ranges, azimuths, power = (

@@ -11,11 +11,10 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sonar_tracking.passive.line_records import FrequencyLines
-
-FloatArray = NDArray[np.float64]
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.lines import FrequencyLines
+from sonar_tracking.records.time import seconds
 
 MOST_LINES = 12
 """Lines drawn, those heard most often."""
@@ -40,7 +39,7 @@ def line_histories(lists: Iterable[FrequencyLines], start: int) -> dict[int, Flo
     """
     taken: dict[int, list[tuple[float, float, float]]] = {}
     for entry in lists:
-        time = (entry.stamp - start) * 1e-9
+        time = seconds(entry.stamp - start)
         for row, identifier in enumerate(entry.line_id.tolist()):
             if math.isfinite(entry.frequency[row]):
                 point = (time, float(entry.frequency[row]), float(entry.standard_deviation[row]))

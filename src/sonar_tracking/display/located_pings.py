@@ -7,16 +7,16 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 from typing import Any
 
-from sonar_tracking.active.records import Contacts
-from sonar_tracking.active.sensor_location import (
+from sonar_tracking.active.contacts.sensor_location import (
     MountingConfiguration,
     located,
     needs_own_ship,
 )
 from sonar_tracking.errors import InputError
-from sonar_tracking.graph.own_ship_interpolation import interpolate_own_ship, motion_in_map
 from sonar_tracking.motion import KinematicState
-from sonar_tracking.simulation.records import OwnShipState
+from sonar_tracking.own_ship_interpolation import interpolate_own_ship, motion_in_map
+from sonar_tracking.records.contacts import Contacts
+from sonar_tracking.records.own_ship import OwnShipState
 
 
 def located_pings(

@@ -15,13 +15,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from sonar_tracking.passive.line_records import FrequencyLines, LofarRows
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.lines import FrequencyLines, LofarRows
+from sonar_tracking.records.time import seconds
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.collections import QuadMesh
 
-FloatArray = NDArray[np.float64]
 
 MOST_PANELS = 6
 """Beams drawn, those with the most rows."""
@@ -72,7 +73,7 @@ def beam_grams(rows: Iterable[LofarRows], start: int) -> tuple[BeamGram, ...]:
         for identifier, level in zip(entry.track_id.tolist(), entry.level_db, strict=True):
             axis = axes.setdefault(identifier, frequencies)
             if np.array_equal(axis, frequencies):
-                time = (entry.stamp - start) * 1e-9
+                time = seconds(entry.stamp - start)
                 taken.setdefault(identifier, []).append((time, level))
     counts = Counter({identifier: len(each) for identifier, each in taken.items()})
     chosen = sorted(identifier for identifier, _ in counts.most_common(MOST_PANELS))
@@ -157,6 +158,6 @@ def _points(lines: Iterable[FrequencyLines], start: int) -> FloatArray:
     """Return time (s), bearing track and frequency (Hz) of every line, shape (n, 3)."""
     parts = [np.empty((0, 3))]
     for entry in lines:
-        times = np.full(len(entry.frequency), (entry.stamp - start) * 1e-9)
+        times = np.full(len(entry.frequency), seconds(entry.stamp - start))
         parts.append(np.stack([times, entry.track_id.astype(float), entry.frequency], axis=-1))
     return np.concatenate(parts)

@@ -11,13 +11,11 @@ import math
 from collections import deque
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.text import Text
 
-from sonar_tracking.passive.records import TrackStatus
-from sonar_tracking.position_tracks import PositionTracks
-
-FloatArray = NDArray[np.float64]
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.records.positions import PositionTracks
 
 COLUMNS, ROWS = 61, 16
 TRAIL_LENGTH = 200

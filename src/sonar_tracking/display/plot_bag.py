@@ -18,8 +18,8 @@ from typing import Any
 
 from rich.console import Console
 
-from sonar_tracking.bags.bag_records import SNAPSHOTS_TYPE, snapshots_of, topics_of_type
-from sonar_tracking.bags.reader import Bag, read_bag
+from sonar_tracking.bags.storage.bag_records import SNAPSHOTS_TYPE, snapshots_of, topics_of_type
+from sonar_tracking.bags.storage.reader import Bag, read_bag
 from sonar_tracking.display.bag_contents import BagContents, bag_contents
 from sonar_tracking.display.bearing_time_record import (
     MOST_LINES,

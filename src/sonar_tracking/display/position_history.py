@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sonar_tracking.passive.records import TrackStatus
-from sonar_tracking.position_tracks import COLUMNS, PositionTracks
-
-FloatArray = NDArray[np.float64]
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.records.positions import COLUMNS, PositionTracks
+from sonar_tracking.records.time import seconds
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class PositionHistory:
 
     def seconds(self, start: int) -> FloatArray:
         """Return the time of each row since a stamp (ns), s."""
-        return np.asarray((self.stamps - start) * 1e-9, np.float64)
+        return np.asarray(seconds(self.stamps - start), np.float64)
 
 
 def position_histories(lists: Iterable[PositionTracks]) -> tuple[PositionHistory, ...]:

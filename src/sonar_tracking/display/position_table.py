@@ -14,8 +14,8 @@ from rich.text import Text
 
 from sonar_tracking.display.uncertainty_ellipse import uncertainty_ellipse
 from sonar_tracking.motion import compass_from_azimuth
-from sonar_tracking.passive.records import TrackStatus
-from sonar_tracking.position_tracks import PositionTracks, TrackHypothesis
+from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.records.positions import PositionTracks, TrackHypothesis
 
 MOST_ROWS = 24
 STATUS_STYLE = {

@@ -10,8 +10,8 @@ from rich.console import Console
 from rich.live import Live
 
 from sonar_tracking.display.track_table import GraphState, TrackTable
-from sonar_tracking.passive.records import BearingTracks, TrackStatus
-from sonar_tracking.position_tracks import PositionTracks
+from sonar_tracking.records.bearings import BearingTracks, TrackStatus
+from sonar_tracking.records.positions import PositionTracks
 
 REFRESH_SECONDS = 0.25
 LINE_SECONDS = 10.0

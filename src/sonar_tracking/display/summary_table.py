@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from sonar_tracking.display.position_history import PositionHistory
 from sonar_tracking.display.position_table import COLUMNS, position_cells
 from sonar_tracking.display.track_history import TrackHistory
-from sonar_tracking.passive.records import AngleKind, TrackStatus
+from sonar_tracking.records.bearings import AngleKind, TrackStatus
+from sonar_tracking.records.time import seconds
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -183,7 +184,7 @@ def _right_edges(table: SummaryTable) -> NDArray[np.float64]:
 
 
 def _life(stamps: NDArray[np.int64], start: int) -> tuple[str, str]:
-    first, last = (int(stamps[0]) - start) * 1e-9, (int(stamps[-1]) - start) * 1e-9
+    first, last = seconds(int(stamps[0]) - start), seconds(int(stamps[-1]) - start)
     return f"{first:.1f}", f"{last:.1f}"
 
 

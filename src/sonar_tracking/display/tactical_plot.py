@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 from sonar_tracking.display.position_history import PositionHistory
 from sonar_tracking.display.tactical_scene import TacticalScene
 from sonar_tracking.display.uncertainty_ellipse import uncertainty_ellipse
+from sonar_tracking.records.arrays import FloatArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-FloatArray = NDArray[np.float64]
 
 SEA = "#F3F7FA"
 OWN_SHIP = "#1A1A1A"

@@ -7,15 +7,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sonar_tracking.active.contact_positions import place_contacts
-from sonar_tracking.active.records import Contacts
+from sonar_tracking.active.contacts.contact_positions import place_contacts
 from sonar_tracking.display.position_history import PositionHistory
-from sonar_tracking.passive.records import AngleKind, BearingTracks, Sensor, TrackStatus
-from sonar_tracking.simulation.records import OwnShipState
-
-FloatArray = NDArray[np.float64]
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.bearings import AngleKind, BearingTracks, Sensor, TrackStatus
+from sonar_tracking.records.contacts import Contacts
+from sonar_tracking.records.own_ship import OwnShipState
+from sonar_tracking.records.time import seconds
 
 
 def _nothing(width: int) -> FloatArray:
@@ -76,7 +75,7 @@ def own_ship_track(states: Iterable[OwnShipState], start: int) -> FloatArray:
     ndarray, shape (n, 4)
         Time (s), x, y (m), yaw (rad).
     """
-    rows = [((state.stamp - start) * 1e-9, *state.position, state.yaw) for state in states]
+    rows = [(seconds(state.stamp - start), *state.position, state.yaw) for state in states]
     return np.array(sorted(rows)).reshape(-1, 4)
 
 
@@ -100,7 +99,7 @@ def contact_points(pings: Iterable[Contacts], start: int, sound_speed: float) ->
     parts = [_nothing(3)]
     for ping in pings:
         position = place_contacts(ping, sound_speed).position
-        time = np.full((len(position), 1), (ping.stamp - start) * 1e-9)
+        time = np.full((len(position), 1), seconds(ping.stamp - start))
         rows = np.concatenate([time, position], axis=1)
         parts.append(rows[np.all(np.isfinite(rows), axis=1)])
     return np.concatenate(parts)
@@ -126,7 +125,7 @@ def bearing_lines(lists: Iterable[BearingTracks], start: int) -> FloatArray:
     """
     rows = []
     for entry in lists:
-        time = (entry.stamp - start) * 1e-9
+        time = seconds(entry.stamp - start)
         x, y = entry.sensor.position[:2]
         shown = np.isin(entry.status, (TrackStatus.CONFIRMED, TrackStatus.COASTED))
         for angle in entry.arrival_angle[shown & np.isfinite(entry.arrival_angle)]:

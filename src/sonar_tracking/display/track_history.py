@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sonar_tracking.motion import compass_from_azimuth
-from sonar_tracking.passive.records import AngleKind, BearingTracks, TrackStatus
-
-FloatArray = NDArray[np.float64]
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.bearings import AngleKind, BearingTracks, TrackStatus
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ from rich.text import Text
 
 from sonar_tracking.display.plan_view import PlanView
 from sonar_tracking.display.position_table import STATUS_STYLE, position_table
-from sonar_tracking.passive.records import BearingTracks, TrackStatus
-from sonar_tracking.position_tracks import PositionTracks
+from sonar_tracking.records.bearings import BearingTracks, TrackStatus
+from sonar_tracking.records.positions import PositionTracks
 
 PICTURE_COLUMNS = 61
 PICTURE_ROWS = 16

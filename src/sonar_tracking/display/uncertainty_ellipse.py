@@ -6,9 +6,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from sonar_tracking.records.arrays import FloatArray
 
 PROBABILITY = 0.95
 """Of the ellipses people are shown."""

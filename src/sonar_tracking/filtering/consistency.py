@@ -8,10 +8,9 @@ Bar-Shalom, Li, Kirubarajan (2001), section 5.4.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import chi2
 
-FloatArray = NDArray[np.float64]
+from sonar_tracking.records.arrays import FloatArray
 
 
 def normalised_squared(errors: FloatArray, covariances: FloatArray) -> FloatArray:

@@ -7,9 +7,8 @@ Ryu, Park, Choi (2003), eqs. 1-2; Bar-Shalom, Li, Kirubarajan (2001), section 6.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from sonar_tracking.records.arrays import FloatArray
 
 
 def transition_matrix(interval: float) -> FloatArray:

@@ -1,0 +1,1 @@
+"""Which contact is whose, for all tracks at once: LM-IPDA, HPDA, JPDA."""

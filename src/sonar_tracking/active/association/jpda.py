@@ -1,0 +1,81 @@
+"""Joint probabilistic data association by enumeration of all joint events.
+
+An event assigns each track at most one contact and each contact to at most one track. Its weight
+is the product of 1 - P_D P_G over tracks without and P_D l_tj / lambda over tracks with a contact.
+Tracks without a common contact are independent, so that each connected cluster is enumerated on
+its own; a cluster with too many events falls back to independent PDA.
+
+References
+----------
+Fortmann, Bar-Shalom, Scheffe (1983); Ng, Li, Godsill, Vermaak (2005).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from sonar_tracking.records.arrays import FloatArray
+
+MAXIMUM_EVENTS = 20_000
+"""Upper bound of the number of joint events of a cluster."""
+
+
+def associate_jointly(ratios: FloatArray, missed: float) -> FloatArray:
+    """Return the probability that contact j is track t's.
+
+    Parameters
+    ----------
+    ratios : ndarray, shape (n_tracks, n_contacts)
+        P_D l_tj / lambda; 0 outside the gate.
+    missed : float
+        1 - P_D P_G.
+
+    Returns
+    -------
+    ndarray, shape (n_tracks, n_contacts)
+        Rows sum to the probability of detection given the contacts.
+    """
+    n_tracks, n_contacts = ratios.shape
+    probabilities = np.zeros_like(ratios)
+    if not n_tracks or not n_contacts:
+        return probabilities
+    rows, columns = np.nonzero(ratios)
+    size = n_tracks + n_contacts
+    graph = coo_array((np.ones(len(rows)), (rows, n_tracks + columns)), shape=(size, size))
+    _, label = connected_components(graph, directed=False)
+    for cluster in np.unique(label[:n_tracks]):
+        tracks = np.flatnonzero(label[:n_tracks] == cluster)
+        contacts = np.flatnonzero(label[n_tracks:] == cluster)
+        part = ratios[np.ix_(tracks, contacts)]
+        probabilities[np.ix_(tracks, contacts)] = _cluster(part, missed)
+    return probabilities
+
+
+def _cluster(ratios: FloatArray, missed: float) -> FloatArray:
+    events = float(np.prod(1.0 + np.count_nonzero(ratios, axis=1)))
+    if len(ratios) == 1 or events > MAXIMUM_EVENTS:
+        return np.asarray(ratios / (missed + np.sum(ratios, axis=1))[:, None])
+    choices = [
+        [(-1, missed), *((int(j), float(row[j])) for j in np.flatnonzero(row))] for row in ratios
+    ]
+    marginal = np.zeros_like(ratios)
+    chosen = [-1] * len(ratios)
+
+    def descend(track: int, used: int, weight: float) -> float:
+        if track == len(choices):
+            for row, column in enumerate(chosen):
+                if column >= 0:
+                    marginal[row, column] += weight
+            return weight
+        total = 0.0
+        for column, factor in choices[track]:
+            if column >= 0 and used >> column & 1:
+                continue
+            chosen[track] = column
+            mark = used | 1 << column if column >= 0 else used
+            total += descend(track + 1, mark, weight * factor)
+        return total
+
+    return np.asarray(marginal / descend(0, 0, 1.0))

@@ -1,0 +1,1 @@
+"""Published trackers to compare with: regions of interest, SMC-PHD."""

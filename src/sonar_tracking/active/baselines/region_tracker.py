@@ -1,0 +1,300 @@
+"""Baseline: regions of interest start and end tracks, JPDA particle filters follow them.
+
+A region of interest seen at two successive pings away from all tracks starts a track; a track with
+no region for two pings ends. With a low probability of detection regions are missing more often
+than targets, which is why the method counts too few. It counts instead of estimating: its tracks
+have no existence probability.
+
+References
+----------
+Ng, Li, Godsill, Vermaak (2005), as compared with in Kim, Song (2007).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.active.association.jpda import associate_jointly
+from sonar_tracking.active.baselines.regions_of_interest import WINDOW, PolarContacts, find_regions
+from sonar_tracking.active.contacts.contact_checks import (
+    PingOrigin,
+    check_order,
+    check_ping,
+    origin_of,
+)
+from sonar_tracking.active.contacts.contact_positions import (
+    PlacedContacts,
+    place_contacts,
+    position_covariance,
+)
+from sonar_tracking.active.contacts.contact_tracker_configuration import (
+    ContactTrackerConfiguration,
+    check_configuration,
+)
+from sonar_tracking.active.detection.detection_model import DetectionModel, make_detection_model
+from sonar_tracking.active.detection.gate_association import PROBABILITY_IN_GATE
+from sonar_tracking.active.detection.information_reduction import GATE_SIZE
+from sonar_tracking.active.tracks.contact_gating import SensorGeometry, sensor_geometry
+from sonar_tracking.active.tracks.contact_track_list import (
+    TrackRows,
+    shown_tracks,
+    thresholds_without_gates,
+)
+from sonar_tracking.active.tracks.particle_cloud import (
+    ParticleCloud,
+    ParticleMotion,
+    gaussian_cloud,
+    particle_densities,
+    predict_cloud,
+    resample_cloud,
+)
+from sonar_tracking.errors import Notice, Severity
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
+
+BIRTH_COUNT = 2
+DEATH_COUNT = 2
+
+LARGEST_NUMBER_OF_CLOUDS = 500
+"""Tracks, each with its particles: bounds memory and time whatever the clutter."""
+
+
+@dataclass(frozen=True)
+class _RegionTrack:
+    """One confirmed track."""
+
+    track_id: int
+    cloud: ParticleCloud
+    misses: int
+    initiated: int
+    updated: int
+
+
+class RegionTracker:
+    """Tracks of several targets by regions of interest and JPDA particle filters.
+
+    Parameters
+    ----------
+    configuration : ContactTrackerConfiguration
+        With method ``roi_clustering``.
+
+    Raises
+    ------
+    ConfigurationError
+        If parameters do not fit together.
+    """
+
+    def __init__(self, configuration: ContactTrackerConfiguration) -> None:
+        check_configuration(configuration)
+        self._configuration = configuration
+        self._motion = ParticleMotion.configured(configuration)
+        self._generator = np.random.default_rng(configuration.seed)
+        self._tracks: list[_RegionTrack] = []
+        self._window: list[PolarContacts] = []
+        self._most_tracks = min(configuration.maximum_tracks, LARGEST_NUMBER_OF_CLOUDS)
+        self._pending = np.zeros((0, 2)), np.zeros(0, dtype=np.int64)
+        self._next_id = configuration.first_id
+        self._last: PingOrigin | None = None
+
+    @property
+    def next_id(self) -> int:
+        """Identifier the next track will get."""
+        return self._next_id
+
+    def update(self, contacts: Contacts) -> ContactTrackerUpdate:
+        """Return the tracks after one ping.
+
+        Raises
+        ------
+        InputError
+            If the ping cannot be used; the state is then unchanged.
+        """
+        contacts, notices = check_ping(contacts, self._last)
+        model, guessed = make_detection_model(contacts, self._configuration)
+        placed = place_contacts(contacts, self._configuration.sound_speed)
+        sensor = sensor_geometry(contacts, self._configuration.sound_speed)
+        self._predict(contacts.stamp)
+        self._last = origin_of(contacts)
+        self._follow(placed, sensor, model, contacts.stamp)
+        polar = PolarContacts(placed.position, placed.distance, contacts.azimuth)
+        self._window = [*self._window[-WINDOW:], polar]
+        regions = find_regions(
+            self._window,
+            sensor.range_standard_deviation,
+            sensor.azimuth_standard_deviation,
+            self._configuration.roi_distance,
+            model.detection_probability,
+        )
+        free = self._attributed(regions, sensor)
+        ended = [track for track in self._tracks if track.misses >= DEATH_COUNT]
+        self._tracks = [track for track in self._tracks if track.misses < DEATH_COUNT]
+        self._start(free, sensor, contacts.stamp)
+        return ContactTrackerUpdate(
+            tracks=shown_tracks(self._listed(ended), contacts.stamp, contacts.next_stamp),
+            target_count=float(len(self._tracks)),
+            thresholds=thresholds_without_gates(contacts.stamp, contacts.next_stamp, model),
+            notices=(*notices, *guessed, *self._notices()),
+        )
+
+    def coast(self, stamp: int, next_stamp: int) -> ContactTrackerUpdate:
+        """Return the tracks predicted to a ping of which nothing else is known.
+
+        Raises
+        ------
+        InputError
+            If the stamp is not later than that of the ping before.
+        """
+        check_order(stamp, self._last)
+        self._predict(stamp)
+        self._last = self._last and self._last.moved_to(stamp)
+        rows = self._listed([])
+        coasted = np.full(len(rows.id), int(TrackStatus.COASTED), dtype=np.int64)
+        return ContactTrackerUpdate(
+            tracks=shown_tracks(replace(rows, status=coasted), stamp, next_stamp),
+            target_count=float(len(self._tracks)),
+            thresholds=thresholds_without_gates(stamp, next_stamp),
+        )
+
+    def _notices(self) -> tuple[Notice, ...]:
+        if len(self._tracks) < self._most_tracks:
+            return ()
+        text = (
+            f"There are {len(self._tracks)} tracks, as many as clouds of particles are kept for; "
+            "no others are started. Raise the detector's threshold, or use the method integrated."
+        )
+        return (Notice(Severity.WARN, "maximum_tracks", text),)
+
+    def _predict(self, stamp: int) -> None:
+        interval = 0.0 if self._last is None else self._last.interval(stamp)
+        self._tracks = [
+            replace(
+                track, cloud=predict_cloud(track.cloud, self._motion, interval, self._generator)
+            )
+            for track in self._tracks
+        ]
+
+    def _follow(
+        self,
+        placed: PlacedContacts,
+        sensor: SensorGeometry,
+        model: DetectionModel,
+        stamp: int,
+    ) -> None:
+        """Update all tracks with the joint association probabilities."""
+        clouds = [track.cloud for track in self._tracks]
+        gates = [np.flatnonzero(_inside_gate(cloud, placed)) for cloud in clouds]
+        densities = [
+            particle_densities(cloud.state, placed.selected(columns), sensor)
+            for cloud, columns in zip(clouds, gates, strict=True)
+        ]
+        means = [
+            cloud.weight @ density / np.sum(cloud.weight)
+            for cloud, density in zip(clouds, densities, strict=True)
+        ]
+        ratios = np.zeros((len(clouds), len(placed.distance)))
+        clutter = model.clutter_density(placed.distance)
+        for row, columns in enumerate(gates):
+            ratios[row, columns] = model.detection_probability * means[row] / clutter[columns]
+        missed = 1.0 - model.detection_probability * PROBABILITY_IN_GATE
+        probabilities = associate_jointly(ratios, missed)
+        for row, (cloud, density) in enumerate(zip(clouds, densities, strict=True)):
+            beta = probabilities[row, gates[row]]
+            relative = density / np.maximum(means[row], 1e-300)
+            factor = 1.0 - np.sum(beta) + relative @ beta
+            weighed = ParticleCloud(cloud.state, cloud.mode, cloud.weight * factor)
+            updated = stamp if np.sum(beta) > 0.5 else self._tracks[row].updated
+            self._tracks[row] = replace(
+                self._tracks[row],
+                cloud=resample_cloud(weighed, self._generator),
+                updated=updated,
+            )
+
+    def _attributed(self, regions: FloatArray, sensor: SensorGeometry) -> FloatArray:
+        """Count misses of the tracks and return the regions that belong to none."""
+        noise = _region_covariances(regions, sensor)
+        free = np.ones(len(regions), dtype=bool)
+        for row, track in enumerate(self._tracks):
+            mean, covariance = track.cloud.moments()
+            difference = regions - mean[:2]
+            spread = 2.0 * noise + covariance[:2, :2]
+            scaled = np.linalg.solve(spread, difference[..., None])[..., 0]
+            own = free & (np.sum(difference * scaled, axis=1) < GATE_SIZE**2)
+            free &= ~own
+            self._tracks[row] = replace(track, misses=0 if np.any(own) else track.misses + 1)
+        return regions[free]
+
+    def _start(self, regions: FloatArray, sensor: SensorGeometry, stamp: int) -> None:
+        """Count free regions from ping to ping and start tracks of those that last."""
+        deviation = sensor.range_standard_deviation
+        single = np.empty_like(regions)
+        n_single = 0
+        for region in regions:
+            if np.all(_distances(single[:n_single], region) >= 3.0 * deviation):
+                single[n_single] = region
+                n_single += 1
+        before, counts = self._pending
+        positions, numbers = [], []
+        for region in single[:n_single]:
+            near = _distances(before, region) < 3.0 * np.sqrt(2.0) * deviation
+            count = int(np.max(counts[near], initial=0)) + 1
+            if count < BIRTH_COUNT:
+                positions.append(region)
+                numbers.append(count)
+            elif len(self._tracks) < self._most_tracks:
+                self._tracks.append(self._born(region, sensor, stamp))
+        self._pending = (np.array(positions).reshape(-1, 2), np.array(numbers, dtype=np.int64))
+
+    def _born(self, region: FloatArray, sensor: SensorGeometry, stamp: int) -> _RegionTrack:
+        covariance = np.zeros((4, 4))
+        covariance[:2, :2] = _region_covariances(region[None], sensor)[0]
+        covariance[2:, 2:] = self._configuration.initial_speed_deviation**2 * np.eye(2)
+        mean = np.concatenate([region, np.zeros(2)])
+        cloud = gaussian_cloud(mean, covariance, self._configuration.n_particles, self._generator)
+        track = _RegionTrack(self._next_id, cloud, 0, stamp, stamp)
+        self._next_id += 1
+        return track
+
+    def _listed(self, ended: list[_RegionTrack]) -> TrackRows:
+        tracks = [*self._tracks, *ended]
+        status = [
+            TrackStatus.CONFIRMED if track.misses == 0 else TrackStatus.COASTED
+            for track in self._tracks
+        ]
+        moments = [track.cloud.moments() for track in tracks]
+        return TrackRows(
+            id=np.array([track.track_id for track in tracks], dtype=np.int64),
+            status=np.array([*status, *[TrackStatus.TERMINATED] * len(ended)], dtype=np.int64),
+            existence=np.full(len(tracks), np.nan),
+            state=np.array([mean for mean, _ in moments]).reshape(-1, 4),
+            covariance=np.array([spread for _, spread in moments]).reshape(-1, 4, 4),
+            initiated=np.array([track.initiated for track in tracks], dtype=np.int64),
+            updated=np.array([track.updated for track in tracks], dtype=np.int64),
+        )
+
+
+def _distances(positions: FloatArray, region: FloatArray) -> FloatArray:
+    separation = region - positions
+    return np.hypot(separation[:, 0], separation[:, 1])
+
+
+def _region_covariances(regions: FloatArray, sensor: SensorGeometry) -> FloatArray:
+    separation = regions - sensor.position
+    distance = np.maximum(np.hypot(separation[:, 0], separation[:, 1]), 1e-3)
+    return position_covariance(
+        separation / distance[:, None],
+        distance,
+        sensor.range_standard_deviation,
+        sensor.azimuth_standard_deviation,
+    )
+
+
+def _inside_gate(cloud: ParticleCloud, placed: PlacedContacts) -> NDArray[np.bool_]:
+    mean, covariance = cloud.moments()
+    difference = placed.position - mean[:2] - placed.delay[:, None] * mean[2:]
+    spread = placed.covariance + covariance[:2, :2]
+    scaled = np.linalg.solve(spread, difference[..., None])[..., 0]
+    return np.asarray(np.sum(difference * scaled, axis=1) < GATE_SIZE**2)

@@ -1,0 +1,119 @@
+"""Contacts of successive pings that lie together: where a target may be.
+
+References
+----------
+Ng, Li, Godsill, Vermaak (2005), as described in Kim, Song (2007): a window of the last pings; a
+region of interest is a chain of nearest contacts through it that is longer than P_D times the
+window.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sonar_tracking.motion import wrap_angle
+from sonar_tracking.records.arrays import FloatArray
+
+WINDOW = 2
+"""Pings before the present one that are looked at."""
+
+CONTACTS_AT_ONCE = 256
+"""Compared with all contacts of another ping, so that memory stays bounded."""
+
+
+@dataclass(frozen=True)
+class PolarContacts:
+    """Contacts of one ping in units of their errors.
+
+    Attributes
+    ----------
+    position : ndarray, shape (n, 2)
+        In ``map``, m.
+    distance, azimuth : ndarray, shape (n,)
+        From the sensor, m and rad.
+    """
+
+    position: FloatArray
+    distance: FloatArray
+    azimuth: FloatArray
+
+
+def find_regions(
+    window: Sequence[PolarContacts],
+    range_standard_deviation: float,
+    azimuth_standard_deviation: float,
+    distance_limit: float,
+    detection_probability: float,
+) -> FloatArray:
+    """Return the newest positions of all regions of interest.
+
+    Parameters
+    ----------
+    window : sequence of PolarContacts
+        Oldest ping first.
+    range_standard_deviation, azimuth_standard_deviation : float
+        m and rad.
+    distance_limit : float
+        Squared distance, in units of the covariance of a difference of two contacts.
+    detection_probability : float
+        P_D.
+
+    Returns
+    -------
+    ndarray, shape (n, 2)
+        m.
+    """
+    deviations = (range_standard_deviation, azimuth_standard_deviation)
+    near = {
+        (ping, later): _near_contacts(window[ping], window[later], deviations, distance_limit)
+        for ping in range(len(window))
+        for later in range(ping + 1, len(window))
+    }
+    taken = [np.zeros(len(contacts.distance), dtype=bool) for contacts in window]
+    regions = []
+    for first, contacts in enumerate(window):
+        for start in range(len(contacts.distance)):
+            if taken[first][start]:
+                continue
+            chain = [(first, start)]
+            for later in range(first + 1, len(window)):
+                ping, row = chain[-1]
+                free = [found for found in near[ping, later][row] if not taken[later][found]]
+                if free:
+                    chain.append((later, free[0]))
+            if len(chain) > detection_probability * WINDOW:
+                for ping, row in chain:
+                    taken[ping][row] = True
+                ping, row = chain[-1]
+                regions.append(window[ping].position[row])
+    return np.array(regions).reshape(-1, 2)
+
+
+def _near_contacts(
+    contacts: PolarContacts,
+    others: PolarContacts,
+    deviations: tuple[float, float],
+    limit: float,
+) -> list[list[int]]:
+    """Return the contacts of another ping within the limit of each contact, the nearest first."""
+    near: list[list[int]] = [[] for _ in contacts.distance]
+    order = np.argsort(contacts.distance, kind="stable")
+    others_order = np.argsort(others.distance, kind="stable")
+    distances = others.distance[others_order]
+    reach = 1.001 * np.sqrt(2.0 * limit) * deviations[0]
+    for first in range(0, len(order), CONTACTS_AT_ONCE):
+        rows = order[first : first + CONTACTS_AT_ONCE]
+        low = np.searchsorted(distances, contacts.distance[rows[0]] - reach)
+        high = np.searchsorted(distances, contacts.distance[rows[-1]] + reach)
+        columns = np.sort(others_order[low:high])
+        along = (others.distance[columns] - contacts.distance[rows, None]) / deviations[0]
+        across = wrap_angle(others.azimuth[columns] - contacts.azimuth[rows, None]) / deviations[1]
+        square = 0.5 * (along**2 + across**2)
+        for row, values in zip(rows, square, strict=True):
+            inside = np.flatnonzero(values < limit)
+            inside = inside[np.argsort(values[inside], kind="stable")]
+            near[row] = columns[inside].tolist()
+    return near

@@ -1,0 +1,109 @@
+"""Where and when contacts were reflected.
+
+A ping leaves the sensor at p at the stamp and is received where the sensor is then, at
+q = p + v L / c with L = 2 range. The contact lies on the ellipse with foci p and q, at the distance
+
+    rho = (L^2 - d^2) / (2 (L + u . d)),    d = q - p,    u = direction of arrival,
+
+from q, and was reflected (L - rho) / c after the stamp. Without propagation delay p = q and rho =
+range.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.contacts import Contacts
+
+IDENTITY = np.eye(2)
+
+
+@dataclass(frozen=True)
+class PlacedContacts:
+    """Contacts in the plane.
+
+    Attributes
+    ----------
+    position : ndarray, shape (n, 2)
+        In ``map``, m.
+    covariance : ndarray, shape (n, 2, 2)
+        Of the position, m^2.
+    distance : ndarray, shape (n,)
+        From the receiver, m.
+    delay : ndarray, shape (n,)
+        From the stamp to the reflection, s.
+    """
+
+    position: FloatArray
+    covariance: FloatArray
+    distance: FloatArray
+    delay: FloatArray
+
+    def selected(self, rows: NDArray[np.intp]) -> PlacedContacts:
+        """Return some of the contacts."""
+        return PlacedContacts(
+            self.position[rows], self.covariance[rows], self.distance[rows], self.delay[rows]
+        )
+
+
+def place_contacts(contacts: Contacts, sound_speed: float) -> PlacedContacts:
+    """Return where and when the contacts of a ping were reflected.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        Of one ping.
+    sound_speed : float
+        m/s; 0 = the ping takes no time.
+    """
+    direction = np.empty((len(contacts.azimuth), 2))
+    np.cos(contacts.azimuth, out=direction[:, 0])
+    np.sin(contacts.azimuth, out=direction[:, 1])
+    path = 2.0 * contacts.range
+    sensor = np.array(contacts.sensor_position)
+    travel = path / sound_speed if sound_speed > 0.0 else np.zeros_like(path)
+    shift = travel[:, None] * np.array(contacts.sensor_velocity)
+    along = (direction * shift).sum(axis=1)
+    distance = (path**2 - (shift**2).sum(axis=1)) / (2.0 * (path + along))
+    delay = (path - distance) / sound_speed if sound_speed > 0.0 else np.zeros_like(path)
+    covariance = position_covariance(
+        direction,
+        distance,
+        contacts.range_standard_deviation,
+        contacts.azimuth_standard_deviation,
+    )
+    return PlacedContacts(
+        sensor + shift + distance[:, None] * direction, covariance, distance, delay
+    )
+
+
+def position_covariance(
+    direction: FloatArray,
+    distance: FloatArray,
+    range_standard_deviation: float | FloatArray,
+    azimuth_standard_deviation: float | FloatArray,
+) -> FloatArray:
+    """Return rot diag(sigma_r^2, (r sigma_theta)^2) rot^T.
+
+    Parameters
+    ----------
+    direction : ndarray, shape (n, 2)
+        Unit vectors from the sensor.
+    distance : ndarray, shape (n,)
+        m.
+    range_standard_deviation, azimuth_standard_deviation : float or ndarray, shape (n,)
+        m and rad.
+
+    Returns
+    -------
+    ndarray, shape (n, 2, 2)
+        m^2.
+    """
+    along = np.square(range_standard_deviation)
+    across = (distance * azimuth_standard_deviation) ** 2
+    outer = direction[:, :, None] * direction[:, None, :]
+    return across[:, None, None] * IDENTITY + (along - across)[:, None, None] * outer

@@ -1,0 +1,94 @@
+"""Where the sensor of a ping is and how it is turned: told by the ping, or by own ship's motion.
+
+A sensor that does not tell its pose is mounted on own ship at the place the parameters say.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from sonar_tracking.configuration import parameter
+from sonar_tracking.errors import InputError
+from sonar_tracking.motion import KinematicState, lever_arm, swing_velocity, wrap_angle
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.contacts import Contacts
+from sonar_tracking.records.positions import MAP_FRAME
+
+
+@dataclass(frozen=True)
+class MountingConfiguration:
+    """Where a sensor is on own ship; used where its messages do not carry its pose."""
+
+    mounting_x: float = parameter(
+        0.0, "sensor ahead of own ship's reference, where contacts do not tell its pose", unit="m"
+    )
+    mounting_y: float = parameter(0.0, "sensor to port of it", unit="m")
+    mounting_yaw_deg: float = parameter(
+        0.0, "direction of +x of the sensor, anticlockwise from the bow", unit="deg"
+    )
+
+
+def needs_own_ship(contacts: Contacts) -> bool:
+    """Return whether the pose of the sensor has to come from own ship's motion."""
+    known = (*contacts.sensor_position, *contacts.sensor_velocity)
+    turned = contacts.frame_id != MAP_FRAME and math.isnan(contacts.sensor_yaw)
+    return turned or any(map(math.isnan, known))
+
+
+def located(
+    contacts: Contacts, own_ship: KinematicState | None, mounting: MountingConfiguration
+) -> Contacts:
+    """Return a ping with the pose of its sensor known, and its azimuths in ``map``.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        NaN = not told.
+    own_ship : KinematicState or None
+        At the stamp of the ping; None = unknown.
+    mounting : MountingConfiguration
+        Where the sensor is on own ship.
+
+    Raises
+    ------
+    InputError
+        If own ship is needed and unknown.
+    """
+    if needs_own_ship(contacts):
+        contacts = _on_own_ship(contacts, own_ship, mounting)
+    if contacts.frame_id == MAP_FRAME:
+        return contacts
+    return replace(
+        contacts,
+        azimuth=wrap_angle(contacts.azimuth + contacts.sensor_yaw),
+        minimum_azimuth=float(wrap_angle(contacts.minimum_azimuth + contacts.sensor_yaw)),
+        frame_id=MAP_FRAME,
+    )
+
+
+def _on_own_ship(
+    contacts: Contacts, own_ship: KinematicState | None, mounting: MountingConfiguration
+) -> Contacts:
+    if own_ship is None:
+        raise InputError(
+            "The ping does not tell where its sensor is, and there is no odometry at its stamp; "
+            "publish own_ship/odometry before and after it, or set sensor_pose and "
+            "sensor_velocity."
+        )
+    heading = float(own_ship.azimuth)
+    arm = lever_arm(heading, mounting.mounting_x, mounting.mounting_y)
+    swing = swing_velocity(float(own_ship.turn_rate), arm)
+    yaw = heading + math.radians(mounting.mounting_yaw_deg)
+    return replace(
+        contacts,
+        sensor_position=_filled(contacts.sensor_position, own_ship.position + arm),
+        sensor_velocity=_filled(contacts.sensor_velocity, own_ship.velocity + swing),
+        sensor_yaw=yaw if math.isnan(contacts.sensor_yaw) else contacts.sensor_yaw,
+    )
+
+
+def _filled(told: tuple[float, float], computed: FloatArray) -> tuple[float, float]:
+    if any(map(math.isnan, told)):
+        return float(computed[0]), float(computed[1])
+    return told

@@ -1,0 +1,1 @@
+"""Detection thresholds, probabilities of detection, clutter and amplitudes."""

@@ -1,0 +1,171 @@
+"""What the tracker takes for detection, clutter and amplitudes of one ping.
+
+The contacts say it, the parameters fill in. Clutter is uniform per square metre, or per resolution
+cell of range and azimuth: then its density falls with the distance, lambda = P_F / (dr dtheta r).
+
+References
+----------
+Kim, Song (2007), equations 4-5; Jung, Shin (2002), equations 2-3.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.detection.detection_threshold import linear_from_decibel
+from sonar_tracking.active.detection.gate_association import amplitude_likelihood_ratio
+from sonar_tracking.errors import Notice, Severity
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.contacts import Contacts
+
+SMALLEST_CLUTTER_DENSITY = 1e-14
+"""1/m^2; a density of zero would make every contact a certain target."""
+
+AVERAGED_LEVELS_DB = np.arange(3.0, 20.5, 1.0)
+"""Over which the amplitude likelihood is averaged where the ratio is not known."""
+
+
+@dataclass(frozen=True)
+class DetectionModel:
+    """Detection, clutter and amplitudes of one ping.
+
+    Attributes
+    ----------
+    detection_probability : float
+        P_D at the threshold of the detector.
+    signal_to_noise_ratio_linear : float
+        Of a target, power ratio.
+    averaged : bool
+        Whether amplitudes are judged by the average over levels.
+    outlier_share : float
+        Of false contacts as strong as targets: no amplitude says more than its inverse.
+    threshold : float
+        tau of the detector, linear; NaN = unknown.
+    false_alarm_probability : float
+        P_F of the detector per resolution cell; NaN = unknown.
+    cell_size : float
+        dr dtheta, m rad: the area of a cell is that times the distance; NaN = unknown.
+    uniform_density : float
+        False contacts per m^2 at the threshold of the detector; NaN = uniform per cell.
+    maximum_range : float
+        m; infinite = no limit.
+    clutter_factor : float
+        By which there is more clutter than claimed.
+    minimum_range : float
+        Of the survey, m.
+    sector : float
+        Width of the survey, rad.
+    """
+
+    detection_probability: float
+    signal_to_noise_ratio_linear: float
+    averaged: bool
+    outlier_share: float
+    threshold: float
+    false_alarm_probability: float
+    cell_size: float
+    uniform_density: float
+    maximum_range: float
+    clutter_factor: float = 1.0
+    minimum_range: float = 0.0
+    sector: float = 2.0 * np.pi
+
+    def expected_clutter(self) -> float:
+        """Return the mean number of false contacts in a ping; infinite or NaN if unknown."""
+        if math.isfinite(self.uniform_density):
+            area = 0.5 * self.sector * (self.maximum_range**2 - self.minimum_range**2)
+            return float(self.uniform_density * area)
+        cells = self.sector * (self.maximum_range - self.minimum_range) / self.cell_size
+        return float(self.false_alarm_probability * cells)
+
+    def clutter_density(self, distance: FloatArray) -> FloatArray:
+        """Return lambda at distances (m) from the sensor, 1/m^2, at the detector's threshold."""
+        if math.isfinite(self.uniform_density):
+            uniform = max(self.clutter_factor * self.uniform_density, SMALLEST_CLUTTER_DENSITY)
+            return np.full(len(distance), uniform)
+        area = self.cell_size * np.maximum(distance, 1.0)
+        density = self.clutter_factor * (self.false_alarm_probability / area)
+        return np.maximum(density, SMALLEST_CLUTTER_DENSITY)
+
+    def amplitude_ratio(self, amplitudes: FloatArray, thresholds: FloatArray) -> FloatArray:
+        """Return e(a) of amplitudes above thresholds, 1 where either is not known."""
+        excess = amplitudes - thresholds
+        if self.averaged:
+            levels = linear_from_decibel(AVERAGED_LEVELS_DB)
+            ratios = [amplitude_likelihood_ratio(excess, 0.0, float(level)) for level in levels]
+            ratio = np.asarray(np.mean(ratios, axis=0))
+        else:
+            ratio = amplitude_likelihood_ratio(excess, 0.0, self.signal_to_noise_ratio_linear)
+        share = self.outlier_share
+        return np.where(np.isfinite(excess), ratio / (1.0 - share + share * ratio), 1.0)
+
+
+def make_detection_model(
+    contacts: Contacts, configuration: ContactTrackerConfiguration
+) -> tuple[DetectionModel, tuple[Notice, ...]]:
+    """Return what is known of a ping, and what had to be guessed.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        The ping.
+    configuration : ContactTrackerConfiguration
+        Fills in what the ping does not carry.
+    """
+    cell_size = contacts.range_resolution * contacts.azimuth_resolution
+    per_cell = math.isfinite(cell_size * contacts.false_alarm_probability)
+    maximum_range = _known(contacts.maximum_range, configuration.maximum_range or np.inf)
+    minimum_range = _known(contacts.minimum_range, 0.0)
+    sector = _known(contacts.azimuth_width, 2.0 * np.pi)
+    density = contacts.clutter_density
+    notices: tuple[Notice, ...] = ()
+    if not math.isfinite(density) and not per_cell:
+        density = configuration.clutter_density
+        density = density or _counted_density(contacts, minimum_range, maximum_range, sector)
+    if density <= 0.0:
+        text = "The clutter density is zero; the smallest one that makes sense is used instead."
+        notices = (Notice(Severity.WARN, "clutter_density", text),)
+    ratio = float(linear_from_decibel(configuration.signal_to_noise_ratio_db))
+    detected = _known(contacts.detection_probability, configuration.detection_probability)
+    model = DetectionModel(
+        detection_probability=min(0.999, max(0.01, detected)),
+        signal_to_noise_ratio_linear=_known(contacts.signal_to_noise_ratio_linear, ratio),
+        averaged=configuration.amplitude_model == "averaged",
+        outlier_share=configuration.outlier_share,
+        threshold=_threshold(contacts),
+        false_alarm_probability=contacts.false_alarm_probability,
+        cell_size=cell_size,
+        uniform_density=density,
+        maximum_range=maximum_range,
+        minimum_range=minimum_range,
+        sector=sector,
+    )
+    return model, notices
+
+
+def _known(value: float, otherwise: float) -> float:
+    return value if math.isfinite(value) else otherwise
+
+
+def _threshold(contacts: Contacts) -> float:
+    if math.isfinite(contacts.detection_threshold):
+        return contacts.detection_threshold
+    if contacts.false_alarm_probability > 0.0:
+        return -math.log(contacts.false_alarm_probability)
+    # The weakest contact is a fair estimate of a threshold that nobody told.
+    return float(np.min(contacts.amplitude)) if len(contacts.amplitude) else np.nan
+
+
+def _counted_density(
+    contacts: Contacts, minimum_range: float, maximum_range: float, sector: float
+) -> float:
+    """Return the number of contacts over the area of the survey, a density that errs high."""
+    if not len(contacts.range):
+        return SMALLEST_CLUTTER_DENSITY
+    reach = maximum_range if np.isfinite(maximum_range) else float(np.max(contacts.range))
+    area = 0.5 * sector * (reach**2 - minimum_range**2)
+    return len(contacts.range) / max(area, 1.0)

@@ -1,0 +1,1 @@
+"""Tracks as arrays: motion, gates, updates, birth and end."""

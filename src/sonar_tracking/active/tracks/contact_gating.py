@@ -1,0 +1,282 @@
+"""Which contacts lie in the gates of which tracks: a sparse list of pairs.
+
+A contact reflected a delay delta after the stamp is a measurement of position + delta velocity at
+the stamp, so that all contacts of a ping update the state at its transmit time. Pairs are found
+through the contacts sorted by x and tracks in portions, so that memory stays bounded.
+
+References
+----------
+Kim, Song (2007), equations 13-14: the gate is the local one, never the field of view.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.active.contacts.contact_positions import PlacedContacts, position_covariance
+from sonar_tracking.active.detection.information_reduction import GATE_SIZE
+from sonar_tracking.active.tracks.pair_limits import few_enough, half_widths, nearest_in_gates
+from sonar_tracking.active.tracks.track_bank import TrackBank
+from sonar_tracking.records.arrays import FloatArray, IndexArray
+from sonar_tracking.records.contacts import Contacts
+
+BOXED_PER_PORTION = 500_000
+"""Contacts in boxes around gates that are looked at together; bounds the memory."""
+
+COMPARED_AT_ONCE = 3000
+"""Up to so many of tracks times contacts no search is faster than comparing all."""
+
+BOX_SIZE = 1.5 * GATE_SIZE
+"""Half of a box, in standard deviations: a gate at a contact may be wider by its noise."""
+
+SMALLEST_DEVIATION = 1e-6
+SMALLEST_SHARE = 1e-13
+"""Of a determinant in the product of the diagonal."""
+
+
+@dataclass(frozen=True)
+class SensorGeometry:
+    """What a gate needs to know of the sensor.
+
+    Attributes
+    ----------
+    position : ndarray, shape (2,)
+        In ``map``, m.
+    range_standard_deviation, azimuth_standard_deviation : float
+        The largest of the contacts, m and rad.
+    sound_speed : float
+        m/s; 0 = the ping takes no time.
+    """
+
+    position: FloatArray
+    range_standard_deviation: float
+    azimuth_standard_deviation: float
+    sound_speed: float
+
+
+def sensor_geometry(contacts: Contacts, sound_speed: float) -> SensorGeometry:
+    """Return the geometry of a ping; gates are made for the least precise contact."""
+    return SensorGeometry(
+        np.array(contacts.sensor_position),
+        _largest(contacts.range_standard_deviation),
+        _largest(contacts.azimuth_standard_deviation),
+        sound_speed,
+    )
+
+
+def _largest(deviation: float | FloatArray) -> float:
+    if isinstance(deviation, float):
+        return deviation
+    # Without contacts there are no deviations, and the gates are not used.
+    return float(np.max(deviation)) if np.size(deviation) else SMALLEST_DEVIATION
+
+
+@dataclass(frozen=True)
+class TrackGates:
+    """Gates of all tracks.
+
+    Attributes
+    ----------
+    centre : ndarray, shape (n, 2)
+        Predicted position at the reflection time, m.
+    covariance : ndarray, shape (n, 2, 2)
+        Of the innovation, m^2.
+    volume : ndarray, shape (n,)
+        pi g^2 sqrt(det S), m^2.
+    distance : ndarray, shape (n,)
+        From the sensor, m.
+    """
+
+    centre: FloatArray
+    covariance: FloatArray
+    volume: FloatArray
+    distance: FloatArray
+
+
+@dataclass(frozen=True)
+class GatePairs:
+    """Contacts in gates, in the order of the tracks.
+
+    Attributes
+    ----------
+    track, contact : ndarray of int, shape (n_pairs,)
+        Rows of both.
+    """
+
+    track: IndexArray
+    contact: IndexArray
+
+    def kept(self, mask: NDArray[np.bool_]) -> GatePairs:
+        """Return some of the pairs."""
+        return GatePairs(self.track[mask], self.contact[mask])
+
+    def first_of_each_track(self) -> IndexArray:
+        """Return the rows of the pairs at which another track begins."""
+        begins = np.ones(len(self.track), dtype=bool)
+        np.not_equal(self.track[1:], self.track[:-1], out=begins[1:])
+        return np.flatnonzero(begins)
+
+
+def predict_gates(bank: TrackBank, sensor: SensorGeometry) -> TrackGates:
+    """Return the gates of predicted tracks.
+
+    Parameters
+    ----------
+    bank : TrackBank
+        Predicted to the stamp of the ping.
+    sensor : SensorGeometry
+        Where the ping comes from.
+    """
+    mean, spread = bank.moments()
+    separation = mean[:, :2] - sensor.position
+    distance = np.maximum(np.hypot(separation[:, 0], separation[:, 1]), 1e-3)
+    delay = distance / sensor.sound_speed if sensor.sound_speed > 0.0 else np.zeros(len(bank))
+    noise = position_covariance(
+        separation / distance[:, None],
+        distance,
+        sensor.range_standard_deviation,
+        sensor.azimuth_standard_deviation,
+    )
+    covariance = delayed_position_covariance(spread, delay) + noise
+    volume = np.pi * GATE_SIZE**2 * np.sqrt(determinant(covariance))
+    centre = mean[:, :2] + delay[:, None] * mean[:, 2:]
+    return TrackGates(centre, covariance, volume, distance)
+
+
+def find_pairs(bank: TrackBank, gates: TrackGates, contacts: PlacedContacts) -> GatePairs:
+    """Return all pairs of a track and a contact in its gate, the nearest ones of a crowd.
+
+    Parameters
+    ----------
+    bank : TrackBank
+        Predicted tracks.
+    gates : TrackGates
+        Their gates.
+    contacts : PlacedContacts
+        Contacts of the ping.
+    """
+    order = contacts.position[:, 0].argsort(kind="stable")
+    mean, spread = bank.moments()
+    if len(bank) * len(order) <= COMPARED_AT_ONCE:
+        pairs = _near_of_few(gates, order, contacts)
+        square = _squared_distances(mean, spread, contacts, pairs)
+        inside = square < GATE_SIZE**2
+        pairs = pairs.kept(inside)
+        return pairs.kept(nearest_in_gates(pairs.track, square[inside]))
+    sorted_x = contacts.position[order, 0]
+    low, high = _boxed(gates, sorted_x, bank.confirmed)
+    before = (high - low).cumsum()
+    tracks, columns, squares = [], [], []
+    first = 0
+    while first < len(bank):
+        reached = before[first - 1] if first else 0
+        last = int(before.searchsorted(reached + BOXED_PER_PORTION, side="right"))
+        rows = np.arange(first, max(last, first + 1))
+        pairs = _near(rows, low[rows], high[rows], gates, order, contacts)
+        square = _squared_distances(mean, spread, contacts, pairs)
+        inside = square < GATE_SIZE**2
+        pairs, square = pairs.kept(inside), square[inside]
+        kept = nearest_in_gates(pairs.track, square)
+        tracks.append(pairs.track[kept])
+        columns.append(pairs.contact[kept])
+        squares.append(square[kept])
+        first = int(rows[-1]) + 1
+    if not tracks:
+        nothing = np.zeros(0, dtype=np.intp)
+        return GatePairs(nothing, nothing)
+    found = GatePairs(np.concatenate(tracks), np.concatenate(columns))
+    return found.kept(few_enough(found.track, np.concatenate(squares), bank.confirmed))
+
+
+def delayed_position_covariance(covariance: FloatArray, delay: FloatArray) -> FloatArray:
+    """Return the covariance of position + delay * velocity.
+
+    Parameters
+    ----------
+    covariance : ndarray, shape (..., 4, 4)
+        Of x, y, vx, vy.
+    delay : ndarray, shape (...)
+        s.
+    """
+    step = delay[..., None, None]
+    crossed = covariance[..., :2, 2:]
+    velocity = covariance[..., 2:, 2:]
+    both = crossed + crossed.swapaxes(-1, -2)
+    return np.asarray(covariance[..., :2, :2] + step * both + step**2 * velocity)
+
+
+def determinant(matrix: FloatArray) -> FloatArray:
+    """Return the determinants of covariances, shape (..., 2, 2), in closed form.
+
+    Of an ellipse thinner than rounding it is what rounding leaves, so that it stays positive.
+    """
+    product = matrix[..., 0, 0] * matrix[..., 1, 1]
+    return np.asarray(np.maximum(product - matrix[..., 0, 1] ** 2, SMALLEST_SHARE * product))
+
+
+def inverse(matrix: FloatArray, area: FloatArray) -> FloatArray:
+    """Return the inverses of symmetric matrices, shape (..., 2, 2), of known determinants."""
+    result = -matrix
+    result[..., 0, 0] = matrix[..., 1, 1]
+    result[..., 1, 1] = matrix[..., 0, 0]
+    result[..., 1, 0] = result[..., 0, 1]
+    result /= area[..., None, None]
+    return result
+
+
+def _boxed(
+    gates: TrackGates, sorted_x: FloatArray, confirmed: NDArray[np.bool_]
+) -> tuple[IndexArray, IndexArray]:
+    """Return which of the contacts sorted by x lie in the box of each gate: from, to."""
+    centre = gates.centre[:, 0]
+    half_x = BOX_SIZE * np.sqrt(gates.covariance[:, 0, 0])
+    low = sorted_x.searchsorted(centre - half_x)
+    high = sorted_x.searchsorted(centre + half_x)
+    half = half_widths(high - low, confirmed)
+    middle = sorted_x.searchsorted(centre)
+    return np.maximum(low, middle - half), np.minimum(high, middle + half)
+
+
+def _near_of_few(gates: TrackGates, order: IndexArray, contacts: PlacedContacts) -> GatePairs:
+    """Return the same as the boxes, by looking at each contact in each gate."""
+    x, y = contacts.position[order].T
+    near = np.abs(x - gates.centre[:, :1]) < BOX_SIZE * np.sqrt(gates.covariance[:, 0, :1])
+    near &= np.abs(y - gates.centre[:, 1:]) < BOX_SIZE * np.sqrt(gates.covariance[:, 1, 1:])
+    track, column = near.nonzero()
+    return GatePairs(track, order[column])
+
+
+def _near(
+    rows: IndexArray,
+    low: IndexArray,
+    high: IndexArray,
+    gates: TrackGates,
+    order: IndexArray,
+    contacts: PlacedContacts,
+) -> GatePairs:
+    """Return pairs in the box around each gate."""
+    half_y = BOX_SIZE * np.sqrt(gates.covariance[rows, 1, 1])
+    counts = high - low
+    local = np.arange(len(rows)).repeat(counts)
+    shift = low - (counts.cumsum() - counts)
+    contact = order[np.arange(len(local)) + shift[local]]
+    offset = np.abs(contacts.position[contact, 1] - gates.centre[rows[local], 1])
+    near = offset < half_y[local]
+    return GatePairs(rows[local][near], contact[near])
+
+
+def _squared_distances(
+    mean: FloatArray, spread: FloatArray, contacts: PlacedContacts, pairs: GatePairs
+) -> FloatArray:
+    """Return nu^T S^-1 nu of each pair."""
+    delay = contacts.delay[pairs.contact]
+    state = mean[pairs.track]
+    innovation = contacts.position[pairs.contact] - state[:, :2] - delay[:, None] * state[:, 2:]
+    covariance = delayed_position_covariance(spread[pairs.track], delay)
+    covariance = covariance + contacts.covariance[pairs.contact]
+    x, y = innovation[:, 0], innovation[:, 1]
+    square = covariance[:, 1, 1] * x**2 - 2.0 * covariance[:, 0, 1] * x * y
+    return np.asarray((square + covariance[:, 0, 0] * y**2) / determinant(covariance))

@@ -1,0 +1,100 @@
+"""What the trackers of contacts show: their tracks and thresholds as the records of the chain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.active.detection.detection_model import DetectionModel
+from sonar_tracking.records.arrays import FloatArray, IntArray
+from sonar_tracking.records.contacts import GateThresholds
+from sonar_tracking.records.positions import PositionTracks, TrackSource
+from sonar_tracking.records.time import NANOSECONDS, UNKNOWN_STAMP
+
+
+@dataclass(frozen=True)
+class TrackRows:
+    """Tracks as a tracker of contacts keeps them.
+
+    Attributes
+    ----------
+    id : ndarray of int, shape (n,)
+        Identifiers.
+    status : ndarray of int, shape (n,)
+        Values of :class:`~sonar_tracking.records.bearings.TrackStatus`.
+    existence : ndarray, shape (n,)
+        Probabilities; NaN = not estimated.
+    state, covariance : ndarray, shape (n, 4) and (n, 4, 4)
+        x, y, vx, vy in ``map``.
+    initiated, updated : ndarray of int, shape (n,)
+        Stamps of the first and the last contact, ns.
+    """
+
+    id: IntArray
+    status: IntArray
+    existence: FloatArray
+    state: FloatArray
+    covariance: FloatArray
+    initiated: IntArray
+    updated: IntArray
+
+
+def shown_tracks(rows: TrackRows, stamp: int, next_stamp: int) -> PositionTracks:
+    """Return tracks as the complete picture at a ping.
+
+    Parameters
+    ----------
+    rows : TrackRows
+        The tracks to show.
+    stamp, next_stamp : int
+        Of the ping, ns.
+    """
+    return PositionTracks(
+        stamp=stamp,
+        id=rows.id.astype(np.uint64),
+        status=rows.status.astype(np.uint8),
+        source=np.full(len(rows.id), int(TrackSource.ACTIVE), np.uint8),
+        state=rows.state,
+        covariance=rows.covariance,
+        existence_probability=rows.existence,
+        initiated=_seconds(rows.initiated),
+        updated=_seconds(rows.updated),
+        hypothesis_probability=np.ones(len(rows.id)),
+        next_stamp=next_stamp,
+    )
+
+
+def thresholds_without_gates(
+    stamp: int, next_stamp: int = UNKNOWN_STAMP, model: DetectionModel | None = None
+) -> GateThresholds:
+    """Return the thresholds of a ping in which no gate was searched.
+
+    Parameters
+    ----------
+    stamp, next_stamp : int
+        Of the ping, ns.
+    model : DetectionModel, optional
+        What is known of the detector; None = nothing.
+    """
+    nothing = np.zeros(0)
+    return GateThresholds(
+        stamp=stamp,
+        track_id=nothing.astype(np.int64),
+        false_alarm_probability=nothing,
+        threshold=nothing,
+        resolution_cells=nothing,
+        gate_volume=nothing,
+        predicted_position=np.zeros((0, 2)),
+        gate_covariance=np.zeros((0, 2, 2)),
+        search_false_alarm_probability=model.false_alarm_probability if model else np.nan,
+        search_threshold=model.threshold if model else np.nan,
+        signal_to_noise_ratio_linear=nothing,
+        method="as_detected",
+        next_stamp=next_stamp,
+    )
+
+
+def _seconds(stamps: IntArray) -> NDArray[np.float64]:
+    return np.asarray(stamps, dtype=np.float64) / NANOSECONDS

@@ -1,0 +1,119 @@
+"""Straight, turning left, turning right: the motion of a target of known lateral acceleration.
+
+    Omega = 0, +a_m / |v|, -a_m / |v|,
+
+with v the velocity. Position and velocity gain white noise through G = [T^2/2 I; T I].
+
+References
+----------
+Kim, Song (2007), equations 1-2 (the speed under the root is printed as the position there).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from sonar_tracking.records.arrays import FloatArray
+
+PRECISION = float(np.finfo(np.float64).eps)
+
+SMALLEST_SPEED = 0.3
+"""Below it the turn rate does not grow any more, m/s."""
+
+TURN_DIRECTIONS = np.array([0.0, 1.0, -1.0])
+"""Straight, left, right; the first one alone is nearly constant velocity."""
+
+
+@dataclass(frozen=True)
+class MotionModes:
+    """Motion model of a target.
+
+    Attributes
+    ----------
+    n_modes : int
+        1 = nearly constant velocity, 3 = with turns.
+    acceleration_deviation : float
+        Of the white noise, m/s^2.
+    lateral_acceleration : float
+        a_m of the turns, m/s^2.
+    turn_probability : float
+        That a straight target turns at the next ping, to either side.
+    stay_probability : float
+        That a turn lasts another ping.
+    """
+
+    n_modes: int
+    acceleration_deviation: float
+    lateral_acceleration: float = 0.01
+    turn_probability: float = 0.01
+    stay_probability: float = 0.9
+
+    @cached_property
+    def mode_transition(self) -> FloatArray:
+        """Return Pi, row = mode before, shape (n_modes, n_modes)."""
+        if self.n_modes == 1:
+            return np.ones((1, 1))
+        turn, stay = self.turn_probability, self.stay_probability
+        return np.array(
+            [[1.0 - turn, 0.5 * turn, 0.5 * turn], [1.0 - stay, stay, 0.0], [1.0 - stay, 0.0, stay]]
+        )
+
+    @cached_property
+    def mode_prior(self) -> FloatArray:
+        """Return the stationary mode probabilities, shape (n_modes,)."""
+        if self.n_modes == 1:
+            return np.ones(1)
+        turning = 0.5 * self.turn_probability / (1.0 - self.stay_probability)
+        weights = np.array([1.0, turning, turning])
+        return np.asarray(weights / np.sum(weights))
+
+    def turn_rates(self, velocity: FloatArray) -> FloatArray:
+        """Return Omega of each mode, rad/s.
+
+        Parameters
+        ----------
+        velocity : ndarray, shape (..., n_modes, 2)
+            m/s.
+        """
+        speed = np.hypot(velocity[..., 0], velocity[..., 1])
+        rate = self.lateral_acceleration / np.maximum(speed, SMALLEST_SPEED)
+        return np.asarray(TURN_DIRECTIONS[: self.n_modes] * rate)
+
+
+def turn_coefficients(
+    rates: FloatArray, interval: float
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return sin(W T)/W, (1 - cos(W T))/W, cos(W T), sin(W T), with their limits at W = 0."""
+    whole_and_half = np.multiply.outer((1.0, 0.5), rates * interval)
+    # As numpy.sinc, without the search for the type's precision, which takes longer than the sine.
+    scaled = np.pi * (whole_and_half / np.pi)
+    safe = np.where(scaled, scaled, PRECISION)
+    ratio, half_ratio = interval * (np.sin(safe) / safe)
+    sine, half_sine = np.sin(whole_and_half)
+    return ratio, half_ratio * half_sine, np.cos(whole_and_half[0]), sine
+
+
+def turn_matrices(rates: FloatArray, interval: float) -> FloatArray:
+    """Return F for each turn rate, shape (..., 4, 4); state x, y, vx, vy."""
+    sine_over, versine_over, cosine, sine = turn_coefficients(rates, interval)
+    matrix = np.zeros((*np.shape(rates), 4, 4))
+    matrix[..., 0, 0] = matrix[..., 1, 1] = 1.0
+    matrix[..., 0, 2] = matrix[..., 1, 3] = sine_over
+    matrix[..., 0, 3] = -versine_over
+    matrix[..., 1, 2] = versine_over
+    matrix[..., 2, 2] = matrix[..., 3, 3] = cosine
+    matrix[..., 2, 3] = -sine
+    matrix[..., 3, 2] = sine
+    return matrix
+
+
+@lru_cache(maxsize=16)
+def white_acceleration_noise(acceleration_deviation: float, interval: float) -> FloatArray:
+    """Return Q = sigma^2 G G^T, shape (4, 4); read only, since it is kept."""
+    gain = np.kron(np.array([[0.5 * interval**2], [interval]]), np.eye(2))
+    noise = np.asarray(acceleration_deviation**2 * gain @ gain.T)
+    noise.setflags(write=False)
+    return noise

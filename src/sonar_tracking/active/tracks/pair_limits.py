@@ -1,0 +1,87 @@
+"""Bounds of the work on a ping: how many contacts a gate may hold.
+
+Where contacts are so many that they fill the gates of thousands of candidates, the number of pairs
+grows with their square. The nearest contacts of a gate then stand for all: which of a crowd is the
+target's nobody can tell, and a track in a crowd is none for long.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
+
+CONTACTS_IN_GATE = (64, 32, 16, 8, 4)
+"""Largest number in a gate: the first one with which all pairs are few enough, else the last."""
+
+MAXIMUM_PAIRS = 150_000
+MAXIMUM_BOXED = 10_000_000
+"""Contacts in boxes around gates; beyond it only those in the middle of a box are looked at."""
+
+
+def half_widths(counts: IndexArray, confirmed: BoolArray) -> IndexArray:
+    """Return how many contacts to either side of the middle of each box are looked at.
+
+    Parameters
+    ----------
+    counts : ndarray of int, shape (n_tracks,)
+        Contacts in the boxes.
+    confirmed : ndarray of bool, shape (n_tracks,)
+        Boxes of confirmed tracks are looked at as a whole.
+    """
+    if counts.sum() <= MAXIMUM_BOXED:
+        return counts
+    each = MAXIMUM_BOXED // (2 * len(counts))
+    return np.where(confirmed, counts, np.maximum(each, CONTACTS_IN_GATE[0]))
+
+
+def nearest_in_gates(
+    track: IndexArray, square: FloatArray, limits: IndexArray | int = CONTACTS_IN_GATE[0]
+) -> BoolArray:
+    """Return which pairs are among the nearest of their gate.
+
+    Parameters
+    ----------
+    track : ndarray of int, shape (n_pairs,)
+        Row of the track, ascending.
+    square : ndarray, shape (n_pairs,)
+        Squared distance of the contact from the centre of the gate.
+    limits : int or ndarray of int, shape (n_tracks,)
+        Largest number of each gate.
+
+    Returns
+    -------
+    ndarray of bool, shape (n_pairs,)
+    """
+    counts = np.bincount(track)
+    largest = np.asarray(limits)
+    if (counts <= (largest[: len(counts)] if largest.ndim else largest)).all():
+        return np.ones(len(track), dtype=bool)
+    order = np.lexsort((square, track))
+    nearest = np.empty(len(track), dtype=np.intp)
+    nearest[order] = np.arange(len(track)) - np.repeat(np.cumsum(counts) - counts, counts)
+    return np.asarray(nearest < (largest[track] if largest.ndim else largest))
+
+
+def few_enough(track: IndexArray, square: FloatArray, confirmed: BoolArray) -> BoolArray:
+    """Return which pairs are kept so that there are not too many of all gates together.
+
+    Parameters
+    ----------
+    track, square : ndarray, shape (n_pairs,)
+        As in :func:`nearest_in_gates`.
+    confirmed : ndarray of bool, shape (n_tracks,)
+        Gates of confirmed tracks keep the largest number whatever the others do.
+
+    Returns
+    -------
+    ndarray of bool, shape (n_pairs,)
+    """
+    if len(track) <= MAXIMUM_PAIRS:
+        return np.ones(len(track), dtype=bool)
+    counts = np.bincount(track, minlength=len(confirmed))
+    for limit in CONTACTS_IN_GATE:
+        limits = np.where(confirmed, CONTACTS_IN_GATE[0], limit)
+        if np.sum(np.minimum(counts, limits)) <= MAXIMUM_PAIRS:
+            break
+    return nearest_in_gates(track, square, limits)

@@ -1,0 +1,195 @@
+"""A target as a cloud of weighted particles that go straight, turn left or turn right.
+
+Regularised resampling: when fewer than half of the particles count, they are drawn anew by their
+weights and spread by a Gaussian kernel of the cloud's own covariance, shrunk so that the
+covariance stays what it was.
+
+References
+----------
+Kim, Song (2007), equations 1-3; Musso, Oudjane, Le Gland (2001) for the kernel.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.active.contacts.contact_positions import PlacedContacts
+from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.tracks.contact_gating import SensorGeometry
+from sonar_tracking.active.tracks.motion_modes import (
+    SMALLEST_SPEED,
+    TURN_DIRECTIONS,
+    turn_coefficients,
+)
+from sonar_tracking.motion import wrap_angle
+from sonar_tracking.records.arrays import FloatArray, IntArray
+
+KERNEL_WIDTH = 0.3
+"""Relative to the kernel that is best for a Gaussian cloud."""
+
+
+FARTHEST_DEVIATIONS = 12.0
+"""Beyond them in range a density is zero: it would be below 1e-31 of its maximum."""
+
+
+@dataclass(frozen=True)
+class ParticleMotion:
+    """How particles move.
+
+    Attributes
+    ----------
+    acceleration_deviation, lateral_acceleration : float
+        m/s^2.
+    stay_probability : float
+        Of a motion mode until the next ping.
+    """
+
+    acceleration_deviation: float
+    lateral_acceleration: float
+    stay_probability: float
+
+    @classmethod
+    def configured(cls, configuration: ContactTrackerConfiguration) -> ParticleMotion:
+        """Return the motion a tracker is configured for."""
+        return cls(
+            configuration.acceleration_deviation,
+            configuration.lateral_acceleration,
+            configuration.stay_probability,
+        )
+
+
+@dataclass(frozen=True)
+class ParticleCloud:
+    """Particles of one target, or of all targets together.
+
+    Attributes
+    ----------
+    state : ndarray, shape (n, 4)
+        x, y, vx, vy.
+    mode : ndarray of int, shape (n,)
+        0 straight, 1 left, 2 right.
+    weight : ndarray, shape (n,)
+        Not negative.
+    """
+
+    state: FloatArray
+    mode: IntArray
+    weight: FloatArray
+
+    def moments(self) -> tuple[FloatArray, FloatArray]:
+        """Return mean (4,) and covariance (4, 4)."""
+        share = self.weight / np.sum(self.weight)
+        mean = share @ self.state
+        deviation = self.state - mean
+        return mean, (share[:, None] * deviation).T @ deviation
+
+
+def gaussian_cloud(
+    mean: FloatArray, covariance: FloatArray, count: int, generator: np.random.Generator
+) -> ParticleCloud:
+    """Return particles of a Gaussian, all modes equally likely."""
+    root = _root(covariance + 1e-9 * np.eye(4))
+    state = mean + generator.standard_normal((count, 4)) @ root.T
+    mode = generator.integers(0, len(TURN_DIRECTIONS), count)
+    return ParticleCloud(state, mode, np.full(count, 1.0 / count))
+
+
+def predict_cloud(
+    cloud: ParticleCloud, motion: ParticleMotion, interval: float, generator: np.random.Generator
+) -> ParticleCloud:
+    """Return the particles after an interval (s), each with its own mode and noise."""
+    count = len(cloud.weight)
+    changed = generator.random(count) >= motion.stay_probability
+    mode = np.where(changed, (cloud.mode + generator.integers(1, 3, count)) % 3, cloud.mode)
+    vx, vy = cloud.state[:, 2], cloud.state[:, 3]
+    speed = np.maximum(np.hypot(vx, vy), SMALLEST_SPEED)
+    rates = TURN_DIRECTIONS[mode] * motion.lateral_acceleration / speed
+    sine_over, versine_over, cosine, sine = turn_coefficients(rates, interval)
+    noise = motion.acceleration_deviation * generator.standard_normal((count, 2))
+    state = np.empty_like(cloud.state)
+    state[:, 0] = cloud.state[:, 0] + sine_over * vx - versine_over * vy
+    state[:, 1] = cloud.state[:, 1] + versine_over * vx + sine_over * vy
+    state[:, 2] = cosine * vx - sine * vy
+    state[:, 3] = sine * vx + cosine * vy
+    state[:, :2] += 0.5 * interval**2 * noise
+    state[:, 2:] += interval * noise
+    return ParticleCloud(state, mode, cloud.weight)
+
+
+def particle_densities(
+    state: FloatArray,
+    contacts: PlacedContacts,
+    sensor: SensorGeometry,
+) -> FloatArray:
+    """Return p(z_j | x_i) per square metre: the polar Gaussian divided by the range.
+
+    Parameters
+    ----------
+    state : ndarray, shape (n, 4)
+        Particles.
+    contacts : PlacedContacts
+        m contacts.
+    sensor : SensorGeometry
+        From where range and azimuth are measured. A particle is taken at its own reflection time.
+
+    Returns
+    -------
+    ndarray, shape (n, m)
+        1/m^2.
+    """
+    contact = contacts.position - sensor.position
+    contact_range = np.maximum(np.hypot(contact[:, 0], contact[:, 1]), 1.0)
+    contact_azimuth = np.arctan2(contact[:, 1], contact[:, 0])
+    position = state[:, :2] - sensor.position
+    if sensor.sound_speed > 0.0:
+        delay = np.hypot(position[:, 0], position[:, 1]) / sensor.sound_speed
+        position = position + delay[:, None] * state[:, 2:]
+    distance = np.hypot(position[:, 0], position[:, 1])
+    azimuth = np.arctan2(position[:, 1], position[:, 0])
+    along = (contact_range - distance[:, None]) / sensor.range_standard_deviation
+    # Most pairs are far apart in range: their azimuths need not be compared.
+    row, column = np.nonzero(np.abs(along) < FARTHEST_DEVIATIONS)
+    turn = wrap_angle(contact_azimuth[column] - azimuth[row])
+    across = turn / sensor.azimuth_standard_deviation
+    errors = sensor.range_standard_deviation * sensor.azimuth_standard_deviation
+    square = along[row, column] ** 2 + across**2
+    density = np.zeros_like(along)
+    density[row, column] = np.exp(-0.5 * square) / (2.0 * np.pi * errors * contact_range[column])
+    return density
+
+
+def systematic_rows(
+    weight: FloatArray, count: int, generator: np.random.Generator
+) -> NDArray[np.intp]:
+    """Return the rows of ``count`` particles drawn in proportion to their weights."""
+    edges = np.cumsum(weight)
+    points = (np.arange(count) + generator.random()) / count * edges[-1]
+    return np.minimum(np.searchsorted(edges, points), len(weight) - 1)
+
+
+def resample_cloud(cloud: ParticleCloud, generator: np.random.Generator) -> ParticleCloud:
+    """Return the cloud with equal weights if fewer than half of its particles count."""
+    count = len(cloud.weight)
+    share = cloud.weight / np.sum(cloud.weight)
+    if 1.0 / np.sum(share**2) >= 0.5 * count:
+        return ParticleCloud(cloud.state, cloud.mode, share)
+    mean, covariance = cloud.moments()
+    rows = systematic_rows(share, count, generator)
+    width = KERNEL_WIDTH * (4.0 / 6.0) ** (1.0 / 8.0) * count ** (-1.0 / 8.0)
+    floor = np.diag([1e-6, 1e-6, 1e-10, 1e-10])
+    kernel = width * _root(covariance + floor)
+    shrunk = mean + np.sqrt(1.0 - width**2) * (cloud.state[rows] - mean)
+    state = shrunk + generator.standard_normal((count, 4)) @ kernel.T
+    return ParticleCloud(state, cloud.mode[rows], np.full(count, 1.0 / count))
+
+
+def _root(covariance: FloatArray) -> FloatArray:
+    """Return A with A A^T = covariance; one that rounding has made indefinite is mended."""
+    try:
+        return np.asarray(np.linalg.cholesky(covariance))
+    except np.linalg.LinAlgError:
+        values, vectors = np.linalg.eigh(covariance)
+        return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))

@@ -1,0 +1,150 @@
+"""All tracks, candidates and confirmed alike, as arrays: one row a track.
+
+Each track is a mixture of one Gaussian a motion mode (interacting multiple models); with one mode
+it is a plain Kalman track. All are predicted together, since a Python loop over the candidates
+that clutter starts would cost more than the arithmetic.
+
+References
+----------
+Blom, Bar-Shalom (1988).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from functools import cached_property
+
+import numpy as np
+
+from sonar_tracking.active.tracks.motion_modes import (
+    MotionModes,
+    turn_matrices,
+    white_acceleration_noise,
+)
+from sonar_tracking.filtering.kalman import symmetrised
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
+
+
+@dataclass(frozen=True)
+class TrackBank:
+    """State of all tracks.
+
+    Attributes
+    ----------
+    id : ndarray of int, shape (n,)
+        Ascending: older tracks first.
+    existence : ndarray, shape (n,)
+        Probability that there is a target.
+    confirmed : ndarray of bool, shape (n,)
+        False = candidate.
+    initiated, updated : ndarray of int, shape (n,)
+        Stamps of the first and the last contact, ns.
+    mean : ndarray, shape (n, n_modes, 4)
+        x, y, vx, vy in each mode.
+    covariance : ndarray, shape (n, n_modes, 4, 4)
+        In each mode.
+    mode_probability : ndarray, shape (n, n_modes)
+        Sum 1.
+    """
+
+    id: IntArray
+    existence: FloatArray
+    confirmed: BoolArray
+    initiated: IntArray
+    updated: IntArray
+    mean: FloatArray
+    covariance: FloatArray
+    mode_probability: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.id)
+
+    def selected(self, rows: BoolArray | IntArray) -> TrackBank:
+        """Return some of the tracks."""
+        return TrackBank(*[getattr(self, name)[rows] for name in COLUMNS])
+
+    def followed_by(self, other: TrackBank) -> TrackBank:
+        """Return both lists as one."""
+        return TrackBank(
+            *[np.concatenate((getattr(self, name), getattr(other, name))) for name in COLUMNS]
+        )
+
+    def moments(self) -> tuple[FloatArray, FloatArray]:
+        """Return mean (n, 4) and covariance (n, 4, 4) of the mixture over the modes."""
+        return self._moments
+
+    @cached_property
+    def _moments(self) -> tuple[FloatArray, FloatArray]:
+        if self.mean.shape[1] == 1:
+            return self.mean[:, 0], self.covariance[:, 0]
+        weight = self.mode_probability
+        mean = (weight[..., None] * self.mean).sum(axis=1)
+        deviation = self.mean - mean[:, None]
+        spread = self.covariance + deviation[..., :, None] * deviation[..., None, :]
+        return mean, (weight[..., None, None] * spread).sum(axis=1)
+
+
+COLUMNS = tuple(field.name for field in fields(TrackBank))
+"""Of the bank, in the order of its constructor."""
+
+
+def empty_bank(n_modes: int) -> TrackBank:
+    """Return a bank without tracks."""
+    return TrackBank(
+        id=np.zeros(0, dtype=np.int64),
+        existence=np.zeros(0),
+        confirmed=np.zeros(0, dtype=bool),
+        initiated=np.zeros(0, dtype=np.int64),
+        updated=np.zeros(0, dtype=np.int64),
+        mean=np.zeros((0, n_modes, 4)),
+        covariance=np.zeros((0, n_modes, 4, 4)),
+        mode_probability=np.zeros((0, n_modes)),
+    )
+
+
+def predict_bank(
+    bank: TrackBank, modes: MotionModes, interval: float, survival_probability: float
+) -> TrackBank:
+    """Return all tracks after an interval: modes mixed, each predicted by its own model.
+
+    Parameters
+    ----------
+    bank : TrackBank
+        At the ping before.
+    modes : MotionModes
+        Motion model.
+    interval : float
+        s.
+    survival_probability : float
+        Pi_11 of the existence recursion.
+    """
+    mixed, spread, probability = _mixed(bank, modes)
+    matrices = turn_matrices(modes.turn_rates(mixed[..., 2:]), interval)
+    noise = white_acceleration_noise(modes.acceleration_deviation, interval)
+    covariance = np.matmul(np.matmul(matrices, spread), matrices.swapaxes(-1, -2)) + noise
+    return TrackBank(
+        id=bank.id,
+        existence=survival_probability * bank.existence,
+        confirmed=bank.confirmed,
+        initiated=bank.initiated,
+        updated=bank.updated,
+        mean=np.matmul(matrices, mixed[..., None])[..., 0],
+        covariance=symmetrised(covariance),
+        mode_probability=probability,
+    )
+
+
+def _mixed(bank: TrackBank, modes: MotionModes) -> tuple[FloatArray, FloatArray, FloatArray]:
+    if modes.n_modes == 1:
+        return bank.mean, bank.covariance, bank.mode_probability
+    joint = bank.mode_probability[:, :, None] * modes.mode_transition
+    probability = joint.sum(axis=1)
+    weight = (joint / probability[:, None, :]).swapaxes(1, 2)
+    mean = np.matmul(weight, bank.mean)
+    deviation = bank.mean[:, None] - mean[:, :, None]
+    n_tracks, n_modes = probability.shape
+    flat = bank.covariance.reshape(n_tracks, n_modes, 16)
+    within = np.matmul(weight, flat).reshape(n_tracks, n_modes, 4, 4)
+    weighted = weight[..., None] * deviation
+    between = np.matmul(weighted.swapaxes(-1, -2), deviation)
+    return mean, within + between, probability

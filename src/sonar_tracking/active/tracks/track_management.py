@@ -1,0 +1,280 @@
+"""Birth, confirmation, coasting, end and duplicates of tracks.
+
+Every contact that no track explains starts one candidate. Existence confirms it; a confirmed track
+ends when existence falls below the termination probability, a candidate when it has not been
+detected about three times. Of two tracks whose positions and velocities cannot be told apart the
+younger one ends, so that no target has two identities.
+
+References
+----------
+Kim, Song (2007), section 3; the rules it leaves open are stated in the functions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sonar_tracking.active.contacts.contact_positions import IDENTITY, PlacedContacts
+from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.tracks.contact_gating import GatePairs
+from sonar_tracking.active.tracks.contact_track_list import TrackRows
+from sonar_tracking.active.tracks.track_bank import TrackBank
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
+from sonar_tracking.records.bearings import TrackStatus
+
+DUPLICATE_DISTANCE = 3.0
+"""Standard deviations of the difference of two states below which they are one target's."""
+
+COMPARED_TRACKS = 64
+"""Of those that share a contact, with how many younger ones each is compared."""
+
+MISSES_OF_A_CANDIDATE = 3
+RANGE_MARGIN = 1.2
+"""A track ends so far beyond the largest range."""
+
+
+def surviving(
+    bank: TrackBank,
+    distance: FloatArray,
+    maximum_range: float,
+    detection_probability: float,
+    configuration: ContactTrackerConfiguration,
+) -> BoolArray:
+    """Return which tracks go on.
+
+    Parameters
+    ----------
+    bank : TrackBank
+        After the update.
+    distance : ndarray, shape (n,)
+        From the sensor, m.
+    maximum_range : float
+        m.
+    detection_probability : float
+        P_D of candidates.
+    configuration : ContactTrackerConfiguration
+        Limits.
+    """
+    missed = (1.0 - detection_probability) ** MISSES_OF_A_CANDIDATE
+    least = np.where(
+        bank.confirmed,
+        configuration.termination_probability,
+        1.5 * configuration.initial_existence * missed,
+    )
+    _, covariance = bank.moments()
+    variance = covariance[:, 0, 0] + covariance[:, 1, 1]
+    good = (bank.existence >= least) & (variance <= configuration.maximum_position_variance)
+    return good & (distance <= RANGE_MARGIN * maximum_range)
+
+
+def duplicates(bank: TrackBank, pairs: GatePairs, weights: FloatArray) -> BoolArray:
+    """Return which tracks repeat another one; only tracks that share a contact are compared.
+
+    In a crowd a track is compared with those next to it in age only.
+
+    Two tracks that each have a contact of their own are two targets side by side, however near.
+
+    Parameters
+    ----------
+    bank : TrackBank
+        After the update.
+    pairs : GatePairs
+        Contacts in the gates of this ping.
+    weights : ndarray, shape (n_pairs, n_modes)
+        Probabilities of association in each mode.
+    """
+    repeated = np.zeros(len(bank), dtype=bool)
+    if not len(pairs.contact) or np.bincount(pairs.contact).max() < 2:
+        return repeated
+    mean, covariance = bank.moments()
+    first, second = _near_each_other(_sharing(pairs), mean, covariance)
+    if not len(first):
+        return repeated
+    difference = mean[first] - mean[second]
+    spread = _regular(covariance[first] + covariance[second])
+    scaled = np.linalg.solve(spread, difference[..., None])[..., 0]
+    near = np.sum(difference * scaled, axis=1) < DUPLICATE_DISTANCE**2
+    own = _own_contact(bank, pairs, weights)
+    near &= (own[first] == own[second]) | (own[first] < 0) | (own[second] < 0)
+    first, second = first[near], second[near]
+    # Rows are in order of age; a confirmed track never ends for a candidate.
+    ends = np.where(bank.confirmed[second] & ~bank.confirmed[first], first, second)
+    repeated[ends] = True
+    return repeated
+
+
+def start_candidates(
+    contacts: PlacedContacts,
+    existence: FloatArray,
+    stamp: int,
+    first_id: int,
+    mode_prior: FloatArray,
+    speed_deviation: float,
+) -> TrackBank:
+    """Return one candidate a contact: at rest, its velocity unknown.
+
+    Parameters
+    ----------
+    contacts : PlacedContacts
+        Contacts that no track explains.
+    existence : ndarray, shape (n_contacts,)
+        Existence probability of each.
+    stamp : int
+        Of the ping, ns.
+    first_id : int
+        Identifier of the first one.
+    mode_prior : ndarray, shape (n_modes,)
+        Probabilities of the motion modes.
+    speed_deviation : float
+        Per axis, m/s.
+    """
+    count, n_modes = len(existence), len(mode_prior)
+    mean = np.zeros((count, n_modes, 4))
+    mean[..., :2] = contacts.position[:, None]
+    variance = speed_deviation**2 * IDENTITY
+    delay = contacts.delay[:, None, None]
+    covariance = np.empty((count, 4, 4))
+    # The position is that at the reflection: at the stamp it was delay * velocity before.
+    covariance[:, :2, :2] = contacts.covariance + delay**2 * variance
+    covariance[:, :2, 2:] = covariance[:, 2:, :2] = -delay * variance
+    covariance[:, 2:, 2:] = variance
+    return TrackBank(
+        id=first_id + np.arange(count, dtype=np.int64),
+        existence=existence,
+        confirmed=np.zeros(count, dtype=bool),
+        initiated=np.full(count, stamp, dtype=np.int64),
+        updated=np.full(count, stamp, dtype=np.int64),
+        mean=mean,
+        covariance=covariance[:, None].repeat(n_modes, axis=1),
+        mode_probability=mode_prior[None].repeat(count, axis=0),
+    )
+
+
+@dataclass(frozen=True)
+class ListedTracks:
+    """Which tracks are shown.
+
+    Attributes
+    ----------
+    bank : TrackBank
+        After the update, before tracks were removed.
+    alive : ndarray of bool, shape (n,)
+        Tracks that go on.
+    was_shown : ndarray of bool, shape (n,)
+        Shown at the ping before.
+    detected : ndarray, shape (n,)
+        Probability that a contact was the track's.
+    """
+
+    bank: TrackBank
+    alive: BoolArray
+    was_shown: BoolArray
+    detected: FloatArray
+
+
+def limited(
+    listed: ListedTracks, candidates: TrackBank, maximum_tracks: int
+) -> tuple[ListedTracks, TrackBank]:
+    """Return tracks and candidates of which the least probable end if there are too many.
+
+    Parameters
+    ----------
+    listed : ListedTracks
+        Tracks and what became of them.
+    candidates : TrackBank
+        What the ping starts.
+    maximum_tracks : int
+        Largest number of both together; confirmed tracks go first.
+    """
+    rows = np.flatnonzero(listed.alive)
+    excess = len(rows) + len(candidates) - maximum_tracks
+    if excess <= 0:
+        return listed, candidates
+    bank = listed.bank
+    worth = np.concatenate([(bank.existence + bank.confirmed)[rows], candidates.existence])
+    stays = np.ones(len(worth), dtype=bool)
+    stays[np.argsort(worth, kind="stable")[:excess]] = False
+    alive = listed.alive.copy()
+    alive[rows] = stays[: len(rows)]
+    return replace(listed, alive=alive), candidates.selected(stays[len(rows) :])
+
+
+def list_tracks(listed: ListedTracks, tentative_probability: float) -> TrackRows:
+    """Return the complete picture: confirmed tracks, likely candidates, and what has ended.
+
+    What has been shown once is shown until it ends, which is told once.
+
+    Parameters
+    ----------
+    listed : ListedTracks
+        Tracks and what became of them.
+    tentative_probability : float
+        Existence from which a candidate is shown.
+    """
+    bank = listed.bank
+    likely = bank.confirmed | (bank.existence >= tentative_probability)
+    rows = np.flatnonzero(listed.was_shown | (listed.alive & likely))
+    confirmed = bank.confirmed[rows]
+    status = np.where(confirmed, int(TrackStatus.CONFIRMED), int(TrackStatus.TENTATIVE))
+    status[confirmed & (listed.detected[rows] < 0.5)] = int(TrackStatus.COASTED)
+    status[~listed.alive[rows]] = int(TrackStatus.TERMINATED)
+    mean, covariance = bank.moments()
+    return TrackRows(
+        id=bank.id[rows],
+        status=status,
+        existence=bank.existence[rows],
+        state=mean[rows],
+        covariance=covariance[rows],
+        initiated=bank.initiated[rows],
+        updated=bank.updated[rows],
+    )
+
+
+def _regular(covariance: FloatArray) -> FloatArray:
+    """Return covariances, shape (n, 4, 4), with diagonals just large enough to be inverted."""
+    diagonal = np.einsum("nii->ni", covariance)
+    result = covariance.copy()
+    np.einsum("nii->ni", result)[...] = diagonal * (1.0 + 1e-9) + 1e-12
+    return result
+
+
+def _own_contact(bank: TrackBank, pairs: GatePairs, weights: FloatArray) -> IndexArray:
+    """Return the contact that is more probably than not each track's, -1 = none is."""
+    probability = np.sum(bank.mode_probability[pairs.track] * weights, axis=1)
+    likely = probability > 0.5
+    own = np.full(len(bank), -1, dtype=np.intp)
+    own[pairs.track[likely]] = pairs.contact[likely]
+    return own
+
+
+def _sharing(pairs: GatePairs) -> Iterator[tuple[IndexArray, IndexArray]]:
+    """Yield rows of tracks (older, younger) with a common contact, in portions."""
+    order = np.argsort(pairs.contact, kind="stable")
+    contact, track = pairs.contact[order], pairs.track[order]
+    for lag in range(1, min(len(contact), COMPARED_TRACKS + 1)):
+        same = contact[lag:] == contact[:-lag]
+        if not np.any(same):
+            return
+        # Pairs are in the order of the tracks, and tracks in the order of their age.
+        yield track[:-lag][same], track[lag:][same]
+
+
+def _near_each_other(
+    portions: Iterator[tuple[IndexArray, IndexArray]], mean: FloatArray, covariance: FloatArray
+) -> tuple[IndexArray, IndexArray]:
+    """Return the rows, each two once, whose states are near in each of their components."""
+    variance = np.einsum("nii->ni", covariance)
+    count = len(mean)
+    keys = [np.zeros(0, dtype=np.intp)]
+    for first, second in portions:
+        near = np.ones(len(first), dtype=bool)
+        for component in range(mean.shape[1]):
+            values, spread = mean[:, component], variance[:, component]
+            square = (values[first] - values[second]) ** 2
+            near &= square < DUPLICATE_DISTANCE**2 * (spread[first] + spread[second])
+        keys.append(first[near] * count + second[near])
+    first, second = np.divmod(np.unique(np.concatenate(keys)), max(count, 1))
+    return first, second

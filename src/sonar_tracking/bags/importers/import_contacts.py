@@ -1,0 +1,312 @@
+"""Recorded contacts become a bag that can be replayed: pings, own ship, and the truth if known.
+
+The file formats are those of :mod:`sonar_tracking.bags.importers.contact_file`. A line that cannot
+be used is left out and named. Each ping tells where its sensor was, so that a replay needs nothing
+else.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.bags.importers.contact_file import (
+    ContactLines,
+    SurveyedPositions,
+    read_contact_lines,
+    read_own_ship,
+    read_true_positions,
+)
+from sonar_tracking.bags.importers.contact_messages import (
+    CONTACTS_TYPE,
+    ODOMETRY_TYPE,
+    TRACKS_TYPE,
+    contacts_cdr,
+    odometry_cdr,
+    truth_tracks_cdr,
+)
+from sonar_tracking.bags.importers.own_ship_track import OwnShipMotion, interpolated, own_ship_at
+from sonar_tracking.bags.storage.metadata import OfferedQuality
+from sonar_tracking.bags.storage.recording_information import RecordingInformation
+from sonar_tracking.bags.storage.writer import BagWriter
+from sonar_tracking.configuration import parameter
+from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.motion import wrap_angle
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.contacts import Contacts
+from sonar_tracking.records.positions import TruthTracks
+from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS, seconds
+from sonar_tracking.simulation.scenarios.scenario import DEFAULT_EPOCH
+
+CONTACTS_TOPIC = "/active/contacts"
+ODOMETRY_TOPIC = "/own_ship/odometry"
+TRUTH_TOPIC = "/truth/tracks"
+
+DEFAULT_NODE_PARAMETERS: Mapping[str, Mapping[str, Any]] = {"hpda_tracker": {}}
+"""Nodes a replay starts where nothing else is asked for, with their default parameters."""
+
+_Message = tuple[int, str, bytes]
+"""Stamp, topic, serialised message."""
+
+
+@dataclass(frozen=True)
+class ContactSensor:
+    """What a file of contacts does not tell of its sensor."""
+
+    sensor_id: str = parameter("sonar", "name of the sensor in the messages")
+    range_deviation: float = parameter(
+        0.0, "standard deviation of ranges without their own; 0 = none", unit="m", minimum=0.0
+    )
+    bearing_deviation_deg: float = parameter(
+        0.0,
+        "standard deviation of directions without their own; 0 = none",
+        unit="deg",
+        minimum=0.0,
+        maximum=180.0,
+    )
+    maximum_range: float = parameter(
+        0.0, "of the survey; 0 = the farthest contact", unit="m", minimum=0.0
+    )
+    latency: float = parameter(
+        0.0, "by which the times are later than the pings", unit="s", minimum=-1e4, maximum=1e4
+    )
+    epoch: int = parameter(DEFAULT_EPOCH, "instant of time_s = 0", unit="ns", minimum=1)
+
+
+@dataclass(frozen=True)
+class RecordedPings:
+    """What was read.
+
+    Attributes
+    ----------
+    pings : tuple of Contacts
+        In order of time; azimuths in ``map``.
+    own_ship : OwnShipMotion
+        At the pings.
+    truth : tuple of TruthTracks
+        At the pings; empty = not known.
+    notes : tuple of str
+        A sentence for each line left out, and for what was assumed.
+    """
+
+    pings: tuple[Contacts, ...]
+    own_ship: OwnShipMotion
+    truth: tuple[TruthTracks, ...]
+    notes: tuple[str, ...]
+
+
+def read_pings(
+    file: Path | str,
+    sensor: ContactSensor,
+    own_ship: Path | str | None = None,
+    truth: Path | str | None = None,
+) -> RecordedPings:
+    """Read recorded contacts.
+
+    Parameters
+    ----------
+    file : Path or str
+        CSV or npz of contacts; see :mod:`sonar_tracking.bags.importers.contact_file`.
+    sensor : ContactSensor
+        What the file does not tell.
+    own_ship, truth : Path or str, optional
+        CSV or npz of own ship's and of the targets' positions.
+
+    Raises
+    ------
+    ConfigurationError
+        If a file cannot be used.
+    """
+    lines = read_contact_lines(file, sensor.epoch)
+    notes = list(lines.bad)
+    surveyed = _surveyed_own_ship(file, lines, own_ship, sensor.epoch, notes)
+    stamps, first = np.unique(lines.stamp, return_index=True)
+    stamps = stamps - round(sensor.latency * NANOSECONDS)
+    motion = own_ship_at(surveyed, stamps)
+    groups = np.split(np.arange(len(lines.stamp)), first[1:])
+    heard = lines.range[np.isfinite(lines.range)]
+    farthest = float(np.max(heard)) if len(heard) else np.nan
+    pings = tuple(
+        _ping(lines, rows, motion, index, sensor, sensor.maximum_range or farthest)
+        for index, rows in enumerate(groups)
+    )
+    true = _truth(truth, stamps, sensor.epoch, notes) if truth is not None else ()
+    return RecordedPings(pings, motion, true, tuple(notes))
+
+
+def import_contacts(
+    file: Path | str,
+    output: Path | str,
+    sensor: ContactSensor,
+    own_ship: Path | str | None = None,
+    truth: Path | str | None = None,
+    node_parameters: Mapping[str, Mapping[str, Any]] = DEFAULT_NODE_PARAMETERS,
+) -> str:
+    """Bring recorded contacts into a bag; return what was done, in words.
+
+    Parameters
+    ----------
+    file, sensor, own_ship, truth
+        See :func:`read_pings`.
+    output : Path or str
+        The new bag.
+    node_parameters : mapping of mapping
+        Node, parameter, value: what a replay of the bag starts.
+
+    Raises
+    ------
+    ConfigurationError
+        If a file cannot be used, or the bag not be made; no bag is left then.
+    """
+    recorded = read_pings(file, sensor, own_ship, truth)
+    path = Path(output)
+    _write(path, recorded, _information(Path(file), recorded, node_parameters))
+    count = sum(len(ping.range) for ping in recorded.pings)
+    duration = seconds(recorded.pings[-1].stamp - recorded.pings[0].stamp)
+    targets = len({target for entry in recorded.truth for target in entry.id.tolist()})
+    told = f", truth of {targets} targets" if recorded.truth else ""
+    summary = (
+        f"{path}: {count} contacts in {len(recorded.pings)} pings over {duration:.1f} s{told}."
+    )
+    return "\n".join([summary, *recorded.notes])
+
+
+def _surveyed_own_ship(
+    file: Path | str,
+    lines: ContactLines,
+    own_ship: Path | str | None,
+    epoch: int,
+    notes: list[str],
+) -> SurveyedPositions:
+    told = np.isfinite(lines.own_ship[:, :2]).all(axis=1)
+    if own_ship is not None:
+        surveyed, bad = read_own_ship(own_ship, epoch)
+        notes.extend(bad)
+    elif told.any():
+        stamp, first = np.unique(lines.stamp[told], return_index=True)
+        rows = lines.own_ship[told][first]
+        surveyed = SurveyedPositions(stamp, rows[:, :2], rows[:, 2])
+    else:
+        notes.append(f"{file} does not tell where own ship was: it rests at the origin.")
+        surveyed = SurveyedPositions(lines.stamp[:1], np.zeros((1, 2)), np.array([np.nan]))
+    if lines.relative and np.isnan(surveyed.azimuth).any():
+        raise ConfigurationError(
+            f"{file} has relative_bearing_deg, but own ship's heading is not known; give "
+            "own_heading_deg with every contact, or heading_deg in the file of own ship."
+        )
+    return surveyed
+
+
+def _ping(
+    lines: ContactLines,
+    rows: NDArray[np.intp],
+    motion: OwnShipMotion,
+    index: int,
+    sensor: ContactSensor,
+    maximum_range: float,
+) -> Contacts:
+    rows = rows[np.isfinite(lines.range[rows])]
+    bow = motion.azimuth[index] if lines.relative else 0.0
+    stamps = motion.stamp
+    last = index + 1 == len(stamps)
+    interval = float(np.median(np.diff(stamps))) * 1e-9 if len(stamps) > 1 else np.nan
+    if not last:
+        interval = seconds(int(stamps[index + 1] - stamps[index]))
+    return Contacts(
+        stamp=int(stamps[index]),
+        range=lines.range[rows],
+        azimuth=wrap_angle(lines.azimuth[rows] + bow),
+        amplitude=lines.amplitude[rows] if len(lines.amplitude) else np.zeros(0),
+        range_standard_deviation=_deviations(
+            lines.range_deviation[rows], sensor.range_deviation, "range_deviation"
+        ),
+        azimuth_standard_deviation=_deviations(
+            lines.azimuth_deviation[rows],
+            float(np.radians(sensor.bearing_deviation_deg)),
+            "bearing_deviation",
+        ),
+        sensor_position=(float(motion.position[index, 0]), float(motion.position[index, 1])),
+        sensor_velocity=(float(motion.velocity[index, 0]), float(motion.velocity[index, 1])),
+        maximum_range=maximum_range,
+        next_stamp=END_OF_DATA if last else int(stamps[index + 1]),
+        ping_interval=interval,
+        sensor_id=sensor.sensor_id,
+        sensor_yaw=float(wrap_angle(motion.azimuth[index])),
+    )
+
+
+def _deviations(own: FloatArray, common: float, option: str) -> FloatArray:
+    filled = np.where(np.isfinite(own), own, common)
+    if np.any(filled <= 0.0):
+        raise ConfigurationError(
+            f"The contacts do not tell how exact they are; give --{option.replace('_', '-')}"
+            f"{'-deg' if option.startswith('bearing') else ''}, or a column of it."
+        )
+    return np.asarray(filled)
+
+
+def _truth(
+    path: Path | str, stamps: NDArray[np.int64], epoch: int, notes: list[str]
+) -> tuple[TruthTracks, ...]:
+    """Return the true states at the pings, each target from its first to its last position."""
+    targets, bad = read_true_positions(path, epoch)
+    notes.extend(bad)
+    states = {
+        target: interpolated(
+            seconds(surveyed.stamp - stamps[0]), surveyed.position, seconds(stamps - stamps[0])
+        )
+        for target, surveyed in targets.items()
+    }
+    truth = []
+    for index, stamp in enumerate(stamps):
+        there = [t for t, s in targets.items() if s.stamp[0] <= stamp <= s.stamp[-1]]
+        truth.append(
+            TruthTracks(
+                stamp=int(stamp),
+                id=np.array(there, dtype=np.uint64),
+                position=np.array([states[t][0][index] for t in there]).reshape(-1, 2),
+                velocity=np.array([states[t][1][index] for t in there]).reshape(-1, 2),
+                next_stamp=int(stamps[index + 1]) if index + 1 < len(stamps) else END_OF_DATA,
+            )
+        )
+    return tuple(truth)
+
+
+def _information(
+    file: Path, recorded: RecordedPings, node_parameters: Mapping[str, Mapping[str, Any]]
+) -> RecordingInformation:
+    scenario = {
+        "name": file.stem,
+        "description": f"imported from {file.name}: {len(recorded.pings)} pings",
+    }
+    roles: dict[str, Any] = {CONTACTS_TOPIC: "input", ODOMETRY_TOPIC: "input"}
+    if recorded.truth:
+        roles[TRUTH_TOPIC] = "truth"
+    return RecordingInformation(scenario, node_parameters, roles)
+
+
+def _write(path: Path, recorded: RecordedPings, information: RecordingInformation) -> None:
+    writer = BagWriter(path, information)
+    writer.add_topic(CONTACTS_TOPIC, CONTACTS_TYPE, role="input")
+    writer.add_topic(ODOMETRY_TOPIC, ODOMETRY_TYPE, role="input")
+    if recorded.truth:
+        quality = OfferedQuality(durability="transient_local")
+        writer.add_topic(TRUTH_TOPIC, TRACKS_TYPE, role="truth", qos=quality)
+    for stamp, topic, data in _messages(recorded):
+        writer.write(topic, stamp, data)
+    writer.close()
+
+
+def _messages(recorded: RecordedPings) -> Iterator[_Message]:
+    """Yield all messages by stamp: own ship and truth ahead of the ping they belong to."""
+    states = (recorded.own_ship.state(index) for index in range(len(recorded.pings)))
+    odometry = ((state.stamp, ODOMETRY_TOPIC, odometry_cdr(state)) for state in states)
+    truth = ((entry.stamp, TRUTH_TOPIC, truth_tracks_cdr(entry)) for entry in recorded.truth)
+    pings = ((ping.stamp, CONTACTS_TOPIC, contacts_cdr(ping)) for ping in recorded.pings)
+    yield from heapq.merge(odometry, truth, pings, key=lambda message: message[0])

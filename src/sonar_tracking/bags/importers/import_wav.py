@@ -1,0 +1,276 @@
+"""A multichannel WAV file becomes a bag of narrowband snapshots that can be replayed.
+
+The snapshots are made by demodulation, low-pass filtering and decimation; see
+:mod:`sonar_tracking.passive.lines.demodulation` for why. Their stamps are those of the samples the
+filter is centred on: ``epoch + sample / sample_rate``.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.bags.importers.array_geometry_file import RecordedArray, read_array_geometry
+from sonar_tracking.bags.importers.bearing_truth_file import read_surveyed_bearings
+from sonar_tracking.bags.importers.recorded_messages import snapshots_cdr
+from sonar_tracking.bags.importers.wav_file import WavFile, open_wav
+from sonar_tracking.bags.importers.wav_recording import (
+    TRUTH_TOPIC,
+    Message,
+    missing_end,
+    sample_stamp,
+    truth_messages,
+    write_messages,
+)
+from sonar_tracking.bags.storage.bag_records import SNAPSHOTS_TYPE
+from sonar_tracking.bags.storage.recording_information import RecordingInformation
+from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.passive.lines.demodulation import Band, Demodulator, design_band
+from sonar_tracking.passive.subspaces.block_checks import MAXIMUM_RELATIVE_BANDWIDTH
+from sonar_tracking.records.time import END_OF_DATA
+
+SNAPSHOTS_TOPIC = "/array/snapshots"
+
+BLOCK_SNAPSHOTS = 20
+"""Snapshots in one message."""
+
+DEFAULT_RELATIVE_BANDWIDTH = 0.05
+"""Bandwidth * aperture / sound_speed where no bandwidth is given: half of what is allowed."""
+
+DEFAULT_NODE_PARAMETERS: Mapping[str, Mapping[str, Any]] = {
+    "subspace_estimator": {},
+    "bearing_tracker": {},
+}
+"""Nodes a replay starts where nothing else is asked for, with their default parameters."""
+
+_SAMPLES_AT_ONCE = 1 << 16
+
+
+@dataclass(frozen=True)
+class ImportSummary:
+    """What was imported.
+
+    Attributes
+    ----------
+    output : Path
+        The bag.
+    n_channels, n_elements : int
+        Channels of the file and elements of the array.
+    sample_rate, snapshot_rate : float
+        Hz.
+    bandwidth : float
+        Hz.
+    n_snapshots, n_blocks : int
+        Written to the bag.
+    dropped : tuple of str
+        A sentence if the file ends early, and one for each block that was left out because of
+        samples that are not numbers.
+    seconds : float
+        Length of the file, s.
+    plane_wave_range : float
+        Range beyond which the plane waves hold that bearings are made of, m.
+    """
+
+    output: Path
+    n_channels: int
+    n_elements: int
+    sample_rate: float
+    snapshot_rate: float
+    bandwidth: float
+    n_snapshots: int
+    n_blocks: int
+    dropped: tuple[str, ...]
+    seconds: float
+    plane_wave_range: float
+
+    def text(self) -> str:
+        """Return the summary in words."""
+        lines = [
+            f"{self.output}: {self.n_snapshots} snapshots of {self.n_elements} elements in "
+            f"{self.n_blocks} blocks, {self.snapshot_rate:.1f} a second, bandwidth "
+            f"{self.bandwidth:g} Hz, from {self.seconds:.1f} s of {self.n_channels} channels at "
+            f"{self.sample_rate:g} Hz.",
+            f"Bearings are made of plane waves: of sources beyond {self.plane_wave_range:.3g} m "
+            "(2 aperture^2 / wavelength).",
+            *self.dropped,
+        ]
+        return "\n".join(lines)
+
+
+@dataclass(frozen=True)
+class _Block:
+    first_sample: int
+    data: NDArray[np.complex128]
+
+
+def import_wav(
+    file: Path | str,
+    geometry: Path | str,
+    frequency: float,
+    bandwidth: float | None,
+    output: Path | str,
+    truth: Path | str | None = None,
+    node_parameters: Mapping[str, Mapping[str, Any]] = DEFAULT_NODE_PARAMETERS,
+) -> ImportSummary:
+    """Bring a multichannel WAV file into a bag of narrowband snapshots.
+
+    Parameters
+    ----------
+    file : Path or str
+        WAV file, one channel an element.
+    geometry : Path or str
+        YAML file; see
+        :func:`sonar_tracking.bags.importers.array_geometry_file.read_array_geometry`.
+    frequency : float
+        Centre of the band, Hz.
+    bandwidth : float, optional
+        Two-sided, Hz; default: half of what the narrowband model allows.
+    output : Path or str
+        The new bag.
+    truth : Path or str, optional
+        CSV file of true bearings; see :mod:`sonar_tracking.bags.importers.bearing_truth_file`.
+    node_parameters : mapping of mapping
+        Node, parameter, value: what a replay of the bag starts.
+
+    Raises
+    ------
+    ConfigurationError
+        If file, geometry, band or truth cannot be used; no bag is left then.
+    """
+    array = read_array_geometry(geometry)
+    wav = open_wav(file)
+    columns = array.columns(wav.n_channels, str(wav.path))
+    band = _checked_band(array, wav, frequency, bandwidth)
+    surveyed = read_surveyed_bearings(truth) if truth is not None else []
+    dropped = missing_end(wav)
+    blocks = _finite_blocks(wav, columns, band, dropped)
+    first = next(blocks, None)
+    if first is None:
+        raise ConfigurationError(dropped[-1] if dropped else _too_short(wav, band))
+    information = _information(wav, array, band, node_parameters, bool(surveyed))
+    messages = heapq.merge(
+        _snapshot_messages(first, blocks, wav, array, band), truth_messages(surveyed, array)
+    )
+    inputs = {SNAPSHOTS_TOPIC: SNAPSHOTS_TYPE}
+    path, counts, n_snapshots = write_messages(Path(output), information, inputs, messages)
+    return ImportSummary(
+        output=path,
+        n_channels=wav.n_channels,
+        n_elements=len(columns),
+        sample_rate=wav.sample_rate,
+        snapshot_rate=wav.sample_rate / band.decimation,
+        bandwidth=band.bandwidth,
+        n_snapshots=n_snapshots,
+        n_blocks=counts[SNAPSHOTS_TOPIC],
+        dropped=tuple(dropped),
+        seconds=wav.n_samples / wav.sample_rate,
+        plane_wave_range=2.0 * array.aperture**2 * frequency / array.sound_speed,
+    )
+
+
+def _too_short(wav: WavFile, band: Band) -> str:
+    return (
+        f"{wav.path} lasts {wav.n_samples / wav.sample_rate:g} s, less than the "
+        f"{len(band.taps) / wav.sample_rate:g} s one snapshot of {band.bandwidth:g} Hz needs; "
+        "give a longer file or a larger bandwidth."
+    )
+
+
+def _checked_band(
+    array: RecordedArray, wav: WavFile, frequency: float, bandwidth: float | None
+) -> Band:
+    """Return the band, or raise a sentence if it is not narrow for the array."""
+    limit = MAXIMUM_RELATIVE_BANDWIDTH * array.sound_speed / array.aperture
+    if bandwidth is None:
+        bandwidth = DEFAULT_RELATIVE_BANDWIDTH * array.sound_speed / array.aperture
+    if bandwidth >= limit:
+        raise ConfigurationError(
+            f"A bandwidth of {bandwidth:g} Hz is not narrow for an array of {array.aperture:g} m: "
+            f"bandwidth * aperture / sound_speed must be below {MAXIMUM_RELATIVE_BANDWIDTH:g}; "
+            f"give less than {limit:.4g} Hz."
+        )
+    return design_band(wav.sample_rate, frequency, bandwidth)
+
+
+def _finite_blocks(
+    wav: WavFile, columns: list[int], band: Band, dropped: list[str]
+) -> Iterator[_Block]:
+    """Yield blocks of snapshots; a block that is not finite is left out and told."""
+    for block in _blocks(wav, columns, band):
+        bad = ~np.isfinite(block.data).all(axis=0)
+        if not bad.any():
+            yield block
+            continue
+        channels = ", ".join(str(columns[element] + 1) for element in np.flatnonzero(bad))
+        dropped.append(
+            f"{wav.path} has samples that are not numbers on channel {channels} near "
+            f"{block.first_sample / wav.sample_rate:.3f} s; these snapshots were left out."
+        )
+
+
+def _blocks(wav: WavFile, columns: list[int], band: Band) -> Iterator[_Block]:
+    demodulator = Demodulator(band, wav.sample_rate)
+    first_sample = demodulator.next_centre
+    held = np.empty((0, len(columns)), np.complex128)
+    for start in range(0, wav.n_samples, _SAMPLES_AT_ONCE):
+        stop = min(start + _SAMPLES_AT_ONCE, wav.n_samples)
+        samples = wav.samples(start, stop)[:, columns]
+        held = np.concatenate([held, demodulator.update(samples)])
+        while len(held) >= BLOCK_SNAPSHOTS:
+            yield _Block(first_sample, held[:BLOCK_SNAPSHOTS])
+            first_sample += BLOCK_SNAPSHOTS * band.decimation
+            held = held[BLOCK_SNAPSHOTS:]
+    if len(held):
+        yield _Block(first_sample, held)
+
+
+def _snapshot_messages(
+    first: _Block,
+    blocks: Iterator[_Block],
+    wav: WavFile,
+    array: RecordedArray,
+    band: Band,
+) -> Iterator[Message]:
+    """Yield the messages, each with the stamp of the next as its watermark."""
+    block: _Block | None = first
+    while block is not None:
+        following = next(blocks, None)
+        stamp = sample_stamp(array, wav, block.first_sample)
+        next_stamp = sample_stamp(array, wav, following.first_sample) if following else END_OF_DATA
+        data = snapshots_cdr(
+            array=array,
+            stamp=stamp,
+            next_stamp=next_stamp,
+            data=block.data,
+            sample_period=band.decimation / wav.sample_rate,
+            frequency=band.frequency,
+            bandwidth=band.bandwidth,
+        )
+        yield stamp, SNAPSHOTS_TOPIC, data, len(block.data)
+        block = following
+
+
+def _information(
+    wav: WavFile,
+    array: RecordedArray,
+    band: Band,
+    node_parameters: Mapping[str, Mapping[str, Any]],
+    with_truth: bool,
+) -> RecordingInformation:
+    scenario = {
+        "name": wav.path.stem,
+        "description": (
+            f"imported from {wav.path.name}: {len(array.element_positions)} elements, "
+            f"{band.frequency:g} Hz, bandwidth {band.bandwidth:g} Hz"
+        ),
+    }
+    roles: dict[str, Any] = {SNAPSHOTS_TOPIC: "input"}
+    if with_truth:
+        roles[TRUTH_TOPIC] = "truth"
+    return RecordingInformation(scenario, node_parameters, roles)

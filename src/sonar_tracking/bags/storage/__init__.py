@@ -1,0 +1,1 @@
+"""Rosbags: write, read, recover, digest."""

@@ -1,0 +1,148 @@
+"""Messages of a bag as the records the stages use, without ROS."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any, TypeVar
+
+from sonar_tracking.bags.storage.digest import decoded_message
+from sonar_tracking.bags.storage.message_definitions import typestore_of
+from sonar_tracking.bags.storage.reader import Bag
+from sonar_tracking.errors import InputError
+from sonar_tracking.message_reading.array_reading import (
+    bearing_tracks_from_message,
+    directions_from_message,
+    own_ship_from_message,
+    snapshots_from_message,
+)
+from sonar_tracking.message_reading.contact_reading import contacts_from_message
+from sonar_tracking.message_reading.line_reading import frequency_lines_from_message
+from sonar_tracking.message_reading.position_reading import position_tracks_from_message
+from sonar_tracking.message_reading.sample_reading import lofar_rows_from_message
+from sonar_tracking.records.bearings import ArraySnapshots, BearingTracks
+from sonar_tracking.records.contacts import Contacts
+from sonar_tracking.records.lines import FrequencyLines, LofarRows
+from sonar_tracking.records.own_ship import OwnShipState
+from sonar_tracking.records.positions import PositionTracks
+
+SNAPSHOTS_TYPE = "sonar_tracking_msgs/msg/ArraySnapshots"
+SAMPLES_TYPE = "sonar_tracking_msgs/msg/ArraySamples"
+BEARING_TRACKS_TYPE = "sonar_tracking_msgs/msg/BearingTracks"
+POSITION_TRACKS_TYPE = "sonar_tracking_msgs/msg/Tracks"
+CONTACTS_TYPE = "sonar_tracking_msgs/msg/Contacts"
+FREQUENCY_LINES_TYPE = "sonar_tracking_msgs/msg/FrequencyLines"
+ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
+IMAGE_TYPE = "sensor_msgs/msg/Image"
+
+Record = TypeVar("Record")
+
+
+def topics_of_type(bag: Bag, type_name: str, role: str = "") -> list[str]:
+    """Return the topics of a type that hold messages; of one role if it is given."""
+    return [
+        name
+        for name, topic in bag.topics.items()
+        if topic.type_name == type_name and topic.message_count and role in ("", topic.role)
+    ]
+
+
+def snapshots_of(
+    bag: Bag, topic: str, rejected: list[str] | None = None
+) -> Iterator[ArraySnapshots]:
+    """Yield the blocks of a topic in log order.
+
+    Parameters
+    ----------
+    bag : Bag
+        The bag.
+    topic : str
+        A topic of :data:`SNAPSHOTS_TYPE`.
+    rejected : list of str, optional
+        Takes a sentence for each message that does not hold what it says, which is then left out;
+        without it such a message raises.
+
+    Raises
+    ------
+    InputError
+        If a message does not hold what it says.
+    """
+    yield from _converted(bag, topic, snapshots_from_message, rejected)
+
+
+def bearing_tracks_of(
+    bag: Bag, topic: str, rejected: list[str] | None = None
+) -> Iterator[BearingTracks]:
+    """Yield the track lists of a topic in log order; a column not reported is NaN.
+
+    Parameters and errors are those of :func:`snapshots_of`.
+    """
+    yield from _converted(bag, topic, bearing_tracks_from_message, rejected)
+
+
+def position_tracks_of(
+    bag: Bag, topic: str, rejected: list[str] | None = None
+) -> Iterator[PositionTracks]:
+    """Yield the position tracks of a topic in log order; a column not reported is NaN or zero.
+
+    Parameters and errors are those of :func:`snapshots_of`.
+    """
+    yield from _converted(bag, topic, position_tracks_from_message, rejected)
+
+
+def directions_of(
+    bag: Bag, topic: str, rejected: list[str] | None = None
+) -> Iterator[BearingTracks]:
+    """Yield the track lists of a topic in log order, cone angles and azimuths.
+
+    Parameters and errors are those of :func:`snapshots_of`.
+    """
+    yield from _converted(bag, topic, directions_from_message, rejected)
+
+
+def contacts_of(bag: Bag, topic: str, rejected: list[str] | None = None) -> Iterator[Contacts]:
+    """Yield the contacts of a topic, ping by ping, in log order.
+
+    Parameters and errors are those of :func:`snapshots_of`.
+    """
+    yield from _converted(bag, topic, contacts_from_message, rejected)
+
+
+def own_ship_of(bag: Bag, topic: str, rejected: list[str] | None = None) -> Iterator[OwnShipState]:
+    """Yield own ship's states of a topic in log order.
+
+    Parameters and errors are those of :func:`snapshots_of`.
+    """
+    yield from _converted(bag, topic, own_ship_from_message, rejected)
+
+
+def frequency_lines_of(
+    bag: Bag, topic: str, rejected: list[str] | None = None
+) -> Iterator[FrequencyLines]:
+    """Yield the lines of a topic in log order.
+
+    Parameters and errors are those of :func:`snapshots_of`.
+    """
+    yield from _converted(bag, topic, frequency_lines_from_message, rejected)
+
+
+def lofar_rows_of(bag: Bag, topic: str, rejected: list[str] | None = None) -> Iterator[LofarRows]:
+    """Yield the rows of the LOFAR picture of a topic in log order.
+
+    Parameters and errors are those of :func:`snapshots_of`.
+    """
+    yield from _converted(bag, topic, lofar_rows_from_message, rejected)
+
+
+def _converted(
+    bag: Bag, topic: str, convert: Callable[[Any], Record], rejected: list[str] | None
+) -> Iterator[Record]:
+    store = typestore_of(bag.topics[topic].definition)
+    for message in bag.messages([topic]):
+        try:
+            decoded = decoded_message(store, bag.topics[topic].type_name, message.data)
+            yield convert(decoded)
+        except InputError as error:
+            sentence = f"{topic}: {error}"
+            if rejected is None:
+                raise InputError(sentence) from None
+            rejected.append(sentence)

@@ -1,0 +1,42 @@
+"""Rewriting of a bag that is not whole."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from sonar_tracking.bags.storage.reader import read_bag
+from sonar_tracking.bags.storage.writer import BagWriter
+
+
+def repair_bag(path: Path | str) -> Path:
+    """Write what can be read of a bag into a whole one beside it.
+
+    The original stays as it is.
+
+    Parameters
+    ----------
+    path : Path or str
+        Directory or file to repair.
+
+    Returns
+    -------
+    Path
+        The new bag, ``<name>_repaired``; the same path where the bag is whole already.
+
+    Raises
+    ------
+    ConfigurationError
+        If nothing can be read, or the repaired bag exists already.
+    """
+    path = Path(path)
+    bag = read_bag(path)
+    if bag.recovery is None:
+        return path
+    resolved = path.resolve()
+    writer = BagWriter(resolved.with_name(f"{resolved.stem}_repaired"), bag.recording)
+    for topic in bag.topics.values():
+        writer.add_topic(topic.name, topic.type_name, topic.definition, topic.role, topic.quality)
+    for message in bag.messages():
+        writer.write(message.topic, message.log_time, message.data)
+    writer.close()
+    return writer.path

@@ -1,0 +1,86 @@
+"""Plain codings of subspace tracking that the product's are measured against.
+
+These are what one writes from a textbook, one snapshot at a time and with nothing rearranged.
+They serve as the peer in the bench and, in the tests, as an independent coding of the recursions.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sonar_tracking.records.arrays import ComplexArray
+
+
+def textbook_past(data: ComplexArray, n_columns: int, forgetting_factor: float) -> ComplexArray:
+    """Track the signal subspace with PAST, one snapshot at a time.
+
+    Parameters
+    ----------
+    data : ndarray, shape (n_snapshots, n_elements), complex
+        Snapshots.
+    n_columns : int
+        Dimension of the subspace.
+    forgetting_factor : float
+        Per snapshot.
+
+    Returns
+    -------
+    ndarray, shape (n_elements, n_columns), complex
+        Basis after the last snapshot.
+
+    References
+    ----------
+    Yang, "Projection approximation subspace tracking", 1995, table I.
+    """
+    basis = np.eye(data.shape[1], n_columns, dtype=complex)
+    inverse = np.eye(n_columns, dtype=complex)
+    for snapshot in data:
+        projected = basis.conj().T @ snapshot
+        weighted = inverse @ projected
+        gain = weighted / (forgetting_factor + np.vdot(projected, weighted))
+        inverse = (inverse - np.outer(gain, weighted.conj())) / forgetting_factor
+        inverse = (inverse + inverse.conj().T) / 2
+        basis = basis + np.outer(snapshot - basis @ projected, gain.conj())
+    return basis
+
+
+def eigenvectors_each_snapshot(
+    data: ComplexArray, n_columns: int, forgetting_factor: float
+) -> ComplexArray:
+    """Track the signal subspace by an eigendecomposition at every snapshot.
+
+    Parameters and return value are those of :func:`textbook_past`.
+    """
+    n_elements = data.shape[1]
+    covariance = np.zeros((n_elements, n_elements), dtype=complex)
+    basis = np.eye(n_elements, n_columns, dtype=complex)
+    for snapshot in data:
+        newest = np.outer(snapshot, snapshot.conj())
+        covariance = forgetting_factor * covariance + (1 - forgetting_factor) * newest
+        basis = np.linalg.eigh(covariance).eigenvectors[:, -n_columns:]
+    return basis
+
+
+def eigenvectors_each_period(data: ComplexArray, n_columns: int, period: int) -> ComplexArray:
+    """Estimate the signal subspace of every period from its sample covariance alone.
+
+    Parameters
+    ----------
+    data : ndarray, shape (n_snapshots, n_elements), complex
+        Snapshots.
+    n_columns : int
+        Dimension of the subspace.
+    period : int
+        Snapshots in a period.
+
+    Returns
+    -------
+    ndarray, shape (n_elements, n_columns), complex
+        Basis of the last period.
+    """
+    basis = np.eye(data.shape[1], n_columns, dtype=complex)
+    for first in range(0, len(data), period):
+        block = data[first : first + period]
+        covariance = block.T @ block.conj() / len(block)
+        basis = np.linalg.eigh(covariance).eigenvectors[:, -n_columns:]
+    return basis

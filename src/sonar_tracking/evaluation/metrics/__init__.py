@@ -1,0 +1,1 @@
+"""Scores of tracks against the truth: OSPA, GOSPA, identities, errors."""

@@ -1,0 +1,76 @@
+"""True bearings at the instants of the tracks, from truth sampled at other instants."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.evaluation.metrics.truth_samples import TruthSamples
+from sonar_tracking.motion import wrap_angle
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.bearings import BearingTracks
+from sonar_tracking.records.time import seconds
+
+
+@dataclass(frozen=True)
+class TrueBearings:
+    """True bearings at one instant.
+
+    Attributes
+    ----------
+    id : ndarray of uint64, shape (n_targets,)
+        Identifiers of the targets.
+    angle, rate : ndarray, shape (n_targets,)
+        rad and rad/s.
+    """
+
+    id: NDArray[np.uint64]
+    angle: FloatArray
+    rate: FloatArray
+
+
+class BearingTruth:
+    """Truth of a run, interpolated linearly between its samples.
+
+    Parameters
+    ----------
+    samples : sequence of BearingTracks
+        Truth at increasing stamps.
+    """
+
+    def __init__(self, samples: Sequence[BearingTracks]) -> None:
+        self._samples = TruthSamples(samples)
+
+    def first_seen(self) -> dict[int, int]:
+        """Return the stamp (ns) of the first appearance of each target."""
+        return self._samples.first_seen()
+
+    def at(self, stamp: int) -> TrueBearings | None:
+        """Return the truth at an instant, or None if the samples do not reach it.
+
+        Between two samples a target is there if it is in both. Beyond the last sample its rate
+        carries on for as long as the last two samples are apart.
+        """
+        around = self._samples.around(stamp)
+        if around is None:
+            return None
+        before, after = around
+        if after is not None:
+            return _between(before, after, stamp)
+        elapsed = seconds(stamp - before.stamp)
+        angle = before.arrival_angle
+        if elapsed > 0.0:
+            angle = angle + elapsed * before.arrival_angle_rate
+        return TrueBearings(before.id, angle, before.arrival_angle_rate)
+
+
+def _between(before: BearingTracks, after: BearingTracks, stamp: int) -> TrueBearings:
+    identifiers, rows, columns = np.intersect1d(before.id, after.id, return_indices=True)
+    share = (stamp - before.stamp) / (after.stamp - before.stamp)
+    start, start_rate = before.arrival_angle[rows], before.arrival_angle_rate[rows]
+    change = wrap_angle(after.arrival_angle[columns] - start)
+    rate = start_rate + share * (after.arrival_angle_rate[columns] - start_rate)
+    return TrueBearings(identifiers, start + share * change, rate)

@@ -1,0 +1,78 @@
+"""Distances between two sets, here of truths and estimates: OSPA and GOSPA.
+
+With d_c = min(d, c), n truths, m estimates and k assigned pairs (d < c):
+
+    OSPA    = [(min over assignments of sum d_c^p + c^p |n - m|) / max(n, m)]^(1/p)
+    GOSPA^p = min over assignments of sum d^p + (c^p / 2) (n + m - 2 k)          (alpha = 2)
+
+A pair at or beyond the cut-off costs GOSPA as much as a miss and a false estimate, so that the
+assignment of least sum of d_c^p is the best one for both. Schuhmacher, Vo, Vo 2008; Rahmathullah,
+Garcia-Fernandez, Svensson 2017.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from sonar_tracking.records.arrays import FloatArray, IndexArray
+
+
+@dataclass(frozen=True)
+class Assignment:
+    """Truths and estimates that belong together.
+
+    Attributes
+    ----------
+    truths, estimates : ndarray of int, shape (n_pairs,)
+        Rows and columns of the assigned pairs, all closer than the cut-off.
+    cost : float
+        Sum of d^order over these pairs.
+    n_truths, n_estimates : int
+        Sizes of the sets.
+    """
+
+    truths: IndexArray
+    estimates: IndexArray
+    cost: float
+    n_truths: int
+    n_estimates: int
+
+
+def assign(distances: FloatArray, cutoff: float, order: float) -> Assignment:
+    """Return the assignment of least sum of min(d, cutoff)^order.
+
+    Parameters
+    ----------
+    distances : ndarray, shape (n_truths, n_estimates)
+        Between each truth and each estimate.
+    cutoff : float
+        Pairs at or beyond it are not assigned.
+    order : float
+        Exponent p, at least 1.
+    """
+    rows, columns = linear_sum_assignment(np.minimum(distances, cutoff) ** order)
+    kept = distances[rows, columns] < cutoff
+    rows, columns = rows[kept], columns[kept]
+    cost = float(np.sum(distances[rows, columns] ** order))
+    return Assignment(rows, columns, cost, *distances.shape)
+
+
+def ospa(assignment: Assignment, cutoff: float, order: float) -> float:
+    """Return the OSPA distance of an assignment made with the same cut-off and order.
+
+    It is 0 if both sets are empty and ``cutoff`` if one is.
+    """
+    larger = max(assignment.n_truths, assignment.n_estimates)
+    if larger == 0:
+        return 0.0
+    unassigned = larger - len(assignment.truths)
+    return float(((assignment.cost + cutoff**order * unassigned) / larger) ** (1.0 / order))
+
+
+def gospa(assignment: Assignment, cutoff: float, order: float) -> float:
+    """Return the GOSPA distance (alpha = 2) of an assignment made with the same cut-off."""
+    unassigned = assignment.n_truths + assignment.n_estimates - 2 * len(assignment.truths)
+    return float((assignment.cost + 0.5 * cutoff**order * unassigned) ** (1.0 / order))

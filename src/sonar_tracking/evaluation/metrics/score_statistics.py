@@ -1,0 +1,71 @@
+"""Figures every score has: means over what there is, the period of track lists, flat JSON."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from sonar_tracking.evaluation.metrics.truth_samples import Sample
+from sonar_tracking.records.arrays import FloatArray
+
+
+def median_period(lists: Sequence[Sample]) -> float:
+    """Return the median time between track lists in order of time, s; 0 for fewer than two."""
+    if len(lists) < 2:
+        return 0.0
+    return float(np.median(np.diff([entry.stamp for entry in lists]))) * 1e-9
+
+
+def joined(parts: Sequence[FloatArray]) -> FloatArray:
+    """Return the values of all parts in one array."""
+    return np.concatenate(parts) if parts else np.empty(0)
+
+
+def mean(values: FloatArray | Sequence[float]) -> float:
+    """Return the mean; NaN where there is no value."""
+    return float(np.mean(values)) if len(values) else math.nan
+
+
+def median(values: FloatArray | Sequence[float]) -> float:
+    """Return the median; NaN where there is no value."""
+    return float(np.median(values)) if len(values) else math.nan
+
+
+def normalised_square_error(error: FloatArray, covariance: FloatArray) -> FloatArray:
+    """Return e^T P^-1 e of the errors whose covariance is proper.
+
+    Parameters
+    ----------
+    error : ndarray, shape (n, n_dimensions)
+        Estimate minus truth.
+    covariance : ndarray, shape (n, n_dimensions, n_dimensions)
+        As the tracker gives it; a row that is not positive definite, or not finite, is left out.
+    """
+    finite = np.all(np.isfinite(covariance), axis=(-2, -1)) & np.all(np.isfinite(error), axis=-1)
+    error, covariance = error[finite], covariance[finite]
+    # Scaled to unit variances first: metres and metres per second differ by orders.
+    scale = np.sqrt(np.maximum(np.diagonal(covariance, axis1=-2, axis2=-1), 0.0))
+    positive = np.all(scale > 0.0, axis=-1)
+    error, covariance, scale = error[positive], covariance[positive], scale[positive]
+    error = error / scale
+    covariance = covariance / (scale[:, :, None] * scale[:, None, :])
+    proper = np.linalg.eigvalsh(covariance)[:, 0] > 1e-12
+    error, covariance = error[proper], covariance[proper]
+    return np.sum(error * np.linalg.solve(covariance, error[..., None])[..., 0], axis=-1)
+
+
+def flat_mapping(score: Any) -> dict[str, object]:
+    """Return a score with its identities as one flat mapping for JSON; unknown is None."""
+    values = dataclasses.asdict(score)
+    values.update(values.pop("identities"))
+    return {name: _json_value(value) for name, value in values.items()}
+
+
+def _json_value(value: object) -> object:
+    if isinstance(value, tuple):
+        return [_json_value(entry) for entry in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,1 @@
+"""The chains in one process, without ROS."""

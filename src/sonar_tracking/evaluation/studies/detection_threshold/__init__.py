@@ -1,0 +1,1 @@
+"""Study detection-threshold: Jung and Shin (2002)."""

@@ -1,0 +1,1 @@
+"""Study doa-coherent: Hwang et al. (2005)."""

@@ -1,0 +1,1 @@
+"""Study doa-fusion: Ryu, Park and Choi (2003)."""

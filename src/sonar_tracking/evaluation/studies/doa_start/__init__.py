@@ -1,0 +1,1 @@
+"""Study doa-start: targets that appear, fade, cross and leave."""

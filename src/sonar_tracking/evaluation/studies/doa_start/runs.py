@@ -1,0 +1,148 @@
+"""Runs of the doa-start study: the whole passive chain, told nothing, on targets that come and go.
+
+The scenario ``appearing_targets`` with other levels and arrays; each run has its own seed. The
+stages are those that the nodes run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sonar_tracking.evaluation.metrics.bearing_score import BearingScore
+from sonar_tracking.evaluation.metrics.bearing_truth import BearingTruth
+from sonar_tracking.evaluation.monte_carlo.batch_runner import RunBatch
+from sonar_tracking.evaluation.offline.offline_bearing_chain import OfflineRun, run_offline_chain
+from sonar_tracking.records.bearings import BearingTracks, TrackStatus
+from sonar_tracking.simulation.scenarios.scenario import Scenario
+from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
+
+LEVELS_DB = (0.0, -3.0, -5.0, -8.0)
+ELEMENTS = (15, 32, 64)
+
+
+@dataclass(frozen=True)
+class StartCondition:
+    """Array and level of all targets.
+
+    Attributes
+    ----------
+    n_elements : int
+        At half a wavelength.
+    level_db : float
+        Signal over noise per element, dB.
+    """
+
+    n_elements: int
+    level_db: float
+
+    @property
+    def name(self) -> str:
+        """Name in the tables."""
+        return f"{self.n_elements} elements, {self.level_db:g} dB"
+
+    def scenario(self, seed: int) -> Scenario:
+        """Return the scenario of a run."""
+        scenario = load_scenario("appearing_targets")
+        targets = tuple(replace(target, level_db=self.level_db) for target in scenario.targets)
+        array = replace(scenario.array, n_elements=self.n_elements)
+        return replace(scenario, array=array, targets=targets, seed=seed)
+
+
+CONDITIONS = tuple(
+    StartCondition(n_elements, level_db) for n_elements in ELEMENTS for level_db in LEVELS_DB
+)
+
+
+@dataclass(frozen=True)
+class StartBatch:
+    """Runs that are computed together.
+
+    Attributes
+    ----------
+    condition : StartCondition
+        The condition.
+    batch : RunBatch
+        Which runs.
+    """
+
+    condition: StartCondition
+    batch: RunBatch
+
+
+@dataclass(frozen=True)
+class StartRun:
+    """What the chain did in one run.
+
+    Attributes
+    ----------
+    score : BearingScore
+        Of confirmed and coasted tracks.
+    count_error : float
+        Mean over the periods of the difference between the number of confirmed tracks and that of
+        targets, without its sign.
+    count_right : float
+        Share of the periods without such a difference.
+    """
+
+    score: BearingScore
+    count_error: float
+    count_right: float
+
+
+@dataclass(frozen=True)
+class StartRuns:
+    """What the chain did in the runs of a batch.
+
+    Attributes
+    ----------
+    condition : StartCondition
+        The condition.
+    runs : tuple of StartRun
+        One a run.
+    example : tuple of tuple of BearingTracks
+        True bearings and tracks of the first run, for the figure.
+    """
+
+    condition: StartCondition
+    runs: tuple[StartRun, ...]
+    example: tuple[tuple[BearingTracks, ...], tuple[BearingTracks, ...]]
+
+
+def start_batch(task: StartBatch) -> StartRuns:
+    """Run the passive chain on the runs of a batch under one condition.
+
+    Parameters
+    ----------
+    task : StartBatch
+        Which runs, under which condition.
+    """
+    chains = [
+        run_offline_chain(task.condition.scenario(int(seed.generate_state(1)[0])))
+        for seed in task.batch.seeds
+    ]
+    runs = tuple(_scored(chain) for chain in chains)
+    return StartRuns(task.condition, runs, (chains[0].truth, chains[0].tracks))
+
+
+def count_differences(
+    truth: Sequence[BearingTracks], tracks: Sequence[BearingTracks]
+) -> tuple[int, ...]:
+    """Return in each period the number of confirmed tracks minus that of targets."""
+    reference = BearingTruth(truth)
+    differences = []
+    for entry in tracks:
+        present = reference.at(entry.stamp)
+        if present is not None:
+            confirmed = np.count_nonzero(entry.status == TrackStatus.CONFIRMED)
+            differences.append(int(confirmed) - len(present.id))
+    return tuple(differences)
+
+
+def _scored(chain: OfflineRun) -> StartRun:
+    differences = np.array(count_differences(chain.truth, chain.tracks))
+    return StartRun(
+        chain.score(), float(np.abs(differences).mean()), float((differences == 0).mean())
+    )

@@ -1,0 +1,1 @@
+"""Study maritime-contacts: recorded scans of a ferry's radar."""

@@ -1,0 +1,1 @@
+"""Study multi-target-clutter: Kim and Song (2007)."""

@@ -1,0 +1,1 @@
+"""Study room-array: a recorded 32-element array in a room."""

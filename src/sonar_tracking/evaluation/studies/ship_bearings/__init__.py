@@ -1,0 +1,1 @@
+"""Study ship-bearings: a recorded ship heard by bottom-mounted arrays."""

@@ -1,0 +1,160 @@
+"""Ways to locate the ship of the ship-bearings study.
+
+Without any filter, where the rays of single seconds meet the surface; by the filter that a node
+runs, second by second; and by the smoother, which knows the seconds that follow, too. None of them
+looks at the GPS. What it costs that the antenna of the GPS is not where a ship's noise comes from
+is told apart: the distance between them can be fitted to the GPS only.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sonar_tracking.evaluation.studies.ship_bearings.data import (
+    ArrayBearings,
+    JoinedBearings,
+    join_bearings,
+)
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.time import nanoseconds
+from sonar_tracking.tma.batch.direction_smoother import (
+    DirectionSmootherConfiguration,
+    smooth_directions,
+    systematic_covariance,
+)
+from sonar_tracking.tma.estimators.range_bank import RangeBank, RangeBankConfiguration
+from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
+
+CONFIGURATION = RangeBankConfiguration(
+    minimum_range=50.0,
+    maximum_range=4000.0,
+    n_ranges=4,
+    maximum_speed=8.0,
+    acceleration=0.03,
+    manoeuvre_acceleration=0.1,
+)
+"""A ship that keeps turning, seen from the sea floor."""
+
+SMOOTHER = DirectionSmootherConfiguration(maximum_speed=8.0, systematic_deviation_deg=0.7)
+"""What does not average out is what the two arrays disagree by over a minute: 0.7 deg."""
+
+FIXES = "rays of single seconds"
+CROSS, SINGLE, BOTH = "azimuths of both arrays", "azimuth and elevation", "everything"
+SMOOTHED, ANTENNA = "smoothed: ", "antenna fitted: "
+"""How the names of smoothed tracks begin, and of those referred to the antenna of the GPS."""
+
+
+@dataclass(frozen=True)
+class ShipTrack:
+    """Located ship.
+
+    Attributes
+    ----------
+    system, arrays : str
+        How, and by which arrays.
+    times : ndarray, shape (n,)
+        s.
+    position, ship : ndarray, shape (n, 2)
+        Located and true, m.
+    nees : ndarray, shape (n,)
+        Of the position, per dimension; NaN = no covariance.
+    antenna : float
+        How far the antenna is ahead of the noise, fitted to the GPS, m; NaN = not fitted.
+    """
+
+    system: str
+    arrays: str
+    times: FloatArray
+    position: FloatArray
+    ship: FloatArray
+    nees: FloatArray
+    antenna: float = np.nan
+
+
+def locate_ship(arrays: tuple[ArrayBearings, ...]) -> tuple[ShipTrack, ...]:
+    """Return the tracks of all ways to locate the ship.
+
+    Parameters
+    ----------
+    arrays : tuple of ArrayBearings
+        What was measured.
+    """
+    tracks: list[ShipTrack] = []
+    for array in arrays:
+        tracks.append(fix_single_seconds(array))
+        tracks.extend(_tracked(SINGLE, join_bearings((array,), elevations=True)))
+    if len(arrays) > 1:
+        tracks.extend(_tracked(CROSS, join_bearings(arrays, elevations=False)))
+        tracks.extend(_tracked(BOTH, join_bearings(arrays, elevations=True)))
+    return tuple(tracks)
+
+
+def fix_single_seconds(array: ArrayBearings) -> ShipTrack:
+    """Return where the ray of each second meets the surface; NaN where it never does.
+
+    Parameters
+    ----------
+    array : ArrayBearings
+        What was measured.
+    """
+    slope = np.where(array.elevation > 0.0, np.tan(array.elevation), np.nan)
+    distance = -array.position[2] / slope
+    direction = np.stack([np.cos(array.azimuth), np.sin(array.azimuth)], axis=1)
+    position = array.position[:2] + distance[:, None] * direction
+    unknown = np.full(len(distance), np.nan)
+    return ShipTrack(FIXES, array.name, array.times, position, array.ship, unknown)
+
+
+def measurement_of(joined: JoinedBearings, index: int) -> TmaMeasurement:
+    """Return one bearing as the filter takes it.
+
+    Parameters
+    ----------
+    joined : JoinedBearings
+        What was measured.
+    index : int
+        Which.
+    """
+    history = joined.history
+    return TmaMeasurement(
+        stamp=nanoseconds(float(history.times[index])),
+        position=history.position[index],
+        velocity=np.zeros(2),
+        azimuth=history.azimuth[index : index + 1],
+        azimuth_variance=np.array(joined.azimuth_deviation[index] ** 2),
+        elevation=np.array(history.elevation[index]),
+        elevation_variance=np.array(history.deviation[index] ** 2),
+        height=float(history.height[index]),
+    )
+
+
+def _tracked(system: str, joined: JoinedBearings) -> tuple[ShipTrack, ...]:
+    """Return the track of the filter, that of the smoother, and the latter at the antenna."""
+    estimator = RangeBank(CONFIGURATION)
+    estimates = [
+        estimator.update(measurement_of(joined, index)) for index in range(len(joined.ship))
+    ]
+    mean = np.stack([one.mean for one in estimates])
+    covariance = np.stack([one.covariance for one in estimates])
+    systematic = float(np.radians(SMOOTHER.systematic_deviation_deg))
+    covariance[:, :2, :2] += systematic_covariance(joined.history, mean[:, :2], systematic)
+    filtered = _track(system, joined, mean[:, :2], covariance)
+    path = smooth_directions(joined.history, mean[:, :2], SMOOTHER)
+    smoothed = _track(SMOOTHED + system, joined, path.mean[:, :2], path.covariance)
+    speed = np.maximum(np.hypot(path.mean[:, 2], path.mean[:, 3]), 1e-3)
+    ahead = path.mean[:, 2:] / speed[:, None]
+    antenna = float(np.nanmedian(np.sum((joined.ship - path.mean[:, :2]) * ahead, axis=1)))
+    at_antenna = path.mean[:, :2] + antenna * ahead
+    fitted = _track(ANTENNA + system, joined, at_antenna, path.covariance)
+    return filtered, smoothed, replace(fitted, antenna=antenna)
+
+
+def _track(
+    system: str, joined: JoinedBearings, position: FloatArray, covariance: FloatArray
+) -> ShipTrack:
+    error = position - joined.ship
+    solved = np.linalg.solve(covariance[:, :2, :2], error[..., None])[..., 0]
+    nees = 0.5 * np.sum(error * solved, axis=1)
+    return ShipTrack(system, joined.names, joined.history.times, position, joined.ship, nees)

@@ -1,0 +1,1 @@
+"""Study tma-frequency-fusion: Cheong (2011)."""

@@ -1,0 +1,1 @@
+"""Which topics, nodes and parameters there are (no ROS import)."""

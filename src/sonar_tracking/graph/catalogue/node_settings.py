@@ -1,0 +1,180 @@
+"""Parameters of the nodes as people write them: checked before any node is started (no ROS)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from sonar_tracking.active.contact_tracker import make_contact_tracker
+from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.configuration import (
+    ConfigurationType,
+    Value,
+    describe,
+    from_mapping,
+    unknown_name_text,
+)
+from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.graph.catalogue.node_catalogue import (
+    BAND_DEMODULATOR,
+    BEARING_TRACKER,
+    LINE_TRACKER,
+    NODES,
+    SUBSPACE_ESTIMATOR,
+    NodeDescription,
+)
+from sonar_tracking.graph.catalogue.planned_node import FLOW_WINDOW
+from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
+    BearingTrackerConfiguration,
+    check_estimator,
+)
+from sonar_tracking.passive.bearings.bearing_tracker_stage import BearingTrackerStage
+from sonar_tracking.passive.lines.line_tracker_configuration import (
+    LineTrackerConfiguration,
+    check_line_tracker,
+)
+from sonar_tracking.passive.subspaces.subspace_configuration import SubspaceConfiguration
+from sonar_tracking.passive.subspaces.subspace_stage import SubspaceStage
+from sonar_tracking.simulation.scenarios.scenario_file import read_yaml_mapping
+from sonar_tracking.tma.targets.tma_tracker_configuration import (
+    TmaTrackerConfiguration,
+    check_tma_tracker,
+)
+
+_STAGES: Mapping[type, Callable[[Any], object]] = {
+    SubspaceConfiguration: SubspaceStage,
+    BearingTrackerConfiguration: BearingTrackerStage,
+    ContactTrackerConfiguration: make_contact_tracker,
+    LineTrackerConfiguration: check_line_tracker,
+    TmaTrackerConfiguration: check_tma_tracker,
+}
+"""What refuses parameters that do not fit together, by their configuration."""
+
+_DEEPEST = 10_000
+"""Largest flow_depth that is allowed."""
+
+NodeSettings = dict[str, dict[str, Value]]
+
+
+def resolved_settings(
+    given: Mapping[str, Mapping[str, Any]], nodes: tuple[NodeDescription, ...], where: str
+) -> NodeSettings:
+    """Return every parameter of some nodes: as given, else the default.
+
+    Parameters
+    ----------
+    given : mapping
+        Node name, parameter name, value; other nodes than those asked for must at least exist.
+    nodes : tuple of NodeDescription
+        The nodes asked for.
+    where : str
+        Where the values come from, named in errors.
+
+    Raises
+    ------
+    ConfigurationError
+        On an unknown node or parameter, a wrong type, a value out of range, or parameters that
+        do not fit together.
+    """
+    for name in given:
+        if name not in NODES:
+            raise ConfigurationError(unknown_name_text(f"{where}: {name}", name, NODES))
+    settings = {node.name: _settings(node, given.get(node.name, {}), where) for node in nodes}
+    _check_pair(settings, where)
+    return settings
+
+
+def with_room_for_bursts(settings: NodeSettings, block_seconds: float) -> NodeSettings:
+    """Return settings whose queues hold what the blocks in the graph set off at once.
+
+    The clock moves by whole blocks, and one block completes several estimates when their period
+    is shorter: all of them are published before the next node has read the first. The line tracker
+    keeps samples until their bearings are known, and publishes all frames of what has waited at
+    once: at the begin, at the end, and when the estimators have fallen behind.
+
+    Parameters
+    ----------
+    settings : mapping
+        Of every node.
+    block_seconds : float
+        Step of the clock, s.
+    """
+    estimator = settings.get(SUBSPACE_ESTIMATOR.name, {})
+    period = estimator.get("period")
+    if not isinstance(period, float):
+        return settings
+    needed = 2 * FLOW_WINDOW * math.ceil(block_seconds / period)
+    frame_length = settings.get(LINE_TRACKER.name, {}).get("frame_length")
+    if isinstance(frame_length, float):
+        # Snapshots come about once per 1 / bandwidth; an unknown bandwidth is above 1 Hz.
+        bandwidth = float(str(settings.get(BAND_DEMODULATOR.name, {}).get("bandwidth", 0.0)))
+        waiting = float(str(estimator["covariance_snapshots"])) / (bandwidth or 1.0)
+        waiting += 2 * FLOW_WINDOW * (block_seconds + period)
+        needed = max(needed, 2 * math.ceil(waiting / (0.5 * frame_length)))
+    return {
+        name: {**values, "flow_depth": min(max(int(str(values["flow_depth"])), needed), _DEEPEST)}
+        if not NODES[name].section
+        else values
+        for name, values in settings.items()
+    }
+
+
+def read_settings(path: Path) -> dict[str, dict[str, Any]]:
+    """Read a parameter file: node, parameter, value; the form of ROS is understood too.
+
+    Raises
+    ------
+    ConfigurationError
+        If it cannot be read or is not such a mapping.
+    """
+    settings: dict[str, dict[str, Any]] = {}
+    for name, values in read_yaml_mapping(path).items():
+        if isinstance(values, Mapping) and set(values) == {"ros__parameters"}:
+            values = values["ros__parameters"]
+        if not isinstance(values, Mapping):
+            raise ConfigurationError(
+                f"{path}: {name} must be a mapping of parameter names to values, "
+                "e.g. 'bearing_tracker: {method: ml_fusion}'."
+            )
+        settings[str(name).lstrip("/")] = dict(values)
+    return settings
+
+
+def _settings(node: NodeDescription, given: Mapping[str, Any], where: str) -> dict[str, Value]:
+    known = {description.name for description in node.parameters}
+    place = f"{where}: {node.name}"
+    for name in given:
+        if name not in known:
+            raise ConfigurationError(unknown_name_text(f"{place}.{name}", name, known))
+    settings: dict[str, Value] = {}
+    for configuration in node.configurations:
+        names = {field.name for field in fields(configuration)}
+        own = {name: value for name, value in given.items() if name in names}
+        made: Any = from_mapping(configuration, own, place)
+        if configuration in _STAGES:
+            try:
+                _STAGES[configuration](made)
+            except ConfigurationError as error:
+                raise ConfigurationError(f"{place}: {error}") from error
+        settings |= {name: getattr(made, name) for name in sorted(names)}
+    return settings
+
+
+def _check_pair(settings: NodeSettings, where: str) -> None:
+    """Refuse a tracker and an estimator that do not fit together."""
+    if not {SUBSPACE_ESTIMATOR.name, BEARING_TRACKER.name} <= set(settings):
+        return
+
+    def made(kind: type[ConfigurationType], name: str) -> ConfigurationType:
+        names = [description.name for description in describe(kind)]
+        return from_mapping(kind, {each: settings[name][each] for each in names}, where)
+
+    estimator = made(SubspaceConfiguration, SUBSPACE_ESTIMATOR.name)
+    tracker = made(BearingTrackerConfiguration, BEARING_TRACKER.name)
+    try:
+        check_estimator(tracker, estimator)
+    except ConfigurationError as error:
+        raise ConfigurationError(f"{where}: {error}") from error

@@ -1,0 +1,36 @@
+"""A node as the orchestration is going to start it (no ROS import)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from sonar_tracking.graph.catalogue.topics import Topic
+
+FLOW_WINDOW = 4
+"""Most blocks between the clock and the slowest consumer."""
+
+
+@dataclass(frozen=True)
+class PlannedNode:
+    """One node of the graph.
+
+    Attributes
+    ----------
+    name, module : str
+        Node name and the Python module that runs it.
+    subscriptions, publishers : tuple of Topic
+        Its data topics.
+    parameters : mapping
+        Its ROS parameters, checked.
+    gives_identifiers : bool
+        Whether it has a parameter ``first_id``.
+    """
+
+    name: str
+    module: str
+    subscriptions: tuple[Topic, ...] = ()
+    publishers: tuple[Topic, ...] = ()
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    gives_identifiers: bool = False

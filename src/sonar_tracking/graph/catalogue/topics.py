@@ -1,0 +1,162 @@
+"""Names, types and kinds of the topics of the graph (no ROS import)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+CLOCK_TOPIC = "/clock"
+DIAGNOSTICS_TOPIC = "/diagnostics"
+PROGRESS_TOPIC = "flow/done"
+
+
+class TopicKind(Enum):
+    """How a topic is transported: see :mod:`sonar_tracking.graph.node_base.quality_of_service`."""
+
+    DATA = "data"
+    """Reliable, volatile, keep-last(flow depth)."""
+    TRACKS = "tracks"
+    """A complete picture: as DATA, and the latest one is kept for late readers."""
+
+
+class TopicRole(Enum):
+    """What a topic is for when a recording is replayed or scored."""
+
+    INPUT = "input"
+    """Comes from a sensor or simulator; a replay publishes it."""
+    OUTPUT = "output"
+    """Computed by the nodes; a replay compares it."""
+    TRUTH = "truth"
+    """Known to a simulator only; for scoring."""
+
+
+@dataclass(frozen=True)
+class Topic:
+    """One data topic.
+
+    Attributes
+    ----------
+    name : str
+        Relative name, e.g. ``"array/snapshots"``.
+    message_type : str
+        E.g. ``"sonar_tracking_msgs/msg/ArraySnapshots"``.
+    kind : TopicKind
+        How it is transported.
+    role : TopicRole
+        What it is for.
+    description : str
+        One line of what it carries.
+    """
+
+    name: str
+    message_type: str
+    kind: TopicKind
+    role: TopicRole
+    description: str
+
+
+SNAPSHOTS = Topic(
+    "array/snapshots",
+    "sonar_tracking_msgs/msg/ArraySnapshots",
+    TopicKind.DATA,
+    TopicRole.INPUT,
+    "contiguous blocks of narrowband array snapshots",
+)
+SUBSPACES = Topic(
+    "array/subspaces",
+    "sonar_tracking_msgs/msg/SubspaceEstimates",
+    TopicKind.DATA,
+    TopicRole.OUTPUT,
+    "signal subspaces around each sample time",
+)
+BEARING_TRACKS = Topic(
+    "passive/bearing_tracks",
+    "sonar_tracking_msgs/msg/BearingTracks",
+    TopicKind.TRACKS,
+    TopicRole.OUTPUT,
+    "all bearing tracks at each sample time",
+)
+TRUE_BEARING_TRACKS = Topic(
+    "truth/bearing_tracks",
+    "sonar_tracking_msgs/msg/BearingTracks",
+    TopicKind.TRACKS,
+    TopicRole.TRUTH,
+    "true bearings of the simulated targets",
+)
+TRUE_TRACKS = Topic(
+    "truth/tracks",
+    "sonar_tracking_msgs/msg/Tracks",
+    TopicKind.TRACKS,
+    TopicRole.TRUTH,
+    "true positions of the simulated targets",
+)
+ODOMETRY = Topic(
+    "own_ship/odometry",
+    "nav_msgs/msg/Odometry",
+    TopicKind.DATA,
+    TopicRole.INPUT,
+    "own ship's pose in map and twist in own_ship/base_link",
+)
+SAMPLES = Topic(
+    "array/samples",
+    "sonar_tracking_msgs/msg/ArraySamples",
+    TopicKind.DATA,
+    TopicRole.INPUT,
+    "contiguous blocks of broadband element time series",
+)
+LOFAR = Topic(
+    "array/lofar",
+    "sensor_msgs/msg/Image",
+    TopicKind.DATA,
+    TopicRole.OUTPUT,
+    "normalised spectrum of each beam, row by row",
+)
+FREQUENCY_LINES = Topic(
+    "passive/frequency_lines",
+    "sonar_tracking_msgs/msg/FrequencyLines",
+    TopicKind.DATA,
+    TopicRole.OUTPUT,
+    "narrowband lines heard at one instant",
+)
+PASSIVE_TRACKS = Topic(
+    "passive/tracks",
+    "sonar_tracking_msgs/msg/Tracks",
+    TopicKind.TRACKS,
+    TopicRole.OUTPUT,
+    "positions of the targets heard, with both sides of an ambiguous bearing",
+)
+PASSIVE_MARKERS = Topic(
+    "passive/markers",
+    "visualization_msgs/msg/MarkerArray",
+    TopicKind.TRACKS,
+    TopicRole.OUTPUT,
+    "passive/tracks for RViz and Foxglove, with uncertainty ellipses",
+)
+CONTACTS = Topic(
+    "active/contacts",
+    "sonar_tracking_msgs/msg/Contacts",
+    TopicKind.DATA,
+    TopicRole.INPUT,
+    "contacts of an active sonar, ping by ping",
+)
+ACTIVE_TRACKS = Topic(
+    "active/tracks",
+    "sonar_tracking_msgs/msg/Tracks",
+    TopicKind.TRACKS,
+    TopicRole.OUTPUT,
+    "positions of the targets that return echoes",
+)
+ACTIVE_THRESHOLD = Topic(
+    "active/threshold",
+    "sonar_tracking_msgs/msg/DetectionThreshold",
+    TopicKind.DATA,
+    TopicRole.OUTPUT,
+    "detection thresholds used in the gates of the tracks",
+)
+ACTIVE_MARKERS = Topic(
+    "active/markers",
+    "visualization_msgs/msg/MarkerArray",
+    TopicKind.TRACKS,
+    TopicRole.OUTPUT,
+    "active/tracks for RViz and Foxglove, with uncertainty ellipses",
+)

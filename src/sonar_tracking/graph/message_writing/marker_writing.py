@@ -1,0 +1,124 @@
+"""Position tracks as markers for RViz and Foxglove: position, velocity, uncertainty.
+
+Markers are pictures: they are neither recorded nor compared. Every array begins by deleting the
+one before it. What is tentative, coasted or an improbable side is fainter.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from geometry_msgs.msg import Point
+from visualization_msgs.msg import Marker, MarkerArray
+
+from sonar_tracking.graph.message_writing.field_writing import (
+    set_quaternion,
+    set_vector,
+    time_from_stamp,
+)
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.records.positions import PositionTracks, TrackHypothesis
+
+ELLIPSE_PROBABILITY = 0.95
+"""That the target is within its ellipse."""
+
+ARROW_SECONDS = 60.0
+"""An arrow ends where the target will be after this time."""
+
+SIZE = 60.0
+"""Diameter of the dot at a position, m."""
+
+COLOURS = {
+    TrackHypothesis.SINGLE: (0.1, 0.8, 0.2),
+    TrackHypothesis.LEFT: (0.9, 0.3, 0.2),
+    TrackHypothesis.RIGHT: (0.2, 0.6, 0.9),
+}
+OPACITY = {TrackStatus.CONFIRMED: 1.0, TrackStatus.TENTATIVE: 0.4, TrackStatus.COASTED: 0.2}
+
+
+def position_markers(tracks: PositionTracks) -> MarkerArray:
+    """Return dots, arrows, ellipses and names of all running tracks.
+
+    Parameters
+    ----------
+    tracks : PositionTracks
+        The complete picture at its stamp.
+
+    Returns
+    -------
+    MarkerArray
+        In the frame of the tracks.
+    """
+    markers = [_marker(tracks, Marker.SPHERE, "", 0, Marker.DELETEALL)]
+    for row in range(len(tracks)):
+        status = TrackStatus(int(tracks.status[row]))
+        if status is TrackStatus.TERMINATED or not np.all(np.isfinite(tracks.state[row])):
+            continue
+        probability = float(tracks.hypothesis_probability[row])
+        opacity = OPACITY[status] * (probability if math.isfinite(probability) else 1.0)
+        colour = COLOURS[TrackHypothesis(int(tracks.hypothesis[row]))]
+        for marker in _of_track(tracks, row):
+            marker.color.r, marker.color.g, marker.color.b = colour
+            marker.color.a = opacity * (0.3 if marker.ns == "ellipse" else 1.0)
+            markers.append(marker)
+    return MarkerArray(markers=markers)
+
+
+def uncertainty_ellipse(covariance: FloatArray, probability: float) -> tuple[float, float, float]:
+    """Return the ellipse that holds a Gaussian position with a probability.
+
+    Parameters
+    ----------
+    covariance : ndarray, shape (2, 2)
+        m^2.
+    probability : float
+        Below 1.
+
+    Returns
+    -------
+    major, minor : float
+        Semi-axes, m.
+    azimuth : float
+        Of the major axis, rad.
+    """
+    values, vectors = np.linalg.eigh(covariance)
+    radius = math.sqrt(-2.0 * math.log(1.0 - probability))
+    minor, major = radius * np.sqrt(np.maximum(values, 0.0))
+    return float(major), float(minor), math.atan2(vectors[1, 1], vectors[0, 1])
+
+
+def _of_track(tracks: PositionTracks, row: int) -> list[Marker]:
+    x, y, vx, vy = (float(value) for value in tracks.state[row])
+    position = _marker(tracks, Marker.SPHERE, "position", row)
+    set_vector(position.pose.position, (x, y, 0.0))
+    set_vector(position.scale, (SIZE, SIZE, SIZE))
+    velocity = _marker(tracks, Marker.ARROW, "velocity", row)
+    ahead = (x + ARROW_SECONDS * vx, y + ARROW_SECONDS * vy)
+    velocity.points = [Point(x=x, y=y, z=0.0), Point(x=ahead[0], y=ahead[1], z=0.0)]
+    set_vector(velocity.scale, (0.3 * SIZE, 0.6 * SIZE, 0.0))
+    name = _marker(tracks, Marker.TEXT_VIEW_FACING, "name", row)
+    set_vector(name.pose.position, (x, y, 2.0 * SIZE))
+    name.scale.z = 2.0 * SIZE
+    name.text = str(int(tracks.id[row]))
+    found = [position, velocity, name]
+    covariance = tracks.covariance[row, :2, :2]
+    if np.all(np.isfinite(covariance)):
+        major, minor, azimuth = uncertainty_ellipse(covariance, ELLIPSE_PROBABILITY)
+        ellipse = _marker(tracks, Marker.CYLINDER, "ellipse", row)
+        set_vector(ellipse.pose.position, (x, y, 0.0))
+        turn = (0.0, 0.0, math.sin(0.5 * azimuth), math.cos(0.5 * azimuth))
+        set_quaternion(ellipse.pose.orientation, turn)
+        set_vector(ellipse.scale, (2.0 * major, 2.0 * minor, 1.0))
+        found.append(ellipse)
+    return found
+
+
+def _marker(
+    tracks: PositionTracks, kind: int, namespace: str, number: int, action: int = Marker.ADD
+) -> Marker:
+    marker = Marker(type=kind, ns=namespace, id=number, action=action)
+    marker.header.frame_id = tracks.frame_id
+    marker.header.stamp = time_from_stamp(tracks.stamp)
+    return marker

@@ -1,0 +1,1 @@
+"""What all nodes share: event time, stamps, parameters, quality of service, diagnostics."""

@@ -1,0 +1,214 @@
+"""Inputs and outputs of a node: they count, check stamps and report progress.
+
+The progress protocol on ``flow/done``: a producer tells the number of a message just before it
+publishes it; a consumer tells the number of messages it has finished after it has published what
+followed from them. The time master keeps the difference small; no data go this way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from builtin_interfaces.msg import Time
+from rclpy.node import Node
+from rclpy.qos_overriding_options import QoSOverridingOptions
+from sonar_tracking_msgs.msg import Progress
+
+from sonar_tracking.errors import InputError
+from sonar_tracking.graph.catalogue.topics import PROGRESS_TOPIC, Topic
+from sonar_tracking.graph.message_writing.field_writing import message_class, time_from_stamp
+from sonar_tracking.graph.node_base import quality_of_service
+from sonar_tracking.graph.node_base.stamp_guard import StampCheck, StampGuard, Verdict
+from sonar_tracking.message_reading.field_reading import stamp_from_time
+from sonar_tracking.records.time import UNKNOWN_STAMP
+
+if TYPE_CHECKING:
+    pass
+
+
+class ProgressReporter:
+    """Publishes Progress messages of one node on ``flow/done``."""
+
+    def __init__(self, node: Node) -> None:
+        self._node_name = node.get_name()
+        self.publisher = node.create_publisher(
+            Progress, PROGRESS_TOPIC, quality_of_service.PROGRESS
+        )
+
+    def report(self, topic: str, count: int, stamp: Time) -> None:
+        """Tell the number of messages of a topic published or finished, and the last stamp."""
+        message = Progress(node=self._node_name, topic=topic, count=count)
+        message.header.stamp = stamp
+        self.publisher.publish(message)
+
+
+class DataOutput:
+    """Publisher of one data topic.
+
+    Parameters
+    ----------
+    node : Node
+        The node.
+    topic : Topic
+        What to publish.
+    depth : int
+        Messages kept.
+    progress : ProgressReporter
+        Told of every message before it is published.
+    overriding : QoSOverridingOptions or None
+        Quality of service that parameters may change.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        topic: Topic,
+        depth: int,
+        progress: ProgressReporter,
+        overriding: QoSOverridingOptions | None = None,
+    ) -> None:
+        self.publisher = node.create_publisher(
+            message_class(topic.message_type),
+            topic.name,
+            quality_of_service.publisher_profile(topic.kind, depth),
+            qos_overriding_options=overriding,
+        )
+        self.count = 0
+        self._progress = progress
+
+    def publish(self, message: Any) -> None:
+        """Announce and publish one message."""
+        self.count += 1
+        self._progress.report(self.publisher.topic_name, self.count, message.header.stamp)
+        self.publisher.publish(message)
+
+
+@dataclass(frozen=True)
+class Received:
+    """One message of an input on its way through the node.
+
+    Attributes
+    ----------
+    source : DataInput
+        Where it came from.
+    stamp, next_stamp : int
+        Of the message, ns.
+    message : message
+        As received.
+    record : object or None
+        What it carries; None = it could not be converted.
+    rejection : str
+        Why not; empty = it could.
+    """
+
+    source: DataInput
+    stamp: int
+    next_stamp: int
+    message: Any
+    record: Any
+    rejection: str = ""
+
+
+class DataInput:
+    """Subscription of one data topic.
+
+    Parameters
+    ----------
+    node : Node
+        The node.
+    topic : Topic
+        What to subscribe to.
+    depth : int
+        Messages kept.
+    reset_after : int
+        See :class:`sonar_tracking.graph.node_base.stamp_guard.StampGuard`, ns.
+    convert : callable
+        Returns the record of a message, or raises InputError.
+    receive : callable
+        Called with this input and each message.
+    progress : ProgressReporter
+        Told of every finished message.
+    overriding : QoSOverridingOptions or None
+        Quality of service that parameters may change.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        topic: Topic,
+        depth: int,
+        reset_after: int,
+        convert: Callable[[Any], Any],
+        receive: Callable[[DataInput, Any], None],
+        progress: ProgressReporter,
+        overriding: QoSOverridingOptions | None = None,
+    ) -> None:
+        self.topic = topic
+        self.received = self.rejected = self.duplicates = self.gaps = self.finished = 0
+        self.period = 0
+        self._convert = convert
+        self._progress = progress
+        self.subscription = node.create_subscription(
+            message_class(topic.message_type),
+            topic.name,
+            lambda message: receive(self, message),
+            quality_of_service.subscription_profile(depth),
+            qos_overriding_options=overriding,
+        )
+        self.name: str = self.subscription.topic_name
+        self.guard = StampGuard(self.name, reset_after)
+
+    def check(self, message: Any) -> StampCheck:
+        """Count a message and judge its stamps."""
+        self.received += 1
+        stamp, before = stamp_from_time(message.header.stamp), self.guard.last_stamp
+        # Messages of other packages, such as Odometry, have no watermark and no sensor.
+        next_stamp = stamp_from_time(getattr(message, "next_stamp", Time()))
+        check = self.guard.check(stamp, next_stamp, getattr(message, "sensor_id", ""))
+        if check.verdict is Verdict.DUPLICATE:
+            self.duplicates += 1
+        elif check.verdict is Verdict.REJECT:
+            self.rejected += 1
+        elif check.verdict is Verdict.GAP:
+            self.gaps += 1
+        if check.verdict is Verdict.ACCEPT and before != UNKNOWN_STAMP:
+            # Messages may come in pairs, as odometry does at both ends of a block.
+            self.period = max(self.period, stamp - before)
+        return check
+
+    def read(self, message: Any) -> Received:
+        """Return a message with its record, or with the reason why it has none."""
+        stamp = stamp_from_time(message.header.stamp)
+        next_stamp = stamp_from_time(getattr(message, "next_stamp", Time()))
+        try:
+            return Received(self, stamp, next_stamp, message, self._convert(message))
+        except InputError as error:
+            return Received(self, stamp, next_stamp, message, None, str(error))
+
+    @staticmethod
+    def read_stamp(message: Any) -> int:
+        """Return the stamp of a message, ns."""
+        return stamp_from_time(message.header.stamp)
+
+    def finish(self, stamp: int) -> None:
+        """Count a message as finished and tell so."""
+        self.finished += 1
+        self._progress.report(self.name, self.finished, time_from_stamp(stamp))
+
+    def values(self) -> dict[str, object]:
+        """Return the numbers of the status of this input."""
+        return {
+            "received": self.received,
+            "rejected": self.rejected,
+            "duplicates": self.duplicates,
+            "gaps": self.gaps,
+            "finished": self.finished,
+            "last_stamp_ns": self.guard.last_stamp,
+        }
+
+
+def input_concern(source: DataInput) -> str:
+    """Return the name of the status of an input."""
+    return f"input {source.name}"

@@ -1,0 +1,148 @@
+"""What a node watches besides its data: who is connected, what stalls, who else publishes."""
+
+from __future__ import annotations
+
+from collections import deque
+from itertools import pairwise
+
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from rclpy.topic_endpoint_info import TopicEndpointInfo
+
+from sonar_tracking.errors import Severity
+from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC
+from sonar_tracking.graph.node_base.data_flow import (
+    DataInput,
+    DataOutput,
+    ProgressReporter,
+    input_concern,
+)
+from sonar_tracking.graph.node_base.diagnostics import MATCHED, Diagnostics
+from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS
+
+READY_PERIOD = 0.2
+"""Between publications until the first data message, s of steady time."""
+
+STATUS_PERIOD = 1.0
+"""Between publications afterwards, s of /clock."""
+
+STALLED_PERIODS = 5
+STALLED_AT_LEAST = 2 * NANOSECONDS
+"""An input is stalled after so many of its periods, and not before this, ns of /clock."""
+STALLED_AT_START = 30 * NANOSECONDS
+"""The same while its period is not known yet."""
+STALLED_STEPS = 10
+"""Nor before so many steps of /clock: it leads the slowest node by several of them."""
+REMEMBERED_STEPS = 5
+
+
+class NodeWatch:
+    """Publishes the state of a node at its times, and finds stalled and doubled inputs.
+
+    Parameters
+    ----------
+    node : Node
+        The node to watch.
+    inputs, outputs : list
+        Its data topics; they may still become more.
+    diagnostics : Diagnostics
+        Where its state is told.
+    progress : ProgressReporter
+        Its publisher on ``flow/done``.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        inputs: list[DataInput],
+        outputs: list[DataOutput],
+        diagnostics: Diagnostics,
+        progress: ProgressReporter,
+    ) -> None:
+        self._node = node
+        self._inputs = inputs
+        self._outputs = outputs
+        self._diagnostics = diagnostics
+        self._progress = progress
+        self._seen: dict[str, tuple[int, int]] = {}
+        self._instants: deque[int] = deque(maxlen=REMEMBERED_STEPS + 1)
+        diagnostics.add(MATCHED, self._matched_endpoints)
+        self._ready_timer = node.create_timer(
+            READY_PERIOD, self._until_first_data, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        )
+        node.create_timer(STATUS_PERIOD, self._watch)
+
+    def check_publishers(self, source: DataInput) -> None:
+        """Report an input that more than one node publishes."""
+        # The name of an endpoint arrives a little later than the endpoint itself.
+        publishers = self._node.get_publishers_info_by_topic(source.name)
+        names = sorted(_full_name(info) for info in publishers if "UNKNOWN" not in info.node_name)
+        severity, remedy = Severity.OK, ""
+        if len(set(names)) > 1:
+            severity, remedy = Severity.ERROR, "stop all but one"
+        elif len(names) > 1:
+            # A node that was killed and started again is listed twice until its lease ends.
+            severity, remedy = Severity.WARN, "unless one was killed just now, stop all but one"
+        sentence = (
+            f"{source.name} has {len(names)} publishers: {', '.join(names)}; data that do not "
+            f"continue those of the first are rejected; {remedy}, or give each its own namespace."
+        )
+        concern = input_concern(source)
+        self._diagnostics.report(concern, "publishers", severity, sentence, lasting=True)
+
+    def _until_first_data(self) -> None:
+        received = any(source.received for source in self._inputs)
+        if received or any(output.count for output in self._outputs):
+            self._ready_timer.cancel()
+        self._diagnostics.publish()
+
+    def _watch(self) -> None:
+        now = self._node.get_clock().now().nanoseconds
+        self._instants.append(now)
+        for source in self._inputs:
+            self.check_publishers(source)
+            self._check_stalled(source, now)
+        self._diagnostics.publish()
+
+    def _check_stalled(self, source: DataInput, now: int) -> None:
+        received, since = self._seen.get(source.name, (-1, now))
+        if source.received != received or now < since:
+            self._seen[source.name] = (source.received, now)
+            since = now
+        patience = max(STALLED_PERIODS * source.period, STALLED_AT_LEAST)
+        if not source.period:
+            patience = STALLED_AT_START
+        patience = max(patience, STALLED_STEPS * self._clock_step())
+        stalled = now - since > patience and source.guard.expected != END_OF_DATA
+        severity = Severity.WARN if stalled else Severity.OK
+        sentence = (
+            f"{source.name}: nothing received for {(now - since) / NANOSECONDS:.1f} s of /clock; "
+            "check that its publisher is running and connected."
+        )
+        self._diagnostics.report(input_concern(source), "stalled", severity, sentence, lasting=True)
+
+    def _matched_endpoints(self) -> dict[str, object]:
+        """Return the matched remote endpoints of every data topic, /clock and flow/done."""
+        counts: dict[str, object] = {}
+        for source in self._inputs:
+            counts[source.name] = source.subscription.get_publisher_count()
+        for publisher in [output.publisher for output in self._outputs]:
+            counts[publisher.topic_name] = publisher.get_subscription_count()
+        flow = self._progress.publisher
+        counts[flow.topic_name] = flow.get_subscription_count()
+        counts[CLOCK_TOPIC] = _clock_publishers(self._node)
+        return counts
+
+    def _clock_step(self) -> int:
+        """Return the usual step of /clock, ns: the median, since a clock may jump once."""
+        steps = sorted(later - now for now, later in pairwise(self._instants))
+        return max(0, steps[len(steps) // 2]) if steps else 0
+
+
+def _full_name(info: TopicEndpointInfo) -> str:
+    return f"{info.node_namespace.rstrip('/')}/{info.node_name}"
+
+
+def _clock_publishers(node: Node) -> int:
+    clocks = [s for s in node.subscriptions if s.topic_name == CLOCK_TOPIC]
+    return min((s.get_publisher_count() for s in clocks), default=0)

@@ -1,0 +1,160 @@
+"""Base of the nodes that simulate a sensor: they publish whatever is due.
+
+With simulation time a simulator emits, at each ``/clock``, everything due up to it, so that
+skipped ticks do no harm, and reports on ``flow/done`` how far it has served the clock. Without, it
+paces itself by the node's clock, from the moment somebody subscribes to its data.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Iterator
+from typing import Any, Protocol
+
+import yaml
+from rosgraph_msgs.msg import Clock
+
+from sonar_tracking.errors import ConfigurationError, Severity
+from sonar_tracking.graph.catalogue.node_catalogue import NodeDescription
+from sonar_tracking.graph.catalogue.node_configuration import SimulatorConfiguration
+from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC
+from sonar_tracking.graph.node_base import quality_of_service
+from sonar_tracking.graph.node_base.data_flow import DataOutput
+from sonar_tracking.graph.node_base.diagnostics import PARAMETERS
+from sonar_tracking.graph.node_base.sonar_node import SonarNode
+from sonar_tracking.message_reading.field_reading import stamp_from_time
+from sonar_tracking.simulation.scenarios.scenario import Scenario
+from sonar_tracking.simulation.scenarios.scenario_mapping import (
+    load_scenario,
+    scenario_from_mapping,
+)
+
+
+class SimulatedDatum(Protocol):
+    """Everything a simulation delivers at once, e.g. a block or a ping."""
+
+    @property
+    def start_stamp(self) -> int:
+        """Stamp of its data, ns."""
+
+    @property
+    def due_stamp(self) -> int:
+        """Instant at which the last of it was received, ns."""
+
+
+class SimulatorNode(SonarNode):
+    """Publishes the data of a simulation when they are due.
+
+    A subclass makes its publishers, calls :meth:`begin`, and overrides :meth:`data`,
+    :meth:`publish` and :attr:`main_output`. A scenario that cannot be used is reported, and the
+    node idles.
+
+    Parameters
+    ----------
+    description : NodeDescription
+        Name, parameters and topics, from the node catalogue.
+    """
+
+    def __init__(self, description: NodeDescription) -> None:
+        super().__init__(description)
+        self._section = description.section
+        self._ticks = 0
+        self._data: Iterator[Any] = iter(())
+        self._next: Any = None
+
+    @property
+    @abstractmethod
+    def main_output(self) -> DataOutput:
+        """Publisher of the data; without simulation time they start when somebody listens."""
+
+    @abstractmethod
+    def data(self, scenario: Scenario) -> Iterator[SimulatedDatum]:
+        """Return the data of a scenario, in the order they are due.
+
+        Raises
+        ------
+        ConfigurationError
+            If the scenario cannot be simulated.
+        """
+
+    @abstractmethod
+    def publish(self, datum: Any) -> None:
+        """Publish one datum."""
+
+    def begin(self) -> None:
+        """Read the scenario of the parameters and wait for the clock."""
+        configuration = self.configuration(SimulatorConfiguration)
+        try:
+            scenario = read_scenario(configuration.scenario)
+            if self._section not in scenario.sensors:
+                raise ConfigurationError(
+                    f"The scenario {scenario.name or configuration.scenario} has no section "
+                    f"{self._section} to simulate."
+                )
+            self._data = self.data(scenario)
+            self._next = next(self._data, None)
+        except ConfigurationError as error:
+            sentence = f"{error} The simulator idles; start it again with another scenario."
+            self.diagnostics.report(PARAMETERS, "scenario", Severity.ERROR, sentence, lasting=True)
+            return
+        if self.get_parameter("use_sim_time").value:
+            self.create_subscription(Clock, CLOCK_TOPIC, self._tick, quality_of_service.CLOCK)
+            return
+        self._start_stamp = scenario.stamp(scenario.start)
+        self._started: int | None = None
+        self.create_timer(scenario.step, self._pace)
+
+    def serve(self, now: int) -> None:
+        """Publish everything due up to a scenario stamp, ns."""
+        while self._next is not None and self._next.due_stamp <= now:
+            self.publish(self._next)
+            self.diagnostics.advance(self._next.start_stamp)
+            self._next = next(self._data, None)
+
+    def _tick(self, clock: Clock) -> None:
+        now = stamp_from_time(clock.clock)
+        if self._ticks == 0:
+            self._skip_past(now)
+        self.serve(now)
+        self._ticks += 1
+        self.progress.report(CLOCK_TOPIC, self._ticks, clock.clock)
+
+    def _pace(self) -> None:
+        now = self.get_clock().now().nanoseconds
+        if self._started is None:
+            if self.main_output.publisher.get_subscription_count() == 0:
+                return
+            self._started = now
+        self.serve(self._start_stamp + now - self._started)
+
+    def _skip_past(self, now: int) -> None:
+        """Leave out what was published before this process was started (again).
+
+        What may have been lost with the previous process is repeated: consumers ignore
+        duplicates.
+        """
+        repeated = self.node_configuration.flow_depth // 2
+        while self._next is not None:
+            length = self._next.due_stamp - self._next.start_stamp
+            if self._next.due_stamp > now - repeated * length:
+                return
+            self._next = next(self._data, None)
+
+
+def read_scenario(value: str) -> Scenario:
+    """Return the scenario a parameter names, or spells out as YAML text of several lines.
+
+    Raises
+    ------
+    ConfigurationError
+        When there is none of that name, or it is malformed.
+    """
+    if "\n" not in value:
+        return load_scenario(value)
+    try:
+        mapping = yaml.safe_load(value)
+    except yaml.YAMLError as error:
+        raise ConfigurationError(f"The text of the scenario is not YAML: {error}.") from error
+    if not isinstance(mapping, dict):
+        raise ConfigurationError("The text of the scenario must be a mapping of names to values.")
+    return scenario_from_mapping(mapping, "scenario")

@@ -1,0 +1,299 @@
+"""Base of the nodes: a thin shell that feeds a stage in event time and never dies of bad input.
+
+A node's file says which topics it connects, how to make its stage, and what to do with one joined
+input. Everything else is here: parameters, stamp checks, joining, progress, diagnostics, resets.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, TypeVar
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos_overriding_options import QoSOverridingOptions
+
+from sonar_tracking.configuration import describe
+from sonar_tracking.errors import ConfigurationError, InputError, Notice, Severity
+from sonar_tracking.graph.catalogue.node_catalogue import NodeDescription
+from sonar_tracking.graph.catalogue.node_configuration import NodeConfiguration
+from sonar_tracking.graph.catalogue.topics import DIAGNOSTICS_TOPIC, Topic
+from sonar_tracking.graph.message_writing.field_writing import message_class
+from sonar_tracking.graph.node_base import parameters, quality_of_service
+from sonar_tracking.graph.node_base.data_flow import (
+    DataInput,
+    DataOutput,
+    ProgressReporter,
+    Received,
+    input_concern,
+)
+from sonar_tracking.graph.node_base.diagnostics import PARAMETERS, UNEXPECTED, Diagnostics, kind_of
+from sonar_tracking.graph.node_base.event_time_join import EventTimeJoin, Interpolation, JoinedItem
+from sonar_tracking.graph.node_base.node_watch import NodeWatch
+from sonar_tracking.graph.node_base.stamp_guard import Verdict, seconds_text
+from sonar_tracking.records.time import NANOSECONDS
+
+ConfigurationType = TypeVar("ConfigurationType")
+EndpointType = TypeVar("EndpointType")
+Convert = Callable[[Any], Any]
+
+
+class SonarNode(Node):
+    """Shell of one node of the graph.
+
+    A subclass calls :meth:`configuration`, :meth:`data_publisher` and :meth:`data_subscriptions`
+    in its constructor, and overrides :meth:`process` and, as needed, :meth:`substitute` and
+    :meth:`reset`.
+
+    Parameters
+    ----------
+    description : NodeDescription
+        Name, parameters and topics, from the node catalogue.
+    """
+
+    def __init__(self, description: NodeDescription) -> None:
+        super().__init__(description.name)
+        self.data_inputs: list[DataInput] = []
+        self.data_outputs: list[DataOutput] = []
+        publisher = self.create_publisher(
+            DiagnosticArray, DIAGNOSTICS_TOPIC, quality_of_service.DIAGNOSTICS
+        )
+        self.diagnostics = Diagnostics(self.get_name(), self.get_logger(), publisher.publish)
+        self.diagnostics.add(PARAMETERS, dict)
+        self.progress = ProgressReporter(self)
+        self._overrides = parameters.overrides_of(self)
+        self._report_parameters(
+            parameters.unknown_overrides(
+                description.configurations, self._overrides, self.get_name()
+            )
+        )
+        self.node_configuration = self.configuration(NodeConfiguration)
+        self._join = EventTimeJoin()
+        self._series_topics: set[str] = set()
+        self.watch = NodeWatch(
+            self, self.data_inputs, self.data_outputs, self.diagnostics, self.progress
+        )
+
+    def configuration(
+        self,
+        configuration: type[ConfigurationType],
+        check: Callable[[ConfigurationType], object] = bool,
+    ) -> ConfigurationType:
+        """Return a configuration from the parameters given to the node, and declare them.
+
+        Parameters
+        ----------
+        configuration : type
+            Configuration dataclass.
+        check : callable
+            Called with the configuration; raises ConfigurationError on a combination that does
+            not go together, e.g. the class of the stage. The defaults are used then.
+        """
+        resolved, problems = parameters.resolve(configuration, self._overrides, self.get_name())
+        try:
+            check(resolved)
+        except ConfigurationError as error:
+            names = ", ".join(description.name for description in describe(configuration))
+            problems.append(f"{self.get_name()}: {error} The defaults of {names} are used.")
+            resolved = configuration()
+        self._report_parameters(problems)
+        parameters.declare(self, resolved)
+        return resolved
+
+    def data_publisher(self, topic: Topic) -> DataOutput:
+        """Return a publisher that reports progress."""
+        depth = self.node_configuration.flow_depth
+        output = self._with_quality_of_service(
+            topic, lambda overriding: DataOutput(self, topic, depth, self.progress, overriding)
+        )
+        self.data_outputs.append(output)
+        return output
+
+    def marker_publisher(self, topic: Topic) -> Publisher:
+        """Return a publisher of pictures, which nobody waits for or counts."""
+        profile = quality_of_service.publisher_profile(topic.kind)
+        return self.create_publisher(message_class(topic.message_type), topic.name, profile)
+
+    def data_subscriptions(
+        self,
+        streams: Mapping[Topic, Convert],
+        groups: Sequence[Mapping[Topic, Convert]] = (),
+        series: Mapping[Topic, tuple[Convert, Interpolation]] | None = None,
+        needs_series: Callable[[Any], bool] | None = None,
+    ) -> None:
+        """Subscribe to all inputs of the node, joined in event time.
+
+        Parameters
+        ----------
+        streams : mapping of Topic to callable
+            Independent inputs, each with the conversion of its messages to records.
+        groups : sequence of mappings
+            Inputs made from the same datum, joined by equal stamps.
+        series : mapping of Topic to (conversion, interpolation)
+            Continuous quantities such as odometry.
+        needs_series : callable, optional
+            Tells whether a record waits for the series; default: every one does.
+        """
+        series = series or {}
+        self._join = EventTimeJoin(
+            [topic.name for topic in streams],
+            [[topic.name for topic in group] for group in groups],
+            {topic.name: interpolate for topic, (_, interpolate) in series.items()},
+            needs_series=None if needs_series is None else _any_needs(needs_series),
+        )
+        conversions = dict(streams) | {topic: convert for topic, (convert, _) in series.items()}
+        for group in groups:
+            conversions |= group
+        self._series_topics = {topic.name for topic in series}
+        for topic, convert in conversions.items():
+            self._subscribe(topic, convert)
+
+    def process(self, item: JoinedItem, records: Mapping[str, Any]) -> Iterable[Notice]:
+        """Feed the stage with one joined input, publish what follows, return its notices.
+
+        A source of data has no inputs and nothing to override.
+
+        Parameters
+        ----------
+        item : JoinedItem
+            Stamp, topic and interpolated series.
+        records : mapping of str to record
+            What arrived, by topic name.
+        """
+        return ()
+
+    def substitute(self, rejected: Received) -> None:
+        """Publish the one output of an input that could not be used (nothing by default)."""
+
+    def reset(self) -> None:
+        """Begin again: the stage and everything learnt from the data are discarded."""
+
+    def report(self, concern: str, culprit: str, severity: Severity, sentence: str) -> None:
+        """Report a problem on /diagnostics and in the log."""
+        self.diagnostics.report(concern, culprit, severity, sentence)
+
+    def _subscribe(self, topic: Topic, convert: Convert) -> None:
+        configuration = self.node_configuration
+
+        def make(overriding: QoSOverridingOptions | None) -> DataInput:
+            return DataInput(
+                self,
+                topic,
+                configuration.flow_depth,
+                round(configuration.reset_after * NANOSECONDS),
+                convert,
+                self._receive,
+                self.progress,
+                overriding,
+            )
+
+        source = self._with_quality_of_service(topic, make)
+        self.data_inputs.append(source)
+        self.diagnostics.add(input_concern(source), source.values)
+
+    def _with_quality_of_service(
+        self, topic: Topic, make: Callable[[QoSOverridingOptions | None], EndpointType]
+    ) -> EndpointType:
+        """Make an endpoint with the overrides of the user, or without when they are invalid."""
+        try:
+            return make(quality_of_service.overridable())
+        except Exception as error:
+            self._report_parameters(
+                [
+                    f"{self.get_name()}: a qos_overrides parameter of {topic.name} cannot be used "
+                    f"({error}); the defaults are used."
+                ]
+            )
+            return make(None)
+
+    def _report_parameters(self, problems: Iterable[str]) -> None:
+        for problem in problems:
+            self.diagnostics.report(PARAMETERS, problem, Severity.ERROR, problem, lasting=True)
+
+    def _receive(self, source: DataInput, message: Any) -> None:
+        check = source.check(message)
+        concern = input_concern(source)
+        severity = Severity.ERROR if check.verdict is Verdict.REJECT else Severity.WARN
+        if check.verdict in (Verdict.DUPLICATE, Verdict.REJECT):
+            self.report(concern, kind_of(check.sentence), severity, check.sentence)
+            self.watch.check_publishers(source)
+            source.finish(source.read_stamp(message))
+            return
+        if check.verdict is Verdict.RESET:
+            self._begin_again(source)
+        self.diagnostics.advance(source.guard.last_stamp)
+        if check.sentence:
+            self.report(concern, kind_of(check.sentence), severity, check.sentence)
+        received = source.read(message)
+        topic, stamp, next_stamp = source.topic.name, received.stamp, received.next_stamp
+        if topic not in self._series_topics:
+            released = self._join.push(topic, stamp, next_stamp, received)
+        elif received.rejection:
+            self._reject([received], InputError(received.rejection))
+            released = ()
+        else:
+            released = self._join.push(topic, stamp, next_stamp, received.record)
+        for item in released:
+            self._run(item)
+        # A message that waits in the join is finished as far as flow is concerned: it has left the
+        # queue, and counting it would let a slow input stop the clock it waits for.
+        source.finish(stamp)
+
+    def _begin_again(self, source: DataInput) -> None:
+        for item in self._join.flush():
+            self._run(item)
+        for other in self.data_inputs:
+            if other is not source:
+                other.guard.expect_new_beginning(source.guard.last_stamp)
+        self.diagnostics.forget()
+        self.reset()
+
+    def _run(self, item: JoinedItem) -> None:
+        arrived: list[Received] = list(item.items.values())
+        try:
+            for received in arrived:
+                if received.rejection:
+                    raise InputError(received.rejection)
+            for topic in item.not_awaited:
+                self.report(
+                    "join",
+                    topic,
+                    Severity.WARN,
+                    f"{item.topic} at {seconds_text(item.stamp)} was processed without "
+                    f"{topic}, which is too far behind; check that its publisher is running.",
+                )
+            records = {topic: received.record for topic, received in item.items.items()}
+            for notice in self.process(item, records):
+                self.report(notice.culprit, notice.culprit, notice.severity, notice.text)
+        except Exception as error:
+            self._reject(arrived, error)
+
+    def tell_rejected(self, received: Received, error: Exception) -> tuple[str, str]:
+        """Count and report an input that could not be used; return concern and sentence."""
+        received.source.rejected += 1
+        at = f"at {seconds_text(received.stamp)}"
+        concern = input_concern(received.source)
+        if isinstance(error, InputError):
+            sentence = f"{received.source.name} {at}: rejected: {error}"
+        else:
+            concern = UNEXPECTED
+            sentence = (
+                f"{received.source.name} {at}: rejected after an unexpected "
+                f"{type(error).__name__}: {error}; please report it with the recording."
+            )
+        self.report(concern, kind_of(str(error)), Severity.ERROR, sentence)
+        return concern, sentence
+
+    def _reject(self, arrived: Sequence[Received], error: Exception) -> None:
+        for received in arrived:
+            concern, sentence = self.tell_rejected(received, error)
+            try:
+                self.substitute(received)
+            except Exception as second:
+                self.report(concern, "substitute", Severity.ERROR, f"{sentence} ({second})")
+
+
+def _any_needs(needs: Callable[[Any], bool]) -> Callable[[dict[str, Received]], bool]:
+    """Return the same question about messages as they wait; an unusable one needs nothing."""
+    return lambda items: any(not one.rejection and needs(one.record) for one in items.values())

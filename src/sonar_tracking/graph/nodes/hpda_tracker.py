@@ -1,0 +1,99 @@
+"""Node ``hpda_tracker``: contacts in, the complete picture of position tracks out."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from sonar_tracking.active.contact_tracker import make_contact_tracker
+from sonar_tracking.active.contacts.contact_defaults import (
+    ContactDefaultsConfiguration,
+    with_defaults,
+)
+from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.contacts.sensor_location import (
+    MountingConfiguration,
+    located,
+    needs_own_ship,
+)
+from sonar_tracking.errors import Notice
+from sonar_tracking.graph.catalogue.node_catalogue import HPDA_TRACKER
+from sonar_tracking.graph.catalogue.topics import (
+    ACTIVE_MARKERS,
+    ACTIVE_THRESHOLD,
+    ACTIVE_TRACKS,
+    CONTACTS,
+    ODOMETRY,
+)
+from sonar_tracking.graph.message_writing.contact_writing import thresholds_to_message
+from sonar_tracking.graph.message_writing.marker_writing import position_markers
+from sonar_tracking.graph.message_writing.position_writing import position_tracks_to_message
+from sonar_tracking.graph.node_base.data_flow import Received
+from sonar_tracking.graph.node_base.event_time_join import JoinedItem
+from sonar_tracking.graph.node_base.node_process import run_node
+from sonar_tracking.graph.node_base.sonar_node import SonarNode
+from sonar_tracking.message_reading.array_reading import own_ship_from_message
+from sonar_tracking.message_reading.contact_reading import contacts_from_message
+from sonar_tracking.own_ship_interpolation import interpolate_own_ship, motion_in_map
+from sonar_tracking.records.contacts import ContactTrackerUpdate
+
+
+class HpdaTracker(SonarNode):
+    """Shell around a :class:`sonar_tracking.active.contact_tracker.ContactTracker`.
+
+    Every ping, usable or not, gives exactly one picture and one list of thresholds: over a ping
+    that cannot be used the tracks are predicted. Odometry is waited for only where a ping does not
+    tell where its sensor is.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(HPDA_TRACKER)
+        self._configuration = self.configuration(
+            ContactTrackerConfiguration, check=make_contact_tracker
+        )
+        self._defaults = self.configuration(ContactDefaultsConfiguration)
+        self._mounting = self.configuration(MountingConfiguration)
+        self._tracker = make_contact_tracker(self._configuration)
+        self._tracks = self.data_publisher(ACTIVE_TRACKS)
+        self._thresholds = self.data_publisher(ACTIVE_THRESHOLD)
+        self._markers = self.marker_publisher(ACTIVE_MARKERS)
+        self.data_subscriptions(
+            {CONTACTS: contacts_from_message},
+            series={ODOMETRY: (own_ship_from_message, interpolate_own_ship)},
+            needs_series=needs_own_ship,
+        )
+
+    def process(self, item: JoinedItem, records: Mapping[str, Any]) -> Iterable[Notice]:
+        """Feed one ping and publish tracks and thresholds."""
+        own_ship = item.series[ODOMETRY.name]
+        motion = None if own_ship is None else motion_in_map(own_ship)
+        contacts = located(records[CONTACTS.name], motion, self._mounting)
+        update = self._tracker.update(with_defaults(contacts, self._defaults))
+        self._publish(update)
+        return update.notices
+
+    def substitute(self, rejected: Received) -> None:
+        """Publish the tracks predicted to a ping that could not be used."""
+        if rejected.source.topic is CONTACTS:
+            self._publish(self._tracker.coast(rejected.stamp, rejected.next_stamp))
+
+    def reset(self) -> None:
+        """Forget all tracks; identifiers go on."""
+        first_id = self._tracker.next_id
+        self._tracker = make_contact_tracker(replace(self._configuration, first_id=first_id))
+
+    def _publish(self, update: ContactTrackerUpdate) -> None:
+        self._thresholds.publish(thresholds_to_message(update.thresholds))
+        self._tracks.publish(position_tracks_to_message(update.tracks))
+        self._markers.publish(position_markers(update.tracks))
+
+
+def main() -> int:
+    """Run the node."""
+    return run_node(HpdaTracker)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,64 @@
+"""Node ``hydrophone_simulator``: element time series, own ship and truth, block by block."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+
+from sonar_tracking.graph.catalogue.node_catalogue import HYDROPHONE_SIMULATOR
+from sonar_tracking.graph.catalogue.topics import (
+    ODOMETRY,
+    SAMPLES,
+    TRUE_BEARING_TRACKS,
+    TRUE_TRACKS,
+)
+from sonar_tracking.graph.message_writing import array_writing
+from sonar_tracking.graph.message_writing.position_writing import truth_tracks_to_message
+from sonar_tracking.graph.message_writing.sample_writing import samples_to_message
+from sonar_tracking.graph.node_base.data_flow import DataOutput
+from sonar_tracking.graph.node_base.node_process import run_node
+from sonar_tracking.graph.node_base.simulator_node import SimulatorNode
+from sonar_tracking.simulation.scenarios.scenario import Scenario
+from sonar_tracking.simulation.sensors.sample_simulation import SampleSimulation
+from sonar_tracking.simulation.sensors.simulated_data import SimulatedSamples
+
+
+class HydrophoneSimulator(SimulatorNode):
+    """Publishes the blocks of a :class:`SampleSimulation` when they are due.
+
+    A block is due when its last sample lies in the past.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(HYDROPHONE_SIMULATOR)
+        self._samples = self.data_publisher(SAMPLES)
+        self._true_bearings = self.data_publisher(TRUE_BEARING_TRACKS)
+        self._true_tracks = self.data_publisher(TRUE_TRACKS)
+        self._odometry = self.data_publisher(ODOMETRY)
+        self.begin()
+
+    @property
+    def main_output(self) -> DataOutput:
+        """Publisher of the samples."""
+        return self._samples
+
+    def data(self, scenario: Scenario) -> Iterator[SimulatedSamples]:
+        """Return the blocks of a scenario."""
+        return iter(SampleSimulation(scenario).next_block, None)
+
+    def publish(self, datum: SimulatedSamples) -> None:
+        """Publish a block: own ship and truth ahead of the data."""
+        for state in datum.own_ship:
+            self._odometry.publish(array_writing.own_ship_to_message(state))
+        self._true_tracks.publish(truth_tracks_to_message(datum.truth_tracks))
+        self._true_bearings.publish(array_writing.bearing_tracks_to_message(datum.truth_bearings))
+        self._samples.publish(samples_to_message(datum.samples))
+
+
+def main() -> int:
+    """Run the node."""
+    return run_node(HydrophoneSimulator)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,145 @@
+"""Node ``tma_tracker``: bearing tracks and frequency lines in, position tracks out."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from sonar_tracking.errors import InputError, Notice
+from sonar_tracking.graph.catalogue.node_catalogue import TMA_TRACKER
+from sonar_tracking.graph.catalogue.node_configuration import TmaInputConfiguration
+from sonar_tracking.graph.catalogue.topics import (
+    BEARING_TRACKS,
+    FREQUENCY_LINES,
+    ODOMETRY,
+    PASSIVE_MARKERS,
+    PASSIVE_TRACKS,
+    Topic,
+)
+from sonar_tracking.graph.message_writing.marker_writing import position_markers
+from sonar_tracking.graph.message_writing.position_writing import position_tracks_to_message
+from sonar_tracking.graph.node_base.data_flow import Received
+from sonar_tracking.graph.node_base.event_time_join import JoinedItem
+from sonar_tracking.graph.node_base.node_process import run_node
+from sonar_tracking.graph.node_base.sonar_node import SonarNode
+from sonar_tracking.message_reading.array_reading import (
+    directions_from_message,
+    own_ship_from_message,
+)
+from sonar_tracking.message_reading.line_reading import frequency_lines_from_message
+from sonar_tracking.own_ship_interpolation import interpolate_own_ship, motion_in_map
+from sonar_tracking.records.positions import PositionTracks
+from sonar_tracking.tma.targets.passive_frame import PassiveFrame, UnusableBearings
+from sonar_tracking.tma.targets.station_view import needs_own_ship
+from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
+from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+
+
+class TmaTracker(SonarNode):
+    """Shell around :class:`sonar_tracking.tma.targets.tma_tracker_stage.TmaTrackerStage`.
+
+    Bearings and lines of one stamp are one frame, in the order of the topics; every frame with
+    bearings, usable or not, gives exactly one list. Odometry is waited for only where the data do
+    not tell where their sensor is. A message that cannot be read does not spoil the frame: tracks
+    of its station are predicted.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(TMA_TRACKER)
+        self._configuration = self.configuration(TmaTrackerConfiguration, check=TmaTrackerStage)
+        inputs = self.configuration(TmaInputConfiguration)
+        bearings = [replace(BEARING_TRACKS, name=name) for name in inputs.bearing_topics if name]
+        lines = [replace(FREQUENCY_LINES, name=name) for name in inputs.line_topics if name]
+        self._bearings = [topic.name for topic in bearings]
+        self._lines = [topic.name for topic in lines]
+        self._stage = TmaTrackerStage(self._configuration, len(bearings))
+        self._published = 0
+        self._tracks = self.data_publisher(PASSIVE_TRACKS)
+        self._markers = self.marker_publisher(PASSIVE_MARKERS)
+        group: dict[Topic, Callable[[Any], Any]] = {
+            topic: _or_error(directions_from_message) for topic in bearings
+        }
+        group |= {topic: _or_error(frequency_lines_from_message) for topic in lines}
+        self.data_subscriptions(
+            {},
+            groups=[group],
+            series={ODOMETRY: (own_ship_from_message, interpolate_own_ship)},
+            needs_series=self._needs_own_ship,
+        )
+
+    def process(self, item: JoinedItem, records: Mapping[str, Any]) -> Iterable[Notice]:
+        """Feed everything of one stamp and publish the tracks."""
+        unusable = []
+        for topic, record in records.items():
+            if isinstance(record, InputError):
+                self.tell_rejected(item.items[topic], record)
+                if topic in self._bearings:
+                    unusable.append(_unusable(item.items[topic]))
+        usable = {
+            topic: record for topic, record in records.items() if not isinstance(record, InputError)
+        }
+        own_ship = item.series[ODOMETRY.name]
+        frame = PassiveFrame(
+            stamp=item.stamp,
+            bearings=tuple(usable[topic] for topic in self._bearings if topic in usable),
+            lines=tuple(usable[topic] for topic in self._lines if topic in usable),
+            own_ship=None if own_ship is None else motion_in_map(own_ship),
+            unusable=tuple(unusable),
+        )
+        update = self._stage.update(frame)
+        if update.tracks is not None:
+            self._publish(update.tracks)
+        return update.notices
+
+    def substitute(self, rejected: Received) -> None:
+        """Publish the tracks predicted to a stamp at which something unexpected went wrong."""
+        if rejected.source.topic.name not in self._bearings or rejected.stamp == self._published:
+            return
+        try:
+            frame = PassiveFrame(rejected.stamp, unusable=(_unusable(rejected),))
+            tracks = self._stage.update(frame).tracks
+        except InputError:
+            tracks = self._stage.picture()
+        if tracks is not None:
+            self._publish(tracks)
+
+    def reset(self) -> None:
+        """Forget all tracks; identifiers go on."""
+        self._stage.reset()
+
+    def _needs_own_ship(self, record: Any) -> bool:
+        if isinstance(record, InputError):
+            return False
+        return needs_own_ship(record.sensor, self._configuration)
+
+    def _publish(self, tracks: PositionTracks) -> None:
+        self._published = tracks.stamp
+        self._tracks.publish(position_tracks_to_message(tracks))
+        self._markers.publish(position_markers(tracks))
+
+
+def _or_error(convert: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """Return a conversion that returns what is wrong instead of raising it."""
+
+    def read(message: Any) -> Any:
+        try:
+            return convert(message)
+        except InputError as error:
+            return error
+
+    return read
+
+
+def _unusable(received: Received) -> UnusableBearings:
+    return UnusableBearings(str(received.message.sensor_id), received.next_stamp)
+
+
+def main() -> int:
+    """Run the node."""
+    return run_node(TmaTracker)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

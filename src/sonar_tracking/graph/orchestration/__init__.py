@@ -1,0 +1,1 @@
+"""Starts the nodes, drives the clock, watches, reports."""

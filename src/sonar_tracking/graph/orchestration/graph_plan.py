@@ -1,0 +1,165 @@
+"""Which nodes make up a graph, how they are connected, and how each of them is started.
+
+Everything a run needs to know before the first process starts. No ROS import.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import yaml
+
+from sonar_tracking.graph.catalogue.planned_node import PlannedNode
+from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC, PROGRESS_TOPIC, Topic
+from sonar_tracking.graph.catalogue.transport_profile import TransportChoice
+from sonar_tracking.graph.orchestration.flow_ledger import FlowLedger
+from sonar_tracking.graph.orchestration.matched_edges import MatchedEdges
+from sonar_tracking.graph.orchestration.process_supervisor import ProcessPlan
+
+CONTROL_NODE = "orchestration"
+"""Name of the orchestration's own node."""
+
+_ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+@dataclass(frozen=True)
+class GraphPlan:
+    """A graph.
+
+    Attributes
+    ----------
+    scenario : str
+        Name of the scenario.
+    nodes : tuple of PlannedNode
+        In the order they are listed for people.
+    offered : tuple of Topic
+        Data topics the orchestration publishes itself (a replay's inputs).
+    sources : tuple of str
+        Names of the nodes that publish what is due up to ``/clock``.
+    transport : TransportChoice
+        Transport of the processes.
+    """
+
+    scenario: str
+    nodes: tuple[PlannedNode, ...]
+    offered: tuple[Topic, ...] = ()
+    sources: tuple[str, ...] = ()
+    transport: TransportChoice = field(default_factory=TransportChoice)
+
+    def topics(self) -> dict[str, Topic]:
+        """Return all data topics by resolved name."""
+        listed = [topic for node in self.nodes for topic in (*node.publishers, *node.subscriptions)]
+        return {resolved(topic): topic for topic in (*self.offered, *listed)}
+
+    def offered_names(self) -> tuple[str, ...]:
+        """Return the resolved names of the topics the orchestration publishes."""
+        return tuple(resolved(topic) for topic in self.offered)
+
+    def observed(self) -> dict[str, Topic]:
+        """Return the topics the orchestration listens to: all but those it publishes."""
+        own = {topic.name for topic in self.offered}
+        published = {topic.name for node in self.nodes for topic in node.publishers}
+        return {
+            name: topic
+            for name, topic in self.topics().items()
+            if topic.name in published and topic.name not in own
+        }
+
+    def producers(self) -> dict[str, str]:
+        """Return the node that publishes each topic."""
+        producers = {resolved(topic): CONTROL_NODE for topic in self.offered}
+        for node in self.nodes:
+            producers.update({resolved(topic): node.name for topic in node.publishers})
+        return producers
+
+    def consumers(self) -> dict[str, tuple[str, ...]]:
+        """Return the nodes that consume each topic, the orchestration included."""
+        consumers: dict[str, list[str]] = {name: [] for name in self.topics()}
+        for node in self.nodes:
+            for topic in node.subscriptions:
+                consumers[resolved(topic)].append(node.name)
+        for name in self.observed():
+            consumers[name].append(CONTROL_NODE)
+        return {name: tuple(nodes) for name, nodes in consumers.items()}
+
+    def ledger(self) -> FlowLedger:
+        """Return the empty ledger of the graph."""
+        return FlowLedger(self.consumers(), self.producers())
+
+    def edges(self) -> MatchedEdges:
+        """Return what each node must be matched with before data may flow."""
+        consumers, producers = self.consumers(), self.producers()
+        subscriptions = {
+            node.name: {CLOCK_TOPIC: 1}
+            | {resolved(topic): 1 for topic in node.subscriptions if resolved(topic) in producers}
+            for node in self.nodes
+        }
+        publishers = {
+            node.name: {f"/{PROGRESS_TOPIC}": 1}
+            | {resolved(topic): len(consumers[resolved(topic)]) for topic in node.publishers}
+            for node in self.nodes
+        }
+        return MatchedEdges(subscriptions, publishers)
+
+
+def resolved(topic: Topic) -> str:
+    """Return the full name of a topic in the root namespace."""
+    return topic.name if topic.name.startswith("/") else f"/{topic.name}"
+
+
+def process_plan(
+    node: PlannedNode, transport: TransportChoice, log_directory: Path, restarts: int = 0
+) -> ProcessPlan:
+    """Return how to start a node, and write its parameter file into the log directory.
+
+    Parameters
+    ----------
+    node : PlannedNode
+        The node.
+    transport : TransportChoice
+        Transport of the processes.
+    log_directory : Path
+        Where parameter files and logs go.
+    restarts : int
+        How often the node was started before; identifiers begin anew far above the old ones.
+    """
+    values = dict(node.parameters)
+    if node.gives_identifiers:
+        values["first_id"] = (restarts << 32) + int(values.get("first_id", 1))
+    values["use_sim_time"] = True
+    parameter_file = log_directory / f"{node.name}.yaml"
+    # A list without entries has no type in a parameter file; it is the default wherever allowed.
+    plain = {
+        name: list(value) if isinstance(value, tuple) else value
+        for name, value in values.items()
+        if value != ()
+    }
+    parameter_file.write_text(yaml.safe_dump({node.name: {"ros__parameters": plain}}))
+    large = any(topic.name.startswith("array/") for topic in node.publishers)
+    return ProcessPlan(
+        name=node.name,
+        module=node.module,
+        arguments=("--ros-args", "--params-file", str(parameter_file)),
+        environment=_environment(
+            transport.large_publishers if large else transport.others, log_directory
+        ),
+    )
+
+
+def _environment(transport: Mapping[str, str], log_directory: Path) -> dict[str, str]:
+    """Return the environment of a node.
+
+    The whole environment is passed on: the library path of the ROS wheels and the mark that it has
+    been set only work together.
+    """
+    return {
+        **os.environ,
+        **dict.fromkeys(_ONE_THREAD, "1"),
+        "PYTHONUNBUFFERED": "1",
+        "RCUTILS_COLORIZED_OUTPUT": "0",
+        "ROS_LOG_DIR": str(log_directory / "ros"),
+        **transport,
+    }

@@ -1,0 +1,348 @@
+"""The orchestration: starts the nodes, lets data flow, restarts what dies, stops everything.
+
+One object runs one graph, for a simulation as for a replay: they differ in their data source.
+"""
+
+from __future__ import annotations
+
+import signal
+import time
+from collections import deque
+from collections.abc import Callable
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING
+
+from sonar_tracking.display.run_display import RunDisplay
+from sonar_tracking.display.track_table import GraphState
+from sonar_tracking.errors import SonarTrackingError
+from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC
+from sonar_tracking.graph.orchestration.data_source import DataSource
+from sonar_tracking.graph.orchestration.graph_plan import GraphPlan, process_plan
+from sonar_tracking.graph.orchestration.process_supervisor import (
+    ProcessSupervisor,
+    SupervisedProcess,
+)
+from sonar_tracking.graph.orchestration.run_report import NodeReport, RunReport, TopicReport
+
+if TYPE_CHECKING:
+    from sonar_tracking.graph.orchestration.control_node import ControlNode
+    from sonar_tracking.graph.orchestration.run_observer import RunObserver
+
+RESTART_LIMIT = 3
+START_PATIENCE = 60.0
+DRAIN_PATIENCE = 10.0
+INTERRUPTED_DRAIN_PATIENCE = 2.0
+STALL_SECONDS = 5.0
+LOST_SECONDS = 60.0
+"""What no node has moved a message for so long is taken for lost: the run goes on, and fails."""
+REMATCH_SECONDS = 0.5
+FOREIGN_PATIENCE = 3.0
+_LONGEST_WAIT = 0.05
+_WATCH_SECONDS = 0.1
+
+
+class RunFailedError(SonarTrackingError):
+    """The run cannot go on."""
+
+
+class Orchestration:
+    """Runs one graph from the first process to the last.
+
+    Parameters
+    ----------
+    plan : GraphPlan
+        The graph.
+    display : RunDisplay
+        Where to show what happens.
+    log_directory : Path
+        Where the nodes' logs go.
+    """
+
+    def __init__(self, plan: GraphPlan, display: RunDisplay, log_directory: Path) -> None:
+        self._plan = plan
+        self._display = display
+        self._log_directory = log_directory
+        self._nodes = {node.name: node for node in plan.nodes}
+        self._ended: deque[SupervisedProcess] = deque()
+        self._stops = 0
+        self._watched = 0.0
+        self._progress = (-1, 0.0)
+        self._stall_told = 0.0
+        self._flow_started: float | None = None
+        self._flow_ended: float | None = None
+        self._handlers: dict[int, object] = {}
+        self._notices: dict[str, str] = {}
+        self._errors: set[str] = set()
+        self.supervisor = ProcessSupervisor(log_directory)
+        self.ledger = plan.ledger()
+        self.edges = plan.edges()
+        self.failures: list[str] = []
+        self.warnings: list[str] = [plan.transport.warning] if plan.transport.warning else []
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether the user has asked for the end."""
+        return self._stops > 0
+
+    @property
+    def wall_seconds(self) -> float:
+        """Wall time data have been flowing, s."""
+        if self._flow_started is None:
+            return 0.0
+        return (self._flow_ended or time.monotonic()) - self._flow_started
+
+    def start_processes(self) -> None:
+        """Start every node; from here on SIGINT and SIGTERM end the run in order."""
+        for number in (signal.SIGINT, signal.SIGTERM):
+            self._handlers[number] = signal.signal(number, self._stop_requested)
+        for warning in self.warnings:
+            self._display.say(f"warning: {warning}")
+        for node in self._plan.nodes:
+            self.supervisor.start(process_plan(node, self._plan.transport, self._log_directory))
+
+    def run(self, control: ControlNode, source: DataSource) -> None:
+        """Wait until all nodes are matched, let the data flow, drain."""
+        try:
+            self._bring_up(control, source)
+            if self.interrupted:
+                return
+            self._flow_started = time.monotonic()
+            self._display.say(f"{len(self._nodes)} nodes are connected: data flow")
+            self._flow(control, source)
+            self._drain(control, source)
+            self._take_notices(control)
+        except RunFailedError as error:
+            self._fail(str(error))
+        finally:
+            self._flow_ended = time.monotonic()
+
+    def stop_processes(self) -> None:
+        """Stop every node in bounded time; a second Ctrl-C kills them at once."""
+        names = self.supervisor.running()
+        self.supervisor.stop(names, hurry=lambda: self._stops > 1)
+        for number, handler in self._handlers.items():
+            signal.signal(number, handler)  # type: ignore[arg-type]
+        # Told to stop while it was starting, a node may end by the signal itself.
+        for name in names if self._flow_started is not None else ():
+            process = self.supervisor.processes[name]
+            if process.exit_code != 0:
+                self._fail(
+                    f"{name} {_exit_words(process.exit_code)} when it was told to stop; "
+                    f"its log is {process.log}."
+                )
+
+    def report(self, data_seconds: float, observer: RunObserver) -> RunReport:
+        """Return what the run came to, after the processes were stopped."""
+        comparable = not any(p.restarts for p in self.supervisor.processes.values())
+        latency = observer.latency.summary()
+        return RunReport(
+            scenario=self._plan.scenario,
+            data_seconds=data_seconds,
+            wall_seconds=self.wall_seconds,
+            nodes={
+                name: NodeReport(
+                    exit_code=process.exit_code if process.exit_code is not None else -9,
+                    restarts=process.restarts,
+                    cpu_seconds=round(process.cpu_seconds, 3),
+                    messages_in=self.ledger.messages_in(name),
+                    messages_out=self.ledger.messages_out(name),
+                )
+                for name, process in self.supervisor.processes.items()
+            },
+            topics={
+                name: TopicReport(record.messages, record.hexdigest(), comparable)
+                for name, record in observer.records.items()
+            },
+            latency_ms={
+                "p50": latency.median,
+                "p99": latency.percentile_99,
+                "algorithmic": latency.algorithmic,
+                "count": latency.count,
+            },
+            score=observer.score(),
+            failures=self.failures,
+            warnings=[*self.warnings, *self._notices.values()],
+            interrupted=self.interrupted,
+        )
+
+    def _stop_requested(self, number: int, frame: FrameType | None) -> None:
+        self._stops += 1
+
+    def _flow(self, control: ControlNode, source: DataSource) -> None:
+        source.resume(time.monotonic())
+        while not self.interrupted:
+            wall = time.monotonic()
+            wait = source.advance(wall)
+            if source.finished and self.ledger.largest_backlog() == 0:
+                return
+            control.spin_once(min(wait, _LONGEST_WAIT))
+            self._watch(control, source, "running")
+            if self._ended:
+                self._recover(control, source)
+
+    def _drain(self, control: ControlNode, source: DataSource) -> None:
+        """Let the nodes finish what was published."""
+        patience = INTERRUPTED_DRAIN_PATIENCE if self.interrupted else DRAIN_PATIENCE
+        self._wait(control, source, lambda: self.ledger.largest_backlog() == 0, patience, "ending")
+        if self.interrupted:
+            return
+        for missed in self.ledger.lost():
+            self._fail(f"{missed.node} has missed {missed.messages} messages of {missed.topic}.")
+
+    def _recover(self, control: ControlNode, source: DataSource) -> None:
+        """Start again what has died while no data flow."""
+        for process in self._ended:
+            self.ledger.leave(process.plan.name)
+        self._wait(
+            control,
+            source,
+            lambda: self.ledger.largest_backlog() == 0,
+            INTERRUPTED_DRAIN_PATIENCE,
+            "waiting for the nodes to finish",
+        )
+        self._bring_up(control, source)
+        source.resume(time.monotonic())
+
+    def _bring_up(self, control: ControlNode, source: DataSource) -> None:
+        """Start what has ended until every node runs and is matched."""
+        restarted: set[str] = set()
+        deadline = time.monotonic() + START_PATIENCE
+        asked = None if self._flow_started is None else restarted
+        while not self.interrupted:
+            while self._ended:
+                process = self._ended.popleft()
+                self._restart(process)
+                restarted.add(process.plan.name)
+            missing = self.edges.missing(asked)
+            if not missing and not self._own_offers_missing(control):
+                break
+            if time.monotonic() > deadline:
+                raise RunFailedError(
+                    f"the graph was not ready after {START_PATIENCE:.0f} s: {'; '.join(missing)}."
+                )
+            activity = f"starting: {missing[0]}" if missing else "starting"
+            self._wait(control, source, lambda: False, _WATCH_SECONDS, activity)
+        if self._flow_started is None:
+            self._refuse_foreign(control, source)
+        elif not self.interrupted:
+            # The others match the new process a moment after it has matched them; their own counts
+            # still hold the old one, which nobody has said goodbye for.
+            self._wait(control, source, lambda: False, REMATCH_SECONDS, "starting")
+        for name in restarted:
+            self.ledger.rejoin(name)
+
+    def _restart(self, process: SupervisedProcess) -> None:
+        name = process.plan.name
+        words = f"{name} {_exit_words(process.exit_code)}"
+        tail = self.supervisor.log_tail(name)
+        self.ledger.leave(name)
+        self.edges.forget(name)
+        if tail:
+            self._display.say(tail)
+        if self._flow_started is None and process.exit_code is not None and process.exit_code >= 0:
+            raise RunFailedError(f"{words} while it was starting; its log is {process.log}.")
+        if process.restarts >= RESTART_LIMIT:
+            raise RunFailedError(
+                f"{words} and was restarted {RESTART_LIMIT} times before; its log is {process.log}."
+            )
+        number = process.restarts + 1
+        self._fail(f"{words}; it was started again ({number} of {RESTART_LIMIT}).")
+        node = self._nodes[name]
+        self.supervisor.start(process_plan(node, self._plan.transport, self._log_directory, number))
+
+    def _refuse_foreign(self, control: ControlNode, source: DataSource) -> None:
+        """Refuse to start where somebody else publishes our topics."""
+
+        def foreign() -> list[str]:
+            names = set(self.edges.foreign_publishers())
+            return sorted(names | {t for t in (CLOCK_TOPIC,) if len(control.publishers_of(t)) > 1})
+
+        # Nodes of a run that has just ended may be listed for a moment.
+        if self._wait(control, source, lambda: not foreign(), FOREIGN_PATIENCE, "starting"):
+            return
+        if not self.interrupted:
+            found = "; ".join(f"{t} by {', '.join(control.publishers_of(t))}" for t in foreign())
+            raise RunFailedError(
+                f"somebody else publishes too ({found}): end it, or choose another ROS_DOMAIN_ID "
+                "for this run."
+            )
+
+    def _own_offers_missing(self, control: ControlNode) -> bool:
+        consumers = self._plan.consumers()
+        return any(
+            control.matched_subscriptions(topic) < len(consumers[topic])
+            for topic in self._plan.offered_names()
+        )
+
+    def _wait(
+        self,
+        control: ControlNode,
+        source: DataSource,
+        condition: Callable[[], bool],
+        patience: float,
+        activity: str,
+    ) -> bool:
+        """Handle events until a condition holds; return whether it does."""
+        deadline = time.monotonic() + patience
+        stops = self._stops
+        while not condition():
+            if time.monotonic() > deadline or self._stops > stops:
+                return False
+            control.spin_once(_LONGEST_WAIT)
+            self._watch(control, source, activity)
+        return True
+
+    def _watch(self, control: ControlNode, source: DataSource, activity: str) -> None:
+        """Look after processes, stalls and the display, a few times a second."""
+        wall = time.monotonic()
+        if wall - self._watched < _WATCH_SECONDS:
+            return
+        self._watched = wall
+        self._ended.extend(self.supervisor.poll())
+        self._take_notices(control)
+        if self.ledger.changes != self._progress[0]:
+            self._progress = (self.ledger.changes, wall)
+            self._stall_told = wall
+        backlogs = self.ledger.backlogs()
+        if backlogs and wall - self._stall_told > STALL_SECONDS:
+            self._stall_told = wall
+            worst = backlogs[0]
+            self._display.say(
+                f"waiting for {worst.node}: it has not finished {worst.messages} messages of "
+                f"{worst.topic}; its log is {self._log_directory / worst.node}.log"
+            )
+        if backlogs and wall - self._progress[1] > LOST_SECONDS:
+            self._progress = (self.ledger.changes, wall)
+            for lost in backlogs:
+                self.ledger.write_off(lost)
+        if self._display.due(wall):
+            backlog = backlogs[0].messages if backlogs else 0
+            state = GraphState(
+                self._plan.scenario,
+                source.data_seconds,
+                self.wall_seconds,
+                backlog,
+                activity,
+            )
+            self._display.show(state, wall)
+
+    def _take_notices(self, control: ControlNode) -> None:
+        """Show what the nodes have said for the first time; errors of their own are failures."""
+        for status, sentence in control.notices.items():
+            if status not in self._notices:
+                self._display.say(sentence)
+            self._notices[status] = sentence
+        for status in sorted(control.errors.keys() - self._errors):
+            self._errors.add(status)
+            self._fail(control.errors[status])
+
+    def _fail(self, sentence: str) -> None:
+        self.failures.append(sentence)
+        self._display.say(f"failed: {sentence}")
+
+
+def _exit_words(exit_code: int | None) -> str:
+    if exit_code is not None and exit_code < 0:
+        return f"was killed by {signal.Signals(-exit_code).name}"
+    return f"ended with exit code {exit_code}"

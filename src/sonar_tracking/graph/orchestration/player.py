@@ -1,0 +1,128 @@
+"""Data from a recording: its inputs are published as they were, with ``/clock``."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+
+from sonar_tracking.bags.storage.storage_file import BagMessage
+from sonar_tracking.graph.orchestration.control_node import ControlNode
+from sonar_tracking.graph.orchestration.data_source import IDLE_SECONDS
+from sonar_tracking.graph.orchestration.flow_ledger import FlowLedger
+from sonar_tracking.graph.orchestration.graph_plan import CONTROL_NODE
+from sonar_tracking.records.time import NANOSECONDS
+
+CLOCK_PERIOD = NANOSECONDS // 10
+"""Data time between two clock messages, ns."""
+
+Sink = Callable[[BagMessage], None]
+Published = Callable[[str, bytes, float], None]
+
+
+class Player:
+    """Publishes the inputs of a recording, no faster than the graph takes them.
+
+    Parameters
+    ----------
+    control : ControlNode
+        Publishes; the inputs were offered before.
+    ledger : FlowLedger
+        Knows what the nodes still have to do, and is told of everything published.
+    messages : iterable of BagMessage
+        In log order.
+    inputs : set of str
+        Topics to publish; messages of other topics go to ``sink``.
+    sink : callable
+        Takes the messages that are not published: recorded outputs and truth.
+    published : callable
+        Called with topic, message and wall time of everything published.
+    flow_window : int
+        Most messages of a topic between the player and the slowest consumer.
+    rate : float
+        Data seconds per wall second; infinity = as fast as the graph takes it.
+    """
+
+    def __init__(
+        self,
+        control: ControlNode,
+        ledger: FlowLedger,
+        messages: Iterable[BagMessage],
+        inputs: set[str],
+        sink: Sink,
+        published: Published,
+        flow_window: int,
+        rate: float,
+    ) -> None:
+        self._control = control
+        self._ledger = ledger
+        self._messages: Iterator[BagMessage] = iter(messages)
+        self._inputs = inputs
+        self._sink = sink
+        self._published = published
+        self._flow_window = flow_window
+        self._rate = rate
+        self._counts = dict.fromkeys(inputs, 0)
+        self._next: BagMessage | None = None
+        self._exhausted = False
+        self._first: int | None = None
+        self._last = 0
+        self._clock = 0
+        self._anchor: tuple[float, int] | None = None
+        self._fetch()
+
+    @property
+    def finished(self) -> bool:
+        """Whether every input was published."""
+        return self._exhausted
+
+    @property
+    def data_seconds(self) -> float:
+        """Data time published so far, s."""
+        return 0.0 if self._first is None else (self._last - self._first) / NANOSECONDS
+
+    def advance(self, wall: float) -> float:
+        """Publish the next message if it is due and the graph can take it."""
+        message = self._next
+        if message is None or self._ledger.largest_backlog() >= self._flow_window:
+            return IDLE_SECONDS
+        early = self._wall_seconds_early(message.log_time, wall)
+        if early > 0.0:
+            return early
+        self._publish(message, wall)
+        self._fetch()
+        return 0.0
+
+    def resume(self, wall: float) -> None:
+        """Let wall time count from now on, after a pause."""
+        if self._first is not None:
+            self._anchor = (wall, self._last)
+
+    def _publish(self, message: BagMessage, wall: float) -> None:
+        if self._first is None:
+            self._first = message.log_time
+        self._last = max(self._last, message.log_time)
+        if self._clock == 0 or abs(message.log_time - self._clock) >= CLOCK_PERIOD:
+            self._clock = message.log_time
+            self._control.publish_clock(self._clock)
+        self._counts[message.topic] += 1
+        self._ledger.published(CONTROL_NODE, message.topic, self._counts[message.topic])
+        self._control.publish(message.topic, message.data)
+        self._published(message.topic, message.data, wall)
+
+    def _wall_seconds_early(self, log_time: int, wall: float) -> float:
+        if math.isinf(self._rate):
+            return 0.0
+        if self._anchor is None:
+            self._anchor = (wall, log_time)
+        anchor_wall, anchor_time = self._anchor
+        return anchor_wall + (log_time - anchor_time) / NANOSECONDS / self._rate - wall
+
+    def _fetch(self) -> None:
+        """Find the next input; everything else on the way goes to the sink."""
+        for message in self._messages:
+            if message.topic in self._inputs:
+                self._next = message
+                return
+            self._sink(message)
+        self._next = None
+        self._exhausted = True

@@ -1,0 +1,1 @@
+"""What ``sonar-tracking run``, ``replay`` and ``import`` do."""

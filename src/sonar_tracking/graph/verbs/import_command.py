@@ -1,0 +1,146 @@
+"""``sonar-tracking import``: a recorded array, or recorded contacts, into a bag to replay."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from sonar_tracking.bags.importers.import_contacts import ContactSensor, import_contacts
+from sonar_tracking.bags.importers.import_samples import import_samples, suggested_estimator
+from sonar_tracking.bags.importers.import_wav import import_wav
+from sonar_tracking.configuration import from_mapping
+from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.graph.catalogue.node_catalogue import (
+    BAND_DEMODULATOR,
+    BEARING_TRACKER,
+    HPDA_TRACKER,
+    LINE_TRACKER,
+    SUBSPACE_ESTIMATOR,
+    TMA_TRACKER,
+)
+from sonar_tracking.graph.catalogue.node_settings import read_settings, resolved_settings
+from sonar_tracking.graph.catalogue.topics import BEARING_TRACKS, FREQUENCY_LINES
+from sonar_tracking.simulation.scenarios.scenario_mapping import checked_epoch
+
+
+def import_wav_file(
+    file: Path,
+    geometry: Path,
+    frequency: float | None,
+    bandwidth: float | None,
+    output: Path,
+    truth: Path | None = None,
+    parameters: Path | None = None,
+) -> str:
+    """Import a WAV file and return what was done, in words.
+
+    Parameters
+    ----------
+    file, geometry, frequency, bandwidth, output, truth
+        See :func:`sonar_tracking.bags.importers.import_wav.import_wav`.
+    parameters : Path, optional
+        YAML file of node, parameter, value: stored in the bag for its replay.
+
+    Raises
+    ------
+    ConfigurationError
+        If anything given cannot be used; no bag is left then.
+    """
+    if frequency is None:
+        raise ConfigurationError("Give --frequency, the centre of the band snapshots are made of.")
+    given = _given(parameters)
+    settings = resolved_settings(given, (SUBSPACE_ESTIMATOR, BEARING_TRACKER), str(parameters))
+    summary = import_wav(file, geometry, frequency, bandwidth, output, truth, settings)
+    return _with_next_command(summary.text(), output)
+
+
+def import_wav_samples(
+    file: Path,
+    geometry: Path,
+    frequency: float | None,
+    bandwidth: float | None,
+    output: Path,
+    own_ship: Path | None = None,
+    truth: Path | None = None,
+    parameters: Path | None = None,
+) -> str:
+    """Import a WAV file as element time series and return what was done, in words.
+
+    Positions are looked for if own ship's are given, or the parameters name ``tma_tracker``.
+
+    Parameters
+    ----------
+    file, geometry, output, own_ship, truth
+        See :func:`sonar_tracking.bags.importers.import_samples.import_samples`.
+    frequency, bandwidth : float, optional
+        Of the band bearings are made of, Hz, if the parameters do not say so.
+    parameters : Path, optional
+        YAML file of node, parameter, value: stored in the bag for its replay.
+
+    Raises
+    ------
+    ConfigurationError
+        If anything given cannot be used; no bag is left then.
+    """
+    given = _given(parameters)
+    band = {"center_frequency": frequency, "bandwidth": bandwidth}
+    demodulator = given.setdefault(BAND_DEMODULATOR.name, {})
+    demodulator |= {name: value for name, value in band.items() if value is not None}
+    if "center_frequency" not in demodulator:
+        raise ConfigurationError(
+            "Say which frequency bearings are to be made of: give --frequency, or "
+            "'band_demodulator: {center_frequency: ...}' in --parameters."
+        )
+    where = "import wav" if parameters is None else str(parameters)
+    suggested = suggested_estimator(geometry, demodulator, f"{where}: {BAND_DEMODULATOR.name}")
+    given[SUBSPACE_ESTIMATOR.name] = suggested | given.get(SUBSPACE_ESTIMATOR.name, {})
+    nodes = [BAND_DEMODULATOR, SUBSPACE_ESTIMATOR, BEARING_TRACKER, LINE_TRACKER]
+    if own_ship is not None or TMA_TRACKER.name in given:
+        nodes.append(TMA_TRACKER)
+        topics = {"bearing_topics": (BEARING_TRACKS.name,), "line_topics": (FREQUENCY_LINES.name,)}
+        given[TMA_TRACKER.name] = topics | given.get(TMA_TRACKER.name, {})
+    settings = resolved_settings(given, tuple(nodes), where)
+    done = import_samples(file, geometry, output, settings, own_ship, truth)
+    return _with_next_command(done, output)
+
+
+def import_contacts_file(
+    file: Path,
+    output: Path,
+    sensor: Mapping[str, Any],
+    own_ship: Path | None = None,
+    truth: Path | None = None,
+    parameters: Path | None = None,
+) -> str:
+    """Import recorded contacts and return what was done, in words.
+
+    Parameters
+    ----------
+    file, output, own_ship, truth
+        See :func:`sonar_tracking.bags.importers.import_contacts.import_contacts`.
+    sensor : mapping
+        Fields of ContactSensor by name; ``epoch`` as a person writes it.
+    parameters : Path, optional
+        YAML file of node, parameter, value: stored in the bag for its replay.
+
+    Raises
+    ------
+    ConfigurationError
+        If anything given cannot be used; no bag is left then.
+    """
+    given = _given(parameters)
+    settings = resolved_settings(given, (HPDA_TRACKER,), str(parameters))
+    values = {**sensor, "epoch": checked_epoch(sensor["epoch"], "")}
+    described = from_mapping(ContactSensor, values, "import contacts")
+    done = import_contacts(file, output, described, own_ship, truth, settings)
+    return _with_next_command(done, output)
+
+
+def _given(parameters: Path | None) -> dict[str, dict[str, Any]]:
+    """Return the settings in the file, none without one."""
+    return read_settings(parameters) if parameters is not None else {}
+
+
+def _with_next_command(done: str, output: Path) -> str:
+    return f"{done}\nreplay it with: sonar-tracking replay {output}"

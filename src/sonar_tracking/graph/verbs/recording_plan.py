@@ -1,0 +1,67 @@
+"""The recorder of a run: what it records, and what the bag shall know of its making (no ROS)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from sonar_tracking.bags.storage.log_time import CLOCK_TYPE
+from sonar_tracking.bags.storage.recording_information import RecordingInformation, Role
+from sonar_tracking.graph.catalogue.planned_node import PlannedNode
+from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC, Topic, TopicRole
+from sonar_tracking.graph.orchestration.graph_plan import resolved
+
+RECORDER = "recorder"
+_MODULE = "sonar_tracking.graph.nodes.recorder"
+
+
+def planned_recorder(
+    output: Path,
+    topics: Iterable[Topic],
+    scenario: Mapping[str, Any],
+    settings: Mapping[str, Mapping[str, Any]],
+    log_directory: Path,
+) -> PlannedNode:
+    """Return the recorder, and write what the bag shall know into the log directory.
+
+    Parameters
+    ----------
+    output : Path
+        The bag.
+    topics : iterable of Topic
+        What to record, besides ``/clock``.
+    scenario : mapping
+        The resolved scenario.
+    settings : mapping
+        Every parameter of every node.
+    log_directory : Path
+        Where files of the run go.
+    """
+    recorded = sorted(topics, key=lambda topic: topic.name)
+    roles: dict[str, Role] = {resolved(topic): topic.role.value for topic in recorded}
+    information = RecordingInformation(scenario, settings, roles)
+    information_file = log_directory / "recording.json"
+    information_file.write_text(information.to_json(), encoding="utf-8")
+    return PlannedNode(
+        name=RECORDER,
+        module=_MODULE,
+        subscriptions=tuple(recorded),
+        parameters={
+            "output": str(output.resolve()),
+            "topics": (*roles, CLOCK_TOPIC),
+            "types": (*(topic.message_type for topic in recorded), CLOCK_TYPE),
+            "roles": (*roles.values(), "other"),
+            "recording": str(information_file),
+            "flow_depth": max(int(str(values["flow_depth"])) for values in settings.values()),
+        },
+    )
+
+
+def recording_hint(output: Path, topics: Iterable[Topic]) -> str:
+    """Return what to say of a finished recording: how the stock ROS 2 tools play its inputs."""
+    inputs = sorted(resolved(topic) for topic in topics if topic.role is TopicRole.INPUT)
+    return (
+        f"recorded {output}; stock ROS 2 tools play its inputs with: "
+        f"ros2 bag play {output} --clock --topics {' '.join(inputs)}"
+    )

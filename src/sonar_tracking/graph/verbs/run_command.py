@@ -1,0 +1,89 @@
+"""The verbs ``run`` and ``replay`` from options as typed to exit code."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from importlib.util import find_spec
+from pathlib import Path
+
+from rich.console import Console
+
+from sonar_tracking.display.run_display import LineDisplay, LiveDisplay, RunDisplay
+from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.graph.orchestration.domain_lock import domain_lock
+from sonar_tracking.graph.orchestration.run_report import RunReport
+from sonar_tracking.graph.verbs.run_options import RunOptions, make_log_directory, rate_from_text
+
+Work = Callable[[RunDisplay, Path], RunReport]
+
+
+def run(
+    scenario: str,
+    duration: float | None,
+    rate: str,
+    record: Path | None,
+    display: bool,
+    json: Path | None,
+) -> int:
+    """Run a scenario through the live graph and return the exit code.
+
+    Raises
+    ------
+    ConfigurationError
+        If what was asked cannot be done; nothing was started then.
+    """
+    options = RunOptions(rate_from_text(rate), record, json)
+    options.check()
+    from sonar_tracking.graph.verbs.run_scenario import run_scenario
+
+    return _shown(
+        display, json, lambda screen, log: run_scenario(scenario, duration, options, screen, log)
+    )
+
+
+def replay(
+    bag: Path,
+    rate: str,
+    record: Path | None,
+    parameters: Path | None,
+    repair: bool,
+    display: bool,
+    json: Path | None,
+) -> int:
+    """Replay a recording through the live graph and return the exit code.
+
+    Raises
+    ------
+    ConfigurationError
+        If what was asked cannot be done; nothing was started then.
+    """
+    options = RunOptions(rate_from_text(rate), record, json)
+    options.check()
+    from sonar_tracking.graph.verbs.run_replay import replay_bag
+
+    return _shown(
+        display, json, lambda screen, log: replay_bag(bag, parameters, repair, options, screen, log)
+    )
+
+
+def _shown(display: bool, json: Path | None, work: Work) -> int:
+    for package in ("rclpy", "sonar_tracking_msgs"):
+        # Told before any process is started, which could only fail for the same reason.
+        if find_spec(package) is None:
+            raise ModuleNotFoundError(package, name=package)
+    console = Console()
+    log_directory = make_log_directory()
+    live = display and console.is_terminal
+    try:
+        with domain_lock(), LiveDisplay(console) if live else LineDisplay(console) as screen:
+            report = work(screen, log_directory)
+    except ConfigurationError:
+        shutil.rmtree(log_directory)
+        raise
+    for line in report.lines():
+        console.print(line, highlight=False, markup=False, soft_wrap=True)
+    console.print(f"logs in {log_directory}", highlight=False, markup=False, soft_wrap=True)
+    if json is not None:
+        report.write_json(json)
+    return report.exit_code

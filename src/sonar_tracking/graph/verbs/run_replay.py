@@ -1,0 +1,221 @@
+"""``sonar-tracking replay``: a recording through the live graph, compared with what it holds."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+from sonar_tracking.bags.storage.reader import Bag, read_bag
+from sonar_tracking.bags.storage.repair import repair_bag
+from sonar_tracking.display.run_display import RunDisplay
+from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.graph.catalogue.node_catalogue import NODES
+from sonar_tracking.graph.catalogue.node_settings import (
+    NodeSettings,
+    read_settings,
+    resolved_settings,
+    with_room_for_bursts,
+)
+from sonar_tracking.graph.catalogue.planned_node import FLOW_WINDOW, PlannedNode
+from sonar_tracking.graph.catalogue.scenario_graph import planned_nodes
+from sonar_tracking.graph.catalogue.topics import SAMPLES, SNAPSHOTS, Topic
+from sonar_tracking.graph.catalogue.transport_profile import choose_transport
+from sonar_tracking.graph.orchestration.graph_plan import GraphPlan, resolved
+from sonar_tracking.graph.orchestration.orchestration import Orchestration
+from sonar_tracking.graph.orchestration.run_report import RunReport
+from sonar_tracking.graph.verbs.recording_plan import planned_recorder, recording_hint
+from sonar_tracking.graph.verbs.replay_comparison import ReplayComparison
+from sonar_tracking.graph.verbs.run_options import RunOptions
+from sonar_tracking.records.time import NANOSECONDS
+
+
+def replay_bag(
+    path: Path,
+    parameters: Path | None,
+    repair: bool,
+    options: RunOptions,
+    display: RunDisplay,
+    log_directory: Path,
+) -> RunReport:
+    """Publish the recorded inputs through the live nodes and compare their outputs.
+
+    Parameters
+    ----------
+    path : Path
+        The bag.
+    parameters : Path or None
+        Parameter file that overrides what the bag says.
+    repair : bool
+        Rewrite a bag that is not whole first.
+    options : RunOptions
+        Rate, recording, report.
+    display : RunDisplay
+        Where to show what happens.
+    log_directory : Path
+        Where the nodes' logs go.
+
+    Raises
+    ------
+    ConfigurationError
+        If bag or parameters cannot be used; nothing was started then.
+    """
+    bag = _opened(path, repair, display)
+    settings = _settings(bag, parameters)
+    plan = plan_replay(bag, settings, options, log_directory)
+    orchestration = Orchestration(plan, display, log_directory)
+    if bag.recovery:
+        orchestration.warnings.append(bag.recovery)
+    orchestration.start_processes()
+    os.environ.update(plan.transport.large_publishers)
+    # rclpy takes a second to load: meanwhile the nodes do the same.
+    from sonar_tracking.graph.orchestration.control_node import ControlNode
+    from sonar_tracking.graph.orchestration.player import Player
+    from sonar_tracking.graph.orchestration.run_observer import RunObserver
+
+    observer = RunObserver(plan.topics(), display, keep_steps=True)
+    comparison = ReplayComparison(bag, observer.records, observer.take_truth)
+    inputs = set(plan.offered_names())
+    try:
+        with ControlNode(
+            orchestration.ledger, orchestration.edges, observer.observed, observer.announced
+        ) as control:
+            for topic in plan.offered:
+                control.offer(topic, 2 * FLOW_WINDOW + 2)
+            for topic in plan.observed().values():
+                control.observe(topic)
+            source = Player(
+                control,
+                orchestration.ledger,
+                bag.messages(inputs | comparison.topics),
+                inputs,
+                comparison.take,
+                observer.replayed,
+                FLOW_WINDOW,
+                options.rate,
+            )
+            orchestration.run(control, source)
+            data_seconds, complete = source.data_seconds, source.finished
+    finally:
+        orchestration.stop_processes()
+    if options.record is not None:
+        display.say(recording_hint(options.record, plan.topics().values()))
+    report = orchestration.report(data_seconds, observer)
+    return _compared(report, comparison, parameters is not None) if complete else report
+
+
+def plan_replay(
+    bag: Bag, settings: NodeSettings, options: RunOptions, log_directory: Path
+) -> GraphPlan:
+    """Return the graph that replays a bag.
+
+    Raises
+    ------
+    ConfigurationError
+        If the bag holds nothing the nodes take.
+    """
+    descriptions = [NODES[name] for name in settings]
+    settings = with_room_for_bursts(settings, _block_seconds(bag))
+    nodes = planned_nodes(descriptions, settings)
+    offered = _offered(bag, nodes)
+    scenario = dict(bag.recording.scenario) if bag.recording else {}
+    if options.record is not None:
+        topics = [*offered, *(topic for node in nodes for topic in node.publishers)]
+        nodes += (planned_recorder(options.record, topics, scenario, settings, log_directory),)
+    return GraphPlan(
+        scenario=str(scenario.get("name") or bag.path.name),
+        nodes=nodes,
+        offered=offered,
+        transport=choose_transport(_largest_input_bytes(bag, offered), n_publishers=2),
+    )
+
+
+def _opened(path: Path, repair: bool, display: RunDisplay) -> Bag:
+    bag = read_bag(path)
+    if bag.recovery:
+        display.say(bag.recovery)
+    if repair and bag.recovery:
+        whole = repair_bag(path)
+        display.say(f"the repaired bag is {whole}")
+        return read_bag(whole)
+    return bag
+
+
+def _settings(bag: Bag, parameters: Path | None) -> NodeSettings:
+    """Return every parameter of the nodes to start: from the bag, overridden by a file."""
+    recorded = bag.recording.node_parameters if bag.recording else {}
+    given: dict[str, dict[str, Any]] = {name: dict(values) for name, values in recorded.items()}
+    where = str(bag.path)
+    if parameters is not None:
+        where = str(parameters)
+        for name, values in read_settings(parameters).items():
+            given[name] = {**given.get(name, {}), **values}
+    processing = tuple(
+        description
+        for description in NODES.values()
+        if description.name in given and not description.section
+    )
+    if not processing:
+        raise ConfigurationError(
+            f"{bag.path} does not say with which nodes and parameters it was recorded: give "
+            "--parameters FILE, e.g. with the lines 'subspace_estimator: {}' and "
+            "'bearing_tracker: {}'."
+        )
+    return resolved_settings(given, processing, where)
+
+
+def _offered(bag: Bag, nodes: tuple[PlannedNode, ...]) -> tuple[Topic, ...]:
+    """Return the topics to play: recorded inputs, and whatever else the nodes need of the bag."""
+    known = {resolved(topic): topic for node in NODES.values() for topic in node.outputs}
+    computed = {resolved(topic) for node in nodes for topic in node.publishers}
+    needed = {resolved(topic): topic for node in nodes for topic in node.subscriptions}
+    wanted = needed.keys() - computed
+    known |= needed
+    offered = tuple(
+        known[name]
+        for name, topic in bag.topics.items()
+        if name in known
+        and topic.message_count
+        and (name in wanted or (topic.role == "input" and name not in computed))
+    )
+    optional = {resolved(topic) for node in nodes for topic in NODES[node.name].optional_inputs}
+    missing = sorted(wanted - optional - {resolved(topic) for topic in offered})
+    if missing:
+        there = ", ".join(
+            f"{topic.name} ({topic.role}, {topic.message_count} messages)"
+            for topic in bag.topics.values()
+        )
+        raise ConfigurationError(
+            f"{bag.path} holds no message of {', '.join(missing)} to replay; "
+            f"its topics are {there}."
+        )
+    return offered
+
+
+def _block_seconds(bag: Bag) -> float:
+    """Return the longest time between the first two blocks of a topic, s; 0 = there are none."""
+    longest = 0
+    for topic in (SNAPSHOTS, SAMPLES):
+        stamps = [m.log_time for m in islice(bag.messages({resolved(topic)}), 2)]
+        longest = max(longest, stamps[-1] - stamps[0] if stamps else 0)
+    return longest / NANOSECONDS
+
+
+def _largest_input_bytes(bag: Bag, offered: tuple[Topic, ...]) -> int:
+    """Return the size of the first message of the largest input topic."""
+    largest = 0
+    for topic in offered:
+        message = next(iter(bag.messages({resolved(topic)})), None)
+        largest = max(largest, len(message.data) if message else 0)
+    return largest
+
+
+def _compared(report: RunReport, comparison: ReplayComparison, own_parameters: bool) -> RunReport:
+    """Return the report with the comparison; a difference is a failure unless it was asked for."""
+    report = replace(report, comparison=comparison.result())
+    if comparison.differs() and not own_parameters:
+        sentence = "the replay differs from the recording, with the recorded parameters."
+        return replace(report, failures=[*report.failures, sentence])
+    return report

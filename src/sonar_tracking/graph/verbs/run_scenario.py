@@ -1,0 +1,197 @@
+"""``sonar-tracking run``: a scenario through the live graph."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from sonar_tracking.configuration import describe, from_mapping
+from sonar_tracking.display.run_display import RunDisplay
+from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.graph.catalogue.node_catalogue import SUBSPACE_ESTIMATOR
+from sonar_tracking.graph.catalogue.node_settings import (
+    NodeSettings,
+    resolved_settings,
+    with_room_for_bursts,
+)
+from sonar_tracking.graph.catalogue.planned_node import FLOW_WINDOW
+from sonar_tracking.graph.catalogue.scenario_graph import (
+    planned_nodes,
+    started_nodes,
+    with_published_topics,
+)
+from sonar_tracking.graph.catalogue.transport_profile import choose_transport
+from sonar_tracking.graph.orchestration.graph_plan import GraphPlan
+from sonar_tracking.graph.orchestration.orchestration import Orchestration
+from sonar_tracking.graph.orchestration.run_report import RunReport
+from sonar_tracking.graph.orchestration.time_master import TimeMaster
+from sonar_tracking.graph.verbs.recording_plan import planned_recorder, recording_hint
+from sonar_tracking.graph.verbs.run_options import RunOptions
+from sonar_tracking.passive.subspaces.subspace_configuration import SubspaceConfiguration
+from sonar_tracking.records.time import NANOSECONDS
+from sonar_tracking.simulation.scenarios.scenario import Scenario
+from sonar_tracking.simulation.scenarios.scenario_checks import check_scenario
+from sonar_tracking.simulation.scenarios.scenario_mapping import (
+    load_scenario,
+    scenario_to_mapping,
+    scenario_to_yaml,
+)
+
+
+def run_scenario(
+    name_or_path: str,
+    duration: float | None,
+    options: RunOptions,
+    display: RunDisplay,
+    log_directory: Path,
+) -> RunReport:
+    """Run a scenario through the live graph.
+
+    Parameters
+    ----------
+    name_or_path : str
+        Scenario.
+    duration : float or None
+        Length of the data, s; None = as the scenario says.
+    options : RunOptions
+        Rate, recording, report.
+    display : RunDisplay
+        Where to show what happens.
+    log_directory : Path
+        Where the nodes' logs go.
+
+    Raises
+    ------
+    ConfigurationError
+        If scenario, parameters or options cannot be used; nothing was started then.
+    """
+    scenario = read_scenario(name_or_path, duration)
+    plan = plan_scenario(scenario, options, log_directory, name_or_path)
+    orchestration = Orchestration(plan, display, log_directory)
+    orchestration.start_processes()
+    # rclpy takes a second to load: meanwhile the nodes do the same.
+    from sonar_tracking.graph.orchestration.control_node import ControlNode
+    from sonar_tracking.graph.orchestration.run_observer import RunObserver
+    from sonar_tracking.graph.orchestration.simulated_source import SimulatedSource
+
+    topics = plan.topics()
+    observer = RunObserver(topics, display)
+    try:
+        with ControlNode(
+            orchestration.ledger,
+            orchestration.edges,
+            observer.observed,
+            observer.announced,
+            plan.sources,
+        ) as control:
+            for topic in plan.observed().values():
+                control.observe(topic)
+            master = _time_master(scenario, options.rate)
+            source = SimulatedSource(
+                control, orchestration.ledger, master, scenario.stamp(scenario.start)
+            )
+            orchestration.run(control, source)
+            data_seconds = source.data_seconds
+    finally:
+        orchestration.stop_processes()
+    if options.record is not None:
+        display.say(recording_hint(options.record, plan.topics().values()))
+    return orchestration.report(data_seconds, observer)
+
+
+def read_scenario(name_or_path: str, duration: float | None) -> Scenario:
+    """Return a scenario, of another length if asked for.
+
+    Raises
+    ------
+    ConfigurationError
+        If it cannot be used.
+    """
+    scenario = load_scenario(name_or_path)
+    if duration is None:
+        return scenario
+    if not 0.0 < duration <= 1e7:
+        raise ConfigurationError(
+            f"--duration is {duration:g}; give the length of the data in seconds, above 0."
+        )
+    scenario = replace(scenario, duration=duration)
+    check_scenario(scenario, "--duration: ")
+    return scenario
+
+
+def plan_scenario(
+    scenario: Scenario, options: RunOptions, log_directory: Path, where: str
+) -> GraphPlan:
+    """Return the graph of a scenario.
+
+    Raises
+    ------
+    ConfigurationError
+        If the parameters of a node cannot be used.
+    """
+    descriptions = started_nodes(scenario, where)
+    sources = tuple(node.name for node in descriptions if node.serves_clock)
+    given = with_published_topics(descriptions, scenario.nodes, scenario.namespaces)
+    settings = resolved_settings(given, descriptions, f"{where}: nodes")
+    _check_source_count(scenario, settings, where)
+    settings = with_room_for_bursts(settings, scenario.step)
+    scenario_file = log_directory / "scenario.yaml"
+    scenario_file.write_text(scenario_to_yaml(scenario), encoding="utf-8")
+    for name in sources:
+        settings[name] = {**settings[name], "scenario": str(scenario_file)}
+    nodes = planned_nodes(descriptions, settings, scenario.namespaces)
+    if options.record is not None:
+        topics = {topic.name: topic for node in nodes for topic in node.publishers}.values()
+        mapping = scenario_to_mapping(scenario)
+        for name in sources:
+            settings[name] = {**settings[name], "scenario": scenario.name}
+        nodes += (planned_recorder(options.record, topics, mapping, settings, log_directory),)
+    return GraphPlan(
+        scenario=scenario.name,
+        nodes=nodes,
+        sources=sources,
+        transport=choose_transport(_largest_message_bytes(scenario, settings), n_publishers=2),
+    )
+
+
+def _check_source_count(scenario: Scenario, settings: NodeSettings, where: str) -> None:
+    if SUBSPACE_ESTIMATOR.name not in settings:
+        return
+    n_elements = len(scenario.array.element_positions())
+    source_count = settings[SUBSPACE_ESTIMATOR.name]["source_count"]
+    if isinstance(source_count, int) and source_count >= n_elements:
+        raise ConfigurationError(
+            f"{where}: nodes: {SUBSPACE_ESTIMATOR.name}.source_count is {source_count}, but the "
+            f"array has only {n_elements} elements; give at most {n_elements - 1} sources."
+        )
+
+
+def _time_master(scenario: Scenario, rate: float) -> TimeMaster:
+    return TimeMaster(
+        start=scenario.stamp(scenario.start),
+        end=scenario.stamp(scenario.end),
+        step=round(scenario.step * NANOSECONDS),
+        flow_window=FLOW_WINDOW,
+        rate=rate,
+    )
+
+
+def _largest_message_bytes(scenario: Scenario, settings: NodeSettings) -> int:
+    """Return the size of the largest message: a block of the array, or the subspaces.
+
+    What other sensors deliver is small.
+    """
+    if SUBSPACE_ESTIMATOR.name not in settings:
+        return scenario.block_bytes
+    n_elements = len(scenario.array.element_positions())
+    estimator = from_mapping(
+        SubspaceConfiguration,
+        {
+            description.name: settings[SUBSPACE_ESTIMATOR.name][description.name]
+            for description in describe(SubspaceConfiguration)
+        },
+        SUBSPACE_ESTIMATOR.name,
+    )
+    columns = estimator.source_count or len(scenario.targets) + 1
+    basis = estimator.n_subspaces * n_elements * columns
+    return max(scenario.block_bytes, (n_elements**2 + basis) * 2 * 8)

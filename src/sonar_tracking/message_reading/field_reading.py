@@ -1,0 +1,123 @@
+"""Fields of messages as numpy: stamps, columns, complex matrices, sensors.
+
+A message is any object with the fields of its definition: one that a node received, or one decoded
+from a bag without ROS. Columns are viewed without a copy where they can be.
+"""
+
+from __future__ import annotations
+
+import array
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.errors import InputError
+from sonar_tracking.records.bearings import Sensor
+from sonar_tracking.records.time import NANOSECONDS
+
+
+def stamp_from_time(time: Any) -> int:
+    """Return a time message as integer nanoseconds."""
+    return int(time.sec) * NANOSECONDS + int(time.nanosec)
+
+
+def type_name(message: Any) -> str:
+    """Return the short name of a message's type, as errors name it."""
+    return type(message).__name__.rpartition("__")[2]
+
+
+def column(message: Any, name: str, dtype: str = "float64") -> NDArray[Any]:
+    """Return a message field as a flat array (a view of the message, not a copy)."""
+    values = getattr(message, name)
+    if len(values) == 0:
+        return np.empty(0, dtype)
+    if isinstance(values, array.array | bytes):
+        return np.frombuffer(values, dtype)
+    return np.asarray(values, dtype)
+
+
+def complex_column(
+    message: Any, name: str, shape: tuple[int, ...], meaning: str, dtype: str = "float64"
+) -> NDArray[np.complex128]:
+    """Return an interleaved (re, im) field as a complex array of the given shape.
+
+    Raises
+    ------
+    InputError
+        When the number of values is not that of the shape; ``meaning`` says in words what the
+        shape is, e.g. ``"n_snapshots x elements"``.
+    """
+    values = column(message, name, dtype)
+    expected = 2 * int(np.prod(shape))
+    if values.size != expected:
+        sizes = " x ".join(str(size) for size in shape)
+        raise InputError(
+            f"{type_name(message)}.{name} has {values.size} values, but {meaning} = {sizes} "
+            f"complex numbers need {expected}; the sender must make them agree."
+        )
+    complex_type = np.complex64 if dtype == "float32" else np.complex128
+    return values.view(complex_type).reshape(shape).astype(np.complex128)
+
+
+def check_columns(message: Any, key: str, widths: dict[str, int]) -> int:
+    """Check that all columns of a message have equal length or are empty.
+
+    Parameters
+    ----------
+    message : message
+        Message to check, before it is published or after it was received.
+    key : str
+        Column that is never empty unless all are, e.g. ``"id"``.
+    widths : dict of str to int
+        Values per row of every other column.
+
+    Returns
+    -------
+    int
+        Number of rows.
+
+    Raises
+    ------
+    InputError
+        Naming message, field and both lengths.
+    """
+    rows = len(getattr(message, key))
+    for name, width in widths.items():
+        length = len(getattr(message, name))
+        if length not in (0, width * rows):
+            raise InputError(
+                f"{type_name(message)}.{name} has {length} values, but {key} has {rows} and "
+                f"{name} needs {width * rows} or none; the sender must make them agree."
+            )
+    return rows
+
+
+def element_positions(message: Any) -> NDArray[np.float64]:
+    """Return element_x, element_y and element_z as one array, shape (n_elements, 3), m.
+
+    Raises
+    ------
+    InputError
+        When the three have different lengths.
+    """
+    if not len(message.element_x) == len(message.element_y) == len(message.element_z):
+        raise InputError(
+            f"{type_name(message)}.element_x, element_y and element_z have "
+            f"{len(message.element_x)}, {len(message.element_y)} and {len(message.element_z)} "
+            "values; the sender must give one position per element."
+        )
+    return np.stack([column(message, f"element_{axis}") for axis in "xyz"], axis=-1)
+
+
+def sensor(message: Any) -> Sensor:
+    """Return the sensor of a message."""
+    position, orientation = message.sensor_pose.position, message.sensor_pose.orientation
+    velocity = message.sensor_velocity
+    return Sensor(
+        sensor_id=message.sensor_id,
+        frame_id=message.header.frame_id,
+        position=(position.x, position.y, position.z),
+        orientation=(orientation.x, orientation.y, orientation.z, orientation.w),
+        velocity=(velocity.x, velocity.y, velocity.z),
+    )

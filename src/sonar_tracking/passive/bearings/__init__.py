@@ -1,0 +1,1 @@
+"""Bearing tracks: filters, start, existence and end, the stage that holds them."""

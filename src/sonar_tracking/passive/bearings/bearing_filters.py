@@ -1,0 +1,83 @@
+"""The interface of the filters behind the bearing tracker: frozen state in, frozen state out.
+
+What the stage sees are targets with angle and rate each, ``KalmanState`` of shapes (..., n, 2) and
+(..., n, 2, 2); how the filters of all targets are kept together is a matter of their own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.errors import Notice
+from sonar_tracking.filtering.kalman import KalmanState
+from sonar_tracking.passive.bearings.bearing_measurement import BearingMeasurement
+from sonar_tracking.records.arrays import ComplexArray
+from sonar_tracking.records.bearings import SubspaceEstimates
+
+FilterState = TypeVar("FilterState", bound=KalmanState)
+
+
+@dataclass(frozen=True)
+class FilterUpdate:
+    """What one estimate made of the filters.
+
+    Attributes
+    ----------
+    filters : KalmanState
+        After the estimate; as before if there was no measurement.
+    measurement : BearingMeasurement or None
+        What the estimate told of each target; None = nothing.
+    notices : tuple of Notice
+        Why there was no measurement.
+    """
+
+    filters: KalmanState
+    measurement: BearingMeasurement | None
+    notices: tuple[Notice, ...] = ()
+
+
+class BearingFilters(Protocol[FilterState]):
+    """The filters of all targets, whose state may be more than angles and rates."""
+
+    def started(self, targets: KalmanState) -> FilterState:
+        """Return the filters of uncorrelated targets, shapes (..., n, 2) and (..., n, 2, 2)."""
+        ...
+
+    def extended(self, filters: FilterState, targets: KalmanState) -> FilterState:
+        """Return the filters with more targets, uncorrelated with those there are."""
+        ...
+
+    def kept(self, filters: FilterState, rows: NDArray[np.intp]) -> FilterState:
+        """Return the filters of some of the targets, by their rows."""
+        ...
+
+    def predicted(self, filters: FilterState, interval: float) -> FilterState:
+        """Return the filters after an interval in s."""
+        ...
+
+    def updated(
+        self,
+        filters: FilterState,
+        estimates: SubspaceEstimates,
+        sources: ComplexArray | None,
+    ) -> FilterUpdate:
+        """Return the filters, of one target at least, after an estimate.
+
+        Parameters
+        ----------
+        filters : KalmanState
+            Predicted to the stamp of the estimate.
+        estimates : SubspaceEstimates
+            What was measured.
+        sources : ndarray, shape (..., n_targets, n_targets), complex, or None
+            Covariance of the sources at the predictions; None = not known.
+        """
+        ...
+
+    def targets(self, filters: FilterState) -> KalmanState:
+        """Return angle and rate of each target, shapes (..., n, 2) and (..., n, 2, 2)."""
+        ...

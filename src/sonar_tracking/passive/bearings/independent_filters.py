@@ -1,0 +1,114 @@
+"""One Kalman filter a target, each with a measurement of its own.
+
+The measurement of a target starts from its own prediction (an angular innovation, or a fit from
+the predictions), so that every target knows which measurement is its own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.errors import Notice, Severity
+from sonar_tracking.filtering.constant_velocity import process_noise_matrix, transition_matrix
+from sonar_tracking.filtering.kalman import KalmanState, predict, update
+from sonar_tracking.passive.bearings.bearing_filters import FilterUpdate
+from sonar_tracking.passive.bearings.bearing_measurement import (
+    BearingMeasurement,
+    measured_bearings,
+)
+from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
+    BearingTrackerConfiguration,
+)
+from sonar_tracking.passive.bearings.projection_measurement import projected_bearings
+from sonar_tracking.records.arrays import ComplexArray
+from sonar_tracking.records.bearings import SubspaceEstimates
+
+Measured = tuple[BearingMeasurement | None, tuple[Notice, ...]]
+
+
+@dataclass(frozen=True)
+class IndependentFilters:
+    """Filters of targets that share no covariance.
+
+    Attributes
+    ----------
+    configuration : BearingTrackerConfiguration
+        Parameters; the method is ryu, ml_fusion or coherent.
+    """
+
+    configuration: BearingTrackerConfiguration
+
+    def started(self, targets: KalmanState) -> KalmanState:
+        """Return the filters of some targets: the targets themselves."""
+        return targets
+
+    def extended(self, filters: KalmanState, targets: KalmanState) -> KalmanState:
+        """Return the filters with more targets."""
+        return KalmanState(
+            mean=np.concatenate([filters.mean, targets.mean], axis=-2),
+            covariance=np.concatenate([filters.covariance, targets.covariance], axis=-3),
+        )
+
+    def kept(self, filters: KalmanState, rows: NDArray[np.intp]) -> KalmanState:
+        """Return the filters of some of the targets."""
+        return KalmanState(filters.mean[..., rows, :], filters.covariance[..., rows, :, :])
+
+    def predicted(self, filters: KalmanState, interval: float) -> KalmanState:
+        """Return the filters after an interval in s."""
+        density = self.configuration.process_noise_density
+        return predict(
+            filters, transition_matrix(interval), process_noise_matrix(density, interval)
+        )
+
+    def updated(
+        self,
+        filters: KalmanState,
+        estimates: SubspaceEstimates,
+        sources: ComplexArray | None,
+    ) -> FilterUpdate:
+        """Return the filters after the measurements of an estimate."""
+        measurement, notices = self._measurement(filters, estimates, sources)
+        if measurement is None:
+            return FilterUpdate(filters, None, notices)
+        corrected = update(
+            filters,
+            measurement.angle[..., None],
+            np.array([[1.0, -measurement.age]]),
+            measurement.variance[..., None, None],
+        )
+        return FilterUpdate(corrected.state, measurement, notices)
+
+    def targets(self, filters: KalmanState) -> KalmanState:
+        """Return angle and rate of each target."""
+        return filters
+
+    def _measurement(
+        self,
+        filters: KalmanState,
+        estimates: SubspaceEstimates,
+        sources: ComplexArray | None,
+    ) -> Measured:
+        configuration = self.configuration
+        angles, rates = filters.mean[..., 0], filters.mean[..., 1]
+        measurement: BearingMeasurement | None
+        notices: tuple[Notice, ...] = ()
+        if configuration.method == "coherent":
+            measurement, notices = projected_bearings(
+                configuration, estimates, angles, rates, sources
+            )
+        elif estimates.basis.shape[-3] == 0:
+            text = "No subspace at this sample time; the tracks are predicted only."
+            return None, (Notice(Severity.WARN, "subspace", text),)
+        else:
+            measurement = measured_bearings(configuration, estimates, angles, rates, sources)
+        if measurement is not None and not np.isfinite(measurement.variance).all():
+            text = (
+                "The variance of the measurements is not known without a sample covariance; set "
+                "covariance_snapshots of the subspace estimator above source_count, or "
+                "measurement_variance_deg2 above zero."
+            )
+            return None, (Notice(Severity.ERROR, "measurement variance", text),)
+        return measurement, notices

@@ -1,0 +1,1 @@
+"""Arrival angles from subspaces: angular innovations, fusion, projection and subspace fits."""

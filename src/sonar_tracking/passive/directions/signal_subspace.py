@@ -1,0 +1,140 @@
+"""Signal eigenvectors of a block covariance: any coherence of the sources, any noise colour.
+
+With C = S C_f S^H + sigma^2 C_v the generalised eigenvectors C e = lambda C_v e of the R largest
+eigenvalues, R the rank of the source covariance C_f, give C_v e_m in the span of the steering
+vectors S, whether the sources are coherent or not (Hwang et al. 2005, eq. 9). With C_v = L L^H they
+are the ordinary eigenvectors v of L^-1 C L^-H: e = L^-H v, C_v e = L v, e^H C_v e = 1. The ordinary
+eigenvectors of C itself do not have this property in coloured noise.
+
+References
+----------
+Hwang, Kim, Kim, Park, Nam (2005), eqs. 3-9.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sonar_tracking.errors import InputError
+from sonar_tracking.records.arrays import ComplexArray, FloatArray
+
+_LEAST_NOISE_SHARE = 1e-12
+"""Least noise power as a share of the mean eigenvalue: data without noise stay finite."""
+
+_HERMITIAN_TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True)
+class SignalSubspace:
+    """Signal part of a block covariance.
+
+    Attributes
+    ----------
+    vectors : ndarray, shape (..., n_elements, rank), complex
+        Orthonormal eigenvectors v of the whitened covariance, largest eigenvalue first.
+    eigenvalues : ndarray, shape (..., rank)
+        lambda, descending.
+    noise_power : ndarray, shape (...)
+        sigma^2, mean of the other eigenvalues.
+    factor : ndarray, shape (n_elements, n_elements), complex, or None
+        Cholesky factor L of the noise covariance; None = white.
+    """
+
+    vectors: ComplexArray
+    eigenvalues: FloatArray
+    noise_power: FloatArray
+    factor: ComplexArray | None
+
+    def whitened(self, columns: ComplexArray) -> ComplexArray:
+        """Return L^-1 times columns of shape (..., n_elements, n)."""
+        if self.factor is None:
+            return columns
+        return np.asarray(np.linalg.solve(self.factor, columns), dtype=np.complex128)
+
+    def steering_combinations(self) -> ComplexArray:
+        """Return C_v e_m = L v_m, combinations of steering vectors.
+
+        Returns
+        -------
+        ndarray, shape (..., n_elements, rank), complex
+        """
+        return self.vectors if self.factor is None else self.factor @ self.vectors
+
+
+def signal_subspace(
+    covariance: ComplexArray, rank: int, noise_covariance: ComplexArray | None = None
+) -> SignalSubspace:
+    """Return the signal eigenvectors of a block covariance.
+
+    Parameters
+    ----------
+    covariance : ndarray, shape (..., n_elements, n_elements), complex
+        C, Hermitian.
+    rank : int
+        R, rank of the source covariance, at least 1 and below n_elements.
+    noise_covariance : ndarray, shape (n_elements, n_elements), complex, optional
+        C_v with trace n_elements; None = white.
+
+    Returns
+    -------
+    SignalSubspace
+        Of the whitened covariance.
+
+    Raises
+    ------
+    InputError
+        If the rank does not fit the array or the noise covariance is not positive definite.
+
+    References
+    ----------
+    Hwang, Kim, Kim, Park, Nam (2005), eqs. 3-9.
+    """
+    n_elements = covariance.shape[-1]
+    if not 0 < rank < n_elements:
+        raise InputError(
+            f"The rank is {rank} but the array has {n_elements} elements; it must be between 1 "
+            f"and {n_elements - 1}."
+        )
+    factor = None if noise_covariance is None else noise_factor(noise_covariance)
+    white = covariance
+    if factor is not None:
+        half = np.linalg.solve(factor, covariance)
+        adjoint = np.swapaxes(half, -1, -2).conj()
+        white = np.asarray(np.linalg.solve(factor, adjoint), dtype=np.complex128)
+    values, vectors = np.linalg.eigh(white)
+    least = np.maximum(_LEAST_NOISE_SHARE * values.mean(axis=-1), np.finfo(float).tiny)
+    return SignalSubspace(
+        vectors=vectors[..., :, : -rank - 1 : -1],
+        eigenvalues=values[..., : -rank - 1 : -1],
+        noise_power=np.maximum(values[..., : n_elements - rank].mean(axis=-1), least),
+        factor=factor,
+    )
+
+
+def noise_factor(noise_covariance: ComplexArray) -> ComplexArray:
+    """Return the lower Cholesky factor of a noise covariance.
+
+    Parameters
+    ----------
+    noise_covariance : ndarray, shape (n_elements, n_elements), complex
+        C_v.
+
+    Raises
+    ------
+    InputError
+        If it is not Hermitian or not positive definite.
+    """
+    skew = np.abs(noise_covariance - noise_covariance.conj().T).max()
+    if not skew <= _HERMITIAN_TOLERANCE * np.abs(noise_covariance).max():
+        raise InputError(
+            "The noise covariance is not Hermitian; give one that equals its conjugate transpose."
+        )
+    try:
+        return np.asarray(np.linalg.cholesky(noise_covariance), dtype=np.complex128)
+    except np.linalg.LinAlgError:
+        raise InputError(
+            "The noise covariance is not positive definite; measure it with more snapshots than "
+            "elements."
+        ) from None

@@ -1,0 +1,1 @@
+"""Frequency lines: from the samples of an array to tonals that are followed."""

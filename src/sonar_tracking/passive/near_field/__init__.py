@@ -1,0 +1,1 @@
+"""Sources so near that their wavefronts are curved: bearing and range from one covariance."""

@@ -1,0 +1,1 @@
+"""How many sources and where: MDL on one covariance or several, MUSIC."""

@@ -1,0 +1,150 @@
+"""How many sources: minimum description length on the raw and on the smoothed covariance.
+
+The raw covariance tells the rank (coherent sources count as one), the forward-backward smoothed
+one the number of sources, coherent or not.
+
+References
+----------
+M. Wax, T. Kailath, "Detection of signals by information theoretic criteria", IEEE Trans. ASSP
+33(2), 1985, eq. 17; S. U. Pillai, B. H. Kwon, "Forward/backward spatial smoothing techniques for
+coherent signal identification", IEEE Trans. ASSP 37(1), 1989.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.records.arrays import ComplexArray
+
+LEAST_COUNTING_SNAPSHOTS = 12
+"""Fewest snapshots that sources are counted on."""
+
+_LARGEST_SUB_ARRAY = 128
+
+
+def minimum_description_length(eigenvalues: NDArray[np.floating], n_snapshots: int) -> int:
+    """Return the number of signal eigenvalues by the MDL criterion.
+
+    MDL(k) = N (M - k) ln(mean / geometric mean of the M - k smallest) + (k / 2)(2M - k) ln N, least
+    over k = 0 ... M - 1.
+
+    Parameters
+    ----------
+    eigenvalues : ndarray, shape (M,)
+        Of a sample covariance, descending. Zero ones, of silent elements or because there are fewer
+        snapshots than M, are left out.
+    n_snapshots : int
+        N, independent snapshots in the covariance.
+    """
+    floor = max(float(eigenvalues[0]), 0.0) * np.finfo(float).eps + np.finfo(float).tiny
+    above = int(np.count_nonzero(eigenvalues > len(eigenvalues) * floor))
+    count = max(min(above, n_snapshots), 1)
+    values = np.maximum(eigenvalues[:count], floor)
+    remaining = np.arange(count, 0, -1)
+    mean = np.cumsum(values[::-1])[::-1] / remaining
+    log_mean = np.cumsum(np.log(values)[::-1])[::-1] / remaining
+    k = np.arange(count)
+    misfit = n_snapshots * remaining * (np.log(mean) - log_mean)
+    penalty = 0.5 * k * (2 * count - k) * np.log(n_snapshots)
+    return int(np.argmin(misfit + penalty))
+
+
+def forward_backward_smoothed(covariance: ComplexArray, n_smoothed: int) -> ComplexArray:
+    """Return the spatially smoothed forward-backward covariance of a uniform line array.
+
+    Parameters
+    ----------
+    covariance : ndarray, shape (n_elements, n_elements), complex
+        Sample covariance.
+    n_smoothed : int
+        Elements of each sub-array.
+
+    Returns
+    -------
+    ndarray, shape (n_smoothed, n_smoothed), complex
+        (C_s + J conj(C_s) J) / 2 with C_s the mean over the sub-arrays.
+    """
+    n_elements = len(covariance)
+    n_arrays = n_elements - n_smoothed + 1
+    # Running sums along the diagonals: entry (i, j) of the sum over the sub-arrays is the
+    # difference of two of them.
+    running = np.zeros((n_elements + 1, n_elements + 1), dtype=np.complex128)
+    for row in range(n_elements):
+        running[row + 1, 1:] = running[row, :-1] + covariance[row]
+    last, first = running[n_arrays:, n_arrays:], running[:n_smoothed, :n_smoothed]
+    smoothed = (last - first) / n_arrays
+    return 0.5 * (smoothed + smoothed[::-1, ::-1].conj())
+
+
+def smoothed_size(n_elements: int, n_snapshots: int) -> int:
+    """Return the sub-array size used for counting: two thirds of the array, less when data is few.
+
+    The sub-arrays that fit side by side give n_elements / size looks a snapshot; there should be
+    as many looks as elements in a sub-array. Very large sub-arrays only cost time.
+    """
+    looks = math.isqrt(n_elements * n_snapshots)
+    return max(2, min(round(2 * n_elements / 3), looks, _LARGEST_SUB_ARRAY))
+
+
+def counting_snapshots(
+    eigenvalues: NDArray[np.floating],
+    n_snapshots: int,
+    positions: NDArray[np.float64],
+    wavenumber: float,
+    largest_turn: float,
+) -> int:
+    """Return how many snapshots to count sources on, so that a moving one counts once.
+
+    A source of ratio s to the noise that turns by d during N snapshots spreads over a second
+    eigenvalue of about s M (k d)^2 var(x) / 12, which MDL takes for another source when it exceeds
+    the random spread sqrt(M / N) of the noise eigenvalues. Strong sources are therefore counted
+    on fewer snapshots; they need no more.
+
+    Parameters
+    ----------
+    eigenvalues : ndarray, shape (n_elements,)
+        Of the sample covariance, descending.
+    n_snapshots : int
+        Snapshots in it.
+    positions : ndarray, shape (n_elements, 3)
+        m.
+    wavenumber : float
+        rad/m.
+    largest_turn : float
+        Largest change of a bearing between two snapshots, rad.
+    """
+    count = min(len(eigenvalues), n_snapshots)
+    noise = max(float(np.mean(eigenvalues[count - max(count // 3, 1) : count])), 0.0)
+    ratio = float(eigenvalues[0]) / max(noise, float(eigenvalues[0]) * 1e-9, np.finfo(float).tiny)
+    n = np.arange(1, n_snapshots + 1)
+    spread = wavenumber**2 * positions[:, 0].var() * (largest_turn * n) ** 2 / 12.0 * ratio
+    allowed = n[spread < 0.5 * np.sqrt(len(positions) / n)]
+    most = int(allowed[-1]) if len(allowed) else 1
+    return min(max(most, LEAST_COUNTING_SNAPSHOTS), n_snapshots)
+
+
+def source_count(
+    covariance: ComplexArray, n_snapshots: int, noise_covariance: ComplexArray | None = None
+) -> int:
+    """Return the number of sources, coherent or not, seen by a uniform line array.
+
+    Parameters
+    ----------
+    covariance : ndarray, shape (n_elements, n_elements), complex
+        Sample covariance, not whitened (whitening breaks the shift structure).
+    n_snapshots : int
+        Snapshots in it.
+    noise_covariance : ndarray, shape (n_elements, n_elements), complex, optional
+        Positive; None = white. Smoothed like the covariance and then whitened with: the shift
+        structure is no longer needed there.
+    """
+    size = smoothed_size(len(covariance), n_snapshots)
+    smoothed = forward_backward_smoothed(covariance, size)
+    if noise_covariance is not None:
+        factor = np.linalg.cholesky(forward_backward_smoothed(noise_covariance, size))
+        half = np.linalg.solve(factor, smoothed)
+        smoothed = np.asarray(np.linalg.solve(factor, half.conj().T), dtype=np.complex128)
+    return minimum_description_length(np.linalg.eigvalsh(smoothed)[::-1], n_snapshots)

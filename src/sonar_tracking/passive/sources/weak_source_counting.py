@@ -1,0 +1,166 @@
+"""Counting on several successive covariances: weak sources that one covariance does not show.
+
+The mean of n covariances without common snapshots has n times the snapshots, and MDL sees sources
+about 10 lg(n) / 2 dB weaker in it. But a source that turns by d meanwhile spreads over a second
+eigenvalue p = s M (k d)^2 var(x) / 12 of its ratio s M to the noise. An eigenvalue is believed to
+be a source only if it exceeds what the strongest one could have spread, with a margin of two:
+
+    lambda / sigma^2 > (1 + 2 p)(1 + c / (2 p)),  c = M / N  (for 2 p < sqrt(c) MDL sees no spread),
+
+the right-hand side being where N snapshots show an eigenvalue 1 + 2 p. Where p exceeds a half,
+nothing is told: strong sources are counted on few snapshots
+(:mod:`sonar_tracking.passive.sources.moving_source_counting`), and their echoes are not sought
+here.
+
+References
+----------
+M. Wax, T. Kailath (1985) for the criterion; J. Baik, J. Silverstein, "Eigenvalues of large sample
+covariance matrices of spiked population models", J. Multivariate Analysis 97(6), 2006.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sonar_tracking.geometry import is_uniform_line, wavenumber
+from sonar_tracking.passive.directions.signal_subspace import noise_factor
+from sonar_tracking.passive.sources.mdl import (
+    forward_backward_smoothed,
+    minimum_description_length,
+    smoothed_size,
+)
+from sonar_tracking.records.arrays import ComplexArray, FloatArray
+from sonar_tracking.records.bearings import SubspaceEstimates
+from sonar_tracking.records.time import seconds
+
+COUNTED_TOGETHER = 4
+"""Covariances in the longest mean that is counted on, if nothing else is said."""
+
+_SNAPSHOTS_PER_ELEMENT = 2
+
+_LARGEST_SPREAD = 1.0
+"""Of a second eigenvalue by motion, with the margin, over the noise."""
+
+
+@dataclass(frozen=True)
+class RecentCovariances:
+    """The newest covariances that share no snapshots, oldest first.
+
+    Attributes
+    ----------
+    middles : tuple of int
+        Middle of the snapshots of each, ns.
+    covariances : tuple of ndarray, shape (n_elements, n_elements), complex
+        All of as many snapshots.
+    counted_together : int
+        Most of them whose mean is counted on; so are the means of the last 1, 2, 4 and so on below.
+    """
+
+    middles: tuple[int, ...] = ()
+    covariances: tuple[ComplexArray, ...] = ()
+    counted_together: int = COUNTED_TOGETHER
+
+    def with_newest(self, middle: int, covariance: ComplexArray) -> RecentCovariances:
+        """Return them with one more, without those that are no longer counted on.
+
+        After a change of the array the others are dropped.
+        """
+        if self.covariances and self.covariances[-1].shape != covariance.shape:
+            return replace(self, middles=(middle,), covariances=(covariance,))
+        oldest = max(len(self.middles) + 1 - self.counted_together, 0)
+        return replace(
+            self,
+            middles=(*self.middles[oldest:], middle),
+            covariances=(*self.covariances[oldest:], covariance),
+        )
+
+    def n_sources(self, estimates: SubspaceEstimates, maximum_rate: float) -> int:
+        """Return how many sources there are at least, 0 if too few snapshots to tell.
+
+        Parameters
+        ----------
+        estimates : SubspaceEstimates
+            Array, frequency and noise; snapshots of each covariance.
+        maximum_rate : float
+            Fastest bearing that must not be counted twice, rad/s.
+        """
+        duration = estimates.covariance_snapshots * estimates.sample_period
+        counts = [0]
+        number = 1
+        while number <= len(self.middles):
+            mean = np.mean(self.covariances[-number:], axis=0)
+            span = seconds(self.middles[-1] - self.middles[-number]) + duration
+            snapshots = number * estimates.covariance_snapshots
+            counts.append(_counted(mean, estimates, snapshots, span * maximum_rate))
+            number *= 2
+        return max(counts)
+
+
+def believed_sources(
+    eigenvalues: FloatArray,
+    n_snapshots: int,
+    positions: FloatArray,
+    number: float,
+    largest_turn: float,
+) -> int:
+    """Return the number of weak sources by MDL, without eigenvalues that motion may have spread.
+
+    It is 0 where one is so strong that its motion hides weak ones.
+
+    Parameters
+    ----------
+    eigenvalues : ndarray, shape (n_elements,)
+        Of the (whitened) covariance, descending.
+    n_snapshots : int
+        Snapshots in it.
+    positions : ndarray, shape (n_elements, 3)
+        m.
+    number : float
+        Wavenumber, rad/m.
+    largest_turn : float
+        Largest change of a bearing during the snapshots, rad.
+    """
+    count = minimum_description_length(eigenvalues, n_snapshots)
+    if count == 0:
+        return 0
+    least_noise = float(eigenvalues[0]) * np.finfo(float).eps
+    ratios = eigenvalues[:count] / max(float(eigenvalues[count:].mean()), least_noise)
+    spread = number**2 * positions[:, 0].var() * largest_turn**2 / 12.0 * float(ratios[0])
+    share = len(positions) / n_snapshots
+    least = 2.0 * spread
+    if least < np.sqrt(share):
+        return count
+    if least > _LARGEST_SPREAD:
+        return 0
+    return int(np.count_nonzero(ratios > (1.0 + least) * (1.0 + share / least)))
+
+
+def _counted(
+    covariance: ComplexArray, estimates: SubspaceEstimates, n_snapshots: int, turn: float
+) -> int:
+    """Return the larger of the rank and of the number in the smoothed covariance."""
+    positions, noise = estimates.element_positions, estimates.noise_covariance
+    number = wavenumber(estimates.center_frequency, estimates.sound_speed)
+    count = 0
+    if n_snapshots >= _SNAPSHOTS_PER_ELEMENT * len(positions):
+        count = believed_sources(
+            _eigenvalues(covariance, noise), n_snapshots, positions, number, turn
+        )
+    if not is_uniform_line(positions):
+        return count
+    size = smoothed_size(len(positions), n_snapshots)
+    smoothed = forward_backward_smoothed(covariance, size)
+    colour = None if noise is None else forward_backward_smoothed(noise, size)
+    values = _eigenvalues(smoothed, colour)
+    return max(count, believed_sources(values, n_snapshots, positions[:size], number, turn))
+
+
+def _eigenvalues(covariance: ComplexArray, noise_covariance: ComplexArray | None) -> FloatArray:
+    """Return the eigenvalues of the whitened covariance, descending."""
+    if noise_covariance is not None:
+        factor = noise_factor(noise_covariance)
+        half = np.linalg.solve(factor, covariance)
+        covariance = np.asarray(np.linalg.solve(factor, half.conj().T), dtype=np.complex128)
+    return np.asarray(np.linalg.eigvalsh(covariance)[::-1], dtype=np.float64)

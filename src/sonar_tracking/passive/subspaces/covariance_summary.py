@@ -1,0 +1,122 @@
+"""The rectangular sample covariance published with each estimate, and what is read from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from sonar_tracking.geometry import is_uniform_line
+from sonar_tracking.passive.sources.mdl import minimum_description_length
+from sonar_tracking.passive.sources.moving_source_counting import counted_sources, sample_covariance
+from sonar_tracking.passive.sources.steering_error import steering_error_floor, with_steering_error
+from sonar_tracking.records.arrays import ComplexArray, FloatArray
+from sonar_tracking.records.bearings import ArraySnapshots
+
+_SNAPSHOTS_PER_ELEMENT = 2
+
+
+@dataclass(frozen=True)
+class CovarianceSummary:
+    """A sample covariance and its eigenvalues.
+
+    Attributes
+    ----------
+    covariance : ndarray, shape (..., n_elements, n_elements), complex, or None
+        X X^H / n_snapshots and the floor of the steering errors; None = no snapshots.
+    n_snapshots : int
+        Snapshots in it.
+    eigenvalues : ndarray, shape (..., n_elements), or empty
+        Descending.
+    noise_power : ndarray, shape (...)
+        Mean of the smallest eigenvalues (of the whitened covariance in coloured noise).
+    rank, source_count : int
+        MDL on the raw (whitened) and on the smoothed covariance; -1 = not estimated.
+    """
+
+    covariance: ComplexArray | None = None
+    n_snapshots: int = 0
+    eigenvalues: FloatArray = field(default_factory=lambda: np.empty(0))
+    noise_power: FloatArray = field(default_factory=lambda: np.array(np.nan))
+    rank: int = -1
+    source_count: int = -1
+
+
+def summarise_covariance(
+    snapshots: ComplexArray,
+    n_columns: int,
+    header: ArraySnapshots,
+    whitening: ComplexArray | None,
+    maximum_rate: float,
+    steering_error: float = 0.0,
+) -> CovarianceSummary:
+    """Return the covariance of some snapshots and what it says of noise and number of sources.
+
+    Parameters
+    ----------
+    snapshots : ndarray, shape (..., n_snapshots, n_elements), complex
+        Newest snapshots.
+    n_columns : int
+        Signal eigenvalues to leave out of the noise power; 0 = take the number found by MDL.
+    header : ArraySnapshots
+        Array and frequency.
+    whitening : ndarray, shape (n_elements, n_elements), complex, or None
+        Inverse Cholesky factor of the noise covariance; None = white noise.
+    maximum_rate : float
+        Fastest bearing that must not be counted twice, rad/s.
+    steering_error : float
+        Relative rms error of the steering vectors.
+
+    Returns
+    -------
+    CovarianceSummary
+        Ranks and counts are estimated of a single run only, and only when the snapshots are
+        enough: twice the number of elements for the rank, a dozen for the count.
+    """
+    n_snapshots, n_elements = snapshots.shape[-2:]
+    if n_snapshots == 0:
+        return CovarianceSummary()
+    covariance = sample_covariance(snapshots)
+    floor = steering_error_floor(covariance, steering_error)[..., None]
+    covariance = with_steering_error(covariance, steering_error, header.noise_covariance)
+    eigenvalues = signal_values = _descending_eigenvalues(snapshots) + floor
+    if whitening is not None:
+        signal_values = _descending_eigenvalues(snapshots @ whitening.T) + floor
+        if steering_error > 0.0:
+            loaded = np.linalg.eigvalsh(covariance)[..., ::-1]
+            eigenvalues = np.asarray(loaded, dtype=np.float64)
+    rank = count = -1
+    if snapshots.ndim == 2 and n_snapshots >= _SNAPSHOTS_PER_ELEMENT * n_elements:
+        rank = minimum_description_length(signal_values, n_snapshots)
+    if snapshots.ndim == 2 and is_uniform_line(header.element_positions):
+        count = counted_sources(
+            snapshots, eigenvalues, header, maximum_rate, n_columns == 0, steering_error
+        )
+    n_signals = n_columns if n_columns > 0 else max(rank, count, 0)
+    return CovarianceSummary(
+        covariance=covariance,
+        n_snapshots=n_snapshots,
+        eigenvalues=eigenvalues,
+        noise_power=_noise_power(signal_values, n_signals, n_snapshots),
+        rank=rank,
+        source_count=count,
+    )
+
+
+def _descending_eigenvalues(snapshots: ComplexArray) -> FloatArray:
+    """Return the eigenvalues of the sample covariance; of fewer snapshots by their own products."""
+    n_snapshots, n_elements = snapshots.shape[-2:]
+    if n_snapshots >= n_elements:
+        values = np.linalg.eigvalsh(sample_covariance(snapshots))
+        return np.asarray(values[..., ::-1], dtype=np.float64)
+    products = snapshots.conj() @ np.swapaxes(snapshots, -1, -2) / n_snapshots
+    padded = np.zeros((*snapshots.shape[:-2], n_elements))
+    padded[..., :n_snapshots] = np.linalg.eigvalsh(products)[..., ::-1]
+    return padded
+
+
+def _noise_power(eigenvalues: FloatArray, n_signals: int, n_snapshots: int) -> FloatArray:
+    n_elements = eigenvalues.shape[-1]
+    if n_signals >= min(n_elements, n_snapshots):
+        return np.full(eigenvalues.shape[:-1], np.nan)
+    return np.asarray(eigenvalues[..., n_signals:].mean(axis=-1))

@@ -1,0 +1,171 @@
+"""What the subspace stage remembers between blocks, and how an estimate is made of it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.geometry import is_uniform_line
+from sonar_tracking.passive.subspaces.basis_sampling import CapturedSubspace, SubspaceRecursion
+from sonar_tracking.passive.subspaces.channel_monitor import ChannelMonitor
+from sonar_tracking.passive.subspaces.covariance_summary import (
+    CovarianceSummary,
+    summarise_covariance,
+)
+from sonar_tracking.passive.subspaces.sample_schedule import BlockTiming, SampleSchedule, Window
+from sonar_tracking.passive.subspaces.sensor_history import SensorHistory
+from sonar_tracking.passive.subspaces.subspace_configuration import SubspaceConfiguration
+from sonar_tracking.records.arrays import ComplexArray
+from sonar_tracking.records.bearings import ArraySnapshots, SubspaceEstimates
+
+
+@dataclass(frozen=True)
+class SubspaceRun:
+    """State of the subspace stage after a block.
+
+    Attributes
+    ----------
+    array : ArraySnapshots
+        Array and frequency, from the first block, without its data.
+    header : ArraySnapshots
+        The same of the elements that are used.
+    sensors : SensorHistory
+        The sensor since the last estimate.
+    timing : BlockTiming
+        Timing of the newest block.
+    monitor : ChannelMonitor
+        Which elements are bad.
+    n_columns : int
+        Columns of the subspace; 0 = not known yet.
+    next_sample : int
+        Number of the first sample time whose window is not open yet.
+    history : ndarray, shape (..., n_kept, n_elements), complex
+        Newest contiguous snapshots of all elements, for the sample covariance.
+    used : ndarray of bool, shape (n_elements,)
+        Elements that are not left out.
+    whitening : ndarray, shape (n_used, n_used), complex, or None
+        Inverse Cholesky factor of their noise covariance; None = white noise.
+    recursion : SubspaceRecursion or None
+        The subspace method; None before it starts.
+    next_count : int
+        Global index before which the sources are not counted (again).
+    windows : tuple of Window
+        Open windows, in order of time.
+    captured : tuple of CapturedSubspace
+        Bases taken for them.
+    """
+
+    array: ArraySnapshots
+    header: ArraySnapshots
+    sensors: SensorHistory
+    timing: BlockTiming
+    monitor: ChannelMonitor
+    n_columns: int
+    next_sample: int
+    history: ComplexArray
+    used: NDArray[np.bool_]
+    whitening: ComplexArray | None
+    recursion: SubspaceRecursion | None = None
+    next_count: int = 0
+    windows: tuple[Window, ...] = ()
+    captured: tuple[CapturedSubspace, ...] = ()
+
+    @property
+    def used_history(self) -> ComplexArray:
+        """Newest contiguous snapshots of the elements that are used."""
+        return self.history if self.used.all() else self.history[..., self.used]
+
+
+def window_estimates(
+    configuration: SubspaceConfiguration,
+    schedule: SampleSchedule,
+    window: Window,
+    run: SubspaceRun,
+    source: SubspaceRun,
+) -> SubspaceEstimates:
+    """Return the estimates of one sample time.
+
+    Parameters
+    ----------
+    configuration : SubspaceConfiguration
+        Parameters of the stage.
+    schedule : SampleSchedule
+        Sample times.
+    window : Window
+        The window of the sample time; subspaces that are missing in it are left out.
+    run : SubspaceRun
+        Holds the captured bases.
+    source : SubspaceRun
+        Holds the snapshots of the covariance: the run itself, or the one before a gap.
+    """
+    subspaces = [c for c in run.captured if c.index in window.indices]
+    header, timing, beta = source.header, source.timing, configuration.forgetting_factor
+    end = min(window.covariance_end, timing.last_index)
+    summary = _summary(configuration, source, end) if subspaces else CovarianceSummary()
+    middle = end - 0.5 * (summary.n_snapshots - 1)
+    offset = timing.time_offset(middle, window.stamp) if summary.n_snapshots else np.nan
+    return SubspaceEstimates(
+        stamp=window.stamp,
+        method=configuration.method,
+        basis=_stacked(subspaces, source),
+        time_offsets=np.array([c.timing.time_offset(c.index, window.stamp) for c in subspaces]),
+        element_positions=header.element_positions,
+        sample_period=header.sample_period,
+        center_frequency=header.center_frequency,
+        bandwidth=header.bandwidth,
+        sound_speed=header.sound_speed,
+        effective_snapshots=(1.0 + beta) / (1.0 - beta),
+        rank=summary.rank,
+        source_count=summary.source_count,
+        covariance=summary.covariance,
+        covariance_snapshots=summary.n_snapshots,
+        covariance_time_offset=offset,
+        eigenvalues=summary.eigenvalues,
+        noise_power=summary.noise_power,
+        noise_covariance=header.noise_covariance,
+        next_stamp=schedule.stamp(window.number + 1),
+        sensor=run.sensors.at(window.stamp),
+    )
+
+
+def ready_to_count(configuration: SubspaceConfiguration, run: SubspaceRun) -> bool:
+    """Return whether there is a full covariance that no sources were counted on yet."""
+    full = run.history.shape[-2] >= configuration.covariance_snapshots
+    return full and run.timing.last_index >= run.next_count
+
+
+def starting_columns(configuration: SubspaceConfiguration, run: SubspaceRun) -> int:
+    """Return the number of sources by MDL on the newest full covariance, 0 = none seen."""
+    summary = _summary(configuration, run, run.timing.last_index)
+    positions = run.header.element_positions
+    count = summary.source_count if is_uniform_line(positions) else summary.rank
+    if count == 0 and configuration.method == "covariance":
+        # The whole array sees weaker sources than the smoothed count does.
+        count = summary.rank
+    return min(max(count, 0), len(positions) - 1)
+
+
+def _stacked(subspaces: list[CapturedSubspace], run: SubspaceRun) -> ComplexArray:
+    if subspaces:
+        return np.stack([c.basis for c in subspaces], axis=-3)
+    batch, n_elements = run.history.shape[:-2], len(run.header.element_positions)
+    return np.empty((*batch, 0, n_elements, run.n_columns), dtype=np.complex128)
+
+
+def _summary(configuration: SubspaceConfiguration, run: SubspaceRun, end: int) -> CovarianceSummary:
+    begin_of_history = run.timing.last_index + 1 - run.history.shape[-2]
+    stop = max(end + 1 - begin_of_history, 0)
+    start = max(stop - configuration.covariance_snapshots, 0)
+    # The columns of the covariance method are no limit to what is in a covariance of its own.
+    counted = configuration.method == "covariance" and configuration.source_count == 0
+    return summarise_covariance(
+        run.used_history[..., start:stop, :],
+        0 if counted else run.n_columns,
+        run.header,
+        run.whitening,
+        math.radians(configuration.maximum_rate_deg),
+        configuration.steering_error,
+    )

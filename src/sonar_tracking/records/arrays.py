@@ -1,0 +1,21 @@
+"""Arrays by the kind of their entries, as annotations name them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+"""Real numbers."""
+
+ComplexArray = NDArray[np.complex128]
+"""Complex numbers."""
+
+BoolArray = NDArray[np.bool_]
+"""Yes or no an entry."""
+
+IntArray = NDArray[np.int64]
+"""Whole numbers: counts, stamps, identifiers of tracks in memory."""
+
+IndexArray = NDArray[np.intp]
+"""Positions in another array."""

@@ -1,0 +1,30 @@
+"""Own ship at one instant."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class OwnShipState:
+    """State of own ship at one instant.
+
+    Attributes
+    ----------
+    stamp : int
+        ns.
+    position : tuple of float
+        x, y in ``map``, m.
+    yaw : float
+        Azimuth of the bow in ``map``, rad in [-pi, pi).
+    velocity : tuple of float
+        Forward and to port, in ``own_ship/base_link``, m/s.
+    yaw_rate : float
+        rad/s, positive anticlockwise.
+    """
+
+    stamp: int
+    position: tuple[float, float]
+    yaw: float
+    velocity: tuple[float, float]
+    yaw_rate: float

@@ -1,0 +1,44 @@
+"""Time as it flows through the graph: stamps are integer nanoseconds, durations float seconds."""
+
+from __future__ import annotations
+
+import typing
+
+import numpy as np
+from numpy.typing import NDArray
+
+NANOSECONDS = 1_000_000_000
+"""In a second; stamps are counted in them."""
+
+END_OF_DATA = 2_147_483_647 * NANOSECONDS
+"""Watermark that says that no more data will follow, ns."""
+
+UNKNOWN_STAMP = 0
+"""Watermark that says nothing, ns."""
+
+
+@typing.overload
+def seconds(stamp_difference: int) -> float: ...
+@typing.overload
+def seconds(stamp_difference: NDArray[np.int64]) -> NDArray[np.float64]: ...
+def seconds(stamp_difference: int | NDArray[np.int64]) -> float | NDArray[np.float64]:
+    """Return a difference of stamps as a duration.
+
+    Parameters
+    ----------
+    stamp_difference : int or ndarray of int64, any shape
+        ns. Subtract stamps before they become floats: a double holds an epoch to 0.2 us only.
+
+    Returns
+    -------
+    float or ndarray, same shape
+        s.
+    """
+    if isinstance(stamp_difference, np.ndarray):
+        return np.multiply(stamp_difference, 1e-9)
+    return stamp_difference * 1e-9
+
+
+def nanoseconds(duration: float) -> int:
+    """Return a duration in s as a difference of stamps, ns, rounded to the nearest."""
+    return round(duration * 1e9)

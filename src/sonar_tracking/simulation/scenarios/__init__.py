@@ -1,0 +1,1 @@
+"""Scenarios: the world of a simulation, read from YAML."""

@@ -1,0 +1,1 @@
+"""What sensors receive of a scenario: snapshots, samples, bearings, contacts, and the truth."""

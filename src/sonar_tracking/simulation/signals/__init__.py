@@ -1,0 +1,1 @@
+"""Waveforms, propagation and snapshots of sources."""

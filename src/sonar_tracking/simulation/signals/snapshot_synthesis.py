@@ -1,0 +1,72 @@
+"""Narrowband snapshots of moving sources in noise.
+
+    x(t) = sum_n a(theta_n(t)) s_n(t) + v(t)
+
+with the steering vectors a of the array, source signals s_n and noise v; bearings move from
+snapshot to snapshot. The model of Ryu, Park, Choi 2003, eq. 1, and of Hwang et al. 2005, eq. 1.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sonar_tracking.geometry import steering_vectors
+from sonar_tracking.records.arrays import ComplexArray, FloatArray
+
+STEERING_ENTRIES = 1 << 19
+"""Steering matrices are made for so many entries at a time (8 MB), to bound the memory."""
+
+
+def circular_gaussian(generator: np.random.Generator, shape: tuple[int, ...]) -> ComplexArray:
+    """Return independent circular complex Gaussian numbers of power 1."""
+    pairs = generator.standard_normal((*shape, 2))
+    pairs *= np.sqrt(0.5)
+    return pairs.view(np.complex128)[..., 0]
+
+
+def synthesize_snapshots(
+    element_positions: FloatArray,
+    wavenumber: float,
+    arrival_angles: FloatArray,
+    signals: ComplexArray,
+    noise: ComplexArray,
+) -> ComplexArray:
+    """Return the snapshots an array receives.
+
+    Parameters
+    ----------
+    element_positions : ndarray, shape (n_elements, 3)
+        In the frame of the array, m.
+    wavenumber : float
+        rad/m.
+    arrival_angles : ndarray, shape (n_snapshots, n_sources)
+        At each snapshot, rad from broadside; the same for all batch entries.
+    signals : ndarray, shape (..., n_snapshots, n_sources), complex
+        Source signals at the first element.
+    noise : ndarray, shape (..., n_snapshots, n_elements), complex
+        Added to the sum; leading dimensions as in ``signals``.
+
+    Returns
+    -------
+    ndarray, shape (..., n_snapshots, n_elements), complex
+        Snapshots.
+    """
+    n_snapshots, n_sources = arrival_angles.shape
+    if signals.shape[-2:] != (n_snapshots, n_sources):
+        raise ValueError(
+            f"signals have shape {signals.shape}; for arrival_angles of shape "
+            f"{arrival_angles.shape} they must end in ({n_snapshots}, {n_sources})."
+        )
+    data = np.array(noise, dtype=np.complex128)
+    step = max(1, STEERING_ENTRIES // max(1, len(element_positions) * n_sources))
+    for first in range(0, n_snapshots, step):
+        part = slice(first, first + step)
+        steering = steering_vectors(element_positions, arrival_angles[part], wavenumber)
+        for source in range(n_sources):
+            data[..., part, :] += steering[:, :, source] * signals[..., part, source, None]
+    return data
+
+
+def rounded_to_single(data: ComplexArray) -> ComplexArray:
+    """Return the data as they are after a passage through single precision messages."""
+    return data.astype(np.complex64).astype(np.complex128)

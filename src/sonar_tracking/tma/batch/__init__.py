@@ -1,0 +1,1 @@
+"""Estimators that take a whole recording at once."""

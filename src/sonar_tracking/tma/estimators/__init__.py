@@ -1,0 +1,1 @@
+"""Recursive estimators of one target, the default and the published ones."""

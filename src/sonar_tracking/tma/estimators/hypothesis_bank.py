@@ -1,0 +1,207 @@
+"""A weighted bank of extended Kalman filters on [x, y, vx, vy, f_S1 .. f_Sm].
+
+One filter a hypothesis of the initial range (and of the side of a line array). A bank of one is
+the ordinary extended Kalman filter. A line that is absent has no row; a new line appends a state
+with a diffuse variance. Nothing is ever restarted: "the dimension changes, so the covariance must
+be reset" is false.
+
+References
+----------
+Peach, "Bearings-only tracking using a set of range-parameterised extended Kalman filters",
+IEE Proc. Control Theory Appl. 142(1), 1995.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sonar_tracking.records.arrays import BoolArray, FloatArray
+from sonar_tracking.tma.estimators.measurement_model import LinearisedRows, range_rate
+from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, TmaMeasurement
+
+SOURCE_FREQUENCY_SPREAD = 50.0 / 300.0
+"""Standard deviation of a new source frequency relative to the received one: diffuse."""
+
+
+@dataclass(frozen=True)
+class HypothesisBank:
+    """Gaussian mixture over the state.
+
+    Attributes
+    ----------
+    mean : ndarray, shape (..., n_components, 4 + n_lines)
+        Component means; the frequency of a line never heard is 0.
+    covariance : ndarray, shape (..., n_components, 4 + n_lines, 4 + n_lines)
+        Component covariances.
+    log_weight : ndarray, shape (..., n_components)
+        Normalised.
+    known : ndarray of bool, shape (..., n_lines)
+        Lines that have been heard.
+    """
+
+    mean: FloatArray
+    covariance: FloatArray
+    log_weight: FloatArray
+    known: BoolArray
+
+
+def start_bank(
+    measurement: TmaMeasurement, range_edges: FloatArray, maximum_speed: float
+) -> HypothesisBank:
+    """Return one component a side and range interval, around the measured azimuth.
+
+    The range is uniform within its interval and has mean (a + b) / 2 and variance (b - a)^2 / 12:
+    the variance printed in the paper's eq. 25 is the second moment about the sensor. The
+    covariance is laid along and across the line of sight, so that turning the scene turns it.
+
+    Parameters
+    ----------
+    measurement : TmaMeasurement
+        With at least a finite azimuth.
+    range_edges : ndarray, shape (n_ranges + 1,)
+        Bounds of the intervals, m.
+    maximum_speed : float
+        Each velocity component is uniform within this, m/s.
+    """
+    ranges = 0.5 * (range_edges[1:] + range_edges[:-1])
+    along = np.diff(range_edges) ** 2 / 12.0
+    n_components = measurement.azimuth.shape[-1] * len(ranges)
+    azimuth = np.repeat(measurement.azimuth, len(ranges), axis=-1)
+    distance = np.tile(ranges, measurement.azimuth.shape[-1])
+    direction = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
+    normal = np.stack([-direction[..., 1], direction[..., 0]], axis=-1)
+    across = distance**2 * measurement.azimuth_variance[..., None]
+    size = KINEMATIC + measurement.n_lines
+    mean = np.zeros((*azimuth.shape, size))
+    mean[..., :2] = measurement.position[..., None, :] + distance[:, None] * direction
+    covariance = np.zeros((*azimuth.shape, size, size))
+    covariance[..., :2, :2] = np.tile(along, measurement.azimuth.shape[-1])[:, None, None] * _outer(
+        direction
+    ) + across[..., None, None] * _outer(normal)
+    covariance[..., 2, 2] = covariance[..., 3, 3] = maximum_speed**2 / 3.0
+    weight = np.full(azimuth.shape, -np.log(n_components))
+    known = np.zeros((*azimuth.shape[:-1], measurement.n_lines), dtype=bool)
+    return HypothesisBank(mean, covariance, weight, known)
+
+
+def predict_bank(bank: HypothesisBank, interval: float, acceleration: FloatArray) -> HypothesisBank:
+    """Return the bank after constant velocity with random acceleration.
+
+    The noise has the spectral density ``acceleration^2`` times 1 s, so that the prediction over
+    an interval is the same in one step or in several.
+
+    Parameters
+    ----------
+    bank : HypothesisBank
+        Before.
+    interval : float
+        s.
+    acceleration : ndarray, shape (...)
+        Standard deviation of an acceleration that lasts for 1 s, m/s^2.
+    """
+    mean, covariance = bank.mean.copy(), bank.covariance.copy()
+    mean[..., :2] += interval * mean[..., 2:KINEMATIC]
+    covariance[..., :2, :] += interval * covariance[..., 2:KINEMATIC, :]
+    covariance[..., :, :2] += interval * covariance[..., :, 2:KINEMATIC]
+    density = np.asarray(acceleration)[..., None] ** 2
+    for axis in range(2):
+        covariance[..., axis, axis] += density * interval**3 / 3.0
+        covariance[..., axis, 2 + axis] += density * interval**2 / 2.0
+        covariance[..., 2 + axis, axis] += density * interval**2 / 2.0
+        covariance[..., 2 + axis, 2 + axis] += density * interval
+    return replace(bank, mean=mean, covariance=covariance)
+
+
+def seed_lines(
+    bank: HypothesisBank, measurement: TmaMeasurement, which: BoolArray
+) -> HypothesisBank:
+    """Give lines a new, diffuse source frequency from what is received now.
+
+    The ordinary update with the same frequency that follows creates the correlation with the
+    velocity.
+
+    Parameters
+    ----------
+    bank : HypothesisBank
+        Prediction.
+    measurement : TmaMeasurement
+        With the received frequencies.
+    which : ndarray of bool, shape (..., n_lines)
+        Lines to seed.
+    """
+    if not np.any(which):
+        return bank
+    factor = 1.0 - range_rate(bank.mean, measurement) / measurement.sound_speed
+    received = np.where(which, measurement.frequency, 0.0)[..., None, :]
+    mean, covariance = bank.mean.copy(), bank.covariance.copy()
+    new = which[..., None, :]
+    mean[..., KINEMATIC:] = np.where(new, received / factor[..., None], mean[..., KINEMATIC:])
+    old = np.concatenate([np.ones((*which.shape[:-1], KINEMATIC), dtype=bool), ~which], axis=-1)
+    covariance *= (old[..., :, None] & old[..., None, :])[..., None, :, :]
+    lines = KINEMATIC + np.arange(which.shape[-1])
+    covariance[..., lines, lines] += (SOURCE_FREQUENCY_SPREAD * received) ** 2
+    return replace(bank, mean=mean, covariance=covariance, known=bank.known | which)
+
+
+def innovation_covariance(bank: HypothesisBank, rows: LinearisedRows) -> FloatArray:
+    """Return H P H^T + R of each component, shape (..., n_components, n_rows, n_rows)."""
+    spread = rows.derivative @ bank.covariance @ np.swapaxes(rows.derivative, -1, -2)
+    index = np.arange(rows.variance.shape[-1])
+    spread[..., index, index] += rows.variance
+    return spread
+
+
+def update_bank(
+    bank: HypothesisBank, rows: LinearisedRows, log_penalty: FloatArray
+) -> HypothesisBank:
+    """Return the bank after the rows, weights by likelihood.
+
+    The rows' errors are independent, so that they are taken in one after the other: the same
+    result as all at once, without solving a system of equations in every component.
+
+    Parameters
+    ----------
+    bank : HypothesisBank
+        Prediction.
+    rows : LinearisedRows
+        Linearised at the components' means.
+    log_penalty : ndarray, shape (..., n_components)
+        Log likelihood of measurements that a component left out.
+    """
+    covariance = bank.covariance.copy()
+    shift = np.zeros_like(bank.mean)
+    taken = np.empty_like(covariance)
+    squared, log_spread = np.zeros(bank.log_weight.shape), np.zeros(bank.log_weight.shape)
+    n_rows = rows.variance.shape[-1]
+    for row in np.flatnonzero(np.any(rows.present.reshape(-1, n_rows), axis=0)):
+        derivative = rows.derivative[..., row, :]
+        cross = (covariance @ derivative[..., None])[..., 0]
+        spread = np.einsum("...n,...n->...", derivative, cross) + rows.variance[..., row]
+        left = rows.innovation[..., row] - np.einsum("...n,...n->...", derivative, shift)
+        # A row that a component does not have has derivative 0, innovation 0 and variance 1.
+        scaled = cross / np.sqrt(spread)[..., None]
+        shift += scaled * (left / np.sqrt(spread))[..., None]
+        np.multiply(scaled[..., :, None], scaled[..., None, :], out=taken)
+        covariance -= taken
+        squared += left**2 / spread
+        log_spread += np.log(spread)
+    constant = np.log(2.0 * np.pi) * np.sum(rows.present, axis=-1)
+    weight = bank.log_weight - 0.5 * (squared + log_spread + constant) + log_penalty
+    weight = weight - np.logaddexp.reduce(weight, axis=-1)[..., None]
+    return replace(bank, mean=bank.mean + shift, covariance=covariance, log_weight=weight)
+
+
+def mixture_moments(bank: HypothesisBank) -> tuple[FloatArray, FloatArray]:
+    """Return mean and covariance of the mixture, with the spread of the means."""
+    weight = np.exp(bank.log_weight)
+    mean = np.einsum("...c,...cn->...n", weight, bank.mean)
+    deviation = bank.mean - mean[..., None, :]
+    within = np.einsum("...c,...cij->...ij", weight, bank.covariance)
+    between = np.einsum("...c,...ci,...cj->...ij", weight, deviation, deviation)
+    return mean, within + between
+
+
+def _outer(vector: FloatArray) -> FloatArray:
+    return vector[..., :, None] * vector[..., None, :]

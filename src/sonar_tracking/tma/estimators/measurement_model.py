@@ -1,0 +1,183 @@
+"""What a moving sensor measures of a moving source: azimuth, elevation, received frequencies.
+
+With p and w the target's position and velocity relative to the sensor, r = |p|, u = p / r:
+
+    azimuth = atan2(p_y, p_x),   elevation = atan(height / r),
+    f_i = f_S,i (1 - rdot / c),  rdot = p . w / r.
+
+Sound takes time: what is received now left the target a travel time ago, when it was elsewhere.
+With a finite propagation speed p is that earlier position; the state always is that of the stamp.
+
+The paper divides the range rate by the absolute position, which is wrong as soon as the sensor
+moves, and prints arctan(x / y) where atan2 is needed.
+
+References
+----------
+Cheong (2011), eqs. 6-13, with those two corrections.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sonar_tracking.motion import wrap_angle
+from sonar_tracking.records.arrays import BoolArray, FloatArray
+from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, TmaMeasurement
+
+MINIMUM_RANGE = 1.0
+"""Below it directions are numerically meaningless; ranges are kept above, m."""
+
+
+@dataclass(frozen=True)
+class LinearisedRows:
+    """Measurement rows at one state: azimuth, elevation, then one a line.
+
+    Rows that are not there have innovation 0, derivative 0 and variance 1, so that they change
+    nothing in an update and nothing need be cut out.
+
+    Attributes
+    ----------
+    innovation : ndarray, shape (..., n_rows)
+        Measured minus predicted; angles wrapped.
+    derivative : ndarray, shape (..., n_rows, 4 + n_lines)
+        Of the prediction, by the state.
+    variance : ndarray, shape (..., n_rows)
+        Of the measurement.
+    present : ndarray of bool, shape (..., n_rows)
+        Which rows are there.
+    """
+
+    innovation: FloatArray
+    derivative: FloatArray
+    variance: FloatArray
+    present: BoolArray
+
+
+def range_rate(mean: FloatArray, measurement: TmaMeasurement) -> FloatArray:
+    """Return the range rate seen by the sensor, m/s.
+
+    Parameters
+    ----------
+    mean : ndarray, shape (..., n_components, at least 4)
+        States.
+    measurement : TmaMeasurement
+        Whose sensor.
+
+    Returns
+    -------
+    ndarray, shape (..., n_components)
+        Positive when the range grows.
+    """
+    _, direction, relative, _ = _relative(mean, measurement)
+    return np.sum(direction * relative, axis=-1)
+
+
+def linearise(
+    mean: FloatArray, measurement: TmaMeasurement, known: BoolArray, azimuth: FloatArray
+) -> LinearisedRows:
+    """Return innovations and derivatives of all rows at the given states.
+
+    Parameters
+    ----------
+    mean : ndarray, shape (..., n_components, 4 + n_lines)
+        States to linearise at.
+    measurement : TmaMeasurement
+        What was measured.
+    known : ndarray of bool, shape (..., n_lines)
+        Lines that have a source frequency in the state; the rows of others are not there.
+    azimuth : ndarray, shape (..., n_components) or (..., 1)
+        The measured azimuth as each component takes it, rad.
+    """
+    distance, direction, relative, delay = _relative(mean, measurement)
+    n_lines = known.shape[-1]
+    shape = (*mean.shape[:-1], 2 + n_lines)
+    innovation, variance = np.zeros(shape), np.ones(shape)
+    present = np.zeros(shape, dtype=bool)
+    derivative = np.zeros((*shape, mean.shape[-1]))
+
+    x, y = direction[..., 0], direction[..., 1]
+    innovation[..., 0] = wrap_angle(azimuth - np.arctan2(y, x))
+    derivative[..., 0, 0], derivative[..., 0, 1] = -y / distance, x / distance
+    variance[..., 0] = measurement.azimuth_variance[..., None]
+
+    height = measurement.height
+    innovation[..., 1] = measurement.elevation[..., None] - np.arctan2(height, distance)
+    slope = -height / (distance**2 + height**2)
+    derivative[..., 1, :2] = slope[..., None] * direction
+    variance[..., 1] = measurement.elevation_variance[..., None]
+    if n_lines:
+        rate = np.sum(direction * relative, axis=-1)
+        factor = 1.0 - rate / measurement.sound_speed
+        source = mean[..., KINEMATIC:]
+        innovation[..., 2:] = measurement.frequency[..., None, :] - source * factor[..., None]
+        across = (relative - rate[..., None] * direction) / distance[..., None]
+        gradient = np.concatenate([across, direction], axis=-1) / -measurement.sound_speed
+        derivative[..., 2:, :KINEMATIC] = source[..., None] * gradient[..., None, :]
+        lines = np.arange(n_lines)
+        derivative[..., 2 + lines, KINEMATIC + lines] = factor[..., None]
+        variance[..., 2:] = measurement.frequency_deviation[..., None, :] ** 2
+        present[..., 2:] = known[..., None, :]
+    earlier = derivative[..., :2] * delay[..., None, None]
+    derivative[..., 2:KINEMATIC] -= earlier
+    present[..., :2] = True
+    present &= np.isfinite(innovation) & np.isfinite(variance)
+    return keep_rows(LinearisedRows(innovation, derivative, variance, present), present)
+
+
+def keep_rows(rows: LinearisedRows, keep: BoolArray) -> LinearisedRows:
+    """Return the rows with those that are not kept made ineffective.
+
+    Parameters
+    ----------
+    rows : LinearisedRows
+        All rows.
+    keep : ndarray of bool, shape (..., n_rows)
+        Which to keep.
+    """
+    return LinearisedRows(
+        np.where(keep, rows.innovation, 0.0),
+        np.where(keep[..., None], rows.derivative, 0.0),
+        np.where(keep, rows.variance, 1.0),
+        keep,
+    )
+
+
+def offset_seen(
+    mean: FloatArray, position: FloatArray, propagation_speed: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return where a target seems to be, from a sensor, and how long ago it was there.
+
+    Parameters
+    ----------
+    mean : ndarray, shape (..., at least 4)
+        States.
+    position : ndarray, shape (..., 2) or (2,)
+        Of the sensor, m.
+    propagation_speed : float
+        m/s; inf = seen at once.
+
+    Returns
+    -------
+    offset : ndarray, shape (..., 2)
+        m.
+    delay : ndarray, shape (...)
+        s.
+    """
+    now = mean[..., :2] - position
+    delay = np.hypot(now[..., 0], now[..., 1]) / propagation_speed
+    then = now - delay[..., None] * mean[..., 2:KINEMATIC]
+    delay = np.hypot(then[..., 0], then[..., 1]) / propagation_speed
+    return now - delay[..., None] * mean[..., 2:KINEMATIC], delay
+
+
+def _relative(
+    mean: FloatArray, measurement: TmaMeasurement
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return range, unit vector towards the target, relative velocity and travel time."""
+    position = measurement.position[..., None, :]
+    offset, delay = offset_seen(mean, position, measurement.propagation_speed)
+    distance = np.maximum(np.hypot(offset[..., 0], offset[..., 1]), MINIMUM_RANGE)
+    relative = mean[..., 2:KINEMATIC] - measurement.velocity[..., None, :]
+    return distance, offset / distance[..., None], relative, delay

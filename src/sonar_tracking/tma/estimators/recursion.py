@@ -1,0 +1,138 @@
+"""Steps common to all recursive estimators: time, gates, the report."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sonar_tracking.motion import wrap_angle
+from sonar_tracking.records.arrays import BoolArray, FloatArray
+from sonar_tracking.records.time import NANOSECONDS
+from sonar_tracking.tma.estimators.hypothesis_bank import (
+    HypothesisBank,
+    mixture_moments,
+    predict_bank,
+    seed_lines,
+    update_bank,
+)
+from sonar_tracking.tma.estimators.measurement_model import (
+    LinearisedRows,
+    keep_rows,
+    linearise,
+    offset_seen,
+)
+from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, TmaEstimate, TmaMeasurement
+
+
+def elapsed(previous_stamp: int, stamp: int) -> float:
+    """Return the interval between two stamps, s."""
+    return (stamp - previous_stamp) / NANOSECONDS
+
+
+def rows_of(bank: HypothesisBank, measurement: TmaMeasurement) -> LinearisedRows:
+    """Return the measurement rows of each component.
+
+    Of the two azimuths of a line array each component takes the nearer one: they are mirror
+    images, so that it is the one on the component's own side of the array.
+    """
+    azimuth = measurement.azimuth
+    if azimuth.shape[-1] > 1:
+        position = measurement.position[..., None, :]
+        offset, _ = offset_seen(bank.mean, position, measurement.propagation_speed)
+        expected = np.arctan2(offset[..., 1], offset[..., 0])[..., None]
+        candidates = np.broadcast_to(
+            azimuth[..., None, :], (*expected.shape[:-1], azimuth.shape[-1])
+        )
+        nearest = np.argmin(np.abs(wrap_angle(candidates - expected)), axis=-1)[..., None]
+        azimuth = np.take_along_axis(candidates, nearest, axis=-1)[..., 0]
+    return linearise(bank.mean, measurement, bank.known, azimuth)
+
+
+def gate_rows(
+    rows: LinearisedRows, variance: FloatArray, gate: float
+) -> tuple[LinearisedRows, FloatArray]:
+    """Leave out what lies beyond the gate of its component.
+
+    A row left out counts with the likelihood at the edge of the gate: a component must not gain
+    weight by refusing what it cannot explain.
+
+    Parameters
+    ----------
+    rows : LinearisedRows
+        All rows.
+    variance : ndarray, shape (..., n_components, n_rows)
+        Of the innovations.
+    gate : float
+        Standard deviations.
+
+    Returns
+    -------
+    rows : LinearisedRows
+        Those within.
+    log_penalty : ndarray, shape (..., n_components)
+        Log likelihood of those without.
+    """
+    outside = rows.present & (rows.innovation**2 > gate**2 * variance)
+    edge = -0.5 * (gate**2 + np.log(2.0 * np.pi * variance))
+    return keep_rows(rows, rows.present & ~outside), np.sum(np.where(outside, edge, 0.0), axis=-1)
+
+
+def extended_step(
+    bank: HypothesisBank, measurement: TmaMeasurement, interval: float, acceleration: float
+) -> HypothesisBank:
+    """Return the bank after an ordinary extended Kalman step, without gates.
+
+    Parameters
+    ----------
+    bank : HypothesisBank
+        Posterior of the previous frame.
+    measurement : TmaMeasurement
+        The frame; new lines are seeded.
+    interval : float
+        Since the previous frame, s.
+    acceleration : float
+        Process noise, m/s^2.
+    """
+    predicted = predict_bank(bank, interval, np.asarray(acceleration))
+    predicted = seed_lines(predicted, measurement, measurement.heard & ~predicted.known)
+    rows = rows_of(predicted, measurement)
+    return update_bank(predicted, rows, np.zeros(1))
+
+
+def innovation_variance(bank: HypothesisBank, rows: LinearisedRows) -> FloatArray:
+    """Return the variance of each innovation, shape (..., n_components, n_rows)."""
+    spread = rows.derivative @ bank.covariance
+    return np.einsum("...rn,...rn->...r", spread, rows.derivative) + rows.variance
+
+
+def estimate_of(
+    bank: HypothesisBank,
+    measurement: TmaMeasurement,
+    reborn: BoolArray | None = None,
+    manoeuvre: BoolArray | None = None,
+    restarted: BoolArray | None = None,
+) -> TmaEstimate:
+    """Return the mixture's moments as the estimate of a frame.
+
+    Parameters
+    ----------
+    bank : HypothesisBank
+        Posterior.
+    measurement : TmaMeasurement
+        The frame.
+    reborn, manoeuvre, restarted : ndarray of bool, optional
+        As in :class:`TmaEstimate`; none if not given.
+    """
+    mean, covariance = mixture_moments(bank)
+    lines = KINEMATIC + np.arange(bank.known.shape[-1])
+    batch = bank.known.shape[:-1]
+    deviation = np.sqrt(covariance[..., lines, lines])
+    return TmaEstimate(
+        stamp=measurement.stamp,
+        mean=mean[..., :KINEMATIC],
+        covariance=covariance[..., :KINEMATIC, :KINEMATIC],
+        source_frequency=np.where(bank.known, mean[..., KINEMATIC:], np.nan),
+        source_frequency_deviation=np.where(bank.known, deviation, np.nan),
+        reborn=np.zeros(bank.known.shape, dtype=bool) if reborn is None else reborn,
+        manoeuvre=np.zeros(batch, dtype=bool) if manoeuvre is None else manoeuvre,
+        restarted=np.zeros(batch, dtype=bool) if restarted is None else restarted,
+    )

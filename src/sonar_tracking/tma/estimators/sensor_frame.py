@@ -1,0 +1,104 @@
+"""What flows through target motion analysis: one sensor's frame in, one solution out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from sonar_tracking.records.arrays import BoolArray, FloatArray
+
+KINEMATIC = 4
+"""Length of the kinematic state [x, y, vx, vy]."""
+
+
+def _none() -> FloatArray:
+    return np.array(np.nan)
+
+
+def _no_lines() -> FloatArray:
+    return np.empty(0)
+
+
+@dataclass(frozen=True)
+class TmaMeasurement:
+    """What one sensor measured of one target at one instant.
+
+    Attributes
+    ----------
+    stamp : int
+        Instant, ns.
+    position, velocity : ndarray, shape (..., 2)
+        Of the sensor in ``map``, m and m/s.
+    azimuth : ndarray, shape (..., n_sides)
+        rad; one value, or the two a line array cannot tell apart (left, right). NaN = none.
+    azimuth_variance : ndarray, shape (...)
+        rad^2.
+    frequency, frequency_deviation : ndarray, shape (..., n_lines)
+        Received frequencies and their standard deviations, Hz; a line keeps its column. NaN = the
+        line is absent.
+    elevation, elevation_variance : ndarray, shape (...)
+        Above the horizontal, rad and rad^2. NaN = none.
+    height : float
+        Known height of the target above the sensor, m; used with elevations only.
+    sound_speed : float
+        m/s.
+    propagation_speed : float
+        At which the sound travels, m/s: it tells where the target was when it left. inf = where it
+        is now, as in the paper.
+    """
+
+    stamp: int
+    position: FloatArray
+    velocity: FloatArray
+    azimuth: FloatArray
+    azimuth_variance: FloatArray
+    frequency: FloatArray = field(default_factory=_no_lines)
+    frequency_deviation: FloatArray = field(default_factory=_no_lines)
+    elevation: FloatArray = field(default_factory=_none)
+    elevation_variance: FloatArray = field(default_factory=_none)
+    height: float = 0.0
+    sound_speed: float = 1500.0
+    propagation_speed: float = np.inf
+
+    @property
+    def n_lines(self) -> int:
+        """Columns of lines."""
+        return self.frequency.shape[-1]
+
+    @property
+    def heard(self) -> BoolArray:
+        """Which lines are present, shape (..., n_lines)."""
+        return np.isfinite(self.frequency) & np.isfinite(self.frequency_deviation)
+
+
+@dataclass(frozen=True)
+class TmaEstimate:
+    """Where the target is and how it moves.
+
+    Attributes
+    ----------
+    stamp : int
+        Instant, ns.
+    mean : ndarray, shape (..., 4)
+        x, y, vx, vy in ``map``, m and m/s.
+    covariance : ndarray, shape (..., 4, 4)
+        Of the mean.
+    source_frequency, source_frequency_deviation : ndarray, shape (..., n_lines)
+        Hz; NaN = line never heard.
+    reborn : ndarray of bool, shape (..., n_lines)
+        Lines that turned out to be another source now and were started anew.
+    manoeuvre : ndarray of bool, shape (...)
+        The target began to manoeuvre, says the detector, at this instant.
+    restarted : ndarray of bool, shape (...)
+        The estimator had lost the target and started anew.
+    """
+
+    stamp: int
+    mean: FloatArray
+    covariance: FloatArray
+    source_frequency: FloatArray
+    source_frequency_deviation: FloatArray
+    reborn: BoolArray
+    manoeuvre: BoolArray
+    restarted: BoolArray

@@ -1,0 +1,1 @@
+"""Bounds that no estimator of positions can pass."""

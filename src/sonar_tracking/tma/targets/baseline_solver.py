@@ -1,0 +1,163 @@
+"""The published methods behind the interface of the default solver, for comparison.
+
+Each is a single filter on one side of the array. Both sides of an ambiguous bearing are followed,
+but nothing weighs them: these methods have no likelihood of a side. They need an azimuth in every
+frame, and know no second station.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+import numpy as np
+
+from sonar_tracking.errors import InputError
+from sonar_tracking.tma.estimators.chan_summed_lines import SummedLines
+from sonar_tracking.tma.estimators.cheong_fused_line import FusedLine
+from sonar_tracking.tma.estimators.jauffret_stacked_lines import StackedLines
+from sonar_tracking.tma.estimators.sensor_frame import TmaEstimate, TmaMeasurement
+from sonar_tracking.tma.targets.measurement_log import MeasurementLog
+from sonar_tracking.tma.targets.observability import OBSERVABLE
+from sonar_tracking.tma.targets.target_records import (
+    MAXIMUM_LINES,
+    TargetObservation,
+    TargetSolution,
+    check_observation,
+)
+from sonar_tracking.tma.targets.target_solver import LEFT, RIGHT, SINGLE
+from sonar_tracking.tma.targets.tma_tracker_configuration import (
+    FUSED_LINE,
+    STACKED_LINES,
+    STACKED_LINES_RESTARTED,
+    SUMMED_LINES,
+    TmaTrackerConfiguration,
+)
+
+
+class _Filter(Protocol):
+    def update(self, measurement: TmaMeasurement) -> TmaEstimate:
+        """Take one measurement in and return where the target is."""
+
+
+_METHODS: dict[str, Callable[[Any], _Filter]] = {
+    FUSED_LINE: FusedLine,
+    SUMMED_LINES: SummedLines,
+    STACKED_LINES: StackedLines,
+    STACKED_LINES_RESTARTED: StackedLines,
+}
+_ONE_STATE_PER_LINE = (STACKED_LINES, STACKED_LINES_RESTARTED)
+
+
+class BaselineSolver:
+    """One target by a method for comparison.
+
+    Parameters
+    ----------
+    configuration : TmaTrackerConfiguration
+        With one of the methods for comparison.
+    """
+
+    def __init__(self, configuration: TmaTrackerConfiguration) -> None:
+        self._configuration = configuration
+        self._filters: dict[str, _Filter] = {}
+        self._column_of: dict[tuple[str, int], int] = {}
+        self._received = np.ones(MAXIMUM_LINES)
+        self._log: MeasurementLog
+        self._last_stamp = 0
+
+    def update(self, observation: TargetObservation) -> tuple[TargetSolution, ...]:
+        """Take one observation in and return the solutions that stand.
+
+        Parameters
+        ----------
+        observation : TargetObservation
+            Later than the one before. One without an azimuth changes nothing, nor do lines beyond
+            the first :data:`MAXIMUM_LINES`.
+
+        Raises
+        ------
+        InputError
+            If the observation cannot be used; nothing has changed then.
+        """
+        check_observation(observation)
+        if observation.stamp <= self._last_stamp:
+            raise InputError(
+                f"observation of {observation.sensor_id} is not later than the last one; methods "
+                "for comparison follow one station, in order."
+            )
+        if not observation.azimuths:
+            return ()
+        measurements = [self._measurement(observation, azimuth) for azimuth in observation.azimuths]
+        if not self._filters:
+            self._begin(measurements)
+        self._log.append(measurements[0])
+        self._last_stamp = observation.stamp
+        solutions = []
+        for index, (side, one) in enumerate(self._filters.items()):
+            measurement = measurements[min(index, len(measurements) - 1)]
+            solutions.append(self._solution(side, one.update(measurement)))
+        return tuple(solutions)
+
+    def log_likelihood(self, observation: TargetObservation) -> float:
+        """Return 0: these methods do not say how well an observation fits."""
+        return 0.0
+
+    def _begin(self, measurements: list[TmaMeasurement]) -> None:
+        sides = (LEFT, RIGHT) if len(measurements) == 2 else (SINGLE,)
+        method = _METHODS[self._configuration.method]
+        parameters = self._configuration.single_filter()
+        self._filters = {side: method(parameters) for side in sides}
+        self._log = MeasurementLog(measurements[0])
+
+    def _measurement(self, observation: TargetObservation, azimuth: float) -> TmaMeasurement:
+        frequency = np.full(MAXIMUM_LINES, np.nan)
+        deviation = np.full(MAXIMUM_LINES, np.nan)
+        heard = zip(
+            observation.line_ids,
+            observation.frequencies,
+            observation.frequency_deviations,
+            strict=True,
+        )
+        for number, received, spread in heard:
+            line = (observation.sensor_id, number)
+            column = self._column_of.setdefault(line, len(self._column_of))
+            if column < MAXIMUM_LINES:
+                frequency[column], deviation[column] = received, spread
+                self._received[column] = received
+        return TmaMeasurement(
+            stamp=observation.stamp,
+            position=np.array(observation.position),
+            velocity=np.array(observation.velocity),
+            azimuth=np.array([azimuth]),
+            azimuth_variance=np.array(observation.azimuth_variance),
+            frequency=frequency,
+            frequency_deviation=deviation,
+            sound_speed=observation.sound_speed,
+            propagation_speed=observation.propagation_speed,
+        )
+
+    def _solution(self, side: str, estimate: TmaEstimate) -> TargetSolution:
+        # Received and source frequencies differ by v/c: the figure does not feel it.
+        figure = self._log.observability(
+            np.concatenate([estimate.mean, self._received]),
+            self._configuration.maximum_range,
+            self._configuration.maximum_speed,
+            int(side == RIGHT),
+        )
+        lines: list[tuple[str, int]] = []
+        if self._configuration.method in _ONE_STATE_PER_LINE:
+            lines = list(self._column_of)[:MAXIMUM_LINES]
+        return TargetSolution(
+            stamp=estimate.stamp,
+            side=side,
+            probability=1.0 / len(self._filters),
+            mean=estimate.mean,
+            covariance=estimate.covariance,
+            observability=figure,
+            observable=figure >= OBSERVABLE,
+            line_ids=tuple(lines),
+            source_frequency=estimate.source_frequency[: len(lines)],
+            source_frequency_deviation=estimate.source_frequency_deviation[: len(lines)],
+            manoeuvre=False,
+        )

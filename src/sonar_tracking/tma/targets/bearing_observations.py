@@ -1,0 +1,187 @@
+"""What the bearing tracks and lines of one station say of each target: checked, in ``map``."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sonar_tracking.errors import Notice, Severity
+from sonar_tracking.records.bearings import BearingTracks, TrackStatus
+from sonar_tracking.records.lines import FrequencyLines
+from sonar_tracking.tma.targets.line_attribution import VAGUEST
+from sonar_tracking.tma.targets.station_view import StationView
+from sonar_tracking.tma.targets.target_records import MAXIMUM_LINES, TargetObservation
+from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
+
+HIGHEST, SHARPEST = 1e7, 1e-9
+"""Highest frequency of a line, Hz, and its least relative deviation: no clock is better."""
+
+
+@dataclass(frozen=True)
+class HeardLine:
+    """One line that can be used.
+
+    Attributes
+    ----------
+    line_id : int
+        Its identity.
+    frequency, deviation : float
+        Hz.
+    """
+
+    line_id: int
+    frequency: float
+    deviation: float
+
+
+def observation_of(
+    bearings: BearingTracks,
+    row: int,
+    view: StationView,
+    configuration: TmaTrackerConfiguration,
+) -> tuple[TargetObservation, str]:
+    """Return what a row of a list of bearing tracks says, and what is wrong with it.
+
+    Parameters
+    ----------
+    bearings : BearingTracks
+        The list.
+    row : int
+        Which track.
+    view : StationView
+        Where its station is.
+    configuration : TmaTrackerConfiguration
+        Floors and defaults.
+
+    Returns
+    -------
+    observation : TargetObservation
+        Without azimuths if there is no measurement, or none that can be used.
+    problem : str
+        Why a measurement cannot be used; empty = nothing is wrong.
+    """
+    empty = TargetObservation(
+        stamp=bearings.stamp,
+        sensor_id=view.sensor_id,
+        position=view.position,
+        velocity=view.velocity,
+        azimuths=(),
+        azimuth_variance=np.nan,
+        sound_speed=configuration.sound_speed,
+        propagation_speed=configuration.propagation_speed,
+        height=configuration.target_height,
+    )
+    name = f"track {int(bearings.id[row])}"
+    angle, variance = float(bearings.measurement[row]), float(bearings.measurement_variance[row])
+    if not math.isfinite(angle):
+        lost = bearings.status[row] == TrackStatus.CONFIRMED and math.isinf(angle)
+        return empty, f"{name} has the angle {angle}" if lost else ""
+    if abs(angle) > 2.0 * math.pi:
+        return empty, f"{name} has the angle {angle:g} rad, more than a full turn"
+    if math.isnan(variance) and configuration.azimuth_deviation > 0.0:
+        variance = configuration.azimuth_deviation**2
+    if not 0.0 < variance < VAGUEST:
+        allowed = f"which must be positive and below {VAGUEST:g}"
+        return empty, f"{name} has the variance {variance:g} rad^2, {allowed}"
+    variance = max(variance, configuration.minimum_azimuth_deviation**2)
+    variance += (view.turn_rate * configuration.array_lag) ** 2
+    elevation, elevation_variance = _elevation(bearings, row, configuration)
+    azimuths = view.azimuths(angle, bearings.angle_kind, bool(bearings.ambiguous[row]))
+    return (
+        replace(
+            empty,
+            azimuths=azimuths,
+            azimuth_variance=variance,
+            elevation=elevation,
+            elevation_variance=elevation_variance,
+        ),
+        "",
+    )
+
+
+def lines_of(lines: FrequencyLines, tracks: list[int]) -> tuple[dict[int, list[HeardLine]], str]:
+    """Return the usable lines of each track, and what is wrong with the others.
+
+    Parameters
+    ----------
+    lines : FrequencyLines
+        All lines of a station.
+    tracks : list of int
+        Bearing track of each line; 0 = none.
+
+    Returns
+    -------
+    heard : dict of int to list of HeardLine
+        At most :data:`MAXIMUM_LINES` a track, the best ones.
+    problem : str
+        Why lines were left out; empty = nothing is wrong.
+    """
+    heard: dict[int, dict[int, HeardLine]] = {}
+    bad, repeated = [], []
+    columns = (lines.line_id, lines.frequency, lines.standard_deviation)
+    for track, (number, frequency, deviation) in zip(
+        tracks, zip(*columns, strict=True), strict=True
+    ):
+        line = HeardLine(int(number), float(frequency), float(deviation))
+        if not _plausible(line):
+            bad.append(line.line_id)
+        elif track and line.line_id in heard.setdefault(track, {}):
+            repeated.append(line.line_id)
+        elif track:
+            heard[track][line.line_id] = line
+    problems = []
+    if bad:
+        problems.append(f"line {bad[0]} has an impossible frequency or standard deviation")
+    if repeated:
+        problems.append(f"line {repeated[0]} is told twice")
+    best = {track: _best(list(own.values())) for track, own in heard.items()}
+    return best, " and ".join(problems)
+
+
+def _best(lines: list[HeardLine]) -> list[HeardLine]:
+    """Return the lines that tell most of the motion, in their order."""
+    if len(lines) <= MAXIMUM_LINES:
+        return lines
+    worst = sorted(line.deviation / line.frequency for line in lines)[MAXIMUM_LINES - 1]
+    return [line for line in lines if line.deviation / line.frequency <= worst][:MAXIMUM_LINES]
+
+
+def with_lines(observation: TargetObservation, lines: list[HeardLine]) -> TargetObservation:
+    """Return an observation with the lines heard beside it."""
+    return replace(
+        observation,
+        line_ids=tuple(line.line_id for line in lines),
+        frequencies=tuple(line.frequency for line in lines),
+        frequency_deviations=tuple(line.deviation for line in lines),
+    )
+
+
+def left_out(sensor_id: str, what: str) -> Notice:
+    """Return the notice that something of a station was left out."""
+    return Notice(
+        Severity.WARN,
+        f"data of {sensor_id}",
+        f"{sensor_id}: {what}; it was left out, check the sender.",
+    )
+
+
+def _elevation(
+    bearings: BearingTracks, row: int, configuration: TmaTrackerConfiguration
+) -> tuple[float, float]:
+    if not configuration.target_height or not bearings.elevation_variance.size:
+        return np.nan, np.nan
+    value, variance = float(bearings.elevation[row]), float(bearings.elevation_variance[row])
+    usable = math.isfinite(value) and _positive(variance)
+    return (value, variance) if usable else (np.nan, np.nan)
+
+
+def _plausible(line: HeardLine) -> bool:
+    if not (0.0 < line.frequency <= HIGHEST):
+        return False
+    return SHARPEST * line.frequency < line.deviation < line.frequency
+
+
+def _positive(value: float) -> bool:
+    return math.isfinite(value) and value > 0.0

@@ -1,0 +1,137 @@
+"""One target of the stage: its solver, the bearing tracks it is made of, what it is called."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.records.time import NANOSECONDS
+from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
+from sonar_tracking.tma.targets.baseline_solver import BaselineSolver
+from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
+from sonar_tracking.tma.targets.target_solver import SIDE_PROBABILITY, TargetSolver
+from sonar_tracking.tma.targets.tma_tracker_configuration import RANGE_BANK, TmaTrackerConfiguration
+
+
+@dataclass(eq=False)
+class FollowedTarget:
+    """One target.
+
+    Attributes
+    ----------
+    solver : TargetSolver or BaselineSolver
+        Follows it; only the first kind takes several stations.
+    members : dict of str to int
+        Bearing track of each station it is made of; the first one names it.
+    initiated, updated : int
+        First stamp, and stamp of the last measurement used, ns.
+    bearing_track_id : int
+        The bearing track it was started from.
+    existence_probability : float
+        Of that bearing track; NaN = not estimated.
+    solutions : tuple of TargetSolution
+        That stand.
+    row_of : dict of str to int
+        Identifier of each side's row in the track list.
+    confirmed : bool
+        Whether the solution is good enough.
+    place : tuple of float
+        Where the station was that observed it last, m.
+    misfits : dict of str to int
+        Azimuths in a row of each station that no hypothesis explains.
+    """
+
+    solver: TargetSolver | BaselineSolver
+    members: dict[str, int]
+    initiated: int
+    updated: int
+    bearing_track_id: int
+    existence_probability: float = np.nan
+    solutions: tuple[TargetSolution, ...] = ()
+    row_of: dict[str, int] = field(default_factory=dict)
+    confirmed: bool = False
+    place: tuple[float, float] = (0.0, 0.0)
+    misfits: dict[str, int] = field(default_factory=dict)
+
+    @property
+    def best(self) -> TargetSolution:
+        """The most probable solution."""
+        return max(self.solutions, key=lambda one: one.probability)
+
+    def observe(self, observation: TargetObservation) -> tuple[TargetSolution, ...]:
+        """Take one observation in and return the solutions that stand then.
+
+        Raises
+        ------
+        InputError
+            If it cannot be used; nothing has changed then.
+        """
+        sensor = observation.sensor_id
+        if len(self.members) > 1 and observation.azimuths:
+            explained = self.solver.log_likelihood(observation) > -np.inf
+            self.misfits[sensor] = 0 if explained else self.misfits.get(sensor, 0) + 1
+        solutions = self.solver.update(observation)
+        if not solutions:
+            return self.solutions
+        self.updated = observation.stamp
+        if observation.azimuths:
+            self.place = observation.position
+        return solutions
+
+    def status(
+        self, solution: TargetSolution, stamp: int, configuration: TmaTrackerConfiguration
+    ) -> TrackStatus:
+        """Return what a row of the track list says of itself at a stamp."""
+        sure = self.confirmed and solution.probability > SIDE_PROBABILITY
+        late = stamp - self.updated > configuration.coasted_after * NANOSECONDS
+        if sure and (late or not self.members):
+            return TrackStatus.COASTED
+        return TrackStatus.CONFIRMED if sure else TrackStatus.TENTATIVE
+
+    def judge(self, configuration: TmaTrackerConfiguration) -> None:
+        """Decide whether the solution is good enough to be confirmed; it stays so."""
+        if not self.solutions:
+            return
+        best = self.best
+        if best.observability < configuration.confirm_observability:
+            self.confirmed = False
+            return
+        distance = np.hypot(*(best.mean[:2] - self.place))
+        variance = float(np.linalg.eigvalsh(best.covariance[:2, :2])[-1])
+        limit = configuration.confirm_relative_deviation * distance
+        self.confirmed |= bool(variance <= limit**2)
+
+
+def new_solver(configuration: TmaTrackerConfiguration) -> TargetSolver | BaselineSolver:
+    """Return a solver of the method that is configured."""
+    if configuration.method == RANGE_BANK:
+        return TargetSolver(configuration)
+    return BaselineSolver(configuration)
+
+
+def predicted(
+    solution: TargetSolution, stamp: int, acceleration: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return mean and covariance of a solution at a later stamp.
+
+    Parameters
+    ----------
+    solution : TargetSolution
+        At its own stamp.
+    stamp : int
+        Not before it, ns.
+    acceleration : float
+        Process noise, as of the filter, m/s^2.
+    """
+    interval = (stamp - solution.stamp) / NANOSECONDS
+    if interval <= 0.0:
+        return solution.mean, solution.covariance
+    transition = np.eye(KINEMATIC)
+    transition[0, 2] = transition[1, 3] = interval
+    along = np.array([[interval**3 / 3.0, interval**2 / 2.0], [interval**2 / 2.0, interval]])
+    noise = acceleration**2 * np.kron(along, np.eye(2))
+    covariance = transition @ solution.covariance @ transition.T + noise
+    return transition @ solution.mean, covariance

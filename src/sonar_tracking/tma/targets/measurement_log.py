@@ -1,0 +1,103 @@
+"""The last measurements of one target, as arrays: what its observability is judged by."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.time import seconds
+from sonar_tracking.tma.estimators.jauffret_stacked_lines import SingleFilterConfiguration
+from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, TmaMeasurement
+from sonar_tracking.tma.targets.observability import MeasurementHistory, observability
+
+LOG_FRAMES = 1000
+"""Measurements kept; the first one, where the prior stands, is kept for ever."""
+
+TIME, POSITION, VELOCITY = 0, slice(1, 3), slice(3, 5)
+AZIMUTH, ELEVATION, HEIGHT, LINES = 5, 6, 7, 8
+"""Columns of the log."""
+
+
+class MeasurementLog:
+    """Log of the measurements of a single run.
+
+    Parameters
+    ----------
+    first : TmaMeasurement
+        The one that made the prior; it is appended like all others.
+    """
+
+    def __init__(self, first: TmaMeasurement) -> None:
+        self.first = first
+        self._sound_speed = first.sound_speed
+        self._count = 0
+        self._table = np.zeros((64, LINES + first.n_lines))
+
+    def append(self, measurement: TmaMeasurement) -> None:
+        """Log a measurement; it may have more columns of lines than those before."""
+        added = LINES + measurement.n_lines - self._table.shape[1]
+        if self._count == len(self._table) and self._count < LOG_FRAMES:
+            grown = min(LOG_FRAMES, 2 * self._count) - self._count
+            self._table = np.pad(self._table, ((0, grown), (0, max(added, 0))))
+        elif added > 0:
+            self._table = np.pad(self._table, ((0, 0), (0, added)))
+        if self._count == len(self._table):
+            self._table[1:-1] = self._table[2:].copy()
+            self._count -= 1
+        row = self._table[self._count]
+        row[:] = 0.0
+        row[TIME] = seconds(measurement.stamp - self.first.stamp)
+        row[POSITION], row[VELOCITY] = measurement.position, measurement.velocity
+        row[AZIMUTH] = _information(measurement.azimuth[0], measurement.azimuth_variance)
+        row[ELEVATION] = _information(measurement.elevation, measurement.elevation_variance)
+        row[HEIGHT] = measurement.height
+        variance = measurement.frequency_deviation**2
+        row[LINES : LINES + measurement.n_lines] = _information(measurement.frequency, variance)
+        self._count += 1
+        self._sound_speed = measurement.sound_speed
+
+    def forget_lines(self, columns: tuple[int, ...]) -> None:
+        """Blank the columns of lines that are forgotten."""
+        for column in columns:
+            self._table[:, LINES + column] = 0.0
+
+    def observability(
+        self, mean: FloatArray, maximum_range: float, maximum_speed: float, side: int = 0
+    ) -> float:
+        """Return the observability figure of an estimate, 0 to 1.
+
+        Parameters
+        ----------
+        mean : ndarray, shape (4 + n_lines,)
+            Motion at the last logged measurement, then the source frequencies.
+        maximum_range, maximum_speed : float
+            Of the prior, m and m/s.
+        side : int
+            Which of the first azimuths the estimate goes back to; the last one if there are fewer.
+        """
+        side = min(side, len(self.first.azimuth) - 1)
+        first = replace(self.first, azimuth=self.first.azimuth[side : side + 1])
+        start = SingleFilterConfiguration(maximum_range, maximum_speed).start(first)
+        prior = start.covariance[0, :KINEMATIC, :KINEMATIC]
+        return observability(mean[:KINEMATIC], mean[KINEMATIC:], self.history(), prior)
+
+    def history(self) -> MeasurementHistory:
+        """Return what was logged, in order."""
+        table = self._table[: self._count]
+        return MeasurementHistory(
+            times=table[:, TIME],
+            position=table[:, POSITION],
+            velocity=table[:, VELOCITY],
+            azimuth_information=table[:, AZIMUTH],
+            elevation_information=table[:, ELEVATION],
+            height=table[:, HEIGHT],
+            line_information=table[:, LINES:],
+            sound_speed=self._sound_speed,
+        )
+
+
+def _information(value: FloatArray, variance: FloatArray) -> FloatArray:
+    known = np.isfinite(value) & np.isfinite(variance)
+    return np.where(known, 1.0 / np.where(known, variance, 1.0), 0.0)

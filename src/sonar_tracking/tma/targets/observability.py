@@ -1,0 +1,119 @@
+"""How much the data say about the motion, beyond what was assumed at the start.
+
+    D = P0^(1/2) J P0^(1/2),   observability = lambda_min(D) / (1 + lambda_min(D)),
+
+with J the Fisher information of all measurements on the initial motion (source frequencies
+eliminated, no process noise, along the estimated track) and P0 the prior. In the worst direction
+the posterior variance is 1 / (1 + lambda_min) of the prior's: below 0.5 the data say less than the
+prior, and the position along the line of sight is what was assumed, not what was measured.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sonar_tracking.records.arrays import FloatArray
+
+OBSERVABLE = 0.5
+"""Below this the solution follows its prior."""
+
+
+@dataclass(frozen=True)
+class MeasurementHistory:
+    """Who measured what, how well, and when; values do not matter, only which there are.
+
+    Attributes
+    ----------
+    times : ndarray, shape (n_frames,)
+        s, from any origin; the first one is that of the prior.
+    position, velocity : ndarray, shape (n_frames, 2)
+        Of the sensor, m and m/s.
+    azimuth_information, elevation_information : ndarray, shape (n_frames,)
+        1 / variance, rad^-2; 0 = none.
+    height : ndarray, shape (n_frames,)
+        Of the target above the sensor, m.
+    line_information : ndarray, shape (n_frames, n_lines)
+        1 / variance, Hz^-2; 0 = absent.
+    sound_speed : float
+        m/s.
+    """
+
+    times: FloatArray
+    position: FloatArray
+    velocity: FloatArray
+    azimuth_information: FloatArray
+    elevation_information: FloatArray
+    height: FloatArray
+    line_information: FloatArray
+    sound_speed: float
+
+
+def observability(
+    mean: FloatArray, source_frequency: FloatArray, history: MeasurementHistory, prior: FloatArray
+) -> float:
+    """Return the observability figure in [0, 1].
+
+    Parameters
+    ----------
+    mean : ndarray, shape (4,)
+        Estimated motion at the last time of the history; the track is prolonged backwards.
+    source_frequency : ndarray, shape (n_lines,)
+        Hz; of lines with information only.
+    history : MeasurementHistory
+        All measurements.
+    prior : ndarray, shape (4, 4)
+        Covariance of the motion at the first time.
+    """
+    information = motion_information(mean, source_frequency, history)
+    values, vectors = np.linalg.eigh(prior)
+    root = vectors * np.sqrt(np.maximum(values, 0.0)) @ vectors.T
+    smallest = max(float(np.linalg.eigvalsh(root @ information @ root)[0]), 0.0)
+    return smallest / (1.0 + smallest)
+
+
+def motion_information(
+    mean: FloatArray, source_frequency: FloatArray, history: MeasurementHistory
+) -> FloatArray:
+    """Return the information on the motion at the first time, shape (4, 4), f_S eliminated.
+
+    Parameters
+    ----------
+    mean, source_frequency, history
+        As in :func:`observability`.
+    """
+    before = (history.times - history.times[-1])[:, None]
+    offset = mean[:2] + mean[2:] * before - history.position
+    distance = np.maximum(np.hypot(offset[:, 0], offset[:, 1]), 1.0)[:, None]
+    direction = offset / distance
+    relative = mean[2:] - history.velocity
+    rate = np.sum(direction * relative, axis=1)
+    normal = np.stack([-direction[:, 1], direction[:, 0]], axis=1)
+    slope = -history.height / (distance[:, 0] ** 2 + history.height**2)
+    since = history.times[:, None]
+
+    azimuth = _on_first(normal / distance, 0.0 * normal, since)
+    elevation = _on_first(slope[:, None] * direction, 0.0 * direction, since)
+    doppler = _on_first((relative - rate[:, None] * direction) / distance, direction, since)
+    information = _weighted(azimuth, history.azimuth_information)
+    information += _weighted(elevation, history.elevation_information)
+    factor = 1.0 - rate / history.sound_speed
+    for source, weight in zip(source_frequency, history.line_information.T, strict=True):
+        own = np.sum(weight * factor**2)
+        if own <= 0.0:
+            continue
+        # What is left of the line when its source frequency has to be found from it, too.
+        common = (weight * factor) @ doppler / own
+        left = doppler - factor[:, None] * common
+        information += (source / history.sound_speed) ** 2 * _weighted(left, weight)
+    return information
+
+
+def _on_first(by_position: FloatArray, by_velocity: FloatArray, since: FloatArray) -> FloatArray:
+    """Refer derivatives at each time to the motion at the first time."""
+    return np.concatenate([by_position, by_position * since + by_velocity], axis=1)
+
+
+def _weighted(rows: FloatArray, weight: FloatArray) -> FloatArray:
+    return np.asarray((rows * weight[:, None]).T @ rows)

@@ -1,0 +1,147 @@
+"""Which bearing of another station belongs to which target.
+
+The likelihood of an azimuth is that of the mixture over range: a target whose range is unknown can
+be anywhere along its bearing, and so can its azimuth from elsewhere. Pairs outside every gate are
+forbidden; among the others the most likely assignment is taken, and a bearing that no target
+explains better than chance stays free.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+
+from sonar_tracking.motion import wrap_angle
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.tma.estimators.hypothesis_bank import (
+    HypothesisBank,
+    innovation_covariance,
+    predict_bank,
+)
+from sonar_tracking.tma.estimators.measurement_model import offset_seen
+from sonar_tracking.tma.estimators.recursion import rows_of
+from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
+
+FREE = -1
+"""In place of a target: none."""
+
+CHANCE_DENSITY = 1.0 / (2.0 * np.pi)
+"""Of a bearing that belongs to no target: from anywhere, rad^-1."""
+
+CHANCE_DENSITY_WITH_ELEVATION = CHANCE_DENSITY * 2.0 / np.pi
+"""The same of an azimuth with an elevation: from anywhere above, rad^-2."""
+
+
+def azimuth_log_likelihood(
+    bank: HypothesisBank,
+    interval: float,
+    acceleration: float,
+    position: FloatArray,
+    azimuths: FloatArray,
+    variances: FloatArray,
+    gate: float = 4.0,
+    propagation_speed: float = np.inf,
+) -> FloatArray:
+    """Return the log likelihood of azimuths measured from anywhere, if they are of this target.
+
+    Parameters
+    ----------
+    bank : HypothesisBank
+        Of the target, a single run.
+    interval : float
+        From the bank's time to the azimuths', s.
+    acceleration : float
+        Process noise in between, m/s^2.
+    position : ndarray, shape (2,)
+        Of the station, m.
+    azimuths, variances : ndarray, shape (n_bearings,)
+        rad and rad^2.
+    gate : float
+        Standard deviations within which a hypothesis may explain an azimuth.
+    propagation_speed : float
+        Of sound, m/s; inf = the target is seen where it is.
+
+    Returns
+    -------
+    ndarray, shape (n_bearings,)
+        Of the density per rad; -inf = outside the gate of every hypothesis.
+    """
+    moved = predict_bank(bank, interval, np.asarray(acceleration))
+    offset, _ = offset_seen(moved.mean, position, propagation_speed)
+    distance = np.maximum(np.hypot(offset[:, 0], offset[:, 1]), 1.0)
+    across = np.stack([-offset[:, 1], offset[:, 0]], axis=1) / distance[:, None] ** 2
+    own = np.einsum("ci,cij,cj->c", across, moved.covariance[:, :2, :2], across)
+    spread = own[:, None] + variances
+    innovation = wrap_angle(azimuths - np.arctan2(offset[:, 1], offset[:, 0])[:, None])
+    squared = innovation**2 / spread
+    density = -0.5 * (squared + np.log(2.0 * np.pi * spread)) + moved.log_weight[:, None]
+    density = np.where(squared <= gate**2, density, -np.inf)
+    return np.asarray(np.logaddexp.reduce(density, axis=0))
+
+
+def direction_log_likelihood(
+    bank: HypothesisBank,
+    interval: float,
+    acceleration: float,
+    measurement: TmaMeasurement,
+    gate: float = 4.0,
+) -> float:
+    """Return the log likelihood of an azimuth with its elevation, if they are of this target.
+
+    Parameters
+    ----------
+    bank : HypothesisBank
+        Of the target, a single run.
+    interval : float
+        From the bank's time to the measurement's, s.
+    acceleration : float
+        Process noise in between, m/s^2.
+    measurement : TmaMeasurement
+        Of any station, without lines; an elevation that is NaN does not count.
+    gate : float
+        Standard deviations within which a hypothesis may explain both.
+
+    Returns
+    -------
+    float
+        Of the density per rad^2 (per rad without elevation); -inf = outside every gate.
+    """
+    moved = predict_bank(bank, interval, np.asarray(acceleration))
+    rows = rows_of(moved, measurement)
+    spread = innovation_covariance(moved, rows)
+    solved = np.linalg.solve(spread, rows.innovation[..., None])[..., 0]
+    squared = np.sum(rows.innovation * solved, axis=-1)
+    constant = np.log(2.0 * np.pi) * np.sum(rows.present, axis=-1)
+    density = -0.5 * (squared + np.linalg.slogdet(spread)[1] + constant) + moved.log_weight
+    within = squared <= gate**2
+    return float(np.logaddexp.reduce(np.where(within, density, -np.inf)))
+
+
+def associate(
+    log_likelihood: FloatArray, chance_density: float = CHANCE_DENSITY
+) -> NDArray[np.int_]:
+    """Return the target of each bearing.
+
+    Parameters
+    ----------
+    log_likelihood : ndarray, shape (n_targets, n_bearings)
+        Of one scan, or summed over scans of bearings that keep their identity; then less
+        ``(n_scans - 1) * log(chance_density)``. -inf = forbidden.
+    chance_density : float
+        Of a bearing of no target, in the units of the likelihood.
+
+    Returns
+    -------
+    ndarray of int, shape (n_bearings,)
+        Index of the target, each at most once; :data:`FREE` where chance explains it better.
+    """
+    n_targets, n_bearings = log_likelihood.shape
+    gain = log_likelihood - np.log(chance_density)
+    # One place for chance a bearing: it costs nothing and gains nothing.
+    cost = np.concatenate([np.where(gain > 0.0, -gain, 1.0), np.zeros((n_bearings, n_bearings))])
+    rows, columns = linear_sum_assignment(cost)
+    target = np.full(n_bearings, FREE)
+    taken = rows < n_targets
+    target[columns[taken]] = rows[taken]
+    return target

@@ -1,0 +1,143 @@
+"""Where a station is, which way it faces, and the azimuths its angles stand for.
+
+A line array whose axis has azimuth psi turns an arrival angle theta from broadside into the
+azimuths psi + (pi/2 - theta) on its left and psi - (pi/2 - theta) on its right. Any other array
+knows which.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from sonar_tracking.errors import InputError
+from sonar_tracking.motion import KinematicState, lever_arm, swing_velocity, wrap_angle
+from sonar_tracking.records.bearings import AngleKind, Sensor
+from sonar_tracking.records.positions import MAP_FRAME
+from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
+
+OWN_SHIP_FRAMES = "own_ship/"
+
+FARTHEST = 1e8
+"""Largest coordinate of a station in ``map``, m."""
+
+
+@dataclass(frozen=True)
+class StationView:
+    """A station at one instant.
+
+    Attributes
+    ----------
+    sensor_id, frame_id : str
+        Who it is, and the frame its angles are in.
+    position, velocity : tuple of float
+        In ``map``, m and m/s.
+    axis : float
+        Azimuth of the x axis of its frame, rad.
+    turn_rate : float
+        Of own ship if that carries it, else 0, rad/s.
+    """
+
+    sensor_id: str
+    frame_id: str
+    position: tuple[float, float]
+    velocity: tuple[float, float]
+    axis: float
+    turn_rate: float
+
+    def azimuths(self, angle: float, kind: AngleKind, ambiguous: bool) -> tuple[float, ...]:
+        """Return the azimuths in ``map`` of a measured angle: one, or left and right.
+
+        Parameters
+        ----------
+        angle : float
+            rad.
+        kind : AngleKind
+            What the angle is.
+        ambiguous : bool
+            Whether a cone has two sides.
+        """
+        if kind is AngleKind.AZIMUTH:
+            axis = 0.0 if self.frame_id == MAP_FRAME else self.axis
+            return (float(wrap_angle(axis + angle)),)
+        from_axis = 0.5 * np.pi - angle
+        left = float(wrap_angle(self.axis + from_axis))
+        return (left, float(wrap_angle(self.axis - from_axis))) if ambiguous else (left,)
+
+    def from_broadside(self, angle: float, kind: AngleKind) -> float:
+        """Return the angle from broadside of the cone on which a measured angle lies, rad."""
+        if kind is AngleKind.CONE:
+            return math.asin(math.sin(angle))
+        (azimuth,) = self.azimuths(angle, kind, ambiguous=False)
+        return 0.5 * np.pi - abs(float(wrap_angle(azimuth - self.axis)))
+
+
+def needs_own_ship(sensor: Sensor, configuration: TmaTrackerConfiguration) -> bool:
+    """Return whether own ship's motion is needed to know where a sensor is, and how it turns."""
+    told = (*sensor.position[:2], *sensor.velocity[:2], _yaw(sensor))
+    turning = configuration.array_lag > 0.0 and sensor.frame_id.startswith(OWN_SHIP_FRAMES)
+    return turning or not all(map(math.isfinite, told))
+
+
+def station_view(
+    sensor: Sensor, own_ship: KinematicState | None, configuration: TmaTrackerConfiguration
+) -> StationView:
+    """Return where a station is: as its data tell, else from own ship and the mounting.
+
+    Parameters
+    ----------
+    sensor : Sensor
+        From the data; NaN = not told.
+    own_ship : KinematicState or None
+        At the stamp of the data.
+    configuration : TmaTrackerConfiguration
+        Mounting of an array whose pose is not told.
+
+    Raises
+    ------
+    InputError
+        If neither tells.
+    """
+    position, velocity, axis = sensor.position[:2], sensor.velocity[:2], _yaw(sensor)
+    known = all(map(math.isfinite, (*position, *velocity, axis)))
+    if own_ship is None:
+        if not known:
+            raise InputError(
+                f"{sensor.sensor_id} does not tell its pose and velocity, and own ship's are not "
+                "known at this stamp; send own_ship/odometry, or the pose with the data."
+            )
+        turn_rate = 0.0
+    else:
+        aboard = not known or sensor.frame_id.startswith(OWN_SHIP_FRAMES)
+        turn_rate = float(own_ship.turn_rate) if aboard else 0.0
+        heading = float(own_ship.azimuth)
+        arm = lever_arm(heading, configuration.mounting_x, configuration.mounting_y)
+        if not all(map(math.isfinite, position)):
+            position = tuple(own_ship.position + arm)
+        if not all(map(math.isfinite, velocity)):
+            velocity = tuple(own_ship.velocity + swing_velocity(turn_rate, arm))
+        if not math.isfinite(axis):
+            axis = heading + configuration.mounting_yaw
+    if max(map(abs, position)) > FARTHEST or math.hypot(*velocity) >= configuration.sound_speed:
+        raise InputError(
+            f"{sensor.sensor_id} is said to be at {position[0]:g}, {position[1]:g} m and to move "
+            f"with {math.hypot(*velocity):g} m/s; check its pose, and own ship's odometry."
+        )
+    return StationView(
+        sensor_id=sensor.sensor_id,
+        frame_id=sensor.frame_id,
+        position=(float(position[0]), float(position[1])),
+        velocity=(float(velocity[0]), float(velocity[1])),
+        axis=axis,
+        turn_rate=turn_rate,
+    )
+
+
+def _yaw(sensor: Sensor) -> float:
+    """Return the azimuth of the x axis of a sensor's frame, rad; NaN = not told."""
+    x, y, z, w = sensor.orientation
+    if not any((x, y, z, w)):
+        return math.nan
+    return math.atan2(2.0 * (w * z + x * y), w**2 + x**2 - y**2 - z**2)

@@ -1,0 +1,134 @@
+"""Parameters of the stage that turns bearing tracks and frequency lines into positions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sonar_tracking.configuration import parameter
+from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.tma.estimators.jauffret_stacked_lines import (
+    FULL,
+    NEVER,
+    SingleFilterConfiguration,
+)
+from sonar_tracking.tma.estimators.range_bank import RangeBankConfiguration
+
+RANGE_BANK = "range_bank"
+FUSED_LINE, SUMMED_LINES = "fused_line", "summed_lines"
+STACKED_LINES, STACKED_LINES_RESTARTED = "stacked_lines", "stacked_lines_restarted"
+BASELINES = (FUSED_LINE, SUMMED_LINES, STACKED_LINES, STACKED_LINES_RESTARTED)
+
+
+@dataclass(frozen=True)
+class TmaTrackerConfiguration(RangeBankConfiguration):
+    """Parameters of target motion analysis: its filter, its stations, its track list."""
+
+    method: str = parameter(
+        RANGE_BANK,
+        "range_bank: stacked lines in a bank of range hypotheses, never restarted; the others are "
+        "for comparison: fused_line (Cheong 2011), summed_lines (Chan), stacked_lines, and "
+        "stacked_lines_restarted when a line appears (Jauffret)",
+        choices=(RANGE_BANK, *BASELINES),
+    )
+    sound_speed: float = parameter(1500.0, "in the water", unit="m/s", minimum=1.0, maximum=1e5)
+    travel_time: bool = parameter(
+        True, "sound takes time: a target has moved on since; false = seen at once, as in the paper"
+    )
+    target_height: float = parameter(
+        0.0, "of targets above the sensor; elevations are used if it is not 0", unit="m"
+    )
+    minimum_azimuth_deviation_deg: float = parameter(
+        0.05, "no bearing is taken to be better", unit="deg", minimum=0.0, maximum=90.0
+    )
+    azimuth_deviation_deg: float = parameter(
+        0.0,
+        "of bearings that come without a variance; 0 = they are left out",
+        unit="deg",
+        minimum=0.0,
+        maximum=90.0,
+    )
+    mounting_x: float = parameter(
+        0.0, "array origin ahead of own ship's reference, if data do not tell their pose", unit="m"
+    )
+    mounting_y: float = parameter(0.0, "array origin to port of it", unit="m")
+    mounting_yaw_deg: float = parameter(
+        0.0, "direction of the array axis, anticlockwise from the bow", unit="deg"
+    )
+    array_lag: float = parameter(
+        0.0,
+        "how long a towed array follows own ship's turns: bearings in a turn are worse by turn "
+        "rate times this, and start nothing; 0 = on the hull",
+        unit="s",
+        minimum=0.0,
+    )
+    attribution_gate: float = parameter(
+        4.0, "of lines without a track, standard deviations of the angle", minimum=1.0
+    )
+    association_odds: float = parameter(
+        100.0, "to one, for taking the bearings of two stations to be of one target", minimum=1.0
+    )
+    confirm_observability: float = parameter(
+        0.5, "a solution is confirmed from this on", minimum=0.0, maximum=1.0
+    )
+    confirm_relative_deviation: float = parameter(
+        0.1, "and when its position is known to this part of its range", minimum=0.0
+    )
+    coasted_after: float = parameter(
+        10.0, "a track without a measurement for this long is coasted", unit="s", minimum=0.0
+    )
+    coast_duration: float = parameter(
+        0.0, "how long a track outlives its last bearing track", unit="s", minimum=0.0
+    )
+    first_id: int = parameter(1, "first track identifier", minimum=1)
+
+    @property
+    def propagation_speed(self) -> float:
+        """Of what is heard, m/s; inf = at once."""
+        return self.sound_speed if self.travel_time else np.inf
+
+    @property
+    def minimum_azimuth_deviation(self) -> float:
+        """In rad."""
+        return float(np.radians(self.minimum_azimuth_deviation_deg))
+
+    @property
+    def azimuth_deviation(self) -> float:
+        """In rad."""
+        return float(np.radians(self.azimuth_deviation_deg))
+
+    @property
+    def mounting_yaw(self) -> float:
+        """In rad."""
+        return float(np.radians(self.mounting_yaw_deg))
+
+    def single_filter(self) -> SingleFilterConfiguration:
+        """Return the parameters of a method for comparison."""
+        restarted = self.method == STACKED_LINES_RESTARTED
+        return SingleFilterConfiguration(
+            maximum_range=self.maximum_range,
+            maximum_speed=self.maximum_speed,
+            acceleration=self.acceleration,
+            restart=FULL if restarted else NEVER,
+        )
+
+
+def check_tma_tracker(configuration: TmaTrackerConfiguration) -> None:
+    """Refuse parameters that do not fit together.
+
+    Raises
+    ------
+    ConfigurationError
+        With a sentence that names the parameters.
+    """
+    if configuration.minimum_range >= configuration.maximum_range:
+        raise ConfigurationError(
+            f"minimum_range is {configuration.minimum_range:g} m and maximum_range "
+            f"{configuration.maximum_range:g} m; the first must be smaller."
+        )
+    if configuration.manoeuvre_acceleration < configuration.acceleration:
+        raise ConfigurationError(
+            f"manoeuvre_acceleration is {configuration.manoeuvre_acceleration:g} m/s^2 and "
+            f"acceleration {configuration.acceleration:g} m/s^2; the first must not be smaller."
+        )

@@ -1,0 +1,346 @@
+"""The stage of target motion analysis: bearing tracks and lines in, positions out.
+
+Every bearing track is followed by a solver of its own from its first usable bearing on, and ends
+with it. Targets of several stations that turn out to be one go on in one solver. While the side of
+a line array is open, both are rows of the list, with one bearing track. Whatever cannot be used is
+left out with a notice, and the targets are predicted.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sonar_tracking.errors import InputError, Notice, Severity
+from sonar_tracking.motion import KinematicState
+from sonar_tracking.records.bearings import BearingTracks, TrackStatus
+from sonar_tracking.records.lines import FrequencyLines
+from sonar_tracking.records.positions import PositionTracks
+from sonar_tracking.records.time import UNKNOWN_STAMP, nanoseconds
+from sonar_tracking.tma.targets.bearing_observations import (
+    left_out,
+    lines_of,
+    observation_of,
+    with_lines,
+)
+from sonar_tracking.tma.targets.followed_target import FollowedTarget, new_solver
+from sonar_tracking.tma.targets.line_attribution import VAGUEST, LineAttribution, TrackAngle
+from sonar_tracking.tma.targets.passive_frame import PassiveFrame, TmaUpdate
+from sonar_tracking.tma.targets.station_pairing import Pair, StationPairing
+from sonar_tracking.tma.targets.station_view import StationView, station_view
+from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
+from sonar_tracking.tma.targets.tma_tracker_configuration import (
+    RANGE_BANK,
+    TmaTrackerConfiguration,
+    check_tma_tracker,
+)
+from sonar_tracking.tma.targets.track_rows import TrackRow, track_list, track_row
+
+TrackKey = tuple[str, int]
+"""Station and its bearing track."""
+
+RELEASED_AFTER = 10
+"""A station whose azimuths do not fit so many times in a row sees another target."""
+
+
+@dataclass
+class _Station:
+    """What is remembered of a station between its frames.
+
+    Attributes
+    ----------
+    next_stamp : int
+        Its watermark, ns.
+    angles : dict of int to TrackAngle
+        Of its bearing tracks.
+    """
+
+    next_stamp: int
+    angles: dict[int, TrackAngle]
+
+
+class TmaTrackerStage:
+    """Keeps one target per bearing track, or per bearing tracks of several stations.
+
+    Parameters
+    ----------
+    configuration : TmaTrackerConfiguration
+        Its parameters.
+    n_stations : int
+        Stations that report bearing tracks.
+
+    Raises
+    ------
+    ConfigurationError
+        If parameters do not fit together.
+    """
+
+    def __init__(
+        self, configuration: TmaTrackerConfiguration | None = None, n_stations: int = 1
+    ) -> None:
+        self._configuration = configuration or TmaTrackerConfiguration()
+        check_tma_tracker(self._configuration)
+        self._n_stations = n_stations
+        self._next_id = self._configuration.first_id
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all targets; identifiers go on."""
+        self._stamp = UNKNOWN_STAMP
+        self._stations: dict[str, _Station] = {}
+        self._target_of: dict[TrackKey, FollowedTarget] = {}
+        self._targets: list[FollowedTarget] = []
+        self._ended: list[TrackRow] = []
+        self._attribution = LineAttribution(self._configuration.attribution_gate)
+        self._pairing = StationPairing(self._configuration.association_odds)
+
+    def update(self, frame: PassiveFrame) -> TmaUpdate:
+        """Take everything of one instant in.
+
+        Parameters
+        ----------
+        frame : PassiveFrame
+            Later than the one before.
+
+        Returns
+        -------
+        TmaUpdate
+            With a list if there were bearing tracks, usable or not.
+
+        Raises
+        ------
+        InputError
+            If the frame is not later; nothing has changed then.
+        """
+        if frame.stamp <= self._stamp:
+            raise InputError(
+                f"The frame at {frame.stamp} ns is not later than the one before it, at "
+                f"{self._stamp} ns; send frames in order."
+            )
+        self._stamp = frame.stamp
+        notices: list[Notice] = []
+        observed: dict[TrackKey, TargetObservation] = {}
+        born: set[TrackKey] = set()
+        for unusable in frame.unusable:
+            station = self._stations.setdefault(unusable.sensor_id, _Station(UNKNOWN_STAMP, {}))
+            station.next_stamp = unusable.next_stamp
+        for bearings in frame.bearings:
+            self._read_bearings(bearings, frame.own_ship, observed, born, notices)
+        for lines in frame.lines:
+            self._read_lines(lines, frame.own_ship, observed, notices)
+        for key, observation in observed.items():
+            self._observe(key, observation, key in born, notices)
+        self._join_stations()
+        self._release_misfits()
+        self._end_coasted()
+        tracks = self.picture() if frame.bearings or frame.unusable else None
+        return TmaUpdate(tracks, tuple(notices))
+
+    def _read_bearings(
+        self,
+        bearings: BearingTracks,
+        own_ship: KinematicState | None,
+        observed: dict[TrackKey, TargetObservation],
+        born: set[TrackKey],
+        notices: list[Notice],
+    ) -> None:
+        sensor = bearings.sensor.sensor_id
+        station = self._stations.setdefault(sensor, _Station(UNKNOWN_STAMP, {}))
+        station.next_stamp = bearings.next_stamp
+        running = bearings.status != TrackStatus.TERMINATED
+        alive = {int(number) for number in bearings.id[running]}
+        for key in [key for key in self._target_of if key[0] == sensor and key[1] not in alive]:
+            self._leave(key)
+        try:
+            view = station_view(bearings.sensor, own_ship, self._configuration)
+        except InputError as error:
+            notices.append(Notice(Severity.ERROR, f"data of {sensor}", str(error)))
+            station.angles = {}
+            return
+        station.angles = _angles(bearings, view)
+        for row in np.flatnonzero(running):
+            key = (sensor, int(bearings.id[row]))
+            observation, problem = observation_of(bearings, int(row), view, self._configuration)
+            if problem:
+                notices.append(left_out(sensor, problem))
+            if key in observed:
+                notices.append(left_out(sensor, f"track {key[1]} is told twice"))
+                continue
+            if key in self._target_of:
+                self._target_of[key].existence_probability = float(
+                    bearings.existence_probability[row]
+                )
+                observed[key] = observation
+            elif self._starts(bearings, int(row), observation, view):
+                observed[key] = observation
+                born.add(key)
+
+    def _starts(
+        self, bearings: BearingTracks, row: int, observation: TargetObservation, view: StationView
+    ) -> bool:
+        """Return whether a bearing track gets a target now."""
+        extra = abs(view.turn_rate) * self._configuration.array_lag
+        if not observation.azimuths or extra > self._configuration.minimum_azimuth_deviation:
+            return False
+        return bool(bearings.status[row] == TrackStatus.CONFIRMED)
+
+    def _read_lines(
+        self,
+        lines: FrequencyLines,
+        own_ship: KinematicState | None,
+        observed: dict[TrackKey, TargetObservation],
+        notices: list[Notice],
+    ) -> None:
+        sensor = lines.sensor.sensor_id
+        angles = self._stations[sensor].angles if sensor in self._stations else {}
+        heard, problem = lines_of(lines, self._attribution.update(lines, angles))
+        if problem:
+            notices.append(left_out(sensor, problem))
+        for track, own in heard.items():
+            key = (sensor, track)
+            if key in observed:
+                observed[key] = with_lines(observed[key], own)
+            elif key in self._target_of:
+                try:
+                    view = station_view(lines.sensor, own_ship, self._configuration)
+                except InputError as error:
+                    notices.append(Notice(Severity.ERROR, f"lines of {sensor}", str(error)))
+                    return
+                bare = TargetObservation(
+                    stamp=lines.stamp,
+                    sensor_id=sensor,
+                    position=view.position,
+                    velocity=view.velocity,
+                    azimuths=(),
+                    azimuth_variance=np.nan,
+                    sound_speed=self._configuration.sound_speed,
+                    propagation_speed=self._configuration.propagation_speed,
+                )
+                observed[key] = with_lines(bare, own)
+
+    def _observe(
+        self, key: TrackKey, observation: TargetObservation, born: bool, notices: list[Notice]
+    ) -> None:
+        if not observation.azimuths and not observation.line_ids:
+            return
+        if born:
+            self._begin(key)
+        target = self._target_of[key]
+        self._pairing.observe(target, observation)
+        try:
+            self._replace(target, target.observe(observation))
+            target.judge(self._configuration)
+        except InputError as error:
+            notices.append(left_out(key[0], str(error).rstrip(".")))
+        except np.linalg.LinAlgError:
+            notices.append(left_out(key[0], f"track {key[1]} became numerically impossible"))
+            self._pairing.end(target)
+            target.solver = new_solver(self._configuration)
+
+    def _begin(self, key: TrackKey) -> None:
+        target = FollowedTarget(
+            solver=new_solver(self._configuration),
+            members={key[0]: key[1]},
+            initiated=self._stamp,
+            updated=self._stamp,
+            bearing_track_id=key[1],
+        )
+        if self._configuration.method == RANGE_BANK:
+            self._pairing.begin(target, self._targets)
+        self._targets.append(target)
+        self._target_of[key] = target
+
+    def _leave(self, key: TrackKey) -> None:
+        """Take a bearing track that has ended from its target, which ends with the last one."""
+        target = self._target_of.pop(key)
+        del target.members[key[0]]
+        if target.members:
+            target.bearing_track_id = next(iter(target.members.values()))
+        elif self._configuration.coast_duration == 0.0:
+            self._end(target)
+
+    def _end(self, target: FollowedTarget) -> None:
+        self._targets.remove(target)
+        self._pairing.end(target)
+        self._replace(target, ())
+
+    def _replace(self, target: FollowedTarget, solutions: tuple[TargetSolution, ...]) -> None:
+        """Set the solutions of a target; of sides that are no more the list tells once."""
+        staying = {solution.side for solution in solutions}
+        for solution in target.solutions:
+            if solution.side in target.row_of and solution.side not in staying:
+                self._ended.append(self._row(target, solution, TrackStatus.TERMINATED))
+                del target.row_of[solution.side]
+        target.solutions = solutions
+
+    def _end_coasted(self) -> None:
+        patience = nanoseconds(self._configuration.coast_duration)
+        for target in [one for one in self._targets if not one.members]:
+            if self._stamp - target.updated > patience:
+                self._end(target)
+
+    def _join_stations(self) -> None:
+        for pair in self._pairing.decide():
+            if pair.first in self._targets and pair.second in self._targets:
+                self._join(pair)
+
+    def _join(self, pair: Pair) -> None:
+        first, second = pair.first, pair.second
+        self._pairing.join(pair)
+        if not first.members:
+            first.bearing_track_id = second.bearing_track_id
+        first.members |= second.members
+        for key in second.members.items():
+            self._target_of[key] = first
+        first.solver = pair.solver
+        self._replace(first, pair.solutions)
+        first.judge(self._configuration)
+        self._end(second)
+
+    def _release_misfits(self) -> None:
+        """Give a station that sees another target than the rest its own again."""
+        for target in self._targets:
+            for sensor, count in list(target.misfits.items()):
+                if count >= RELEASED_AFTER and len(target.members) > 1:
+                    key = (sensor, target.members[sensor])
+                    self._leave(key)
+                    target.misfits = {}
+
+    def picture(self) -> PositionTracks:
+        """Return the complete picture at the stamp of the last frame; ended rows are told once."""
+        rows = []
+        for target in self._targets:
+            for solution in target.solutions:
+                if solution.side not in target.row_of:
+                    target.row_of[solution.side] = self._next_id
+                    self._next_id += 1
+                status = target.status(solution, self._stamp, self._configuration)
+                rows.append(self._row(target, solution, status))
+        rows += self._ended
+        self._ended = []
+        return track_list(rows, self._stamp, self._watermark())
+
+    def _row(
+        self, target: FollowedTarget, solution: TargetSolution, status: TrackStatus
+    ) -> TrackRow:
+        return track_row(target, solution, status, self._stamp, self._configuration.acceleration)
+
+    def _watermark(self) -> int:
+        """Nothing earlier than this follows; unknown until every station has reported."""
+        watermarks = [station.next_stamp for station in self._stations.values()]
+        if len(watermarks) < self._n_stations or min(watermarks) <= self._stamp:
+            return UNKNOWN_STAMP
+        return min(watermarks)
+
+
+def _angles(bearings: BearingTracks, view: StationView) -> dict[int, TrackAngle]:
+    """Return where the bearing tracks of a station are, from broadside."""
+    angles = {}
+    for row in np.flatnonzero(bearings.status != TrackStatus.TERMINATED):
+        angle = float(bearings.arrival_angle[row])
+        variance = float(bearings.covariance[row, 0, 0])
+        if abs(angle) <= 2.0 * np.pi and 0.0 <= variance < VAGUEST:
+            cone = view.from_broadside(angle, bearings.angle_kind)
+            angles[int(bearings.id[row])] = TrackAngle(cone, variance)
+    return angles

@@ -1,0 +1,74 @@
+"""Protects: the chain told nothing finds, holds and drops targets that come and go."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sonar_tracking.evaluation.monte_carlo.batch_runner import RunBatch
+from sonar_tracking.evaluation.studies.doa_start.runs import (
+    CONDITIONS,
+    StartBatch,
+    StartCondition,
+    StartRuns,
+    count_differences,
+    start_batch,
+)
+from sonar_tracking.evaluation.studies.doa_start.study import SYSTEM, draw, rows, tasks
+from sonar_tracking.records.bearings import TrackStatus
+
+CONDITION = StartCondition(15, 0.0)
+
+
+@pytest.fixture(scope="module")
+def result() -> StartRuns:
+    seeds = tuple(np.random.SeedSequence(1).spawn(2))
+    return start_batch(StartBatch(CONDITION, RunBatch(0, seeds)))
+
+
+def test_tasks_cover_every_array_and_level() -> None:
+    planned = tasks(3, 1)
+    assert {task.argument.condition for task in planned} == set(CONDITIONS)
+    assert len(CONDITIONS) == 12
+
+
+def test_every_target_is_found_soon_and_nothing_else(result: StartRuns) -> None:
+    (row,) = rows([result])
+    assert (row.system, row.condition) == (SYSTEM, CONDITION.name)
+    metrics = row.metrics
+    assert metrics["targets_never_held"] == 0.0
+    assert metrics["false_tracks_per_hour"] == 0.0
+    assert metrics["lasting_swaps"] == 0.0
+    assert metrics["name_kept_percent"] > 96.0
+    assert metrics["confirmation_delay_s"] < 3.0
+    assert metrics["count_error"] < 0.3
+    assert metrics["rmse_deg"] < 0.5
+
+
+def test_identifiers_are_never_reused(result: StartRuns) -> None:
+    _, tracks = result.example
+    ended: set[int] = set()
+    for entry in tracks:
+        assert not ended & set(entry.id.tolist())
+        ended |= set(entry.id[entry.status == TrackStatus.TERMINATED].tolist())
+    assert len(ended) == 2
+
+
+def test_count_differences_tell_tracks_from_targets(result: StartRuns) -> None:
+    truth, tracks = result.example
+    without = [replace(entry, status=np.zeros_like(entry.status)) for entry in tracks]
+    differences = count_differences(truth, without)
+    assert min(differences) == -5
+    assert max(differences) == -3
+
+
+def test_figure_of_each_array(result: StartRuns, tmp_path: Path) -> None:
+    part = replace(result, condition=replace(CONDITION, n_elements=32))
+    other = replace(result, condition=replace(CONDITION, n_elements=64))
+    results = [result, part, other]
+    pictures = draw(results, rows(results), tmp_path)
+    assert all(path.stat().st_size > 1000 for path in pictures)
+    assert len(pictures) == 3

@@ -1,0 +1,159 @@
+"""Protects the study on real bearings: what is read, what is left out, what comes of it."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.evaluation.studies.ship_bearings.data import read_bearings
+from sonar_tracking.evaluation.studies.ship_bearings.study import (
+    UNLABELLED,
+    PairingPart,
+    locate,
+    pair,
+    ship_bearings,
+    ship_rows,
+)
+from sonar_tracking.evaluation.studies.ship_bearings.tracks import (
+    ANTENNA,
+    BOTH,
+    CROSS,
+    FIXES,
+    SINGLE,
+    SMOOTHED,
+)
+from sonar_tracking.evaluation.studies.study_catalogue import run_study
+
+REAL = Path("../shared/data/harp_ship_bearings")
+DEPTH = 1300.0
+N_SECONDS = 200
+
+
+def circling(seed: int) -> dict[str, Any]:
+    """Return made-up bearings of a ship on a circle, one in ten of them anything."""
+    generator = np.random.default_rng(seed)
+    times = 100.0 + np.arange(N_SECONDS)
+    angle = 0.003 * times
+    ship = 800.0 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    data: dict[str, Any] = {"sound_speed_m_s": np.array(1488.0)}
+    for name, place in (("EE", (0.0, 0.0)), ("EW", (-1000.0, -300.0))):
+        offset = ship - place
+        distance = np.hypot(*offset.T)
+        compass = np.degrees(np.arctan2(offset[:, 0], offset[:, 1]))
+        elevation = np.degrees(np.arctan2(DEPTH, distance))
+        noise = generator.standard_normal((2, N_SECONDS))
+        wild = generator.random(N_SECONDS) < 0.1
+        data |= {
+            f"{name}_t_s": times.copy(),
+            f"{name}_az_deg": compass + noise[0] + np.where(wild, 120.0, 0.0),
+            f"{name}_el_deg": elevation + 0.5 * noise[1],
+            f"{name}_fit_rms_us": np.where(wild, 200.0, 6.0),
+            f"{name}_norm": np.where(wild, 0.8, 1.0),
+            f"{name}_t_suspect": np.zeros(N_SECONDS, dtype=bool),
+            f"{name}_truth_ship_e_m": ship[:, 0],
+            f"{name}_truth_ship_n_m": ship[:, 1],
+            f"{name}_truth_valid": np.ones(N_SECONDS, dtype=bool),
+            f"{name}_array_enu_m": np.array([*place, -DEPTH]),
+        }
+    return data
+
+
+@pytest.fixture
+def made_up(tmp_path: Path) -> Path:
+    path = tmp_path / "bearings.npz"
+    np.savez(path, **circling(1))
+    return path
+
+
+def test_every_way_finds_a_circling_ship(made_up: Path) -> None:
+    rows = ship_rows([locate(made_up)])
+    medians = {(row.system, row.condition): row.metrics["median_m"] for row in rows}
+    assert len(medians) == 14
+    assert medians[SINGLE, "array EE"] < 30.0
+    assert medians[BOTH, "array EE and EW"] < 30.0
+    assert medians[CROSS, "array EE and EW"] < 80.0  # azimuths of 1 deg at up to 1.8 km
+    # The filter beats the single seconds that it is made of, and the smoother the filter.
+    assert medians[BOTH, "array EE and EW"] < medians[FIXES, "array EE"]
+    for way in (CROSS, BOTH):
+        assert medians[SMOOTHED + way, "array EE and EW"] < medians[way, "array EE and EW"]
+
+
+def test_an_antenna_where_the_noise_comes_from_is_found_there(made_up: Path) -> None:
+    rows = {(row.system, row.condition): row.metrics for row in ship_rows([locate(made_up)])}
+    assert abs(rows[ANTENNA + BOTH, "array EE and EW"]["antenna_m"]) < 5.0
+    assert np.isnan(rows[BOTH, "array EE and EW"]["antenna_m"])
+
+
+def test_bearings_without_labels_go_to_their_ships(made_up: Path) -> None:
+    (row,) = ship_rows([pair(PairingPart(made_up, 1))])
+    assert row.system == UNLABELLED
+    assert row.metrics["right_percent"] > 97.0
+    assert row.metrics["made_up_median_m"] < 40.0
+
+
+def test_seconds_with_doubtful_time_are_left_out(tmp_path: Path) -> None:
+    data = circling(2)
+    data["EE_t_suspect"][50] = True
+    data["EE_t_s"][100:110] -= 20.0
+    data["EE_az_deg"][3] = np.nan
+    path = tmp_path / "glitch.npz"
+    np.savez(path, **data)
+    array = read_bearings(path)[0]
+    assert len(array.times) == N_SECONDS - 12
+    assert np.all(np.diff(array.times) > 0.0)
+
+
+def test_a_wrong_file_is_a_sentence(tmp_path: Path) -> None:
+    with pytest.raises(ConfigurationError, match="cannot be read"):
+        read_bearings(tmp_path / "absent.npz")
+    path = tmp_path / "other.npz"
+    np.savez(path, nothing=np.zeros(1))
+    with pytest.raises(ConfigurationError, match="no bearings"):
+        read_bearings(path)
+    with pytest.raises(ConfigurationError, match="--data"):
+        run_study("ship-bearings")
+
+
+def test_pictures_are_drawn(made_up: Path, tmp_path: Path) -> None:
+    tracks = locate(made_up)
+    pictures = ship_bearings(made_up).draw([tracks], ship_rows([tracks]), tmp_path)
+    assert len(pictures) == len(tracks)
+    assert all(picture.stat().st_size > 5_000 for picture in pictures)
+
+
+@pytest.mark.parametrize(
+    ("file", "published"),
+    [
+        (
+            "two_arrays_A",
+            {
+                (SINGLE, "array EE"): 22.0,
+                (SINGLE, "array EW"): 31.0,
+                (CROSS, "array EE and EW"): 25.0,
+                (BOTH, "array EE and EW"): 22.0,
+            },
+        ),
+        ("array_EW_B", {(SINGLE, "array EW"): 31.0}),
+    ],
+)
+def test_the_real_ship_is_found_better_than_by_single_seconds(
+    file: str, published: dict[tuple[str, str], float]
+) -> None:
+    path = REAL / f"{file}.npz"
+    if not path.is_file():
+        pytest.skip(f"{path} is not there")
+    rows = {(row.system, row.condition): row.metrics for row in ship_rows([locate(path)])}
+    for (way, arrays), median in published.items():
+        assert rows[SMOOTHED + way, arrays]["median_m"] < median
+        assert 0.3 < rows[SMOOTHED + way, arrays]["median_nees"] < 2.0
+
+
+def test_real_bearings_without_labels_go_to_their_ships() -> None:
+    path = REAL / "two_arrays_A.npz"
+    if not path.is_file():
+        pytest.skip(f"{path} is not there")
+    (row,) = ship_rows([pair(PairingPart(path, 1))])
+    assert row.metrics["right_percent"] > 99.0
+    assert row.metrics["real_median_m"] < 25.0

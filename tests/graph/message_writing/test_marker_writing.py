@@ -1,0 +1,68 @@
+"""Protects the picture of position tracks: what is drawn, and how large the ellipse is."""
+
+import numpy as np
+import pytest
+from visualization_msgs.msg import Marker
+
+from sonar_tracking.graph.message_writing.marker_writing import (
+    position_markers,
+    uncertainty_ellipse,
+)
+from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.records.positions import PositionTracks, TrackHypothesis, TrackSource
+
+STAMP = 1_767_225_600 * 10**9
+
+
+def tracks(*status: TrackStatus) -> PositionTracks:
+    count = len(status)
+    return PositionTracks(
+        stamp=STAMP,
+        id=np.arange(count, dtype=np.uint64) + (1 << 40),
+        status=np.array(status, np.uint8),
+        source=np.full(count, TrackSource.TMA, np.uint8),
+        state=np.tile([100.0, 200.0, 3.0, -4.0], (count, 1)),
+        covariance=np.tile(np.diag([400.0, 100.0, 1.0, 1.0]), (count, 1, 1)),
+        hypothesis=np.full(count, TrackHypothesis.LEFT, np.uint8),
+        hypothesis_probability=np.full(count, 0.5),
+    )
+
+
+def test_the_ellipse_holds_the_stated_share_and_lies_as_the_errors_do() -> None:
+    turn = np.radians(30.0)
+    rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    covariance = rotation @ np.diag([900.0, 100.0]) @ rotation.T
+    major, minor, azimuth = uncertainty_ellipse(covariance, 0.95)
+    assert (major, minor) == pytest.approx((30.0 * 2.4477, 10.0 * 2.4477), rel=1e-4)
+    assert np.tan(azimuth) == pytest.approx(np.tan(turn))
+    drawn = np.random.default_rng(1).multivariate_normal([0.0, 0.0], covariance, 20_000)
+    along = drawn @ np.array([np.cos(azimuth), np.sin(azimuth)]) / major
+    across = drawn @ np.array([-np.sin(azimuth), np.cos(azimuth)]) / minor
+    assert np.mean(along**2 + across**2 < 1.0) == pytest.approx(0.95, abs=0.01)
+
+
+def test_a_track_is_a_dot_an_arrow_a_name_and_an_ellipse() -> None:
+    markers = position_markers(tracks(TrackStatus.CONFIRMED)).markers
+    assert markers[0].action == Marker.DELETEALL
+    by_name = {marker.ns: marker for marker in markers[1:]}
+    assert set(by_name) == {"position", "velocity", "name", "ellipse"}
+    arrow = by_name["velocity"].points
+    assert (arrow[1].x, arrow[1].y) == (100.0 + 60.0 * 3.0, 200.0 - 60.0 * 4.0)
+    assert by_name["name"].text == str(1 << 40)
+    assert by_name["ellipse"].scale.x == pytest.approx(2.0 * 20.0 * 2.4477, rel=1e-4)
+    assert {marker.header.frame_id for marker in markers} == {"map"}
+    assert by_name["position"].color.a == pytest.approx(0.5)
+
+
+def test_what_has_ended_is_not_drawn_and_the_tentative_is_fainter() -> None:
+    drawn = position_markers(
+        tracks(TrackStatus.TERMINATED, TrackStatus.TENTATIVE, TrackStatus.CONFIRMED)
+    ).markers
+    dots = [marker for marker in drawn if marker.ns == "position"]
+    assert [marker.id for marker in dots] == [1, 2]
+    assert dots[0].color.a < dots[1].color.a
+
+
+def test_an_empty_list_clears_the_picture() -> None:
+    (only,) = position_markers(tracks()).markers
+    assert only.action == Marker.DELETEALL

@@ -1,0 +1,94 @@
+"""Every parameter a user can set comes from a dataclass, and a wrong one never stops a node."""
+
+from __future__ import annotations
+
+import array
+from dataclasses import dataclass
+
+import pytest
+
+from sonar_tracking.configuration import describe, parameter
+from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.graph.catalogue.node_catalogue import NODES, NodeDescription
+from sonar_tracking.graph.node_base.parameters import descriptor, resolve, unknown_overrides
+
+
+@dataclass(frozen=True)
+class Example:
+    """Parameters of every kind."""
+
+    count: int = parameter(3, "how many", minimum=1, maximum=9)
+    gain: float = parameter(0.5, "how much", unit="V", minimum=0.0)
+    method: str = parameter("fast", "which", choices=("fast", "good"))
+    angles_deg: tuple[float, ...] = parameter((1.0,), "where", unit="deg", minimum=-90, maximum=90)
+
+    def __post_init__(self) -> None:
+        if self.method == "good" and self.count > 5:
+            raise ConfigurationError("method good needs a count of at most 5.")
+
+
+def test_valid_overrides_are_taken_in_the_type_of_the_parameter() -> None:
+    given = {"gain": 2, "angles_deg": array.array("q", [10, 20]), "use_sim_time": True}
+    resolved, problems = resolve(Example, given, "node")
+    assert resolved == Example(gain=2.0, angles_deg=(10.0, 20.0))
+    assert isinstance(resolved.gain, float)
+    assert problems == []
+
+
+def test_an_empty_list_arrives_without_a_type() -> None:
+    resolved, problems = resolve(Example, {"angles_deg": None}, "node")
+    assert resolved.angles_deg == () and problems == []
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "sentence"),
+    [
+        ("count", 10, "node.count is 10; it must be between 1 and 9. The default 3 is used."),
+        ("count", 2.5, "node.count is 2.5; it must be a whole number. The default 3 is used."),
+        ("gain", -1.0, "node.gain is -1.0; it must be at least 0 V. The default 0.5 is used."),
+        ("gain", "high", "node.gain is 'high'; it must be a number. The default 0.5 is used."),
+        ("gain", float("nan"), "give a finite number. The default 0.5 is used."),
+        ("method", "best", "it must be one of fast, good. The default 'fast' is used."),
+        ("angles_deg", [0.0, 95.0], "node.angles_deg is 95.0; it must be between -90 and 90 deg."),
+        ("angles_deg", "north", "it must be a list of numbers. The default [1.0] is used."),
+    ],
+)
+def test_a_wrong_value_is_named_and_the_default_kept(
+    name: str, value: object, sentence: str
+) -> None:
+    resolved, problems = resolve(Example, {name: value, "count": 4} | {name: value}, "node")
+    assert getattr(resolved, name) == getattr(Example(), name)
+    assert len(problems) == 1 and sentence in problems[0]
+
+
+def test_a_combination_that_does_not_go_together_is_named() -> None:
+    resolved, problems = resolve(Example, {"method": "good", "count": 6}, "node")
+    assert resolved == Example()
+    assert problems[0].startswith("method good needs a count of at most 5.")
+
+
+def test_unknown_names_get_a_suggestion_and_those_of_ros_are_left_alone() -> None:
+    given = ["coutn", "use_sim_time", "qos_overrides./a.publisher.depth", "gain"]
+    (sentence,) = unknown_overrides([Example], given, "node")
+    assert sentence == "node.coutn is not known; did you mean count? It was ignored."
+
+
+def test_descriptors_tell_range_and_unit() -> None:
+    count, gain, method, angles = (descriptor(each) for each in describe(Example))
+    assert all(each.read_only for each in (count, gain, method, angles))
+    assert (count.integer_range[0].from_value, count.integer_range[0].to_value) == (1, 9)
+    assert gain.floating_point_range[0].from_value == 0.0
+    assert gain.description == "how much [V]"
+    assert "fast, good" in method.additional_constraints
+    assert "-90 and 90" in angles.additional_constraints
+
+
+@pytest.mark.parametrize("node", NODES.values(), ids=lambda node: node.name)
+def test_the_parameters_of_every_node_are_complete(node: NodeDescription) -> None:
+    descriptions = node.parameters
+    names = [description.name for description in descriptions]
+    assert len(set(names)) == len(names)
+    assert {"flow_depth", "reset_after"} <= set(names)
+    for description in descriptions:
+        assert description.description
+        descriptor(description)

@@ -1,0 +1,96 @@
+"""The player publishes recorded inputs in order, in time, and never past the flow window."""
+
+import math
+from typing import Any
+
+import pytest
+
+from sonar_tracking.bags.storage.storage_file import BagMessage
+from sonar_tracking.graph.orchestration.flow_ledger import FlowLedger
+from sonar_tracking.graph.orchestration.graph_plan import CONTROL_NODE
+from sonar_tracking.graph.orchestration.player import CLOCK_PERIOD, Player
+
+BLOCKS, TRACKS = "/array/snapshots", "/passive/bearing_tracks"
+START = 1_767_225_600_000_000_000
+WINDOW = 4
+
+
+class Graph:
+    """Takes what the player publishes, in place of the ROS side."""
+
+    def __init__(self) -> None:
+        self.published: list[tuple[str, bytes]] = []
+        self.clocks: list[int] = []
+        self.ledger = FlowLedger({BLOCKS: ("chain",)}, {BLOCKS: CONTROL_NODE})
+        self.aside: list[BagMessage] = []
+
+    def publish(self, topic: str, data: bytes) -> None:
+        self.published.append((topic, data))
+
+    def publish_clock(self, stamp: int) -> None:
+        self.clocks.append(stamp)
+
+    def player(self, messages: list[BagMessage], rate: float) -> Player:
+        control: Any = self
+        return Player(
+            control,
+            self.ledger,
+            messages,
+            {BLOCKS},
+            self.aside.append,
+            lambda topic, data, wall: None,
+            WINDOW,
+            rate,
+        )
+
+
+def recording(blocks: int) -> list[BagMessage]:
+    messages = []
+    for number in range(blocks):
+        stamp = START + number * CLOCK_PERIOD
+        messages.append(BagMessage(BLOCKS, stamp, b"block %d" % number))
+        messages.append(BagMessage(TRACKS, stamp, b"tracks %d" % number))
+    return messages
+
+
+def test_full_speed_stops_at_the_window_and_goes_on_with_the_consumer() -> None:
+    graph = Graph()
+    player = graph.player(recording(10), math.inf)
+    for _ in range(20):
+        player.advance(0.0)
+    assert len(graph.published) == WINDOW
+    for finished in range(1, 11):
+        graph.ledger.finished("chain", BLOCKS, finished)
+        player.advance(0.0)
+    assert player.finished
+    assert [data for _, data in graph.published] == [b"block %d" % n for n in range(10)]
+    # What is not an input is not published, but handed on; none is forgotten at the end.
+    assert [message.data for message in graph.aside] == [b"tracks %d" % n for n in range(10)]
+    assert graph.clocks == [START + n * CLOCK_PERIOD for n in range(10)]
+    assert player.data_seconds == pytest.approx(0.9)
+
+
+def test_recorded_time_is_kept_at_any_rate() -> None:
+    graph = Graph()
+    player = graph.player(recording(3), 2.0)
+    assert player.advance(10.0) == 0.0
+    assert player.advance(10.0) == pytest.approx(0.05)
+    assert player.advance(10.049) == pytest.approx(0.001)
+    player.advance(10.0501)
+    assert len(graph.published) == 2
+
+
+def test_a_pause_is_not_caught_up() -> None:
+    graph = Graph()
+    player = graph.player(recording(3), 1.0)
+    player.advance(0.0)
+    player.resume(50.0)
+    assert player.advance(50.0) == pytest.approx(0.1)
+
+
+def test_a_recording_without_inputs_is_finished_at_once() -> None:
+    graph = Graph()
+    player = graph.player([BagMessage(TRACKS, START, b"tracks")], 1.0)
+    assert player.finished
+    assert player.data_seconds == 0.0
+    assert len(graph.aside) == 1

@@ -1,0 +1,54 @@
+"""A replay is compared message by message with what was recorded."""
+
+from types import SimpleNamespace
+from typing import Any
+
+from rclpy.serialization import serialize_message
+from std_msgs.msg import Header
+
+from sonar_tracking.bags.storage.storage_file import BagMessage
+from sonar_tracking.graph.orchestration.topic_record import TopicRecord
+from sonar_tracking.graph.verbs.replay_comparison import ReplayComparison
+
+OUTPUT, TRUTH, TYPE = "/passive/bearing_tracks", "/truth/bearing_tracks", "std_msgs/msg/Header"
+
+
+def compared(recorded: list[str], replayed: list[str], recovery: str | None = None) -> str:
+    """Return what is said of one output, given the frames of its messages."""
+    topics = {
+        OUTPUT: SimpleNamespace(type_name=TYPE, role="output"),
+        TRUTH: SimpleNamespace(type_name=TYPE, role="truth"),
+    }
+    bag: Any = SimpleNamespace(topics=topics, recovery=recovery)
+    record = TopicRecord(TYPE, keep_steps=True)
+    truth: list[tuple[str, bytes]] = []
+    comparison = ReplayComparison(bag, {OUTPUT: record}, lambda *taken: truth.append(taken))
+    assert comparison.topics == {OUTPUT, TRUTH}
+    for frame in recorded:
+        comparison.take(BagMessage(OUTPUT, 1, serialize_message(Header(frame_id=frame))))
+    comparison.take(BagMessage(TRUTH, 1, b"truth"))
+    assert truth == [(TRUTH, b"truth")]
+    for frame in replayed:
+        record.add(serialize_message(Header(frame_id=frame)))
+    phrase = comparison.result()[OUTPUT]
+    assert comparison.differs() == (not phrase.startswith("identical"))
+    return phrase
+
+
+def test_equal() -> None:
+    assert compared(["a", "b"], ["a", "b"]) == "identical: 2 messages"
+
+
+def test_the_first_difference_is_numbered() -> None:
+    assert compared(["a", "b", "c"], ["a", "x", "c"]) == "different from message 2 of 3 on"
+
+
+def test_missing_messages_differ() -> None:
+    assert compared(["a", "b"], ["a"]) == "different: 2 messages recorded, 1 replayed"
+    assert compared(["a"], ["a", "b"]) == "different: 1 messages recorded, 2 replayed"
+
+
+def test_a_cut_off_recording_is_compared_as_far_as_it_goes() -> None:
+    phrase = compared(["a"], ["a", "b"], recovery="it was cut off")
+    assert phrase == "identical as far as it was recorded: 1 of 2 messages"
+    assert compared(["a", "b"], ["a"], recovery="it was cut off").startswith("different")

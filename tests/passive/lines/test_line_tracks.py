@@ -1,0 +1,117 @@
+"""Tonal tracks: confirmed by M of N, followed through drift and silence, never renamed."""
+
+import numpy as np
+
+from sonar_tracking.passive.lines.line_tracker_configuration import LineTrackerConfiguration
+from sonar_tracking.passive.lines.line_tracks import HeardLine, LineTracks
+from sonar_tracking.records.time import NANOSECONDS
+
+BIN = 0.5
+DEVIATION = 0.03
+
+
+def heard(frequency: float, track_id: int = 1) -> HeardLine:
+    return HeardLine(track_id, frequency, DEVIATION**2, 100.0)
+
+
+def follow(
+    tracks: LineTracks, frames: list[list[HeardLine]], first: int = 0
+) -> list[list[tuple[int, float]]]:
+    """Feed one frame a second; return identifier and frequency of what each reported."""
+    reports = []
+    for index, frame in enumerate(frames, start=first):
+        tracks.predict(index * NANOSECONDS)
+        reported = tracks.update(index * NANOSECONDS, frame, BIN)
+        reports.append([(line.line_id, peak.frequency) for line, peak in reported])
+    return reports
+
+
+def test_m_detections_among_n_frames_confirm_a_line() -> None:
+    pattern = [True, False, True, False, True, True]
+    frames = [[heard(100.0)] if there else [] for there in pattern]
+    reports = follow(LineTracks(LineTrackerConfiguration()), frames)
+    assert [len(each) for each in reports] == [0, 0, 0, 0, 1, 1]
+
+
+def test_a_peak_that_does_not_come_back_is_forgotten() -> None:
+    tracks = LineTracks(LineTrackerConfiguration())
+    follow(tracks, [[heard(100.0)], [], [], []])
+    assert tracks.lines == ()
+
+
+def test_a_line_is_followed_through_drift_and_a_pause_under_one_name() -> None:
+    """0.03 Hz/s, the drift a turning ship gives to 300 Hz, and 6 s of silence."""
+    times = np.arange(40.0)
+    frames = [[heard(300.0 + 0.03 * time)] if not 20 <= time < 26 else [] for time in times]
+    reports = follow(LineTracks(LineTrackerConfiguration()), frames)
+    assert {line for each in reports for line, _ in each} == {1}
+    assert [len(each) for each in reports] == [0, 0] + [1] * 18 + [0] * 6 + [1] * 14
+
+
+def test_a_line_that_ended_comes_back_under_a_new_name() -> None:
+    frames = [[heard(100.0)]] * 5 + [[]] * 12 + [[heard(100.0)]] * 5
+    tracks = LineTracks(LineTrackerConfiguration(first_id=7))
+    names = [line for each in follow(tracks, frames) for line, _ in each]
+    assert names == [7, 7, 7, 8, 8, 8]
+    tracks.clear()
+    assert follow(tracks, [[heard(50.0)]] * 3, first=30)[-1] == [(9, 50.0)]
+
+
+def test_filtered_frequency_and_drift_are_consistent_with_their_covariance() -> None:
+    """Normalised squared error of a drifting line, mean over 200 runs, is that of 2 numbers."""
+    generator = np.random.default_rng(2)
+    squares = []
+    for _ in range(200):
+        tracks = LineTracks(LineTrackerConfiguration(drift_noise=0.0))
+        drift = 0.05 * generator.standard_normal()
+        noise = DEVIATION * generator.standard_normal(20)
+        follow(tracks, [[heard(200.0 + drift * k + noise[k])] for k in range(20)])
+        (line,) = tracks.lines
+        error = line.state - np.array([200.0 + drift * 19.0, drift])
+        squares.append(error @ np.linalg.solve(line.covariance, error))
+    assert 1.5 < np.mean(squares) < 2.5
+
+
+def test_two_lines_keep_their_names_side_by_side() -> None:
+    frames = [[heard(100.0), heard(101.2)]] * 10
+    reports = follow(LineTracks(LineTrackerConfiguration()), frames)
+    assert reports[-1] == [(1, 100.0), (2, 101.2)]
+
+
+def test_lines_of_two_targets_that_cross_in_frequency_stay_with_their_owners() -> None:
+    times = np.arange(30.0)
+    frames = [[heard(100.0 + 0.05 * time, 1), heard(101.5 - 0.05 * time, 2)] for time in times]
+    tracks = LineTracks(LineTrackerConfiguration())
+    follow(tracks, frames)
+    owner = {line.line_id: (line.track_id, line.state[0]) for line in tracks.lines}
+    assert owner[1][0] == 1 and abs(owner[1][1] - 101.45) < 0.1
+    assert owner[2][0] == 2 and abs(owner[2][1] - 100.05) < 0.1
+
+
+def test_a_line_goes_on_under_its_name_when_only_another_beam_hears_it() -> None:
+    frames = [[heard(100.0, 1)]] * 5 + [[heard(100.0, 2)]] * 5
+    tracks = LineTracks(LineTrackerConfiguration())
+    reports = follow(tracks, frames)
+    assert {line for each in reports for line, _ in each} == {1}
+    assert tracks.lines[0].track_id == 2
+
+
+def test_a_line_known_better_than_half_a_bin_may_still_move_by_that() -> None:
+    """Its source hunts: 0.24 Hz are eight deviations, and less than half a bin."""
+    frames = [[heard(100.0)]] * 20 + [[heard(100.24)]] * 5
+    names = {
+        name for each in follow(LineTracks(LineTrackerConfiguration()), frames) for name, _ in each
+    }
+    assert names == {1}
+
+
+def test_two_lines_nearer_than_their_errors_are_told_apart_by_their_beams() -> None:
+    frames = [[heard(100.0, 1), heard(100.05, 2)]] * 10 + [[heard(100.05, 1), heard(100.0, 2)]]
+    tracks = LineTracks(LineTrackerConfiguration())
+    assert follow(tracks, frames)[-1] == [(1, 100.05), (2, 100.0)]
+
+
+def test_an_old_line_goes_before_a_new_one() -> None:
+    """A peak of noise beside a line is forgotten, although it would fit a peak between better."""
+    frames = [[heard(100.0)]] * 10 + [[heard(100.0), heard(100.1)], [heard(100.06)]]
+    assert follow(LineTracks(LineTrackerConfiguration()), frames)[-1] == [(1, 100.06)]

@@ -1,0 +1,91 @@
+"""Frequencies of lines: without bias, with a variance that is what it says."""
+
+import numpy as np
+import pytest
+
+from sonar_tracking.passive.lines.beam_spectra import element_spectra
+from sonar_tracking.passive.lines.spectral_peaks import SpectralPeaks, find_peaks
+
+N_SAMPLES = 512
+THRESHOLD = np.full(200, 8.0)
+
+
+def spectra(position: np.ndarray, snr: float, generator: np.random.Generator | None) -> np.ndarray:
+    """Return power spectra of one tone each, in bins, at a signal-to-noise ratio on its top."""
+    steps = np.arange(N_SAMPLES)[:, None] / N_SAMPLES
+    amplitude = 4.0 * np.sqrt(0.375 * snr / N_SAMPLES)
+    phase = 1.0 if generator is None else generator.uniform(0.0, 2.0 * np.pi, len(position))
+    samples = amplitude * np.cos(2.0 * np.pi * position * steps + phase)
+    if generator is not None:
+        samples = samples + generator.standard_normal(samples.shape)
+    return np.asarray(np.abs(element_spectra(samples, 0, 200)).T ** 2)
+
+
+def strongest(peaks: SpectralPeaks) -> tuple[float, float, float]:
+    top = int(np.argmax(peaks.signal_to_noise_ratio))
+    return peaks.position[top], peaks.variance[top], peaks.signal_to_noise_ratio[top]
+
+
+def test_without_noise_the_frequency_is_exact() -> None:
+    positions = 100.0 + np.linspace(-0.5, 0.5, 21)
+    found = [
+        strongest(find_peaks(power, THRESHOLD, power))[0] for power in spectra(positions, 1e8, None)
+    ]
+    np.testing.assert_allclose(found, positions, atol=2e-4)
+
+
+@pytest.mark.parametrize("snr_db", [6.0, 8.0, 10.0, 12.0, 15.0, 20.0, 30.0, 45.0])
+def test_the_variance_is_what_it_says(snr_db: float) -> None:
+    """Mean squared error over claimed variance, from just above the threshold on."""
+    generator = np.random.default_rng(6)
+    positions = 100.0 + generator.uniform(-0.5, 0.5, 3000)
+    power = spectra(positions, 10.0 ** (snr_db / 10.0), generator)
+    near = [find_peaks(each, THRESHOLD, each) for each in power]
+    found = [
+        (strongest(peaks), position)
+        for peaks, position in zip(near, positions, strict=True)
+        if len(peaks.bin)
+    ]
+    error = np.array([peak[0] - position for peak, position in found])
+    variance = np.array([peak[1] for peak, _ in found])
+    line = np.abs(error) < 1.5  # noise elsewhere may stand out more than a weak line
+    assert np.mean(line) > (0.7 if snr_db <= 10.0 else 0.99)
+    ratio = np.mean(error[line] ** 2 / variance[line])
+    # At 6 dB only the luckiest third passes the threshold.
+    tolerance = 0.5 if snr_db < 8.0 else 0.2 if snr_db <= 12.0 else 0.1
+    assert ratio == pytest.approx(1.0, abs=tolerance)
+    assert abs(np.mean(error[line])) < 4.0 * np.sqrt(np.mean(variance) / len(error))
+
+
+def test_the_variance_is_near_the_cramer_rao_bound() -> None:
+    """The bound is 6 / (4 pi^2 1.5 snr) bins^2; a Hann frame needs 2.6 to 3.7 times as much."""
+    generator = np.random.default_rng(7)
+    positions = 100.0 + generator.uniform(-0.5, 0.5, 500)
+    bound = 6.0 / (4.0 * np.pi**2 * 1.5 * 1e3)
+    claimed = [
+        strongest(find_peaks(each, THRESHOLD, each))[1]
+        for each in spectra(positions, 1e3, generator)
+    ]
+    assert 2.3 < np.mean(claimed) / bound < 3.9
+
+
+def test_the_level_is_that_of_the_line_between_two_bins_too() -> None:
+    for position in (100.0, 100.25, 100.5):
+        power = spectra(np.array([position]), 1e4, None)[0]
+        assert strongest(find_peaks(power, THRESHOLD, power))[2] == pytest.approx(1e4, rel=1e-2)
+
+
+def test_sidelobes_of_a_strong_line_are_no_lines() -> None:
+    power = spectra(np.array([100.3]), 1e7, None)[0] + 1.0
+    assert len(find_peaks(power, THRESHOLD, power).bin) == 1
+
+
+def test_a_weak_line_beside_a_strong_one_is_found() -> None:
+    power = spectra(np.array([100.3]), 1e4, None)[0] + spectra(np.array([106.0]), 30.0, None)[0]
+    np.testing.assert_allclose(
+        find_peaks(power, THRESHOLD, power).position, [100.3, 106.0], atol=0.05
+    )
+
+
+def test_nothing_above_the_threshold_is_no_line() -> None:
+    assert len(find_peaks(np.ones(200), THRESHOLD, np.ones(200)).bin) == 0

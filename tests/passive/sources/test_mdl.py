@@ -1,0 +1,110 @@
+"""Counting sources: the criterion itself, coherent sources, strong sources that move."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sonar_tracking.geometry import line_array, steering_vectors
+from sonar_tracking.passive.sources.mdl import (
+    counting_snapshots,
+    forward_backward_smoothed,
+    minimum_description_length,
+    source_count,
+)
+from sonar_tracking.passive.sources.moving_source_counting import sample_covariance
+from sonar_tracking.passive.subspaces.covariance_summary import summarise_covariance
+from tests.passive.crossing_scene import (
+    POSITIONS,
+    SAMPLE_PERIOD,
+    WAVENUMBER,
+    block_of,
+    circular_noise,
+    snapshots_of,
+)
+
+FIVE = np.deg2rad([-50.0, -25.0, 0.0, 25.0, 50.0])
+
+
+def test_criterion_by_hand() -> None:
+    # Three eigenvalues, N = 100: MDL(0) = 300 ln(2/1.26), MDL(1) = 0 + 2.5 ln 100, MDL(2) larger.
+    assert minimum_description_length(np.array([4.0, 1.0, 1.0]), 100) == 1
+    assert minimum_description_length(np.array([1.0, 1.0, 1.0]), 100) == 0
+    assert minimum_description_length(np.array([9.0, 4.0, 1.0]), 100) == 2
+
+
+def test_degenerate_spectra_do_not_fail() -> None:
+    assert minimum_description_length(np.zeros(5), 100) == 0
+    assert minimum_description_length(np.array([1.0, 1.0, 0.0, 0.0]), 2) in (0, 1)
+
+
+def test_smoothing_by_hand() -> None:
+    covariance = np.arange(9.0).reshape(3, 3).astype(complex)
+    covariance = covariance + covariance.T
+    smoothed = forward_backward_smoothed(covariance, 2)
+    direct = 0.5 * (covariance[:2, :2] + covariance[1:, 1:])
+    exchanged = direct[::-1, ::-1].conj()
+    assert np.allclose(smoothed, 0.5 * (direct + exchanged))
+
+
+@pytest.mark.parametrize("level_db", [-5.0, 0.0, 10.0])
+def test_separated_sources_are_all_counted(level_db: float) -> None:
+    generator = np.random.default_rng(1)
+    for _ in range(10):
+        data = snapshots_of(generator, np.broadcast_to(FIVE, (200, 5)), level_db)
+        covariance = sample_covariance(data)
+        raw = minimum_description_length(np.linalg.eigvalsh(covariance)[::-1], 200)
+        assert raw == source_count(covariance, 200) == 5
+
+
+def test_coherent_sources_are_one_in_rank_but_two_in_number() -> None:
+    generator = np.random.default_rng(2)
+    vectors = steering_vectors(POSITIONS, np.deg2rad([-10.0, 15.0]), WAVENUMBER)
+    common = circular_noise(generator, 100, 1)
+    data = common * (vectors @ np.array([1.0, np.exp(1j)])) + circular_noise(generator, 100, 15)
+    summary = summarise_covariance(data, 0, block_of(data[:0], 0), None, 0.0)
+    assert (summary.rank, summary.source_count) == (1, 2)
+    assert summary.noise_power == pytest.approx(1.0, rel=0.15)
+
+
+@pytest.mark.parametrize("level_db", [10.0, 20.0])
+def test_strong_moving_sources_are_counted_once(level_db: float) -> None:
+    # At 3 deg/s and 20 dB the whole second of data shows nine sources.
+    generator = np.random.default_rng(3)
+    turn = np.deg2rad(3.0) * np.arange(100)[:, None] * SAMPLE_PERIOD
+    moving = FIVE + turn * np.array([1, -1, 1, -1, 1])
+    for _ in range(10):
+        data = snapshots_of(generator, moving, level_db)
+        summary = summarise_covariance(data, 0, block_of(data[:0], 0), None, np.deg2rad(5.0))
+        assert summary.source_count == 5
+
+
+def test_weak_sources_are_seen_beside_strong_ones() -> None:
+    # The strong one stands still: all snapshots may be used, and the weak ones are found.
+    generator = np.random.default_rng(4)
+    static = np.broadcast_to(FIVE, (100, 5))
+    for _ in range(10):
+        data = snapshots_of(generator, static, [20.0, -3.0, -3.0, -3.0, -3.0])
+        summary = summarise_covariance(data, 0, block_of(data[:0], 0), None, np.deg2rad(5.0))
+        assert summary.source_count == 5
+
+
+@pytest.mark.parametrize("n_elements", [32, 128])
+def test_large_arrays_count_on_few_snapshots(n_elements: int) -> None:
+    generator = np.random.default_rng(5)
+    positions = line_array(n_elements, 0.5)
+    for angles, expected in [(FIVE, 5), (FIVE[:0], 0)]:
+        static = np.broadcast_to(angles, (100, len(angles)))
+        data = snapshots_of(generator, static, 0.0, positions=positions)
+        header = block_of(data[:0], 0, element_positions=positions)
+        summary = summarise_covariance(data, 0, header, None, np.deg2rad(5.0))
+        assert summary.source_count == expected
+
+
+def test_weak_sources_use_all_snapshots() -> None:
+    eigenvalues = np.array([2.0] + [1.0] * 14)
+    turn = np.deg2rad(5.0) * SAMPLE_PERIOD
+    assert counting_snapshots(eigenvalues, 60, POSITIONS, WAVENUMBER, turn) == 60
+    strong = np.array([2000.0] + [1.0] * 14)
+    assert counting_snapshots(strong, 60, POSITIONS, WAVENUMBER, turn) < 20
+    assert counting_snapshots(strong, 60, POSITIONS, WAVENUMBER, 0.0) == 60

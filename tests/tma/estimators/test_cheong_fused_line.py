@@ -1,0 +1,91 @@
+"""Protects the paper's equations 17 to 25 as printed."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sonar_tracking.tma.estimators.cheong_fused_line import (
+    FusedLine,
+    LineReferences,
+    add_references,
+    first_references,
+    fuse_lines,
+    fused_frames,
+)
+from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
+
+NAN = np.nan
+
+
+def measurement(*frequency: float, stamp: int = 1) -> TmaMeasurement:
+    return TmaMeasurement(
+        stamp=stamp,
+        position=np.zeros(2),
+        velocity=np.zeros(2),
+        azimuth=np.array([0.4]),
+        azimuth_variance=np.array(1e-4),
+        frequency=np.array(frequency),
+        frequency_deviation=np.array([1.0, 2.0, 1.0]),
+    )
+
+
+def test_the_virtual_line_is_the_best_heard_at_the_start() -> None:
+    references = first_references(measurement(200.0, 300.0, NAN))
+    assert references.virtual == pytest.approx(200.0)  # 200 / 1 Hz beats 300 / 2 Hz
+    np.testing.assert_array_equal(references.reference, [200.0, 300.0, NAN])
+
+
+def test_lines_are_scaled_and_weighted_by_one_over_sigma() -> None:
+    references = LineReferences(np.array(200.0), np.array([200.0, 300.0, NAN]))
+    fused = fuse_lines(measurement(201.0, 303.0, 400.0), references)
+    # (18): 201 and 202; (19): weights 1 and 1/2; noise of the scaled second line is 4/3 Hz.
+    assert fused.frequency == pytest.approx((201.0 + 0.5 * 202.0) / 1.5)
+    assert fused.frequency_deviation == pytest.approx(np.hypot(1.0, 0.5 * 4 / 3) / 1.5)
+
+
+def test_a_late_line_is_referred_to_the_virtual_line_of_its_first_frame() -> None:
+    frame = measurement(201.0, NAN, 402.0)
+    before = LineReferences(np.array(200.0), np.array([200.0, NAN, NAN]))
+    fused = fuse_lines(frame, before)
+    assert fused.frequency == pytest.approx(201.0)  # (22): not used yet
+    after = add_references(frame, before, fused, np.array(NAN))
+    assert after.reference[2] == pytest.approx(402.0 * 200.0 / 201.0)  # (21)
+    assert np.isnan(after.reference[1])
+
+
+def test_without_any_known_line_the_filter_bridges() -> None:
+    frame = measurement(NAN, NAN, 402.0)
+    before = LineReferences(np.array(200.0), np.array([200.0, NAN, NAN]))
+    after = add_references(frame, before, fuse_lines(frame, before), np.array(199.0))
+    assert after.reference[2] == pytest.approx(402.0 * 200.0 / 199.0)
+
+
+def test_lines_may_all_vanish_and_first_come_late() -> None:
+    estimator = FusedLine()
+    for second, lines in enumerate([(NAN,) * 3, (NAN, 300.0, NAN), (NAN,) * 3, (200.0, NAN, NAN)]):
+        frame = measurement(*lines, stamp=1 + second * 10**9)
+        estimate = estimator.update(frame)
+        assert np.all(np.isfinite(estimate.mean))
+        assert np.all(np.linalg.eigvalsh(estimate.covariance) > 0.0)
+
+
+def test_it_takes_a_batch_of_runs() -> None:
+    frame = measurement(200.0, 300.0, NAN)
+    batch = replace(
+        frame,
+        azimuth=np.array([[0.4], [0.4]]),
+        frequency=np.array([[200.0, 300.0, NAN], [NAN, 300.0, 400.0]]),
+        frequency_deviation=np.tile(frame.frequency_deviation, (2, 1)),
+    )
+    alone, together = FusedLine().update(frame), FusedLine().update(batch)
+    np.testing.assert_allclose(together.mean[0], alone.mean, rtol=1e-12)
+
+
+def test_frames_of_a_batch_estimator_have_the_line_that_the_filter_has() -> None:
+    lines = [(200.0, 300.0, NAN), (201.0, NAN, 402.0), (202.0, NAN, 404.0), (NAN, NAN, NAN)]
+    frames = fused_frames([measurement(*one, stamp=1 + n) for n, one in enumerate(lines)])
+    assert [one.n_lines for one in frames] == [1, 1, 1, 1]
+    # The third line is used from its second frame on, 402 Hz being what 201 Hz was.
+    measured = [float(one.frequency[0]) for one in frames]
+    assert measured == pytest.approx([200.0, 201.0, 202.0, NAN], nan_ok=True)

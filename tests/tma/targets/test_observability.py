@@ -1,0 +1,112 @@
+"""Protects the difference between a solution and its prior."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import scene_of_legs
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.simulation.sensors.tma_scene import TmaRuns, TmaScene, simulate_runs
+from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
+from sonar_tracking.tma.targets.measurement_log import LOG_FRAMES, MeasurementLog
+from sonar_tracking.tma.targets.observability import motion_information, observability
+
+STRAIGHT, TURNING = (90.0,) * 4, (90.0, 0.0, 90.0, 0.0)
+PRIOR = np.diag([20_000.0**2 / 12, 100.0**2, 400.0 / 3, 400.0 / 3])
+
+
+def single(frame: TmaMeasurement) -> TmaMeasurement:
+    return replace(
+        frame,
+        azimuth=frame.azimuth[0],
+        frequency=frame.frequency[0],
+        frequency_deviation=frame.frequency_deviation[0],
+    )
+
+
+def logged(scene: TmaScene) -> tuple[TmaRuns, MeasurementLog]:
+    runs = simulate_runs(replace(scene, acceleration=0.0), np.random.SeedSequence(1).spawn(1))
+    frames = [single(frame) for frame in runs.frames()]
+    log = MeasurementLog(frames[0])
+    for frame in frames:
+        log.append(frame)
+    return runs, log
+
+
+def prior_of(scene: TmaScene) -> FloatArray:
+    """Return the prior laid along the first line of sight."""
+    offset = scene.target[:2] - scene.sensor_position[0]
+    along = offset / np.hypot(*offset)
+    across = np.array([-along[1], along[0]])
+    prior = PRIOR.copy()
+    prior[:2, :2] = PRIOR[0, 0] * np.outer(along, along) + PRIOR[1, 1] * np.outer(across, across)
+    return prior
+
+
+def figure(scene: TmaScene) -> float:
+    runs, log = logged(scene)
+    return observability(runs.truth[0, -1], scene.line_frequency, log.history(), prior_of(scene))
+
+
+def silent(scene: TmaScene) -> TmaScene:
+    return replace(scene, heard=np.zeros_like(scene.heard))
+
+
+def range_bound(scene: TmaScene) -> float:
+    """Return the root of the bound on the last range, without process noise."""
+    runs, log = logged(scene)
+    information = motion_information(runs.truth[0, -1], scene.line_frequency, log.history())
+    covariance = np.linalg.inv(np.linalg.inv(prior_of(scene)) + information)
+    transition = np.eye(4)
+    transition[:2, 2:] = scene.times[-1] * np.eye(2)
+    covariance = transition @ covariance @ transition.T
+    offset = runs.truth[0, -1, :2] - scene.sensor_position[-1]
+    along = offset / np.hypot(*offset)
+    return float(np.sqrt(along @ covariance[:2, :2] @ along))
+
+
+@pytest.mark.parametrize(
+    ("scene", "expected"),
+    [
+        (silent(scene_of_legs(TURNING, 1.0)), 58.0),
+        (silent(scene_of_legs(STRAIGHT, 1.0)), 2599.0),
+        (replace(scene_of_legs(STRAIGHT, 1.0), heard=np.ones((400, 6), bool)), 185.0),
+        (replace(scene_of_legs(STRAIGHT, 0.05), heard=np.ones((400, 6), bool)), 17.0),
+    ],
+)
+def test_the_information_gives_the_known_bounds(scene: TmaScene, expected: float) -> None:
+    assert range_bound(scene) == pytest.approx(expected, rel=0.03)
+
+
+def test_bearings_alone_need_a_turn() -> None:
+    assert figure(silent(scene_of_legs(STRAIGHT, 1.0))) < 0.5
+    assert figure(silent(scene_of_legs(TURNING, 1.0))) > 0.9
+
+
+def test_doppler_replaces_the_turn() -> None:
+    assert figure(scene_of_legs(STRAIGHT, 0.05)) > 0.9
+
+
+def test_doppler_does_not_help_without_bearing_rate() -> None:
+    scene = scene_of_legs(STRAIGHT, 0.05)
+    direction = scene.target[:2] / np.hypot(*scene.target[:2])
+    closing = scene.sensor_velocity[0] - 4.0 * direction
+    scene = replace(scene, target=np.concatenate([scene.target[:2], closing]))
+    assert figure(scene) < 0.05
+
+
+def test_the_log_keeps_its_first_and_its_last_measurements() -> None:
+    _, log = logged(scene_of_legs(STRAIGHT, 1.0))
+    frame = single(
+        next(simulate_runs(scene_of_legs(STRAIGHT, 1.0), [np.random.SeedSequence(1)]).frames())
+    )
+    for second in range(LOG_FRAMES):
+        log.append(replace(frame, stamp=frame.stamp + (1000 + second) * 10**9))
+    times = log.history().times
+    assert len(times) == LOG_FRAMES
+    assert times[0] == 0.0
+    assert times[-1] == pytest.approx(1000.0 + LOG_FRAMES - 1)
+    assert np.all(np.diff(times) > 0.0)
+    log.forget_lines((2,))
+    assert not np.any(log.history().line_information[:, 2])

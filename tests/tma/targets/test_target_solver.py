@@ -1,0 +1,186 @@
+"""Protects the stage of one target: sides, stations, honesty, what it refuses."""
+
+from dataclasses import replace
+from itertools import islice
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sonar_tracking.errors import InputError
+from sonar_tracking.evaluation.studies.tma_frequency_fusion.observability_rows import (
+    target_observations,
+)
+from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import scene_of_legs
+from sonar_tracking.simulation.sensors.tma_scene import TmaRuns, TmaScene, simulate_runs
+from sonar_tracking.tma.targets.target_records import MAXIMUM_LINES, TargetObservation
+from sonar_tracking.tma.targets.target_solver import LEFT, RIGHT, SINGLE, TargetSolver
+
+STRAIGHT, TURNING = (90.0,) * 4, (90.0, 0.0, 90.0, 0.0)
+
+
+def one_run(scene: TmaScene, seed: int = 4) -> TmaRuns:
+    return simulate_runs(scene, [np.random.SeedSequence(seed)])
+
+
+def silent(scene: TmaScene) -> TmaScene:
+    return replace(scene, heard=np.zeros_like(scene.heard))
+
+
+def test_bearings_only_is_unobservable_until_own_ship_turns() -> None:
+    solver, figures = TargetSolver(), []
+    for observation in target_observations(one_run(silent(scene_of_legs(TURNING, 1.0))), 0):
+        (solution,) = solver.update(observation)
+        figures.append(solution.observability)
+        assert solution.observable == (figures[-1] >= 0.5)
+    assert max(figures[20:100]) < 0.5
+    assert figures[200] > 0.9
+    assert solution.side == SINGLE
+
+
+def test_an_unobservable_range_is_not_claimed_to_be_known() -> None:
+    solver = TargetSolver()
+    runs = one_run(silent(scene_of_legs(STRAIGHT, 1.0)))
+    for observation in target_observations(runs, 0):
+        (solution,) = solver.update(observation)
+    assert not solution.observable
+    offset = solution.mean[:2] - observation.position
+    along = offset / np.hypot(*offset)
+    assert np.sqrt(along @ solution.covariance[:2, :2] @ along) > 1000.0
+
+
+def test_both_sides_stand_until_own_ship_turns() -> None:
+    solver = TargetSolver()
+    runs = one_run(silent(scene_of_legs(TURNING, 1.0)))
+    for index, observation in enumerate(target_observations(runs, 0, array=True)):
+        solutions = solver.update(observation)
+        if index < 100:
+            assert [one.side for one in solutions] == [LEFT, RIGHT]
+            assert sum(one.probability for one in solutions) == pytest.approx(1.0)
+        if index == 99:
+            assert 0.2 < solutions[0].probability < 0.8
+    assert [one.side for one in solutions] == [LEFT]
+    error = solutions[0].mean - runs.truth[0, -1]
+    assert error @ np.linalg.solve(solutions[0].covariance, error) < 20.0
+
+
+def test_a_second_station_resolves_side_and_range() -> None:
+    scene = silent(scene_of_legs(STRAIGHT, 1.0))
+    still = np.zeros((400, 2))
+    other = replace(scene, sensor_position=still + np.array([0.0, 3000.0]), sensor_velocity=still)
+    here = target_observations(one_run(scene, 1), 0, array=True, sensor="ship")
+    there = target_observations(one_run(other, 1), 0, sensor="buoy")
+    solver = TargetSolver()
+    for first, second in zip(here, there, strict=True):
+        solver.update(first)
+        solutions = solver.update(second)
+    (solution,) = solutions
+    assert solution.side == LEFT
+    truth = one_run(scene, 1).truth[0, -1]
+    assert np.hypot(*(solution.mean[:2] - truth[:2])) < 100.0
+    assert solution.observable
+
+
+def test_lines_come_and_go_without_end() -> None:
+    solver = TargetSolver()
+    runs = one_run(scene_of_legs(TURNING, 1.0))
+    for index, observation in enumerate(target_observations(runs, 0)):
+        if index < 60:
+            ids = tuple(1000 * (index // 2) + number for number in observation.line_ids)
+            observation = replace(observation, line_ids=ids)
+        (solution,) = solver.update(observation)
+        assert len(solution.line_ids) <= MAXIMUM_LINES
+    heard = [number for _, number in solution.line_ids]
+    for number, frequency in zip(observation.line_ids, observation.frequencies, strict=True):
+        assert solution.source_frequency[heard.index(number)] == pytest.approx(frequency, abs=10.0)
+    assert np.hypot(*(solution.mean[:2] - runs.truth[0, -1, :2])) < 400.0
+
+
+GOOD = TargetObservation(1, "bow", (0.0, 0.0), (6.0, 0.0), (0.5,), 1e-4, (1,), (300.0,), (1.0,))
+
+
+@pytest.mark.parametrize(
+    ("change", "word"),
+    [
+        ({"stamp": 0}, "older"),
+        ({}, "repeats"),
+        ({"position": (np.nan, 0.0)}, "odometry"),
+        ({"azimuths": (np.nan,)}, "azimuths"),
+        ({"azimuth_variance": -1.0}, "variance"),
+        ({"frequencies": (np.nan,)}, "frequency"),
+        ({"frequency_deviations": (-1.0,)}, "frequency"),
+        ({"frequencies": ()}, "length"),
+        (
+            {"line_ids": (1, 1), "frequencies": (1.0, 2.0), "frequency_deviations": (1.0, 1.0)},
+            "twice",
+        ),
+        ({"elevation": 0.1, "elevation_variance": 0.0}, "elevation"),
+        ({"sound_speed": 0.0}, "sound speed"),
+    ],
+)
+def test_bad_observations_are_refused_and_change_nothing(change: dict[str, Any], word: str) -> None:
+    touched, untouched = TargetSolver(), TargetSolver()
+    for solver in (touched, untouched):
+        solver.update(GOOD)
+    with pytest.raises(InputError, match=word):
+        touched.update(replace(replace(GOOD, stamp=GOOD.stamp), **change))
+    after = replace(GOOD, stamp=10**9)
+    expected = untouched.update(after)[0]
+    np.testing.assert_array_equal(touched.update(after)[0].mean, expected.mean)
+
+
+def test_nothing_is_known_before_the_first_azimuth() -> None:
+    solver = TargetSolver()
+    assert solver.update(replace(GOOD, azimuths=())) == ()
+    assert len(solver.update(replace(GOOD, stamp=10**9))) == 1
+
+
+def test_a_track_that_jumps_to_another_target_is_started_anew() -> None:
+    solver = TargetSolver()
+    for second in range(60):
+        azimuth = 0.5 if second < 40 else -2.0
+        (solution,) = solver.update(replace(GOOD, stamp=second * 10**9 + 1, azimuths=(azimuth,)))
+    offset = solution.mean[:2] - GOOD.position
+    assert np.arctan2(offset[1], offset[0]) == pytest.approx(-2.0, abs=0.1)
+
+
+@pytest.mark.parametrize("angle_deg", [37.0, 180.0, 271.3])
+def test_turning_the_scene_turns_both_sides_and_all_that_is_said_of_them(angle_deg: float) -> None:
+    """Sides, travel time and observability too, through own ship's turn, to one part in 1e6."""
+    angle = np.radians(angle_deg)
+    rotation = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    both = np.kron(np.eye(2), rotation)
+    here, there = TargetSolver(), TargetSolver()
+    runs = one_run(scene_of_legs(TURNING, 0.2))
+    for seen in islice(target_observations(runs, 0, array=True), 180):
+        seen = replace(seen, propagation_speed=1500.0)
+        turned = replace(
+            seen,
+            position=tuple(rotation @ seen.position),
+            velocity=tuple(rotation @ seen.velocity),
+            azimuths=tuple(np.array(seen.azimuths) + angle),
+        )
+        solutions, others = here.update(seen), there.update(turned)
+        assert [one.side for one in solutions] == [one.side for one in others]
+        for one, other in zip(solutions, others, strict=True):
+            covariance = both @ one.covariance @ both.T
+            scale = np.sqrt(np.diagonal(covariance))
+            error = (other.mean - both @ one.mean) / np.abs(np.linalg.norm(one.mean))
+            np.testing.assert_allclose(error, 0.0, atol=1e-6)
+            np.testing.assert_allclose(
+                (other.covariance - covariance) / np.outer(scale, scale), 0.0, atol=1e-6
+            )
+            assert other.probability == pytest.approx(one.probability, rel=1e-6)
+            assert other.observability == pytest.approx(one.observability, rel=1e-6, abs=1e-9)
+    assert len(solutions) == 1
+
+
+def test_mirror_images_are_equally_observable() -> None:
+    """Own ship straight on: nothing tells the sides apart; each goes back to its own azimuth."""
+    solver = TargetSolver()
+    runs = one_run(scene_of_legs(STRAIGHT, 0.05))
+    for seen in islice(target_observations(runs, 0, array=True), 150):
+        left, right = solver.update(seen)
+    assert 0.1 < left.observability < 0.99
+    assert right.observability == pytest.approx(left.observability, rel=1e-6)
+    np.testing.assert_allclose(right.mean * [1.0, -1.0, 1.0, -1.0], left.mean, rtol=1e-6)
