@@ -74,7 +74,7 @@ class TentativeTrack:
         times = seconds(np.array(self.stamps, dtype=np.int64) - stamp)
         design = np.stack([np.ones_like(times), times], axis=-1)
         weights = 1.0 / np.array(self.variances)
-        covariance: FloatArray = np.linalg.inv(design.T @ (weights[:, None] * design))
+        covariance = np.asarray(np.linalg.inv(design.T @ (weights[:, None] * design)), np.float64)
         return covariance @ (design.T @ (weights * np.array(self.angles))), covariance
 
 
