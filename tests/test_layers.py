@@ -1,0 +1,164 @@
+"""Protects the layers: a file imports from its own room and from rooms below it, never from above.
+
+Rooms are listed once, here, from the ground up; so no two rooms can import each other. Within a
+room no circle of files is allowed either.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+SOURCE = Path(__file__).resolve().parents[1] / "src"
+PACKAGE = "sonar_tracking"
+
+ROOMS = (
+    "errors",
+    "resources",
+    "configuration",
+    # what flows between the stages, and the mathematics they share
+    "records",
+    "geometry",
+    "motion",
+    "own_ship_interpolation",
+    "filtering",
+    # stages, one package each, independent of one another
+    "passive.directions",
+    "passive.sources",
+    "passive.subspaces",
+    "passive.near_field",
+    "passive.performance",
+    "passive.bearings",
+    "passive.lines",
+    "passive",
+    "tma.estimators",
+    "tma.batch",
+    "tma.performance",
+    "tma.targets",
+    "tma",
+    "active.contacts",
+    "active.detection",
+    "active.tracks",
+    "active.association",
+    "active.baselines",
+    "active",
+    # the world, and what sensors receive of it
+    "simulation.scenarios",
+    "simulation.signals",
+    "simulation.sensors",
+    "simulation",
+    # files
+    "message_reading",
+    "bags.storage",
+    "bags.importers",
+    "bags",
+    # Monte Carlo over the layers below
+    "evaluation.metrics",
+    "evaluation.monte_carlo",
+    "evaluation.offline",
+    "evaluation.studies.doa_fusion",
+    "evaluation.studies.doa_coherent",
+    "evaluation.studies.doa_start",
+    "evaluation.studies.detection_threshold",
+    "evaluation.studies.multi_target_clutter",
+    "evaluation.studies.maritime_contacts",
+    "evaluation.studies.room_array",
+    "evaluation.studies.ship_bearings",
+    "evaluation.studies.tma_frequency_fusion",
+    "evaluation.studies",
+    "evaluation.bench",
+    "evaluation",
+    # people
+    "display",
+    "graph.catalogue",
+    "graph.message_writing",
+    "graph.node_base",
+    "graph.nodes",
+    "graph.orchestration",
+    "graph.verbs",
+    "graph",
+    "cli",
+    "",
+)
+"""From the ground up; a file belongs to the longest name it begins with."""
+
+ROOMS_WITH_ROS = ("graph.message_writing", "graph.node_base", "graph.nodes", "graph.orchestration")
+"""Where ROS may be imported; anything else works without."""
+
+STAGES = {"passive", "tma", "active"}
+
+
+def module_name(path: Path) -> str:
+    """Return the name of a module below the package, e.g. ``passive.subspaces.past``."""
+    parts = path.relative_to(SOURCE / PACKAGE).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+FILES = {module_name(path): path for path in sorted((SOURCE / PACKAGE).rglob("*.py"))}
+PACKAGES = {name for name, path in FILES.items() if path.name == "__init__.py"}
+
+
+def room_of(module: str) -> str:
+    """Return the room of a module."""
+    return max((r for r in ROOMS if f"{module}.".startswith(f"{r}." if r else "")), key=len)
+
+
+def imports_of(path: Path) -> Iterator[str]:
+    """Yield the full name of every module a file imports, wherever in the file it does so."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            for alias in node.names:
+                below = f"{node.module}.{alias.name}".removeprefix(f"{PACKAGE}.")
+                yield f"{PACKAGE}.{below}" if below in FILES else node.module
+
+
+def own_imports(module: str) -> set[str]:
+    """Return the modules of the package that a module imports."""
+    names = {name for name in imports_of(FILES[module]) if name.startswith(f"{PACKAGE}.")}
+    return {name.removeprefix(f"{PACKAGE}.") for name in names} - {module}
+
+
+def test_every_package_is_a_room() -> None:
+    unknown = [name for name in PACKAGES if name not in ROOMS]
+    assert not unknown, f"give {unknown} a place among the rooms"
+
+
+def test_imports_go_down() -> None:
+    height = {module: ROOMS.index(room_of(module)) for module in FILES}
+    upward = {
+        f"{module} imports {name} from above"
+        for module in FILES
+        for name in own_imports(module)
+        if height[name] > height[module]
+    }
+    assert not upward
+
+
+def test_no_circle_of_files() -> None:
+    # A circle raises, and names its files.
+    TopologicalSorter({module: own_imports(module) for module in FILES}).prepare()
+
+
+def test_stages_know_nothing_of_one_another() -> None:
+    across = {
+        f"{module} imports {name}"
+        for module in FILES
+        for name in own_imports(module)
+        if {module.partition(".")[0], name.partition(".")[0]} <= STAGES
+        and module.partition(".")[0] != name.partition(".")[0]
+    }
+    assert not across
+
+
+def test_ros_is_imported_by_the_graph_alone() -> None:
+    with_ros = {
+        module
+        for module, path in FILES.items()
+        if any(name.partition(".")[0] == "rclpy" for name in imports_of(path))
+    }
+    assert with_ros
+    assert {room_of(module) for module in with_ros} <= {*ROOMS_WITH_ROS}
