@@ -5,10 +5,13 @@ All metadata are here: a [project] table in pyproject.toml would make colcon ign
 
 import sys
 from pathlib import Path
+from typing import Any
+from xml.etree.ElementTree import parse
 
 from setuptools import find_packages, setup
 
 PACKAGE = "sonar_tracking"
+VERSION = parse("package.xml").findtext("version")
 NODES = (
     "array_simulator",
     "hydrophone_simulator",
@@ -43,9 +46,43 @@ def files_below(folder: str) -> list[tuple[str, list[str]]]:
     return [(f"share/{PACKAGE}/{directory}", files) for directory, files in contents.items()]
 
 
+def requirements_of_pip() -> dict[str, Any]:
+    """Return what pip has to install: least versions are those of Ubuntu 24.04, if it has any."""
+    run = [
+        "backports.zstd>=1,<2",
+        "lz4>=4,<5",
+        "mcap>=1.2,<2",
+        "numpy>=1.26,<3",
+        "PyYAML>=6,<7",
+        "rich>=13.7,<16",
+        "rosbags>=0.10.10,<0.12",
+        "scipy>=1.11,<2",
+        "typer>=0.9,<1",
+    ]
+    plot = ["matplotlib>=3.6,<4"]
+    studies = [*plot, "dask>=2024.1", "distributed>=2024.1"]
+    return {
+        "install_requires": run,
+        "extras_require": {
+            # On a machine without ROS 2: rclpy and all messages as wheels (Linux on x86-64).
+            "ros": [f"sonar-tracking-msgs=={VERSION}"],
+            "plot": plot,
+            "display": plot,
+            "studies": studies,
+            "test": [*studies, *pinned("test.txt")],
+        },
+    }
+
+
+def pinned(name: str) -> list[str]:
+    """Read the exact versions tests and documentation are made with."""
+    lines = Path("requirements", name).read_text().splitlines()
+    return [line for line in lines if line and not line.startswith("#")]
+
+
 setup(
     name=PACKAGE,
-    version="0.1.0",
+    version=VERSION,
     description="Sonar tracking as a ROS 2 graph",
     author="The sonar_tracking developers",
     maintainer="The sonar_tracking developers",
@@ -66,4 +103,6 @@ setup(
         "console_scripts": command + (node_executables if is_colcon else []),
         "sonar_tracking.nodes": node_executables,
     },
+    # rosdep installs what package.xml names; and a program that colcon makes must not ask for more.
+    **({} if is_colcon else requirements_of_pip()),
 )

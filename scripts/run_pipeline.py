@@ -6,7 +6,12 @@ The same as ``sonar-tracking run``; try ``--help``.
 
 import sys
 
-from sonar_tracking.cli import main
+try:
+    from sonar_tracking.cli import main
+except ImportError as error:
+    if error.name != "sonar_tracking":
+        raise
+    sys.exit(f"{error}: start ./scripts/run.sh instead, which makes what is needed.")
 
 if __name__ == "__main__":
     sys.argv.insert(1, "run")

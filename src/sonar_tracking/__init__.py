@@ -9,4 +9,21 @@ Conventions, stated once for the whole package:
 - Stamps are integer nanoseconds since the epoch of the data; intervals are float seconds.
 """
 
-__version__ = "0.1.0"
+import sys
+
+if sys.version_info[:2] < (3, 10):  # noqa: UP036  (a sentence, where nothing else asks)
+    raise ImportError(
+        f"sonar_tracking needs Python 3.10 to 3.13, and this is {sys.version.split()[0]}",
+        name="sonar_tracking",
+    )
+
+
+def __getattr__(name: str) -> str:
+    """Look up ``__version__`` in package.xml, the one place where it is written."""
+    if name != "__version__":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from xml.etree.ElementTree import parse
+
+    from sonar_tracking.resources import find_resource
+
+    return parse(find_resource("package.xml")).findtext("version", "unknown")
