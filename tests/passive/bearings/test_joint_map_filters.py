@@ -13,7 +13,7 @@ from sonar_tracking.passive.bearings.bearing_tracker_stage import (
     BearingTrackerConfiguration,
     BearingTrackerStage,
 )
-from sonar_tracking.passive.bearings.joint_map_filters import JointFilters
+from sonar_tracking.passive.bearings.joint_map_filters import JointMapFilters
 from sonar_tracking.passive.subspaces.subspace_stage import SubspaceConfiguration, SubspaceStage
 from sonar_tracking.records.bearings import BearingTracks, SubspaceEstimates, TrackStatus
 from tests.passive.block_scene import noise_colour
@@ -129,8 +129,8 @@ def test_covariances_are_right_without_being_told_how_bearings_turn(level_db: fl
 def test_fast_bearings_are_given_room_to_turn_unless_the_noise_is_told() -> None:
     def grown(rate_deg: float, **changes: object) -> float:
         mean = np.array([[0.0, np.deg2rad(rate_deg)]])
-        filters = JointFilters(given(**changes))
-        state = filters.predicted(filters.started(KalmanState(mean, np.zeros((1, 2, 2)))), 1.0)
+        filters = JointMapFilters(given(**changes))
+        state = filters.predict(filters.start(KalmanState(mean, np.zeros((1, 2, 2)))), 1.0)
         return float(np.rad2deg(np.rad2deg(state.covariance[1, 1])))
 
     default = DEFAULT_PROCESS_NOISE
@@ -229,12 +229,12 @@ def test_silence_and_data_without_noise_are_no_harm(method: str) -> None:
 
 
 def test_more_targets_leave_the_others_as_they_are() -> None:
-    filters = JointFilters(given())
+    filters = JointMapFilters(given())
     generator = np.random.default_rng(9)
     first = KalmanState(generator.standard_normal((2, 2)), np.array([np.eye(2), 2 * np.eye(2)]))
     second = KalmanState(generator.standard_normal((1, 2)), np.array([[[3.0, 0.5], [0.5, 1.0]]]))
-    joint = filters.predicted(filters.started(first), 1.0)
-    grown = filters.extended(joint, second)
+    joint = filters.predict(filters.start(first), 1.0)
+    grown = filters.extend(joint, second)
     assert grown.mean.shape == (6,)
     kept = np.ix_([0, 1, 3, 4], [0, 1, 3, 4])
     assert np.array_equal(grown.covariance[kept], joint.covariance)
@@ -244,7 +244,7 @@ def test_more_targets_leave_the_others_as_they_are() -> None:
     assert np.array_equal(targets.covariance[2:], second.covariance)
     assert np.abs(grown.covariance[[2, 5]][:, [0, 1, 3, 4]]).max() == 0.0
     assert filters.targets(
-        filters.started(KalmanState(np.empty((0, 2)), np.empty((0, 2, 2))))
+        filters.start(KalmanState(np.empty((0, 2)), np.empty((0, 2, 2))))
     ).mean.shape == (0, 2)
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from sonar_tracking.filtering.constant_velocity import process_noise_matrix, transition_matrix
 from sonar_tracking.filtering.kalman import KalmanState, predict, update
-from sonar_tracking.passive.bearings.joint_map_update import joint_prediction, joint_update
+from sonar_tracking.passive.bearings.joint_map_update import predict_jointly, update_jointly
 from sonar_tracking.passive.directions.signal_subspace import signal_subspace
 from sonar_tracking.passive.directions.weighted_subspace_fit import (
     SubspaceFit,
@@ -42,7 +42,7 @@ def test_linear_block_is_a_kalman_update(age: float) -> None:
     generator = np.random.default_rng(2)
     root = generator.standard_normal((3, 3))
     information, measured = root @ root.T + np.eye(3), generator.standard_normal(3)
-    updated = joint_update(state, age, lambda at: linear_fit(measured - at, information))
+    updated = update_jointly(state, age, lambda at: linear_fit(measured - at, information))
     matrix = np.asarray(np.kron([[1.0, -age]], np.eye(3)), dtype=np.float64)
     noise = np.asarray(np.linalg.inv(information), dtype=np.float64)
     expected = update(state, measured, matrix, noise).state
@@ -55,7 +55,7 @@ def test_prediction_is_that_of_every_target() -> None:
         np.array([[0.1, 0.01], [0.3, -0.02]]), np.array([np.diag([4.0, 1.0]), np.eye(2)])
     )
     joint = KalmanState(each.mean.T.reshape(4), np.diag([4.0, 1.0, 1.0, 1.0]))
-    predicted = joint_prediction(joint, 2.0, 0.5)
+    predicted = predict_jointly(joint, 2.0, 0.5)
     expected = predict(each, transition_matrix(2.0), process_noise_matrix(0.5, 2.0))
     assert np.allclose(predicted.mean.reshape(2, 2).T, expected.mean)
     for target in range(2):
@@ -67,7 +67,7 @@ def test_prediction_is_that_of_every_target() -> None:
 def test_block_that_says_nothing_leaves_the_prior() -> None:
     state = some_state(3)
     nothing = SubspaceFit(score=np.zeros(3), information=np.zeros((3, 3)))
-    updated = joint_update(state, 0.5, lambda at: nothing)
+    updated = update_jointly(state, 0.5, lambda at: nothing)
     assert np.allclose(updated.mean, state.mean)
     assert np.allclose(updated.covariance, state.covariance)
 
@@ -76,7 +76,7 @@ def test_singular_information_moves_only_what_it_is_about() -> None:
     # Of two targets at one place a block tells only where both are.
     state = KalmanState(np.array([0.1, 0.1, 0.0, 0.0]), 1e-4 * np.eye(4))
     information = 1e6 * np.ones((2, 2))
-    updated = joint_update(
+    updated = update_jointly(
         state, 0.0, lambda at: linear_fit(np.array([0.11, 0.11]) - at, information)
     )
     assert np.allclose(updated.mean[:2], 0.11, atol=1e-4)
@@ -90,7 +90,7 @@ def test_covariance_stays_one_and_shrinks(separation_deg: float) -> None:
     subspace = signal_subspace(sampled_covariance(4, INCOHERENT, n_snapshots=200), 2)
     angles = np.deg2rad([-4.0, -4.0 + separation_deg])
     state = KalmanState(np.append(angles, [0.0, 0.0]), np.diag([1e-3, 1e-3, 1e-4, 1e-4]))
-    updated = joint_update(
+    updated = update_jointly(
         state, 0.5, lambda at: weighted_subspace_fit(subspace, 200, POSITIONS, at, WAVENUMBER)
     )
     assert np.isfinite(updated.mean).all()
@@ -106,7 +106,7 @@ def test_vague_prior_gives_the_angles_of_the_block(sources: ComplexArray, rank: 
     state = KalmanState(np.append(ANGLES + 0.01, [0.0, 0.0]), 0.02**2 * np.eye(4))
     for _ in range(3):
         vague = KalmanState(state.mean, 0.02**2 * np.eye(4))
-        state = joint_update(
+        state = update_jointly(
             vague, 0.0, lambda at: weighted_subspace_fit(subspace, 2000, POSITIONS, at, WAVENUMBER)
         )
     errors = state.mean[:2] - ANGLES
@@ -125,6 +125,6 @@ def test_order_of_the_targets_does_not_matter() -> None:
     def fit(at: FloatArray) -> SubspaceFit:
         return weighted_subspace_fit(subspace, 64, POSITIONS, at, WAVENUMBER)
 
-    first, second = joint_update(state, 0.3, fit), joint_update(swapped, 0.3, fit)
+    first, second = update_jointly(state, 0.3, fit), update_jointly(swapped, 0.3, fit)
     assert np.allclose(first.mean[order], second.mean, atol=1e-12)
     assert np.allclose(first.covariance[np.ix_(order, order)], second.covariance, atol=1e-12)

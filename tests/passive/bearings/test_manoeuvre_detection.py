@@ -32,7 +32,7 @@ def levels_of(measurements: FloatArray, interval: float, variance: float) -> Flo
         )
         state = update(before, measured[:, None], MATRIX, np.array([[variance]])).state
         resolved = np.ones(n_targets, dtype=bool)
-        manoeuvres = manoeuvres.updated(before, state, 0.0, interval, resolved)
+        manoeuvres = manoeuvres.update(before, state, 0.0, interval, resolved)
         levels.append(manoeuvres.level)
     return np.array(levels)
 
@@ -60,7 +60,7 @@ def test_what_the_array_does_not_resolve_is_held() -> None:
     before = KalmanState(np.zeros((2, 2)), np.broadcast_to(np.eye(2), (2, 2, 2)))
     after = KalmanState(np.full((2, 2), 5.0), 0.5 * before.covariance)
     held = Manoeuvres(np.array([1.0, -1.0]), np.array([1, 0]), np.zeros(2, dtype=bool))
-    told = held.updated(before, after, 0.0, 1.0, np.array([False, True]))
+    told = held.update(before, after, 0.0, 1.0, np.array([False, True]))
     assert (told.deviation[0], told.level[0]) == (1.0, 1)
     assert told.level[1] == 1
     assert told.held.tolist() == [True, False]
@@ -70,15 +70,15 @@ def test_what_the_array_does_not_resolve_is_held() -> None:
 def test_an_update_that_tells_nothing_changes_nothing() -> None:
     state = KalmanState(np.zeros((1, 2)), np.eye(2)[None])
     held = Manoeuvres(np.array([2.5]), np.array([1]), np.array([False]))
-    told = held.updated(state, state, 0.0, 1.0, np.array([True]))
+    told = held.update(state, state, 0.0, 1.0, np.array([True]))
     assert (told.deviation[0], told.level[0]) == (2.5, 1)
 
 
 def test_new_targets_are_steady_and_rows_follow_their_targets() -> None:
-    grown = Manoeuvres(np.array([3.0]), np.array([2]), np.array([True])).extended(2)
+    grown = Manoeuvres(np.array([3.0]), np.array([2]), np.array([True])).extend(2)
     assert grown.level.tolist() == [2, 0, 0]
     assert grown.held.tolist() == [True, False, False]
-    assert grown.kept(np.array([1, 0])).deviation.tolist() == [0.0, 3.0]
+    assert grown.keep(np.array([1, 0])).deviation.tolist() == [0.0, 3.0]
 
 
 def test_passing_needs_noise_like_the_cube_of_the_rate() -> None:

@@ -12,8 +12,8 @@ from sonar_tracking.passive.bearings.track_existence import (
     FLOOR,
     Evidence,
     existence_evidence,
-    unresolved,
 )
+from sonar_tracking.passive.directions.sources_at_angles import unresolved
 from sonar_tracking.records.bearings import SubspaceEstimates
 from tests.passive.block_scene import COHERENT, INCOHERENT, exact_covariance, noise_colour
 from tests.passive.crossing_scene import FREQUENCY, POSITIONS, SAMPLE_PERIOD, SOUND_SPEED
@@ -68,7 +68,7 @@ def test_nothing_is_told_of_tracks_the_array_does_not_resolve() -> None:
     evidence = existence_evidence(estimates_of(INCOHERENT), angles, np.zeros(3), 1.0)
     assert np.isnan(evidence.log_ratio).tolist() == [False, True, True]
     probability = np.full(3, 0.5)
-    assert evidence.updated(probability, 1.0, 1.5)[1:] == pytest.approx(0.5)
+    assert evidence.update(probability, 1.0, 1.5)[1:] == pytest.approx(0.5)
     assert unresolved(angles, angles, estimates_of(INCOHERENT)).sum() == 5
 
 
@@ -85,16 +85,16 @@ def test_probability_stays_between_floor_and_ceiling() -> None:
     for log_ratio, bound in ((500.0, CEILING), (-500.0, FLOOR)):
         probability = np.array([0.5])
         for _ in range(60):
-            probability = Evidence(np.array([log_ratio])).updated(probability, 1.0, 1.5)
+            probability = Evidence(np.array([log_ratio])).update(probability, 1.0, 1.5)
         assert probability == pytest.approx(bound)
 
 
 def test_silence_counts_by_its_duration_and_not_by_its_number_of_blocks() -> None:
     silent = Evidence(np.array([-np.inf]))
-    long = silent.updated(np.array([0.99]), 2.0, 1.5)
+    long = silent.update(np.array([0.99]), 2.0, 1.5)
     short = np.array([0.99])
     for _ in range(20):
-        short = silent.updated(short, 0.1, 1.5)
+        short = silent.update(short, 0.1, 1.5)
     # The odds fall by e in each silence_time.
     assert short == pytest.approx(long)
     assert long / (1.0 - long) == pytest.approx(99.0 * np.exp(-2.0 / 1.5))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sonar_tracking.passive.sources.moving_source_counting import sample_covariance
-from sonar_tracking.passive.sources.weak_source_counting import RecentCovariances, believed_sources
+from sonar_tracking.passive.sources.weak_source_counting import WeakSourceCounter, believed_sources
 from sonar_tracking.records.bearings import SubspaceEstimates
 from tests.passive.block_scene import noise_colour
 from tests.passive.crossing_scene import (
@@ -46,11 +46,11 @@ def counted(
         covariance_snapshots=N,
         noise_covariance=noise_covariance,
     )
-    recent, counts = RecentCovariances(counted_together=together), []
+    counter, counts = WeakSourceCounter(counted_together=together), []
     for number, block in enumerate(data.reshape(-1, N, len(POSITIONS))):
         middle = round(number * N * SAMPLE_PERIOD * 1e9)
-        recent = recent.with_newest(middle, sample_covariance(block))
-        counts.append(recent.n_sources(estimates, fastest))
+        counter = counter.add(middle, sample_covariance(block))
+        counts.append(counter.count(estimates, fastest))
     return counts
 
 
@@ -84,14 +84,14 @@ def test_noise_alone_is_no_source(correlation: float) -> None:
 
 def test_only_the_newest_that_are_counted_on_are_kept() -> None:
     for together, kept in ((None, (5, 6, 7, 8)), (1, (8,)), (3, (6, 7, 8)), (16, tuple(range(9)))):
-        recent = (
-            RecentCovariances()
+        counter = (
+            WeakSourceCounter()
             if together is None
-            else RecentCovariances(counted_together=together)
+            else WeakSourceCounter(counted_together=together)
         )
         for number in range(9):
-            recent = recent.with_newest(number, np.full((2, 2), number, dtype=complex))
-        assert recent.middles == kept
+            counter = counter.add(number, np.full((2, 2), number, dtype=complex))
+        assert counter.middles == kept
 
 
 def test_longer_means_show_weaker_sources_where_none_moves_fast() -> None:

@@ -1,7 +1,8 @@
 """The interface of the filters behind the bearing tracker: frozen state in, frozen state out.
 
 What the stage sees are targets with angle and rate each, ``KalmanState`` of shapes (..., n, 2) and
-(..., n, 2, 2); how the filters of all targets are kept together is a matter of their own.
+(..., n, 2, 2), in rad and rad/s; how the filters of all targets are kept together is a matter of
+their own.
 """
 
 from __future__ import annotations
@@ -9,13 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from sonar_tracking.errors import Notice
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.passive.bearings.bearing_measurement import BearingMeasurement
-from sonar_tracking.records.arrays import ComplexArray
+from sonar_tracking.records.arrays import ComplexArray, IndexArray
 from sonar_tracking.records.bearings import SubspaceEstimates
 
 FilterState = TypeVar("FilterState", bound=KalmanState)
@@ -43,29 +41,29 @@ class FilterUpdate:
 class BearingFilters(Protocol[FilterState]):
     """The filters of all targets, whose state may be more than angles and rates."""
 
-    def started(self, targets: KalmanState) -> FilterState:
+    def start(self, targets: KalmanState) -> FilterState:
         """Return the filters of uncorrelated targets, shapes (..., n, 2) and (..., n, 2, 2)."""
         ...
 
-    def extended(self, filters: FilterState, targets: KalmanState) -> FilterState:
+    def extend(self, filters: FilterState, targets: KalmanState) -> FilterState:
         """Return the filters with more targets, uncorrelated with those there are."""
         ...
 
-    def kept(self, filters: FilterState, rows: NDArray[np.intp]) -> FilterState:
-        """Return the filters of some of the targets, by their rows."""
+    def keep(self, filters: FilterState, rows: IndexArray) -> FilterState:
+        """Return the filters of some of the targets, by their rows, shape (n_kept,)."""
         ...
 
-    def predicted(self, filters: FilterState, interval: float) -> FilterState:
+    def predict(self, filters: FilterState, interval: float) -> FilterState:
         """Return the filters after an interval in s."""
         ...
 
-    def updated(
+    def update(
         self,
         filters: FilterState,
         estimates: SubspaceEstimates,
         sources: ComplexArray | None,
     ) -> FilterUpdate:
-        """Return the filters, of one target at least, after an estimate.
+        """Measure every target, of one at least, and return the filters after it.
 
         Parameters
         ----------
@@ -74,7 +72,7 @@ class BearingFilters(Protocol[FilterState]):
         estimates : SubspaceEstimates
             What was measured.
         sources : ndarray, shape (..., n_targets, n_targets), complex, or None
-            Covariance of the sources at the predictions; None = not known.
+            Covariance of the sources at the predictions, linear power; None = not known.
         """
         ...
 

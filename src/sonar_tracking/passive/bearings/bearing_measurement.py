@@ -12,6 +12,7 @@ import numpy as np
 
 from sonar_tracking.geometry import wavenumber
 from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
+    SQUARE_DEGREE,
     BearingTrackerConfiguration,
 )
 from sonar_tracking.passive.directions.angular_innovation import angular_innovations
@@ -22,19 +23,9 @@ from sonar_tracking.passive.directions.measurement_fusion import (
     independent_variance_ratio,
     mean_age,
 )
-from sonar_tracking.passive.performance.fisher_information import (
-    source_covariance,
-    stochastic_fisher_information,
-)
+from sonar_tracking.passive.directions.sources_at_angles import fisher_variance
 from sonar_tracking.records.arrays import ComplexArray, FloatArray
 from sonar_tracking.records.bearings import SubspaceEstimates
-
-_SQUARE_DEGREE = float(np.deg2rad(1.0) ** 2)
-
-PRIOR_VARIANCE = 900.0 * _SQUARE_DEGREE
-"""Variance of a bearing of which the data say nothing, rad^2: bounds R at crossings and endfire."""
-
-_LEAST_NOISE_SHARE = 1e-12
 
 
 @dataclass(frozen=True)
@@ -59,7 +50,7 @@ class BearingMeasurement:
     age: float
 
 
-def measured_bearings(
+def measure_in_subspaces(
     configuration: BearingTrackerConfiguration,
     estimates: SubspaceEstimates,
     predicted_angles: FloatArray,
@@ -77,7 +68,7 @@ def measured_bearings(
     predicted_angles, predicted_rates : ndarray, shape (..., n_targets)
         At the stamp, rad and rad/s.
     sources : ndarray, shape (..., n_targets, n_targets), complex, or None
-        Covariance of the sources, for the variance from the Fisher information.
+        Covariance of the sources, linear power, for the variance from the Fisher information.
 
     References
     ----------
@@ -104,88 +95,10 @@ def measured_bearings(
     if configuration.variance_from_data:
         variance = fisher_variance(estimates, angles, sources, estimates.effective_snapshots)
     else:
-        variance = np.full(angles.shape, configuration.measurement_variance_deg2 * _SQUARE_DEGREE)
+        variance = np.full(angles.shape, configuration.measurement_variance_deg2 * SQUARE_DEGREE)
     if configuration.fused_variance == "independent":
         ratio = independent_variance_ratio(len(offsets))
     else:
         ratio = correlated_variance_ratio(offsets, estimates.sample_period, beta)
     innovation = fused_measurement(innovations)
     return BearingMeasurement(angles + innovation, innovation, ratio * variance, age)
-
-
-def estimated_sources(
-    estimates: SubspaceEstimates, angles: FloatArray, rates: FloatArray
-) -> ComplexArray | None:
-    """Return the covariance of the sources, or None when the estimates carry no covariance.
-
-    Parameters
-    ----------
-    estimates : SubspaceEstimates
-        With sample covariance and noise power.
-    angles, rates : ndarray, shape (..., n_targets)
-        At the stamp, rad and rad/s; the angles are moved to the middle of the covariance.
-    """
-    if estimates.covariance is None or not np.isfinite(estimates.noise_power).all():
-        return None
-    return source_covariance(
-        estimates.covariance,
-        estimates.element_positions,
-        angles + rates * estimates.covariance_time_offset,
-        wavenumber(estimates.center_frequency, estimates.sound_speed),
-        estimates.noise_power,
-        estimates.noise_covariance,
-    )
-
-
-def signal_to_noise_ratios(
-    estimates: SubspaceEstimates, sources: ComplexArray | None, shape: tuple[int, ...]
-) -> FloatArray:
-    """Return the linear signal-to-noise ratio of each target, NaN when it is not known."""
-    if sources is None:
-        return np.full(shape, np.nan)
-    powers = np.diagonal(sources, axis1=-2, axis2=-1).real
-    return np.asarray(powers / _noise_power(estimates)[..., None])
-
-
-def fisher_variance(
-    estimates: SubspaceEstimates,
-    angles: FloatArray,
-    sources: ComplexArray | None,
-    snapshots: float,
-) -> FloatArray:
-    """Return the diagonal of (J + I / 900 deg^2)^-1 at the given angles, rad^2.
-
-    Parameters
-    ----------
-    estimates : SubspaceEstimates
-        Array, frequency and noise.
-    angles : ndarray, shape (..., n_targets)
-        rad.
-    sources : ndarray, shape (..., n_targets, n_targets), complex, or None
-        Covariance of the sources; None gives NaN.
-    snapshots : float
-        Independent snapshots behind the measurement.
-    """
-    if sources is None:
-        return np.full(angles.shape, np.nan)
-    information = stochastic_fisher_information(
-        estimates.element_positions,
-        angles,
-        wavenumber(estimates.center_frequency, estimates.sound_speed),
-        sources,
-        _noise_power(estimates),
-        snapshots,
-        estimates.noise_covariance,
-    )
-    identity = np.broadcast_to(np.eye(angles.shape[-1]), information.shape)
-    bound = np.linalg.solve(information + identity / PRIOR_VARIANCE, identity)
-    return np.array(np.diagonal(bound, axis1=-2, axis2=-1), dtype=np.float64)
-
-
-def _noise_power(estimates: SubspaceEstimates) -> FloatArray:
-    least = np.array(np.finfo(float).tiny)
-    if estimates.covariance is not None:
-        trace = np.trace(estimates.covariance, axis1=-2, axis2=-1).real
-        share = _LEAST_NOISE_SHARE * trace / len(estimates.element_positions)
-        least = np.maximum(least, share)
-    return np.maximum(estimates.noise_power, least)

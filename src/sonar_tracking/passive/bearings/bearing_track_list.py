@@ -9,7 +9,7 @@ import numpy as np
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.geometry import is_line
 from sonar_tracking.passive.bearings.bearing_measurement import BearingMeasurement
-from sonar_tracking.passive.bearings.bearing_start import StartedTrack, TentativeTrack
+from sonar_tracking.passive.bearings.tentative_track import StartedTrack, TentativeTrack
 from sonar_tracking.passive.bearings.track_existence import STARTED
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import BearingTracks, SubspaceEstimates, TrackStatus
@@ -26,9 +26,10 @@ class TrackRows:
     status : tuple of TrackStatus
         One a row.
     filters : KalmanState
-        Angle and rate, shapes (..., n_rows, 2) and (..., n_rows, 2, 2).
+        Angle and rate, shapes (..., n_rows, 2) and (..., n_rows, 2, 2), rad and rad/s.
     measurement, innovation, variance : ndarray, shape (..., n_rows)
-        Measured angle, its difference from the prediction, its variance; NaN = none.
+        Measured angle, its difference from the prediction, its variance, rad and rad^2; NaN =
+        none.
     signal_to_noise_ratio : ndarray, shape (..., n_rows)
         Linear; NaN = not known.
     existence_probability : ndarray, shape (..., n_rows)
@@ -44,7 +45,7 @@ class TrackRows:
     signal_to_noise_ratio: FloatArray
     existence_probability: FloatArray
 
-    def appended(self, other: TrackRows) -> TrackRows:
+    def append(self, other: TrackRows) -> TrackRows:
         """Return the rows of both, in order."""
         return TrackRows(
             self.ids + other.ids,
@@ -69,7 +70,23 @@ def running_rows(
     status: tuple[TrackStatus, ...],
     existence_probability: FloatArray | None,
 ) -> TrackRows:
-    """Return the rows of the running tracks and of those that end."""
+    """Return the rows of the running tracks and of those that end.
+
+    Parameters
+    ----------
+    ids : tuple of int
+        Identifiers.
+    filters : KalmanState
+        Angle and rate of each, shapes (..., n_tracks, 2) and (..., n_tracks, 2, 2), rad, rad/s.
+    measurement : BearingMeasurement or None
+        What the estimate told of each; None = nothing.
+    signal_to_noise_ratio : ndarray, shape (..., n_tracks)
+        Linear; NaN = not known.
+    status : tuple of TrackStatus
+        One a track.
+    existence_probability : ndarray, shape (n_tracks,), or None
+        Probabilities; None = not estimated.
+    """
     unknown = np.full(filters.mean.shape[:-1], np.nan)
     measured = unknown
     if measurement is not None:
@@ -139,8 +156,10 @@ def folded_angles(angles: FloatArray, positions: FloatArray) -> tuple[FloatArray
 
     Returns
     -------
-    angles, signs : ndarray, shape (...)
-        Folded angles, and -1 where the fold reverses the sense of rotation.
+    angles : ndarray, shape (...)
+        Folded, rad.
+    signs : ndarray, shape (...)
+        Pure numbers: -1 where the fold reverses the sense of rotation, else 1.
     """
     signs = np.ones_like(angles)
     inside = ~(np.abs(angles) > (0.5 * np.pi if is_line(positions) else np.pi))

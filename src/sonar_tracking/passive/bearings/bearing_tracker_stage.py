@@ -14,16 +14,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.errors import InputError, Notice
 from sonar_tracking.filtering.kalman import KalmanState
-from sonar_tracking.passive.bearings.bearing_filters import BearingFilters
-from sonar_tracking.passive.bearings.bearing_measurement import (
-    BearingMeasurement,
-    estimated_sources,
-    signal_to_noise_ratios,
-)
+from sonar_tracking.passive.bearings.bearing_filters import BearingFilters, FilterUpdate
+from sonar_tracking.passive.bearings.bearing_measurement import BearingMeasurement
 from sonar_tracking.passive.bearings.bearing_start import BearingStart
 from sonar_tracking.passive.bearings.bearing_track_list import (
     TrackRows,
@@ -39,7 +34,7 @@ from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
     check_configuration,
 )
 from sonar_tracking.passive.bearings.independent_filters import IndependentFilters
-from sonar_tracking.passive.bearings.joint_map_filters import JointFilters
+from sonar_tracking.passive.bearings.joint_map_filters import JointMapFilters
 from sonar_tracking.passive.bearings.track_existence import (
     ENDED,
     Evidence,
@@ -47,8 +42,12 @@ from sonar_tracking.passive.bearings.track_existence import (
     no_evidence,
 )
 from sonar_tracking.passive.directions.signal_subspace import noise_factor
-from sonar_tracking.passive.sources.weak_source_counting import RecentCovariances
-from sonar_tracking.records.arrays import ComplexArray, FloatArray
+from sonar_tracking.passive.directions.sources_at_angles import (
+    estimated_sources,
+    signal_to_noise_ratios,
+)
+from sonar_tracking.passive.sources.weak_source_counting import WeakSourceCounter
+from sonar_tracking.records.arrays import ComplexArray, FloatArray, IndexArray
 from sonar_tracking.records.bearings import BearingTracks, SubspaceEstimates, TrackStatus
 from sonar_tracking.records.time import END_OF_DATA, seconds
 
@@ -81,11 +80,11 @@ class _TrackerState:
     start: BearingStart
     existence: FloatArray
 
-    def kept(self, filters: BearingFilters[Any], rows: NDArray[np.intp]) -> _TrackerState:
+    def keep(self, filters: BearingFilters[Any], rows: IndexArray) -> _TrackerState:
         """Return the state with some of the tracks only."""
         ids = tuple(self.ids[row] for row in rows)
-        left = filters.kept(self.filters, rows)
-        return replace(self, ids=ids, filters=left, existence=self.existence[rows])
+        kept = filters.keep(self.filters, rows)
+        return replace(self, ids=ids, filters=kept, existence=self.existence[rows])
 
 
 class BearingTrackerStage:
@@ -106,7 +105,7 @@ class BearingTrackerStage:
         check_configuration(configuration)
         self.configuration = configuration
         joint = configuration.method == "joint_map"
-        self._filters: BearingFilters[Any] = (JointFilters if joint else IndependentFilters)(
+        self._filters: BearingFilters[Any] = (JointMapFilters if joint else IndependentFilters)(
             configuration
         )
         self._next_id = configuration.first_id
@@ -139,37 +138,33 @@ class BearingTrackerStage:
         """
         check_estimates(estimates)
         self._check_method(estimates)
-        measurement: BearingMeasurement | None = None
-        notices: tuple[Notice, ...] = ()
-        if self._state is None and self.configuration.start == "given":
-            state = self._given_state(estimates)
-            sources = self._sources(estimates, state)
-        else:
-            state = self._predicted(estimates)
-            sources = self._sources(estimates, state)
-            if state.ids:
-                updated = self._filters.updated(state.filters, estimates, sources)
-                measurement, notices = updated.measurement, updated.notices
-                state = replace(state, filters=updated.filters)
+        state = self._predict(estimates)
+        sources = self._estimate_sources(estimates, state)
+        updated = self._measure_and_update(estimates, state, sources)
+        state = replace(state, filters=updated.filters)
         targets = self._filters.targets(state.filters)
-        automatic = self.configuration.start == "automatic"
-        state, evidence = self._with_existence(state, estimates, targets)
+        state, evidence = self._judge_existence(estimates, state, targets)
         rows = running_rows(
             state.ids,
             targets,
-            measurement,
+            updated.measurement,
             signal_to_noise_ratios(estimates, sources, targets.mean.shape[:-1]),
-            self._status(state, evidence, measurement),
-            state.existence if automatic else None,
+            self._status(state, evidence, updated.measurement),
+            state.existence if self._automatic else None,
         )
-        if automatic:
-            state, new_rows = self._with_started(state, estimates, evidence)
-            rows = rows.appended(new_rows)
+        state, n_seen = self._end_tracks(state, evidence)
+        if self._automatic:
+            state, new_rows = self._start_tracks(estimates, state, n_seen)
+            rows = rows.append(new_rows)
         self._state = state
         self._next_id = max(self._next_id, state.start.next_id)
-        if estimates.next_stamp == END_OF_DATA and estimates.basis.shape[-3] == 0:
-            notices = ()  # An estimate that only carries the end of the data is empty by nature.
-        return TrackerUpdate(bearing_tracks(estimates, rows), notices)
+        # An estimate that only carries the end of the data is empty by nature.
+        empty = estimates.next_stamp == END_OF_DATA and estimates.basis.shape[-3] == 0
+        return TrackerUpdate(bearing_tracks(estimates, rows), () if empty else updated.notices)
+
+    @property
+    def _automatic(self) -> bool:
+        return self.configuration.start == "automatic"
 
     def _check_method(self, estimates: SubspaceEstimates) -> None:
         configuration = self.configuration
@@ -180,7 +175,48 @@ class BearingTrackerStage:
                 "estimator."
             )
 
-    def _given_state(self, estimates: SubspaceEstimates) -> _TrackerState:
+    def _predict(self, estimates: SubspaceEstimates) -> _TrackerState:
+        """Move all tracks to the stamp of the estimate; at the first one there are the given."""
+        state = self._state
+        if state is None:
+            return self._begin(estimates)
+        interval = seconds(estimates.stamp - state.stamp)
+        if interval <= 0.0:
+            raise InputError(
+                f"The estimate is {-interval:g} s earlier than the one before or repeats it; "
+                "estimates must follow each other in time."
+            )
+        filters = self._filters.predict(state.filters, interval)
+        return replace(state, stamp=estimates.stamp, filters=filters)
+
+    def _begin(self, estimates: SubspaceEstimates) -> _TrackerState:
+        """Return the state at the first estimate: the given bearings, or none."""
+        if self._automatic:
+            if estimates.basis.ndim > 3:
+                raise InputError(
+                    "start = automatic cannot be used on a batch of runs; give the bearings."
+                )
+            targets = KalmanState(np.empty((0, 2)), np.empty((0, 2, 2)))
+        else:
+            targets = self._given_targets(estimates)
+        n_targets = targets.mean.shape[-2]
+        first_new = self._next_id + n_targets
+        start = BearingStart(
+            process_noise=self.configuration.process_noise_density,
+            maximum_rate=float(np.deg2rad(self.configuration.maximum_rate_deg)),
+            next_id=first_new,
+            follows_count=self.configuration.needs_covariance,
+            counter=WeakSourceCounter(counted_together=self.configuration.covariances_counted),
+        )
+        return _TrackerState(
+            stamp=estimates.stamp,
+            ids=tuple(range(self._next_id, first_new)),
+            filters=self._filters.start(targets),
+            start=start,
+            existence=np.full(n_targets, np.nan),
+        )
+
+    def _given_targets(self, estimates: SubspaceEstimates) -> KalmanState:
         configuration = self.configuration
         angles = np.deg2rad(configuration.initial_bearings_deg)
         n_targets = len(angles)
@@ -194,61 +230,39 @@ class BearingTrackerStage:
             [configuration.initial_angle_variance_deg2, configuration.initial_rate_variance_deg2]
         )
         shape = (*estimates.basis.shape[:-3], n_targets, 2)
-        targets = KalmanState(
+        return KalmanState(
             mean=np.broadcast_to(state, shape),
             covariance=np.broadcast_to(np.diag(variances), (*shape, 2)),
         )
-        filters = self._filters.started(targets)
-        ids = tuple(range(self._next_id, self._next_id + n_targets))
-        start = self._new_start(n_targets)
-        return _TrackerState(estimates.stamp, ids, filters, start, np.full(n_targets, np.nan))
 
-    def _new_start(self, n_given: int) -> BearingStart:
-        return BearingStart(
-            process_noise=self.configuration.process_noise_density,
-            maximum_rate=float(np.deg2rad(self.configuration.maximum_rate_deg)),
-            next_id=self._next_id + n_given,
-            follows_count=self.configuration.needs_covariance,
-            recent=RecentCovariances(counted_together=self.configuration.covariances_counted),
-        )
-
-    def _predicted(self, estimates: SubspaceEstimates) -> _TrackerState:
-        state = self._state
-        if state is None:
-            if estimates.basis.ndim > 3:
-                raise InputError(
-                    "start = automatic cannot be used on a batch of runs; give the bearings."
-                )
-            none = self._filters.started(KalmanState(np.empty((0, 2)), np.empty((0, 2, 2))))
-            return _TrackerState(estimates.stamp, (), none, self._new_start(0), np.empty(0))
-        interval = seconds(estimates.stamp - state.stamp)
-        if interval <= 0.0:
-            raise InputError(
-                f"The estimate is {-interval:g} s earlier than the one before or repeats it; "
-                "estimates must follow each other in time."
-            )
-        filters = self._filters.predicted(state.filters, interval)
-        return replace(state, stamp=estimates.stamp, filters=filters)
-
-    def _sources(self, estimates: SubspaceEstimates, state: _TrackerState) -> ComplexArray | None:
+    def _estimate_sources(
+        self, estimates: SubspaceEstimates, state: _TrackerState
+    ) -> ComplexArray | None:
+        """Return the covariance of the sources at the predictions; None = not known."""
         if not state.ids:
             return None
         mean = self._filters.targets(state.filters).mean
         return estimated_sources(estimates, mean[..., 0], mean[..., 1])
 
-    def _with_existence(
-        self, state: _TrackerState, estimates: SubspaceEstimates, targets: KalmanState
+    def _measure_and_update(
+        self, estimates: SubspaceEstimates, state: _TrackerState, sources: ComplexArray | None
+    ) -> FilterUpdate:
+        """Measure every track and update its filter; the first estimate only tells the time."""
+        if self._state is None or not state.ids:
+            return FilterUpdate(state.filters, None)
+        return self._filters.update(state.filters, estimates, sources)
+
+    def _judge_existence(
+        self, estimates: SubspaceEstimates, state: _TrackerState, targets: KalmanState
     ) -> tuple[_TrackerState, Evidence]:
         """Let the estimate tell which tracks have a source."""
-        if self.configuration.start == "given" or self._state is None:
+        if not self._automatic or self._state is None:
             return state, no_evidence(len(state.ids))
         interval = seconds(estimates.stamp - self._state.stamp)
         angles, rates = targets.mean[..., 0], targets.mean[..., 1]
         evidence = existence_evidence(estimates, angles, rates, interval)
-        silence = self.configuration.silence_time
-        return replace(
-            state, existence=evidence.updated(state.existence, interval, silence)
-        ), evidence
+        existence = evidence.update(state.existence, interval, self.configuration.silence_time)
+        return replace(state, existence=existence), evidence
 
     def _status(
         self,
@@ -264,28 +278,32 @@ class BearingTrackerStage:
         status[state.existence < ENDED] = TrackStatus.TERMINATED
         return tuple(status.tolist())
 
-    def _with_started(
-        self, state: _TrackerState, estimates: SubspaceEstimates, evidence: Evidence
+    def _end_tracks(
+        self, state: _TrackerState, evidence: Evidence
+    ) -> tuple[_TrackerState, int | None]:
+        """Drop ended tracks; return how many of the others have a source, None = all."""
+        if not self.configuration.ends_tracks:
+            return state, None
+        rows = np.flatnonzero(state.existence >= ENDED)
+        n_seen = int(np.count_nonzero(~evidence.unseen[rows]))
+        return state.keep(self._filters, rows), n_seen
+
+    def _start_tracks(
+        self, estimates: SubspaceEstimates, state: _TrackerState, n_seen: int | None
     ) -> tuple[_TrackerState, TrackRows]:
-        """Drop ended tracks and let the automatic start see the estimate; return its rows too."""
-        n_seen = None
-        if self.configuration.ends_tracks:
-            rows = np.flatnonzero(state.existence >= ENDED)
-            n_seen = int(np.count_nonzero(~evidence.unseen[rows]))
-            state = state.kept(self._filters, rows)
+        """Let the automatic start see the estimate; return its rows too."""
         angles = self._filters.targets(state.filters).mean[..., 0]
         folded, _ = folded_angles(angles, estimates.element_positions)
         start, started = state.start.update(estimates, folded, n_seen)
         new = started_rows(started)
-        filters = self._filters.extended(state.filters, new.filters)
         grown = replace(
             state,
             start=start,
             ids=state.ids + new.ids,
-            filters=filters,
+            filters=self._filters.extend(state.filters, new.filters),
             existence=np.concatenate([state.existence, new.existence_probability]),
         )
-        return grown, new.appended(tentative_rows(start.tentative, estimates.stamp))
+        return grown, new.append(tentative_rows(start.tentative, estimates.stamp))
 
 
 def check_estimates(estimates: SubspaceEstimates) -> None:

@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.errors import Notice, Severity
 from sonar_tracking.filtering.constant_velocity import process_noise_matrix, transition_matrix
@@ -17,13 +16,13 @@ from sonar_tracking.filtering.kalman import KalmanState, predict, update
 from sonar_tracking.passive.bearings.bearing_filters import FilterUpdate
 from sonar_tracking.passive.bearings.bearing_measurement import (
     BearingMeasurement,
-    measured_bearings,
+    measure_in_subspaces,
 )
 from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
     BearingTrackerConfiguration,
 )
-from sonar_tracking.passive.bearings.projection_measurement import projected_bearings
-from sonar_tracking.records.arrays import ComplexArray
+from sonar_tracking.passive.bearings.projection_measurement import measure_by_projection
+from sonar_tracking.records.arrays import ComplexArray, IndexArray
 from sonar_tracking.records.bearings import SubspaceEstimates
 
 Measured = tuple[BearingMeasurement | None, tuple[Notice, ...]]
@@ -41,36 +40,46 @@ class IndependentFilters:
 
     configuration: BearingTrackerConfiguration
 
-    def started(self, targets: KalmanState) -> KalmanState:
+    def start(self, targets: KalmanState) -> KalmanState:
         """Return the filters of some targets: the targets themselves."""
         return targets
 
-    def extended(self, filters: KalmanState, targets: KalmanState) -> KalmanState:
+    def extend(self, filters: KalmanState, targets: KalmanState) -> KalmanState:
         """Return the filters with more targets."""
         return KalmanState(
             mean=np.concatenate([filters.mean, targets.mean], axis=-2),
             covariance=np.concatenate([filters.covariance, targets.covariance], axis=-3),
         )
 
-    def kept(self, filters: KalmanState, rows: NDArray[np.intp]) -> KalmanState:
-        """Return the filters of some of the targets."""
+    def keep(self, filters: KalmanState, rows: IndexArray) -> KalmanState:
+        """Return the filters of some of the targets, by their rows, shape (n_kept,)."""
         return KalmanState(filters.mean[..., rows, :], filters.covariance[..., rows, :, :])
 
-    def predicted(self, filters: KalmanState, interval: float) -> KalmanState:
+    def predict(self, filters: KalmanState, interval: float) -> KalmanState:
         """Return the filters after an interval in s."""
         density = self.configuration.process_noise_density
         return predict(
             filters, transition_matrix(interval), process_noise_matrix(density, interval)
         )
 
-    def updated(
+    def update(
         self,
         filters: KalmanState,
         estimates: SubspaceEstimates,
         sources: ComplexArray | None,
     ) -> FilterUpdate:
-        """Return the filters after the measurements of an estimate."""
-        measurement, notices = self._measurement(filters, estimates, sources)
+        """Measure every target and return the filters after it.
+
+        Parameters
+        ----------
+        filters : KalmanState
+            Predicted to the stamp of the estimate.
+        estimates : SubspaceEstimates
+            What was measured.
+        sources : ndarray, shape (..., n_targets, n_targets), complex, or None
+            Covariance of the sources at the predictions, linear power; None = not known.
+        """
+        measurement, notices = self._measure(filters, estimates, sources)
         if measurement is None:
             return FilterUpdate(filters, None, notices)
         corrected = update(
@@ -85,7 +94,7 @@ class IndependentFilters:
         """Return angle and rate of each target."""
         return filters
 
-    def _measurement(
+    def _measure(
         self,
         filters: KalmanState,
         estimates: SubspaceEstimates,
@@ -96,14 +105,14 @@ class IndependentFilters:
         measurement: BearingMeasurement | None
         notices: tuple[Notice, ...] = ()
         if configuration.method == "coherent":
-            measurement, notices = projected_bearings(
+            measurement, notices = measure_by_projection(
                 configuration, estimates, angles, rates, sources
             )
         elif estimates.basis.shape[-3] == 0:
             text = "No subspace at this sample time; the tracks are predicted only."
             return None, (Notice(Severity.WARN, "subspace", text),)
         else:
-            measurement = measured_bearings(configuration, estimates, angles, rates, sources)
+            measurement = measure_in_subspaces(configuration, estimates, angles, rates, sources)
         if measurement is not None and not np.isfinite(measurement.variance).all():
             text = (
                 "The variance of the measurements is not known without a sample covariance; set "

@@ -1,4 +1,4 @@
-"""One filter over the angles and rates of all targets, behind the bearing tracker.
+"""One filter over the angles and rates of all targets: joint maximum a posteriori (MAP) tracking.
 
 The state of n targets is [n angles, n rates]. A block measures the angles at its middle, half a
 block before the sample time when it ends there, at the sample time when it is centred on it. Each
@@ -13,7 +13,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.geometry import wavenumber
@@ -22,11 +21,11 @@ from sonar_tracking.passive.bearings.bearing_measurement import BearingMeasureme
 from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
     BearingTrackerConfiguration,
 )
-from sonar_tracking.passive.bearings.estimate_subspace import block_subspace
+from sonar_tracking.passive.bearings.covariance_subspace import covariance_subspace
 from sonar_tracking.passive.bearings.joint_map_update import (
-    joint_prediction,
     joint_process_noise,
-    joint_update,
+    predict_jointly,
+    update_jointly,
 )
 from sonar_tracking.passive.bearings.manoeuvre_detection import (
     HIGHEST_LEVEL,
@@ -35,12 +34,12 @@ from sonar_tracking.passive.bearings.manoeuvre_detection import (
     passing_process_noise,
     steady,
 )
-from sonar_tracking.passive.bearings.track_existence import unresolved
+from sonar_tracking.passive.directions.sources_at_angles import unresolved
 from sonar_tracking.passive.directions.weighted_subspace_fit import (
     SubspaceFit,
     weighted_subspace_fit,
 )
-from sonar_tracking.records.arrays import ComplexArray, FloatArray
+from sonar_tracking.records.arrays import BoolArray, ComplexArray, FloatArray, IndexArray, IntArray
 from sonar_tracking.records.bearings import SubspaceEstimates
 
 _LEAST_GAIN = 1e-9
@@ -51,7 +50,7 @@ _HELD_SHARE = 0.1
 
 
 @dataclass(frozen=True)
-class JointState(KalmanState):
+class JointMapState(KalmanState):
     """Angles and rates of all targets.
 
     Attributes
@@ -71,7 +70,7 @@ class JointState(KalmanState):
 
 
 @dataclass(frozen=True)
-class JointFilters:
+class JointMapFilters:
     """Filter of targets that share a covariance.
 
     Attributes
@@ -82,13 +81,13 @@ class JointFilters:
 
     configuration: BearingTrackerConfiguration
 
-    def started(self, targets: KalmanState) -> JointState:
+    def start(self, targets: KalmanState) -> JointMapState:
         """Return the filter of uncorrelated targets."""
         batch = targets.mean.shape[:-2]
-        nobody = JointState(np.empty((*batch, 0)), np.empty((*batch, 0, 0)), steady((*batch, 0)))
-        return self.extended(nobody, targets)
+        nobody = JointMapState(np.empty((*batch, 0)), np.empty((*batch, 0, 0)), steady((*batch, 0)))
+        return self.extend(nobody, targets)
 
-    def extended(self, filters: JointState, targets: KalmanState) -> JointState:
+    def extend(self, filters: JointMapState, targets: KalmanState) -> JointMapState:
         """Return the filter with more targets, uncorrelated with those there are."""
         n_old = filters.mean.shape[-1] // 2
         rows = _rows(n_old + targets.mean.shape[-2])
@@ -98,22 +97,30 @@ class JointFilters:
         mean[..., old], mean[..., new] = filters.mean, targets.mean
         covariance[..., old[:, None], old] = filters.covariance
         covariance[..., new[:, :, None], new[:, None, :]] = targets.covariance
-        manoeuvres = filters.manoeuvres.extended(len(new))
-        return JointState(mean, covariance, manoeuvres, filters.interval)
+        manoeuvres = filters.manoeuvres.extend(len(new))
+        return JointMapState(mean, covariance, manoeuvres, filters.interval)
 
-    def kept(self, filters: JointState, rows: NDArray[np.intp]) -> JointState:
-        """Return the filter of some of the targets, with their correlations."""
+    def keep(self, filters: JointMapState, rows: IndexArray) -> JointMapState:
+        """Return the filter of some of the targets, by their rows, with their correlations.
+
+        Parameters
+        ----------
+        filters : JointMapState
+            Of all targets.
+        rows : ndarray of int, shape (n_kept,)
+            Targets to keep.
+        """
         entries = _rows(filters.mean.shape[-1] // 2)[rows].T.reshape(-1)
-        return JointState(
+        return JointMapState(
             filters.mean[..., entries],
             filters.covariance[..., entries[:, None], entries],
-            filters.manoeuvres.kept(rows),
+            filters.manoeuvres.keep(rows),
             filters.interval,
         )
 
-    def predicted(self, filters: JointState, interval: float) -> JointState:
+    def predict(self, filters: JointMapState, interval: float) -> JointMapState:
         """Return the filter after an interval in s."""
-        state = joint_prediction(filters, interval, self._process_noise(filters))
+        state = predict_jointly(filters, interval, self._process_noise(filters))
         return replace(
             filters,
             mean=state.mean,
@@ -121,15 +128,26 @@ class JointFilters:
             interval=filters.interval + interval,
         )
 
-    def updated(
+    def update(
         self,
-        filters: JointState,
+        filters: JointMapState,
         estimates: SubspaceEstimates,
         sources: ComplexArray | None,
     ) -> FilterUpdate:
-        """Return the filter after the block of an estimate; the sources are not used."""
+        """Return the filter after the block of an estimate.
+
+        Parameters
+        ----------
+        filters : JointMapState
+            Predicted to the stamp of the estimate.
+        estimates : SubspaceEstimates
+            What was measured.
+        sources : ndarray, shape (..., n_targets, n_targets), complex, or None
+            Covariance of the sources, linear power: not used, the likelihood of the block finds
+            its own.
+        """
         n_elements = len(estimates.element_positions)
-        subspace, notices = block_subspace(self.configuration, estimates, n_elements - 1)
+        subspace, notices = covariance_subspace(self.configuration, estimates, n_elements - 1)
         if subspace is None:
             return FilterUpdate(filters, None, notices)
         number = wavenumber(estimates.center_frequency, estimates.sound_speed)
@@ -144,14 +162,14 @@ class JointFilters:
             )
 
         age = -estimates.covariance_time_offset
-        corrected = joint_update(filters, age, fit)
-        manoeuvres = self._manoeuvres(filters, corrected, estimates)
+        corrected = update_jointly(filters, age, fit)
+        manoeuvres = self._judge_manoeuvres(filters, corrected, estimates)
         begun = manoeuvres.level > filters.manoeuvres.level
         if begun.any():
-            filters = self._turned(filters, begun, manoeuvres.level)
-            corrected = joint_update(filters, age, fit)
+            filters = self._add_turn(filters, begun, manoeuvres.level)
+            corrected = update_jointly(filters, age, fit)
         measurement = _equivalent_measurement(self.targets(filters), self.targets(corrected), age)
-        state = JointState(corrected.mean, corrected.covariance, manoeuvres)
+        state = JointMapState(corrected.mean, corrected.covariance, manoeuvres)
         return FilterUpdate(state, measurement, notices)
 
     def targets(self, filters: KalmanState) -> KalmanState:
@@ -162,8 +180,8 @@ class JointFilters:
             covariance=filters.covariance[..., rows[:, :, None], rows[:, None, :]],
         )
 
-    def _manoeuvres(
-        self, before: JointState, after: KalmanState, estimates: SubspaceEstimates
+    def _judge_manoeuvres(
+        self, before: JointMapState, after: KalmanState, estimates: SubspaceEstimates
     ) -> Manoeuvres:
         """Return which bearings turn, by the first update."""
         if self._constant_process_noise:
@@ -173,19 +191,17 @@ class JointFilters:
         middle = targets.mean[..., 0] - age * targets.mean[..., 1]
         close = unresolved(middle, middle, estimates) & ~np.eye(middle.shape[-1], dtype=bool)
         resolved = np.asarray(~close.any(axis=-1))
-        return before.manoeuvres.updated(
+        return before.manoeuvres.update(
             targets, self.targets(after), age, before.interval, resolved
         )
 
-    def _turned(
-        self, filters: JointState, begun: NDArray[np.bool_], level: NDArray[np.int_]
-    ) -> JointState:
+    def _add_turn(self, filters: JointMapState, begun: BoolArray, level: IntArray) -> JointMapState:
         """Return the prediction with what a turn has added to some bearings by now."""
         density = np.where(begun, self._densities(level), 0.0)
         added = joint_process_noise(begun.shape[-1], MEMORY, density)
         return replace(filters, covariance=filters.covariance + added)
 
-    def _process_noise(self, filters: JointState) -> FloatArray:
+    def _process_noise(self, filters: JointMapState) -> FloatArray:
         """Return the spectral density of each bearing's acceleration, rad^2/s^3."""
         density = self._densities(filters.manoeuvres.level)
         if self._constant_process_noise:
@@ -201,14 +217,14 @@ class JointFilters:
         configuration = self.configuration
         return configuration.steady_process_noise_density >= configuration.process_noise_density
 
-    def _densities(self, level: NDArray[np.int_]) -> FloatArray:
+    def _densities(self, level: IntArray) -> FloatArray:
         """Return the spectral densities of levels of process noise, rad^2/s^3."""
         steady = self.configuration.steady_process_noise_density
         share = level / HIGHEST_LEVEL
         return steady ** (1.0 - share) * self.configuration.process_noise_density**share
 
 
-def _rows(n_targets: int) -> NDArray[np.int_]:
+def _rows(n_targets: int) -> IntArray:
     """Return where angle and rate of each target stand in the state, shape (n_targets, 2)."""
     return np.stack([np.arange(n_targets), n_targets + np.arange(n_targets)], axis=-1)
 

@@ -1,4 +1,4 @@
-"""One filter over the bearings of all targets: maximum a posteriori angles of a block.
+"""One filter over the bearings of all targets: maximum a posteriori (MAP) angles of a block.
 
 The measurement is the likelihood of all angles at once, as score and information
 (:mod:`sonar_tracking.passive.directions.weighted_subspace_fit`), linearised again at every iterate.
@@ -22,7 +22,7 @@ _ITERATIONS = 2
 """Linearisations of one block. A fit to convergence swaps targets at crossings."""
 
 
-def joint_prediction(
+def predict_jointly(
     state: KalmanState, interval: float, density: float | FloatArray
 ) -> KalmanState:
     """Return the joint state after an interval.
@@ -30,7 +30,7 @@ def joint_prediction(
     Parameters
     ----------
     state : KalmanState
-        mean (..., 2 n), covariance (..., 2 n, 2 n).
+        mean (..., 2 n), rad and rad/s, and covariance (..., 2 n, 2 n).
     interval : float
         s.
     density : float or ndarray, shape (..., n_targets)
@@ -42,7 +42,7 @@ def joint_prediction(
 
 
 def joint_process_noise(n_targets: int, interval: float, density: float | FloatArray) -> FloatArray:
-    """Return what the covariance gains in an interval, shape (..., 2 n, 2 n).
+    """Return what the covariance of [n angles, n rates] gains in an interval.
 
     Parameters
     ----------
@@ -52,13 +52,18 @@ def joint_process_noise(n_targets: int, interval: float, density: float | FloatA
         s.
     density : float or ndarray, shape (..., n_targets)
         Spectral density of each bearing's acceleration, rad^2/s^3.
+
+    Returns
+    -------
+    ndarray, shape (..., 2 n, 2 n)
+        rad^2, rad^2/s, rad^2/s^2.
     """
     noise = _of_all_targets(process_noise_matrix(1.0, interval), n_targets)
     densities = np.broadcast_to(density, (*np.shape(density)[:-1], n_targets))
     return noise * np.concatenate([densities, densities], axis=-1)[..., None]
 
 
-def joint_update(
+def update_jointly(
     state: KalmanState, age: float, fit: Callable[[FloatArray], SubspaceFit]
 ) -> KalmanState:
     """Return the joint state after one block.
@@ -70,7 +75,7 @@ def joint_update(
     age : float
         How long before the instant of the state the middle of the block was, s.
     fit : callable
-        Score and information of the block at given angles (..., n) in its middle.
+        Score and information of the block at given angles (..., n), rad, in its middle.
     """
     n_targets = state.mean.shape[-1] // 2
     identity = np.eye(n_targets)

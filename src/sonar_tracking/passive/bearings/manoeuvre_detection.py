@@ -35,10 +35,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.filtering.kalman import KalmanState
-from sonar_tracking.records.arrays import BoolArray, FloatArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray, IntArray
 
 MEMORY = 2.5
 """Time constant of the mean innovation, s."""
@@ -74,14 +73,14 @@ class Manoeuvres:
     """
 
     deviation: FloatArray
-    level: NDArray[np.int_]
+    level: IntArray
     held: BoolArray
 
-    def kept(self, rows: NDArray[np.intp]) -> Manoeuvres:
-        """Return those of some of the targets."""
+    def keep(self, rows: IndexArray) -> Manoeuvres:
+        """Return those of some of the targets, by their rows, shape (n_kept,)."""
         return Manoeuvres(self.deviation[..., rows], self.level[..., rows], self.held[..., rows])
 
-    def extended(self, n_targets: int) -> Manoeuvres:
+    def extend(self, n_targets: int) -> Manoeuvres:
         """Return them with more targets, which move steadily."""
         shape = (*self.deviation.shape[:-1], n_targets)
         return Manoeuvres(
@@ -90,7 +89,7 @@ class Manoeuvres:
             np.concatenate([self.held, np.zeros(shape, dtype=bool)], axis=-1),
         )
 
-    def updated(
+    def update(
         self,
         before: KalmanState,
         after: KalmanState,

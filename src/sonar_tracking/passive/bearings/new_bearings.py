@@ -11,14 +11,17 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.geometry import is_uniform_line, wavenumber
-from sonar_tracking.passive.bearings.bearing_measurement import estimated_sources, fisher_variance
-from sonar_tracking.passive.bearings.track_existence import power_ratios, unresolved
+from sonar_tracking.passive.directions.sources_at_angles import (
+    estimated_sources,
+    fisher_variance,
+    power_ratios,
+    unresolved,
+)
 from sonar_tracking.passive.sources.mdl import forward_backward_smoothed, smoothed_size
 from sonar_tracking.passive.sources.music import music_bearings
-from sonar_tracking.records.arrays import ComplexArray, FloatArray
+from sonar_tracking.records.arrays import BoolArray, ComplexArray, FloatArray
 from sonar_tracking.records.bearings import SubspaceEstimates
 
 LEAST_POWER_RATIO = 2.25
@@ -40,7 +43,7 @@ def new_bearings(
     estimates : SubspaceEstimates
         Of a single run.
     covariance : ndarray, shape (n_elements, n_elements), complex
-        Its covariance.
+        Its covariance, linear power.
     n_sources : int
         How many sources there are, tracked ones included.
     tracked_angles : ndarray, shape (n_tracks,)
@@ -73,7 +76,7 @@ def new_bearings(
 
 def _has_power(
     estimates: SubspaceEstimates, angles: FloatArray, tracked_angles: FloatArray
-) -> NDArray[np.bool_]:
+) -> BoolArray:
     """Return which of the free bearings bring power; those near each other are believed."""
     together = np.concatenate([angles, tracked_angles])[: len(estimates.element_positions) - 1]
     weak = power_ratios(estimates, together)[: len(angles)] < LEAST_POWER_RATIO

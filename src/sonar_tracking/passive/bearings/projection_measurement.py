@@ -10,18 +10,19 @@ import numpy as np
 
 from sonar_tracking.errors import Notice
 from sonar_tracking.geometry import wavenumber
-from sonar_tracking.passive.bearings.bearing_measurement import BearingMeasurement, fisher_variance
+from sonar_tracking.passive.bearings.bearing_measurement import BearingMeasurement
 from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
     SQUARE_DEGREE,
     BearingTrackerConfiguration,
 )
-from sonar_tracking.passive.bearings.estimate_subspace import block_subspace
+from sonar_tracking.passive.bearings.covariance_subspace import covariance_subspace
 from sonar_tracking.passive.directions.projection_fit import ProjectionProblem, projection_fit
+from sonar_tracking.passive.directions.sources_at_angles import fisher_variance
 from sonar_tracking.records.arrays import ComplexArray, FloatArray
 from sonar_tracking.records.bearings import SubspaceEstimates
 
 
-def projected_bearings(
+def measure_by_projection(
     configuration: BearingTrackerConfiguration,
     estimates: SubspaceEstimates,
     predicted_angles: FloatArray,
@@ -39,13 +40,13 @@ def projected_bearings(
     predicted_angles, predicted_rates : ndarray, shape (..., n_targets)
         At the stamp, rad and rad/s.
     sources : ndarray, shape (..., n_targets, n_targets), complex, or None
-        Covariance of the sources, for the variance from the Fisher information.
+        Covariance of the sources, linear power, for the variance from the Fisher information.
 
     References
     ----------
     Hwang, Kim, Kim, Park, Nam (2005), eqs. 9-21.
     """
-    subspace, notices = block_subspace(configuration, estimates, predicted_angles.shape[-1])
+    subspace, notices = covariance_subspace(configuration, estimates, predicted_angles.shape[-1])
     if subspace is None:
         return None, notices
     age = 0.0

@@ -24,8 +24,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.geometry import beamwidth, steering_vectors, wavenumber
-from sonar_tracking.passive.directions.signal_subspace import noise_factor
+from sonar_tracking.passive.directions.sources_at_angles import power_ratios, unresolved
 from sonar_tracking.records.arrays import BoolArray, FloatArray
 from sonar_tracking.records.bearings import SubspaceEstimates
 
@@ -40,8 +39,6 @@ ENDED = 0.1
 
 _LEAST_EXCESS = 5.0
 """Excess power that counts, in standard deviations 1 / sqrt(N) of the noise power."""
-
-_SEPARABLE = 1e-8
 
 
 @dataclass(frozen=True)
@@ -58,48 +55,30 @@ class Evidence:
 
     @property
     def unseen(self) -> BoolArray:
-        """Tracks without a source in this covariance."""
+        """Tracks without a source in this covariance, shape (n_tracks,)."""
         return np.asarray(self.log_ratio < 0.0)
 
-    def updated(self, probability: FloatArray, interval: float, silence_time: float) -> FloatArray:
+    def update(self, probability: FloatArray, interval: float, silence_time: float) -> FloatArray:
         """Return the probabilities of existence after the covariance.
 
         Parameters
         ----------
         probability : ndarray, shape (n_tracks,)
-            Before.
+            Before, pure numbers.
         interval : float
             Since the last covariance, s.
         silence_time : float
             How long a source may be silent, s.
+
+        Returns
+        -------
+        ndarray, shape (n_tracks,)
+            Between ``FLOOR`` and ``CEILING``; as before where the covariance cannot tell.
         """
         silent = np.exp(-interval / silence_time)
         ratio = silent + (1.0 - silent) * np.exp(np.minimum(self.log_ratio, 20.0))
         odds = probability / (1.0 - probability) * np.where(np.isnan(ratio), 1.0, ratio)
         return np.clip(odds / (1.0 + odds), FLOOR, CEILING)
-
-
-def unresolved(
-    angles: FloatArray, others: FloatArray, estimates: SubspaceEstimates, share: float = 0.5
-) -> BoolArray:
-    """Return which pairs of angles are closer than a share of the beamwidth.
-
-    Parameters
-    ----------
-    angles, others : ndarray, shape (..., n) and (..., m)
-        rad.
-    estimates : SubspaceEstimates
-        Array and frequency.
-    share : float
-        Of the beamwidth.
-
-    Returns
-    -------
-    ndarray of bool, shape (..., n, m)
-    """
-    number = wavenumber(estimates.center_frequency, estimates.sound_speed)
-    apart = np.abs(np.sin(angles)[..., :, None] - np.sin(others)[..., None, :])
-    return np.asarray(apart <= share * beamwidth(estimates.element_positions, number))
 
 
 def no_evidence(n_tracks: int) -> Evidence:
@@ -131,34 +110,3 @@ def existence_evidence(
     log_ratio = snapshots * (ratio * excess / (1.0 + excess) - np.log1p(excess))
     close = unresolved(middle, middle, estimates) & ~np.eye(len(angles), dtype=bool)
     return Evidence(np.where(close.any(axis=1), np.nan, log_ratio))
-
-
-def power_ratios(estimates: SubspaceEstimates, angles: FloatArray) -> FloatArray:
-    """Return the power along each angle, orthogonal to all others, over that of the noise.
-
-    Parameters
-    ----------
-    estimates : SubspaceEstimates
-        Of a single run.
-    angles : ndarray, shape (n,)
-        In the middle of the covariance, rad.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        NaN without a covariance or noise power.
-    """
-    covariance, power = estimates.covariance, float(estimates.noise_power)
-    if len(angles) == 0 or covariance is None or not power > 0.0:
-        return np.full(len(angles), np.nan)
-    number = wavenumber(estimates.center_frequency, estimates.sound_speed)
-    vectors = steering_vectors(estimates.element_positions, angles, number)
-    if estimates.noise_covariance is not None:
-        factor = noise_factor(estimates.noise_covariance)
-        vectors = np.asarray(np.linalg.solve(factor, vectors), dtype=np.complex128)
-        half = np.linalg.solve(factor, covariance)
-        covariance = np.asarray(np.linalg.solve(factor, half.conj().T), dtype=np.complex128)
-    # Row n of the pseudoinverse is the part of vector n orthogonal to the others, over its power.
-    rows = np.linalg.pinv(vectors, rcond=_SEPARABLE)
-    along = np.einsum("nm,mk,nk->n", rows, covariance, rows.conj()).real
-    return np.asarray(along / (np.abs(rows) ** 2).sum(axis=1) / power)

@@ -23,7 +23,7 @@ from sonar_tracking.records.arrays import ComplexArray, FloatArray
 from sonar_tracking.records.bearings import ArraySnapshots
 
 
-def counted_sources(
+def count_moving_sources(
     snapshots: ComplexArray,
     eigenvalues: FloatArray,
     header: ArraySnapshots,

@@ -45,8 +45,8 @@ _LARGEST_SPREAD = 1.0
 
 
 @dataclass(frozen=True)
-class RecentCovariances:
-    """The newest covariances that share no snapshots, oldest first.
+class WeakSourceCounter:
+    """Counts on the newest covariances that share no snapshots, oldest first.
 
     Attributes
     ----------
@@ -62,10 +62,17 @@ class RecentCovariances:
     covariances: tuple[ComplexArray, ...] = ()
     counted_together: int = COUNTED_TOGETHER
 
-    def with_newest(self, middle: int, covariance: ComplexArray) -> RecentCovariances:
-        """Return them with one more, without those that are no longer counted on.
+    def add(self, middle: int, covariance: ComplexArray) -> WeakSourceCounter:
+        """Return the counter with one more covariance, without those no longer counted on.
 
         After a change of the array the others are dropped.
+
+        Parameters
+        ----------
+        middle : int
+            Middle of its snapshots, ns.
+        covariance : ndarray, shape (n_elements, n_elements), complex
+            Linear power.
         """
         if self.covariances and self.covariances[-1].shape != covariance.shape:
             return replace(self, middles=(middle,), covariances=(covariance,))
@@ -76,7 +83,7 @@ class RecentCovariances:
             covariances=(*self.covariances[oldest:], covariance),
         )
 
-    def n_sources(self, estimates: SubspaceEstimates, maximum_rate: float) -> int:
+    def count(self, estimates: SubspaceEstimates, maximum_rate: float) -> int:
         """Return how many sources there are at least, 0 if too few snapshots to tell.
 
         Parameters

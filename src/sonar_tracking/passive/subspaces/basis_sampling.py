@@ -73,7 +73,7 @@ class CapturedSubspace:
 
 
 @dataclass(frozen=True)
-class SubspaceRecursion:
+class BasisSampler:
     """A subspace method in the middle of a stream.
 
     Attributes
@@ -96,7 +96,7 @@ class SubspaceRecursion:
 
     def advance(
         self, data: ComplexArray, first_index: int, timing: BlockTiming, wanted: Iterable[int]
-    ) -> tuple[SubspaceRecursion, tuple[CapturedSubspace, ...]]:
+    ) -> tuple[BasisSampler, tuple[CapturedSubspace, ...]]:
         """Return the recursion after more snapshots and the bases wanted on the way.
 
         Parameters
@@ -147,18 +147,18 @@ class SubspaceRecursion:
         return basis if self.colouring is None else self.colouring @ basis
 
 
-def start_recursion(
+def start_sampler(
     method: SubspaceMethod[Any],
     n_elements: int,
     n_columns: int,
     batch: tuple[int, ...],
     noise_covariance: ComplexArray | None,
-) -> SubspaceRecursion:
+) -> BasisSampler:
     """Return a recursion before its first snapshot."""
     colouring = whitening = None
     if noise_covariance is not None:
         colouring, whitening = noise_factors(noise_covariance)
-    return SubspaceRecursion(
+    return BasisSampler(
         method=method,
         state=method.start(n_elements, n_columns, batch),
         pending=np.empty((*batch, 0, n_elements), dtype=np.complex128),

@@ -8,7 +8,10 @@ import numpy as np
 
 from sonar_tracking.geometry import is_uniform_line
 from sonar_tracking.passive.sources.mdl import minimum_description_length
-from sonar_tracking.passive.sources.moving_source_counting import counted_sources, sample_covariance
+from sonar_tracking.passive.sources.moving_source_counting import (
+    count_moving_sources,
+    sample_covariance,
+)
 from sonar_tracking.passive.sources.steering_error import steering_error_floor, with_steering_error
 from sonar_tracking.records.arrays import ComplexArray, FloatArray
 from sonar_tracking.records.bearings import ArraySnapshots
@@ -89,7 +92,7 @@ def summarise_covariance(
     if snapshots.ndim == 2 and n_snapshots >= _SNAPSHOTS_PER_ELEMENT * n_elements:
         rank = minimum_description_length(signal_values, n_snapshots)
     if snapshots.ndim == 2 and is_uniform_line(header.element_positions):
-        count = counted_sources(
+        count = count_moving_sources(
             snapshots, eigenvalues, header, maximum_rate, n_columns == 0, steering_error
         )
     n_signals = n_columns if n_columns > 0 else max(rank, count, 0)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.geometry import is_uniform_line
-from sonar_tracking.passive.subspaces.basis_sampling import CapturedSubspace, SubspaceRecursion
+from sonar_tracking.passive.subspaces.basis_sampling import BasisSampler, CapturedSubspace
 from sonar_tracking.passive.subspaces.channel_monitor import ChannelMonitor
 from sonar_tracking.passive.subspaces.covariance_summary import (
     CovarianceSummary,
@@ -18,12 +17,12 @@ from sonar_tracking.passive.subspaces.covariance_summary import (
 from sonar_tracking.passive.subspaces.sample_schedule import BlockTiming, SampleSchedule, Window
 from sonar_tracking.passive.subspaces.sensor_history import SensorHistory
 from sonar_tracking.passive.subspaces.subspace_configuration import SubspaceConfiguration
-from sonar_tracking.records.arrays import ComplexArray
+from sonar_tracking.records.arrays import BoolArray, ComplexArray
 from sonar_tracking.records.bearings import ArraySnapshots, SubspaceEstimates
 
 
 @dataclass(frozen=True)
-class SubspaceRun:
+class EstimationMemory:
     """State of the subspace stage after a block.
 
     Attributes
@@ -48,8 +47,8 @@ class SubspaceRun:
         Elements that are not left out.
     whitening : ndarray, shape (n_used, n_used), complex, or None
         Inverse Cholesky factor of their noise covariance; None = white noise.
-    recursion : SubspaceRecursion or None
-        The subspace method; None before it starts.
+    sampler : BasisSampler or None
+        Follows the subspace; None before it starts.
     next_count : int
         Global index before which the sources are not counted (again).
     windows : tuple of Window
@@ -66,25 +65,32 @@ class SubspaceRun:
     n_columns: int
     next_sample: int
     history: ComplexArray
-    used: NDArray[np.bool_]
+    used: BoolArray
     whitening: ComplexArray | None
-    recursion: SubspaceRecursion | None = None
+    sampler: BasisSampler | None = None
     next_count: int = 0
     windows: tuple[Window, ...] = ()
     captured: tuple[CapturedSubspace, ...] = ()
 
     @property
     def used_history(self) -> ComplexArray:
-        """Newest contiguous snapshots of the elements that are used."""
+        """Snapshots in memory of the elements that are used, shape (..., n_kept, n_used)."""
         return self.history if self.used.all() else self.history[..., self.used]
 
+    def without_windows(self, closed: list[Window]) -> EstimationMemory:
+        """Return the memory without some windows and what was kept for them alone."""
+        windows = tuple(w for w in self.windows if w not in closed)
+        captured = tuple(c for c in self.captured if any(c.index in w.indices for w in windows))
+        sensors = self.sensors.since(closed[-1].stamp) if closed else self.sensors
+        return replace(self, windows=windows, captured=captured, sensors=sensors)
 
-def window_estimates(
+
+def estimate_of_window(
     configuration: SubspaceConfiguration,
     schedule: SampleSchedule,
     window: Window,
-    run: SubspaceRun,
-    source: SubspaceRun,
+    bases_from: EstimationMemory,
+    snapshots_from: EstimationMemory,
 ) -> SubspaceEstimates:
     """Return the estimates of one sample time.
 
@@ -96,21 +102,24 @@ def window_estimates(
         Sample times.
     window : Window
         The window of the sample time; subspaces that are missing in it are left out.
-    run : SubspaceRun
-        Holds the captured bases.
-    source : SubspaceRun
-        Holds the snapshots of the covariance: the run itself, or the one before a gap.
+    bases_from : EstimationMemory
+        The newest memory: captured bases and where the sensor was.
+    snapshots_from : EstimationMemory
+        Array and snapshots of the covariance: of the same memory, or of the one before a gap.
     """
-    subspaces = [c for c in run.captured if c.index in window.indices]
-    header, timing, beta = source.header, source.timing, configuration.forgetting_factor
+    subspaces = [c for c in bases_from.captured if c.index in window.indices]
+    header, timing = snapshots_from.header, snapshots_from.timing
+    beta = configuration.forgetting_factor
     end = min(window.covariance_end, timing.last_index)
-    summary = _summary(configuration, source, end) if subspaces else CovarianceSummary()
+    summary = CovarianceSummary()
+    if subspaces:
+        summary = _summary(configuration, snapshots_from, end)
     middle = end - 0.5 * (summary.n_snapshots - 1)
     offset = timing.time_offset(middle, window.stamp) if summary.n_snapshots else np.nan
     return SubspaceEstimates(
         stamp=window.stamp,
         method=configuration.method,
-        basis=_stacked(subspaces, source),
+        basis=_stacked(subspaces, snapshots_from),
         time_offsets=np.array([c.timing.time_offset(c.index, window.stamp) for c in subspaces]),
         element_positions=header.element_positions,
         sample_period=header.sample_period,
@@ -127,20 +136,20 @@ def window_estimates(
         noise_power=summary.noise_power,
         noise_covariance=header.noise_covariance,
         next_stamp=schedule.stamp(window.number + 1),
-        sensor=run.sensors.at(window.stamp),
+        sensor=bases_from.sensors.at(window.stamp),
     )
 
 
-def ready_to_count(configuration: SubspaceConfiguration, run: SubspaceRun) -> bool:
+def ready_to_count(configuration: SubspaceConfiguration, memory: EstimationMemory) -> bool:
     """Return whether there is a full covariance that no sources were counted on yet."""
-    full = run.history.shape[-2] >= configuration.covariance_snapshots
-    return full and run.timing.last_index >= run.next_count
+    full = memory.history.shape[-2] >= configuration.covariance_snapshots
+    return full and memory.timing.last_index >= memory.next_count
 
 
-def starting_columns(configuration: SubspaceConfiguration, run: SubspaceRun) -> int:
+def starting_columns(configuration: SubspaceConfiguration, memory: EstimationMemory) -> int:
     """Return the number of sources by MDL on the newest full covariance, 0 = none seen."""
-    summary = _summary(configuration, run, run.timing.last_index)
-    positions = run.header.element_positions
+    summary = _summary(configuration, memory, memory.timing.last_index)
+    positions = memory.header.element_positions
     count = summary.source_count if is_uniform_line(positions) else summary.rank
     if count == 0 and configuration.method == "covariance":
         # The whole array sees weaker sources than the smoothed count does.
@@ -148,24 +157,26 @@ def starting_columns(configuration: SubspaceConfiguration, run: SubspaceRun) -> 
     return min(max(count, 0), len(positions) - 1)
 
 
-def _stacked(subspaces: list[CapturedSubspace], run: SubspaceRun) -> ComplexArray:
+def _stacked(subspaces: list[CapturedSubspace], memory: EstimationMemory) -> ComplexArray:
     if subspaces:
         return np.stack([c.basis for c in subspaces], axis=-3)
-    batch, n_elements = run.history.shape[:-2], len(run.header.element_positions)
-    return np.empty((*batch, 0, n_elements, run.n_columns), dtype=np.complex128)
+    batch, n_elements = memory.history.shape[:-2], len(memory.header.element_positions)
+    return np.empty((*batch, 0, n_elements, memory.n_columns), dtype=np.complex128)
 
 
-def _summary(configuration: SubspaceConfiguration, run: SubspaceRun, end: int) -> CovarianceSummary:
-    begin_of_history = run.timing.last_index + 1 - run.history.shape[-2]
+def _summary(
+    configuration: SubspaceConfiguration, memory: EstimationMemory, end: int
+) -> CovarianceSummary:
+    begin_of_history = memory.timing.last_index + 1 - memory.history.shape[-2]
     stop = max(end + 1 - begin_of_history, 0)
     start = max(stop - configuration.covariance_snapshots, 0)
     # The columns of the covariance method are no limit to what is in a covariance of its own.
     counted = configuration.method == "covariance" and configuration.source_count == 0
     return summarise_covariance(
-        run.used_history[..., start:stop, :],
-        0 if counted else run.n_columns,
-        run.header,
-        run.whitening,
+        memory.used_history[..., start:stop, :],
+        0 if counted else memory.n_columns,
+        memory.header,
+        memory.whitening,
         math.radians(configuration.maximum_rate_deg),
         configuration.steering_error,
     )

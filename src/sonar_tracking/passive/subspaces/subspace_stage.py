@@ -16,10 +16,9 @@ import numpy as np
 
 from sonar_tracking.errors import ConfigurationError, InputError, Notice, Severity
 from sonar_tracking.passive.subspaces.basis_sampling import (
-    SubspaceRecursion,
     make_method,
     noise_factors,
-    start_recursion,
+    start_sampler,
 )
 from sonar_tracking.passive.subspaces.block_checks import (
     check_block,
@@ -28,10 +27,10 @@ from sonar_tracking.passive.subspaces.block_checks import (
 )
 from sonar_tracking.passive.subspaces.channel_monitor import new_monitor, used_elements
 from sonar_tracking.passive.subspaces.estimation_memory import (
-    SubspaceRun,
+    EstimationMemory,
+    estimate_of_window,
     ready_to_count,
     starting_columns,
-    window_estimates,
 )
 from sonar_tracking.passive.subspaces.sample_schedule import (
     SampleSchedule,
@@ -46,8 +45,7 @@ from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS
 
 __all__ = ["SubspaceConfiguration", "SubspaceStage", "SubspaceUpdate"]
 
-Advanced = tuple[SubspaceRun, list[Notice]]
-Closed = tuple[SubspaceRun, list[SubspaceEstimates]]
+Closed = tuple[EstimationMemory, list[SubspaceEstimates]]
 
 LONG_GAP_PERIODS = 10
 """Sample times in a gap longer than this many periods give no estimates at all."""
@@ -111,11 +109,11 @@ class SubspaceStage:
             configuration.step,
             configuration.covariance_lookahead,
         )
-        self._run: SubspaceRun | None = None
+        self._memory: EstimationMemory | None = None
 
     def reset(self) -> None:
         """Forget all data: the next block starts a new run."""
-        self._run = None
+        self._memory = None
 
     def update(self, block: ArraySnapshots) -> SubspaceUpdate:
         """Take one block of snapshots.
@@ -135,36 +133,48 @@ class SubspaceStage:
         InputError
             If the block cannot be used; the stage is then as before.
         """
-        if self._run is None:
-            previous, run, missing = None, self._first_run(block), 0
-        else:
-            previous = self._run
-            run, missing = self._continued_run(previous, block)
-        monitor, channel_notices = run.monitor.update(block)
+        before = self._memory
+        memory, missing = self._admit(block, before)
+        monitor, channel_notices = memory.monitor.update(block)
         notices = list(channel_notices)
-        run = self._opened(self._with_used(replace(run, monitor=monitor)), missing)
+        memory = self._choose_elements(replace(memory, monitor=monitor))
+        memory = self._open_windows(memory, missing)
         estimates: list[SubspaceEstimates] = []
-        if previous is not None and missing:
+        if before is not None and missing:
             notices.append(_gap_notice(missing, block))
-            run, estimates = self._close_before(run, previous)
-        run, recursion_notices = self._advanced(run, block)
-        notices.extend(recursion_notices)
+            memory, estimates = self._close_lost_windows(memory, before)
+        memory, sampling_notices = self._sample_bases(memory, block)
+        notices.extend(sampling_notices)
         end_of_data = block.next_stamp == END_OF_DATA
-        run, completed = self._close_completed(run, end_of_data)
+        memory, completed = self._close_complete_windows(memory, end_of_data)
         estimates.extend(completed)
-        if end_of_data and not estimates:
-            # Some estimate must carry the end, if only an empty one.
-            window = self._schedule.window(run.next_sample, run.timing)
-            run = replace(run, next_sample=run.next_sample + 1)
-            estimates.append(self._estimates(window, run, run))
-        if end_of_data and estimates:
-            estimates[-1] = replace(estimates[-1], next_stamp=END_OF_DATA)
+        if end_of_data:
+            memory, estimates = self._mark_end_of_data(memory, estimates)
         if any(each.rank >= len(each.element_positions) - 1 for each in estimates):
-            notices.append(_crowded_notice(len(run.header.element_positions)))
-        self._run = run
+            notices.append(_crowded_notice(len(memory.header.element_positions)))
+        self._memory = memory
         return SubspaceUpdate(tuple(estimates), tuple(notices))
 
-    def _first_run(self, block: ArraySnapshots) -> SubspaceRun:
+    def _admit(
+        self, block: ArraySnapshots, memory: EstimationMemory | None
+    ) -> tuple[EstimationMemory, int]:
+        """Check a block and place it in time; return how many snapshots are missing before it."""
+        if memory is None:
+            return self._begin(block), 0
+        check_block(block)
+        check_unchanged(block, memory.array)
+        timing, missing = memory.timing.following(block.stamp, block.data.shape[-2])
+        if missing < 0:
+            raise InputError(
+                f"The block begins {-missing} snapshots before the end of the block before it; "
+                "blocks must follow each other in time."
+            )
+        history = memory.history if missing == 0 else memory.history[..., :0, :]
+        sensors = memory.sensors.appended(block.stamp, block.sensor)
+        return replace(memory, sensors=sensors, timing=timing, history=history), missing
+
+    def _begin(self, block: ArraySnapshots) -> EstimationMemory:
+        """Return what there is to remember before the first block of a run."""
         configuration = self.configuration
         check_first_block(block, configuration.source_count)
         if configuration.source_count == 0 and block.data.ndim > 2:
@@ -174,7 +184,7 @@ class SubspaceStage:
         timing = first_timing(block.stamp, block.data.shape[-2], block.sample_period)
         covariance, n_elements = block.noise_covariance, block.data.shape[-1]
         array = replace(block, data=block.data[..., :0, :])
-        return SubspaceRun(
+        return EstimationMemory(
             array=array,
             header=array,
             sensors=SensorHistory(((block.stamp, block.sensor),)),
@@ -187,123 +197,113 @@ class SubspaceStage:
             whitening=None if covariance is None else noise_factors(covariance)[1],
         )
 
-    def _continued_run(self, run: SubspaceRun, block: ArraySnapshots) -> tuple[SubspaceRun, int]:
-        check_block(block)
-        check_unchanged(block, run.array)
-        timing, missing = run.timing.following(block.stamp, block.data.shape[-2])
-        if missing < 0:
-            raise InputError(
-                f"The block begins {-missing} snapshots before the end of the block before it; "
-                "blocks must follow each other in time."
-            )
-        history = run.history if missing == 0 else run.history[..., :0, :]
-        sensors = run.sensors.appended(block.stamp, block.sensor)
-        return replace(run, sensors=sensors, timing=timing, history=history), missing
-
-    def _with_used(self, run: SubspaceRun) -> SubspaceRun:
+    def _choose_elements(self, memory: EstimationMemory) -> EstimationMemory:
         """Leave bad elements out, or take them back; the subspace then starts again."""
-        used, count = run.monitor.used, self.configuration.source_count
-        if run.history.ndim > 2 or np.count_nonzero(used) <= max(count, 1):
-            return run
-        if np.array_equal(used, run.used):
-            return run
-        header = used_elements(run.array, used)
+        used, count = memory.monitor.used, self.configuration.source_count
+        if memory.history.ndim > 2 or np.count_nonzero(used) <= max(count, 1):
+            return memory
+        if np.array_equal(used, memory.used):
+            return memory
+        header = used_elements(memory.array, used)
         noise = header.noise_covariance
         return replace(
-            run,
+            memory,
             header=header,
             used=used,
             whitening=None if noise is None else noise_factors(noise)[1],
-            recursion=None,
+            sampler=None,
             n_columns=count,
             next_count=0,
             captured=(),
         )
 
-    def _opened(self, run: SubspaceRun, missing: int) -> SubspaceRun:
+    def _open_windows(self, memory: EstimationMemory, missing: int) -> EstimationMemory:
         """Open the windows that reach into the block; leave out those lost in a long gap."""
-        timing, windows, number = run.timing, list(run.windows), run.next_sample
-        long_gap = missing * timing.sample_period > LONG_GAP_PERIODS * self._schedule.period
-        if long_gap:
-            windows = [w for w in windows if any(c.index in w.indices for c in run.captured)]
+        timing, windows, number = memory.timing, list(memory.windows), memory.next_sample
+        last_index = timing.last_index
+        if missing * timing.sample_period > LONG_GAP_PERIODS * self._schedule.period:
+            windows = [w for w in windows if any(c.index in w.indices for c in memory.captured)]
             number = max(number, self._schedule.first_unfinished(timing))
-        while (window := self._schedule.window(number, timing)).first <= timing.last_index:
+        while (window := self._schedule.window(number, timing)).first <= last_index:
             windows.append(window)
             number += 1
-        return replace(run, windows=tuple(windows), next_sample=number)
+        return replace(memory, windows=tuple(windows), next_sample=number)
 
-    def _advanced(
-        self, run: SubspaceRun, block: ArraySnapshots
-    ) -> tuple[SubspaceRun, list[Notice]]:
+    def _sample_bases(
+        self, memory: EstimationMemory, block: ArraySnapshots
+    ) -> tuple[EstimationMemory, list[Notice]]:
+        """Lead the subspace through the block and take the bases that the windows want."""
         data = np.asarray(block.data, dtype=np.complex128)
-        first_index = run.timing.first_index
-        run = replace(run, history=np.concatenate([run.history, data], axis=-2))
-        data = data if run.used.all() else data[..., run.used]
-        recursion = run.recursion
-        if recursion is None:
-            run, recursion = self._started(run)
-            if recursion is None:
-                return run, []
+        first_index = memory.timing.first_index
+        memory = replace(memory, history=np.concatenate([memory.history, data], axis=-2))
+        data = data if memory.used.all() else data[..., memory.used]
+        if memory.sampler is None:
+            memory = self._start_sampler(memory)
+            if memory.sampler is None:
+                return memory, []
             if self.configuration.source_count == 0:
-                # The snapshots the sources were counted on are not lost to the recursion.
-                data = run.used_history
-                first_index = run.timing.last_index + 1 - data.shape[-2]
-        wanted = {index for window in run.windows for index in window.indices}
+                # The snapshots the sources were counted on are not lost to the subspace.
+                data = memory.used_history
+                first_index = memory.timing.last_index + 1 - data.shape[-2]
+        wanted = {index for window in memory.windows for index in window.indices}
         try:
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-                recursion, captured = recursion.advance(data, first_index, run.timing, wanted)
+                sampler, captured = memory.sampler.advance(data, first_index, memory.timing, wanted)
             usable = all(np.isfinite(subspace.basis).all() for subspace in captured)
         except np.linalg.LinAlgError:
             usable = False
         if not usable:
-            return replace(run, recursion=None), [_singular_notice(run.n_columns)]
-        return replace(run, recursion=recursion, captured=run.captured + captured), []
+            return replace(memory, sampler=None), [_singular_notice(memory.n_columns)]
+        return replace(memory, sampler=sampler, captured=memory.captured + captured), []
 
-    def _started(self, run: SubspaceRun) -> tuple[SubspaceRun, SubspaceRecursion | None]:
+    def _start_sampler(self, memory: EstimationMemory) -> EstimationMemory:
+        """Begin to follow the subspace, once the number of its columns is known."""
         configuration = self.configuration
-        n_columns = run.n_columns
-        if n_columns == 0 and ready_to_count(configuration, run):
-            n_columns = starting_columns(configuration, run)
-            next_count = run.timing.last_index + configuration.covariance_snapshots
-            run = replace(run, next_count=next_count)
+        n_columns = memory.n_columns
+        if n_columns == 0 and ready_to_count(configuration, memory):
+            n_columns = starting_columns(configuration, memory)
+            next_count = memory.timing.last_index + configuration.covariance_snapshots
+            memory = replace(memory, next_count=next_count)
         if n_columns == 0:
-            return run, None
-        recursion = start_recursion(
+            return memory
+        sampler = start_sampler(
             self._method,
-            len(run.header.element_positions),
+            len(memory.header.element_positions),
             n_columns,
-            run.history.shape[:-2],
-            run.header.noise_covariance,
+            memory.history.shape[:-2],
+            memory.header.noise_covariance,
         )
-        return replace(run, n_columns=n_columns), recursion
+        return replace(memory, n_columns=n_columns, sampler=sampler)
 
-    def _close_before(self, run: SubspaceRun, previous: SubspaceRun) -> Closed:
-        """Close the windows that end in the gap before the block."""
-        lost = [w for w in run.windows if w.complete < run.timing.first_index]
-        estimates = [self._estimates(window, run, previous) for window in lost]
-        return self._without(run, lost), estimates
+    def _close_lost_windows(self, memory: EstimationMemory, before: EstimationMemory) -> Closed:
+        """Close the windows that end in the gap, with the snapshots from before it."""
+        lost = [w for w in memory.windows if w.complete < memory.timing.first_index]
+        estimates = [self._estimate(window, memory, before) for window in lost]
+        return memory.without_windows(lost), estimates
 
-    def _close_completed(self, run: SubspaceRun, end: bool) -> Closed:
+    def _close_complete_windows(self, memory: EstimationMemory, end: bool) -> Closed:
         """Close the windows that are complete; at the end of the data also those begun."""
-        timing = run.timing
-        done = [w for w in run.windows if w.complete <= timing.last_index]
-        if end:
-            done = list(run.windows)
-        estimates = [self._estimates(window, run, run) for window in done]
+        last_index = memory.timing.last_index
+        done = [w for w in memory.windows if end or w.complete <= last_index]
+        estimates = [self._estimate(window, memory, memory) for window in done]
         keep = self.configuration.covariance_snapshots + self._schedule.reach
-        history = run.history[..., max(run.history.shape[-2] - keep, 0) :, :]
-        return replace(self._without(run, done), history=history), estimates
+        history = memory.history[..., max(memory.history.shape[-2] - keep, 0) :, :]
+        return replace(memory.without_windows(done), history=history), estimates
 
-    def _estimates(
-        self, window: Window, run: SubspaceRun, source: SubspaceRun
+    def _mark_end_of_data(
+        self, memory: EstimationMemory, estimates: list[SubspaceEstimates]
+    ) -> Closed:
+        """Let the last estimate carry the end, if only an empty one."""
+        if not estimates:
+            window = self._schedule.window(memory.next_sample, memory.timing)
+            memory = replace(memory, next_sample=memory.next_sample + 1)
+            estimates = [self._estimate(window, memory, memory)]
+        return memory, [*estimates[:-1], replace(estimates[-1], next_stamp=END_OF_DATA)]
+
+    def _estimate(
+        self, window: Window, bases: EstimationMemory, snapshots: EstimationMemory
     ) -> SubspaceEstimates:
-        return window_estimates(self.configuration, self._schedule, window, run, source)
-
-    def _without(self, run: SubspaceRun, closed: list[Window]) -> SubspaceRun:
-        windows = tuple(w for w in run.windows if w not in closed)
-        captured = tuple(c for c in run.captured if any(c.index in w.indices for w in windows))
-        sensors = run.sensors.since(closed[-1].stamp) if closed else run.sensors
-        return replace(run, windows=windows, captured=captured, sensors=sensors)
+        return estimate_of_window(self.configuration, self._schedule, window, bases, snapshots)
 
 
 def _gap_notice(missing: int, block: ArraySnapshots) -> Notice:

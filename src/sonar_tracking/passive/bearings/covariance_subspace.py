@@ -15,7 +15,7 @@ from sonar_tracking.passive.directions.signal_subspace import SignalSubspace, si
 from sonar_tracking.records.bearings import SubspaceEstimates
 
 
-def block_subspace(
+def covariance_subspace(
     configuration: BearingTrackerConfiguration, estimates: SubspaceEstimates, largest_rank: int
 ) -> tuple[SignalSubspace | None, tuple[Notice, ...]]:
     """Return the signal subspace of a block, or None and why there is none.
