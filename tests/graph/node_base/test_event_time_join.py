@@ -85,6 +85,18 @@ def test_an_item_waits_for_the_watermark_of_the_other_stream() -> None:
     assert [item.topic for item in join.push("a", 5, 8, "a5")] == ["a", "b"]
 
 
+def test_stamps_of_a_topic_rise_so_that_an_item_rules_out_another_one_at_its_stamp() -> None:
+    """Without a watermark an item at 5 still says that the next one of its topic is later."""
+    join = EventTimeJoin(["a", "b"])
+    assert join.push("a", 5, 0, "a5") == ()
+    assert join.waits_for() == ("b",)
+    assert [item.topic for item in join.push("b", 5, 0, "b5")] == ["a", "b"]
+    group = EventTimeJoin(["c"], groups=[["a", "b"]])
+    assert group.push("c", 5, 0, "c5") == ()
+    assert group.push("a", 5, 0, "a5") == ()
+    assert [item.topic for item in group.push("b", 5, 0, "b5")] == ["a", "c"]
+
+
 def test_an_item_waits_for_a_series_at_or_after_it() -> None:
     join = EventTimeJoin(["a"], series={"pose": linear})
     join.push("pose", 0, 0, 0.0)

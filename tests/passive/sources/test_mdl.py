@@ -33,6 +33,19 @@ def test_criterion_by_hand() -> None:
     assert minimum_description_length(np.array([9.0, 4.0, 1.0]), 100) == 2
 
 
+@pytest.mark.parametrize("above", [[], [50.0], [80.0, 50.0]])
+def test_the_penalty_is_that_of_the_free_parameters(above: list[float]) -> None:
+    """A pair exp(+-x) above which all is signal: is its first one signal as well, by hand.
+
+    Counting it takes away the misfit 2 N ln cosh x and adds half of the free parameters of one
+    more signal eigenvalue, k(2M - k) of k less those of k - 1: 2M - 2k + 1 = 3 whatever M, as
+    k = M - 1. With N = 100 both are equal at ln cosh x = 1.5 ln(100) / 200: x = 0.264.
+    """
+    for x, counted in [(0.260, 0), (0.268, 1)]:
+        eigenvalues = np.array([*above, np.exp(x), np.exp(-x)])
+        assert minimum_description_length(eigenvalues, 100) == len(above) + counted
+
+
 def test_degenerate_spectra_do_not_fail() -> None:
     assert minimum_description_length(np.zeros(5), 100) == 0
     assert minimum_description_length(np.array([1.0, 1.0, 0.0, 0.0]), 2) in (0, 1)
