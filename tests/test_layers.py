@@ -25,11 +25,11 @@ ROOMS = (
     "own_ship_interpolation",
     "filtering",
     # stages, one package each, independent of one another
+    "passive.performance",
     "passive.directions",
     "passive.sources",
     "passive.subspaces",
     "passive.near_field",
-    "passive.performance",
     "passive.bearings",
     "passive.lines",
     "passive",
