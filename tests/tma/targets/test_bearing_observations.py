@@ -21,27 +21,24 @@ DEFAULT = TmaTrackerConfiguration()
 
 def bearing(**changes: Any) -> BearingTracks:
     """Return a list of one confirmed track, measured at 0.3 rad with 0.01 rad, changed."""
-    values: dict[str, Any] = {
-        "measurement": 0.3,
-        "measurement_variance": 1e-4,
-        "status": TrackStatus.CONFIRMED,
-        "ambiguous": False,
-        **changes,
-    }
-    column = {name: np.array([value]) for name, value in values.items()}
     unknown = np.full(1, np.nan)
-    return BearingTracks(
+    tracks = BearingTracks(
         stamp=1,
         id=np.array([7], dtype=np.uint64),
+        status=np.array([TrackStatus.CONFIRMED], dtype=np.uint8),
         arrival_angle=unknown,
         arrival_angle_rate=unknown,
         covariance=np.full((1, 2, 2), np.nan),
+        measurement=np.array([0.3]),
+        measurement_variance=np.array([1e-4]),
         innovation=unknown,
         signal_to_noise_ratio=unknown,
         existence_probability=unknown,
+        ambiguous=np.zeros(1, dtype=bool),
         angle_kind=AngleKind.AZIMUTH,
-        **column,
     )
+    columns: dict[str, Any] = {name: np.array([value]) for name, value in changes.items()}
+    return replace(tracks, **columns)
 
 
 def observed(
