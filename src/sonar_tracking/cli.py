@@ -65,7 +65,8 @@ def replay(
         Path | None, typer.Option(help="YAML file: node, parameter, value; overrides the bag's.")
     ] = None,
     repair: Annotated[
-        bool, typer.Option("--repair", help="Rewrite a bag that is not whole first.")
+        bool,
+        typer.Option("--repair", help="First rewrite a bag that is not whole or too old."),
     ] = False,
     no_display: NoDisplayOption = False,
     json: JsonOption = None,

@@ -6,7 +6,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
+import yaml
 
+from sonar_tracking.bags.storage.bag_information import WRAPPING_KEY
+from sonar_tracking.bags.storage.mcap_writer import McapWriter
 from sonar_tracking.bags.storage.message_definitions import installed_typestore
 from sonar_tracking.bags.storage.recording_information import RecordingInformation
 from sonar_tracking.bags.storage.writer import BagWriter
@@ -107,3 +111,16 @@ def write_messages(writer: BagWriter, n_seconds: int) -> list[tuple[str, int, by
     for topic, log_time, data in messages:
         writer.write(topic, log_time, data)
     return messages
+
+
+def write_wrapped_record(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the writer wrap the record, as bags of version 0.1 have it."""
+    add_metadata = McapWriter.add_metadata
+
+    def add_wrapped(self: McapWriter, name: str, values: dict[str, str]) -> None:
+        if name == "rosbag2":
+            bare = yaml.safe_load(values["serialized_metadata"])
+            values = {"serialized_metadata": yaml.safe_dump({WRAPPING_KEY: bare})}
+        add_metadata(self, name, values)
+
+    monkeypatch.setattr(McapWriter, "add_metadata", add_wrapped)

@@ -6,9 +6,15 @@ import functools
 from collections.abc import Collection, Iterator
 from pathlib import Path
 
+from sonar_tracking.bags.storage.bag_information import (
+    RECORD_KEY,
+    RECORD_NAME,
+    information_from_text,
+)
 from sonar_tracking.bags.storage.mcap_scan import MessagePlace, decompressed, scan_mcap
 from sonar_tracking.bags.storage.message_definitions import MessageDefinition
 from sonar_tracking.bags.storage.metadata import quality_from_text
+from sonar_tracking.bags.storage.recording_information import CUSTOM_DATA_KEY
 from sonar_tracking.bags.storage.storage_file import BagMessage, StoredTopic
 
 _CHUNKS_KEPT = 16
@@ -31,9 +37,9 @@ class McapStorage:
     def __init__(self, path: Path) -> None:
         self._scan = scan_mcap(path)
         self.damage = self._scan.damage
-        self.custom_data = {
-            name: text for record in self._scan.metadata.values() for name, text in record.items()
-        }
+        record = self._scan.metadata.get(RECORD_NAME, {})
+        self.information = information_from_text(record.get(RECORD_KEY, ""))
+        self.custom_data = dict(self._scan.metadata.get(CUSTOM_DATA_KEY, {}))
         counts = dict.fromkeys(self._scan.channels, 0)
         for place in self._scan.places:
             counts[place.channel] += 1

@@ -1,15 +1,15 @@
-"""``metadata.yaml`` of a rosbag2 directory, as ROS 2 Jazzy writes it (version 9)."""
+"""What a bag says of itself, as ROS 2 Jazzy writes it (version 9)."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal
 
 import yaml
 
-FILE_NAME = "metadata.yaml"
+from sonar_tracking.bags.storage.bag_information import WRAPPING_KEY
+
 _INFINITE = {"sec": 9223372036, "nsec": 854775807}
 
 
@@ -59,13 +59,13 @@ class TopicSummary:
     message_count: int
 
 
-def metadata_text(
+def metadata_mapping(
     file_name: str,
     topics: Sequence[TopicSummary],
     times: tuple[int, int] | None,
     custom_data: Mapping[str, str],
-) -> str:
-    """Return the text of ``metadata.yaml`` of a bag with one file.
+) -> dict[str, Any]:
+    """Return what a bag with one file says of itself.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def metadata_text(
     starting_time = {"nanoseconds_since_epoch": first}
     duration = {"nanoseconds": last - first}
     message_count = sum(topic.message_count for topic in topics)
-    information = {
+    return {
         "version": 9,
         "storage_identifier": "mcap",
         "duration": duration,
@@ -103,17 +103,16 @@ def metadata_text(
         "custom_data": dict(custom_data),
         "ros_distro": "jazzy",
     }
-    return yaml.safe_dump({"rosbag2_bagfile_information": information}, sort_keys=False)
 
 
-def read_metadata(directory: Path) -> dict[str, Any] | None:
-    """Return the bag information of a directory, or None where it is missing or unreadable."""
-    try:
-        text = (directory / FILE_NAME).read_text(encoding="utf-8")
-        information = yaml.safe_load(text)["rosbag2_bagfile_information"]
-    except (OSError, UnicodeDecodeError, yaml.YAMLError, KeyError, TypeError):
-        return None
-    return information if isinstance(information, dict) else None
+def metadata_file_text(mapping: Mapping[str, Any]) -> str:
+    """Return the text of ``metadata.yaml``: the mapping below a key of its own."""
+    return yaml.safe_dump({WRAPPING_KEY: dict(mapping)}, sort_keys=False)
+
+
+def metadata_record_text(mapping: Mapping[str, Any]) -> str:
+    """Return the text kept in the file itself: the bare mapping, its fields at the top level."""
+    return yaml.safe_dump(dict(mapping), sort_keys=False)
 
 
 def _topic_entry(topic: TopicSummary) -> dict[str, Any]:

@@ -11,8 +11,15 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from sonar_tracking.bags.storage.bag_information import (
+    FILE_NAME,
+    RECORD_NAME,
+    WRAPPING_KEY,
+    BagInformation,
+    read_metadata_file,
+)
 from sonar_tracking.bags.storage.message_definitions import MessageDefinition
-from sonar_tracking.bags.storage.metadata import FILE_NAME, OfferedQuality, read_metadata
+from sonar_tracking.bags.storage.metadata import OfferedQuality
 from sonar_tracking.bags.storage.recording_information import (
     CUSTOM_DATA_KEY,
     RecordingInformation,
@@ -60,16 +67,24 @@ class Bag:
         What was opened.
     topics : dict
         Topic name to :class:`BagTopic`.
+    custom_data : dict
+        Names and texts of the applications that wrote the bag.
     recording : RecordingInformation or None
         None where the bag was recorded by something else.
     recovery : str or None
         A sentence that says what is missing and how much could be read; None = the bag is whole.
+    outdated : str or None
+        A sentence that says why other tools cannot open the bag, whole or not; None = they can.
     """
 
-    def __init__(self, path: Path, storages: list[Storage], recovery: str | None) -> None:
+    def __init__(
+        self, path: Path, storages: list[Storage], metadata: BagInformation | None
+    ) -> None:
         self.path = path
-        self.recovery = recovery
+        self.recovery = _recovery(path, storages, metadata)
+        self.outdated = _outdated(path, storages)
         self._storages = storages
+        self.custom_data = _custom_data(storages, metadata)
         self.recording = self._recording_information()
         self.topics = self._merged_topics()
 
@@ -91,14 +106,8 @@ class Bag:
             yield from storage.messages(wanted)
 
     def _recording_information(self) -> RecordingInformation | None:
-        stored = [storage.custom_data for storage in self._storages]
-        metadata = read_metadata(self.path) if self.path.is_dir() else None
-        if metadata and isinstance(metadata.get("custom_data"), dict):
-            stored.append(metadata["custom_data"])
-        for values in stored:
-            if CUSTOM_DATA_KEY in values:
-                return RecordingInformation.from_json(values[CUSTOM_DATA_KEY], str(self.path))
-        return None
+        text = self.custom_data.get(CUSTOM_DATA_KEY)
+        return None if text is None else RecordingInformation.from_json(text, str(self.path))
 
     def _merged_topics(self) -> dict[str, BagTopic]:
         known = self.recording.topic_roles if self.recording else {}
@@ -135,9 +144,9 @@ def read_bag(path: Path | str) -> Bag:
         If there is no bag, nothing in it can be read, or it holds no sonar data.
     """
     path = Path(path)
-    files = _storage_files(path)
-    storages = [_opened(file) for file in files]
-    bag = Bag(path, storages, _recovery(path, storages))
+    metadata = read_metadata_file(path)
+    files = _storage_files(path, metadata)
+    bag = Bag(path, [_opened(file) for file in files], metadata)
     if not bag.topics:
         reason = f" ({bag.recovery})" if bag.recovery else ""
         raise ConfigurationError(f"{path} holds no topics; nothing was recorded{reason}.")
@@ -150,7 +159,7 @@ def read_bag(path: Path | str) -> Bag:
     return bag
 
 
-def _storage_files(path: Path) -> list[Path]:
+def _storage_files(path: Path, metadata: BagInformation | None) -> list[Path]:
     if not path.exists():
         raise ConfigurationError(f"{path} does not exist; give a bag directory.")
     if path.is_file():
@@ -159,9 +168,7 @@ def _storage_files(path: Path) -> list[Path]:
                 f"{path} is not a bag; give a rosbag2 directory, a .mcap or a .db3 file."
             )
         return [path]
-    metadata = read_metadata(path)
-    named = metadata.get("relative_file_paths") if metadata else None
-    files = [path / Path(str(name)).name for name in named] if isinstance(named, list) else []
+    files = [path / name for name in metadata.file_names] if metadata else []
     files = [file for file in files if file.is_file()]
     found = files or sorted([*path.glob("*.mcap"), *path.glob("*.db3")])
     if not found:
@@ -182,16 +189,49 @@ def _opened(file: Path) -> Storage:
     return McapStorage(file)
 
 
-def _recovery(path: Path, storages: list[Storage]) -> str | None:
+def _recovery(path: Path, storages: list[Storage], metadata: BagInformation | None) -> str | None:
     """Return the sentence on what is missing, or None."""
     count = sum(topic.message_count for storage in storages for topic in storage.topics)
     reasons = [storage.damage for storage in storages if storage.damage]
-    if path.is_dir():
-        metadata = read_metadata(path)
-        if metadata is None:
-            reasons.append(f"its {FILE_NAME} is missing or damaged")
-        elif not reasons and metadata.get("message_count") != count:
-            reasons.append(f"its {FILE_NAME} speaks of {metadata.get('message_count')} messages")
+    stated = metadata.message_count if metadata else _count_of_records(path, storages)
+    source = FILE_NAME if metadata else "metadata record"
+    if path.is_dir() and metadata is None:
+        reasons.append(f"its {FILE_NAME} is missing or damaged")
+    elif not reasons and stated is not None and stated != count:
+        reasons.append(f"its {source} speaks of {stated} messages")
     if not reasons:
         return None
-    return f"{path} is not whole ({'; '.join(reasons)}); {count} messages were recovered."
+    of_all = f" of {stated}" if stated and stated > count else ""
+    return f"{path} is not whole ({'; '.join(reasons)}); {count}{of_all} messages were recovered."
+
+
+def _count_of_records(path: Path, storages: list[Storage]) -> int | None:
+    """Return the number of messages the files themselves state for the whole bag, None = unknown.
+
+    The file closed last knows of all files. A file that was never closed, or of which others were
+    to follow, states no number that is final.
+    """
+    stated = [storage.information for storage in storages if storage.information]
+    if not stated:
+        return None
+    last = max(stated, key=lambda information: len(information.file_names))
+    alone = path.is_file() and len(last.file_names) > 1
+    return None if alone else last.message_count or None
+
+
+def _outdated(path: Path, storages: list[Storage]) -> str | None:
+    if not any(storage.information and storage.information.wrapped for storage in storages):
+        return None
+    return (
+        f"{path} cannot be opened by the stock ROS 2 tools: its metadata record {RECORD_NAME} "
+        f"stands below {WRAPPING_KEY}, as older versions wrote it."
+    )
+
+
+def _custom_data(storages: list[Storage], metadata: BagInformation | None) -> dict[str, str]:
+    """Return the texts of all files; what a file says apart from its bag counts most."""
+    merged = dict(metadata.custom_data) if metadata else {}
+    for storage in storages:
+        merged |= storage.information.custom_data if storage.information else {}
+        merged |= storage.custom_data
+    return merged

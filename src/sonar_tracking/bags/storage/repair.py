@@ -1,4 +1,4 @@
-"""Rewriting of a bag that is not whole."""
+"""Rewriting of a bag that is not whole, or that other tools cannot open."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def repair_bag(path: Path | str) -> Path:
     Returns
     -------
     Path
-        The new bag, ``<name>_repaired``; the same path where the bag is whole already.
+        The new bag, ``<name>_repaired``; the same path where nothing is to be repaired.
 
     Raises
     ------
@@ -30,10 +30,11 @@ def repair_bag(path: Path | str) -> Path:
     """
     path = Path(path)
     bag = read_bag(path)
-    if bag.recovery is None:
+    if bag.recovery is None and bag.outdated is None:
         return path
     resolved = path.resolve()
-    writer = BagWriter(resolved.with_name(f"{resolved.stem}_repaired"), bag.recording)
+    target = resolved.with_name(f"{resolved.stem}_repaired")
+    writer = BagWriter(target, bag.recording, bag.custom_data)
     for topic in bag.topics.values():
         writer.add_topic(topic.name, topic.type_name, topic.definition, topic.role, topic.quality)
     for message in bag.messages():

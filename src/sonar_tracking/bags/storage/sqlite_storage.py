@@ -6,6 +6,7 @@ import sqlite3
 from collections.abc import Collection, Iterator
 from pathlib import Path
 
+from sonar_tracking.bags.storage.bag_information import BagInformation
 from sonar_tracking.bags.storage.message_definitions import MessageDefinition
 from sonar_tracking.bags.storage.metadata import OfferedQuality
 from sonar_tracking.bags.storage.storage_file import BagMessage, StoredTopic
@@ -38,6 +39,7 @@ class SqliteStorage:
         except (ReaderError, sqlite3.Error, OSError) as error:
             raise ConfigurationError(f"{path} cannot be read as a bag ({error}).") from error
         self.damage = ""
+        self.information: BagInformation | None = None
         self.custom_data: dict[str, str] = {}
         self.topics = [
             StoredTopic(

@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
+from sonar_tracking.bags.storage.bag_information import BagInformation
 from sonar_tracking.bags.storage.message_definitions import MessageDefinition
 from sonar_tracking.bags.storage.metadata import OfferedQuality
 
@@ -31,9 +32,22 @@ class StoredTopic:
 
 
 class Storage(Protocol):
-    """One file of a bag."""
+    """One file of a bag.
+
+    Attributes
+    ----------
+    topics : list of StoredTopic
+        What it holds.
+    information : BagInformation or None
+        What it says of the whole bag.
+    custom_data : dict
+        Names and texts of the application that stand apart from that.
+    damage : str
+        Why not all of it can be read; empty where it can.
+    """
 
     topics: list[StoredTopic]
+    information: BagInformation | None
     custom_data: dict[str, str]
     damage: str
 

@@ -8,16 +8,20 @@ from __future__ import annotations
 
 import os
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
+from sonar_tracking.bags.storage.bag_information import FILE_NAME, RECORD_KEY, RECORD_NAME
 from sonar_tracking.bags.storage.mcap_writer import McapWriter
 from sonar_tracking.bags.storage.message_definitions import MessageDefinition, installed_definition
 from sonar_tracking.bags.storage.metadata import (
-    FILE_NAME,
     OfferedQuality,
     TopicSummary,
-    metadata_text,
+    metadata_file_text,
+    metadata_mapping,
+    metadata_record_text,
 )
 from sonar_tracking.bags.storage.recording_information import (
     CUSTOM_DATA_KEY,
@@ -47,6 +51,8 @@ class BagWriter:
         Directory to make; it must not exist.
     recording : RecordingInformation, optional
         Stored in ``metadata.yaml`` and in the MCAP file.
+    custom_data : mapping of str to str, optional
+        Names and texts of other applications, stored beside it.
 
     Raises
     ------
@@ -54,7 +60,12 @@ class BagWriter:
         If the directory exists or cannot be made.
     """
 
-    def __init__(self, path: Path | str, recording: RecordingInformation | None = None) -> None:
+    def __init__(
+        self,
+        path: Path | str,
+        recording: RecordingInformation | None = None,
+        custom_data: Mapping[str, str] | None = None,
+    ) -> None:
         self.path = Path(path)
         try:
             self.path.mkdir(parents=True)
@@ -66,7 +77,8 @@ class BagWriter:
             raise ConfigurationError(
                 f"The bag {self.path} cannot be made ({error.strerror})."
             ) from error
-        self._custom_data = {CUSTOM_DATA_KEY: recording.to_json()} if recording else {}
+        own_data = {CUSTOM_DATA_KEY: recording.to_json()} if recording else {}
+        self._custom_data = {**(custom_data or {}), **own_data}
         self._file_name = f"{self.path.resolve().name}_0.mcap"
         self._mcap = McapWriter(self.path / self._file_name, "sonar_tracking")
         self._topics: dict[str, _Topic] = {}
@@ -75,7 +87,7 @@ class BagWriter:
         self._last_flush = time.monotonic()
         self._closed = False
         if recording:
-            self._mcap.add_metadata(CUSTOM_DATA_KEY, self._custom_data)
+            self._mcap.add_metadata(CUSTOM_DATA_KEY, own_data)
         self._store_metadata()
 
     def add_topic(
@@ -165,14 +177,14 @@ class BagWriter:
             return
         self._closed = True
         # Stock recorders leave the same record, so that the file can be used without its directory.
-        self._mcap.add_metadata("rosbag2", {"serialized_metadata": self._metadata_text()})
+        self._mcap.add_metadata(RECORD_NAME, {RECORD_KEY: metadata_record_text(self._metadata())})
         self._mcap.close()
         self._store_metadata()
         for name in (self._file_name, FILE_NAME):
             with (self.path / name).open("rb") as file:
                 os.fsync(file.fileno())
 
-    def _metadata_text(self) -> str:
+    def _metadata(self) -> dict[str, Any]:
         topics = [
             TopicSummary(
                 name,
@@ -183,10 +195,10 @@ class BagWriter:
             )
             for name, topic in self._topics.items()
         ]
-        return metadata_text(self._file_name, topics, self._times, self._custom_data)
+        return metadata_mapping(self._file_name, topics, self._times, self._custom_data)
 
     def _store_metadata(self) -> None:
         """Replace ``metadata.yaml`` in one step: a reader never sees half a file."""
         temporary = self.path / f".{FILE_NAME}"
-        temporary.write_text(self._metadata_text(), encoding="utf-8")
+        temporary.write_text(metadata_file_text(self._metadata()), encoding="utf-8")
         temporary.replace(self.path / FILE_NAME)

@@ -49,7 +49,7 @@ def replay_bag(
     parameters : Path or None
         Parameter file that overrides what the bag says.
     repair : bool
-        Rewrite a bag that is not whole first.
+        Rewrite a bag that is not whole, or that other tools cannot open, first.
     options : RunOptions
         Rate, recording, report.
     display : RunDisplay
@@ -62,7 +62,7 @@ def replay_bag(
     ConfigurationError
         If bag or parameters cannot be used; nothing was started then.
     """
-    bag = _opened(path, repair, display)
+    bag = opened_bag(path, repair, display)
     settings = _settings(bag, parameters)
     plan = plan_replay(bag, settings, options, log_directory)
     orchestration = Orchestration(plan, display, log_directory)
@@ -132,11 +132,13 @@ def plan_replay(
     )
 
 
-def _opened(path: Path, repair: bool, display: RunDisplay) -> Bag:
+def opened_bag(path: Path, repair: bool, display: RunDisplay) -> Bag:
+    """Return the bag to replay: the repaired one, if that was asked for and there is a reason."""
     bag = read_bag(path)
-    if bag.recovery:
-        display.say(bag.recovery)
-    if repair and bag.recovery:
+    reason = bag.recovery or (bag.outdated if repair else None)
+    if reason:
+        display.say(reason)
+    if repair and reason:
         whole = repair_bag(path)
         display.say(f"the repaired bag is {whole}")
         return read_bag(whole)
