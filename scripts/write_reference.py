@@ -12,7 +12,8 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from sonar_tracking.configuration import ParameterDescription, describe
-from sonar_tracking.graph.catalogue.node_catalogue import NODES, NodeDescription
+from sonar_tracking.graph.catalogue.node_catalogue import NODES
+from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.topics import Topic, TopicKind
 from sonar_tracking.graph.nodes.recorder import PARAMETER_DESCRIPTIONS as RECORDER_PARAMETERS
 from sonar_tracking.simulation.scenarios.array_configuration import (

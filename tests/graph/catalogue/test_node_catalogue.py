@@ -8,7 +8,8 @@ import sys
 
 import pytest
 
-from sonar_tracking.graph.catalogue.node_catalogue import NODES, NodeDescription
+from sonar_tracking.graph.catalogue.node_catalogue import NODES
+from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.topics import SNAPSHOTS
 from sonar_tracking.graph.message_writing.field_writing import message_class
 

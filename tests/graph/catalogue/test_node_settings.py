@@ -6,19 +6,19 @@ import pytest
 
 from sonar_tracking.configuration import describe
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.graph.catalogue.node_catalogue import (
-    ARRAY_SIMULATOR,
-    BAND_DEMODULATOR,
-    BEARING_TRACKER,
-    LINE_TRACKER,
-    NODES,
-    SUBSPACE_ESTIMATOR,
-)
+from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from sonar_tracking.graph.catalogue.node_settings import (
     read_settings,
     resolved_settings,
     with_room_for_bursts,
 )
+from sonar_tracking.graph.catalogue.passive_nodes import (
+    BAND_DEMODULATOR,
+    BEARING_TRACKER,
+    LINE_TRACKER,
+    SUBSPACE_ESTIMATOR,
+)
+from sonar_tracking.graph.catalogue.simulator_nodes import ARRAY_SIMULATOR
 
 
 def test_every_parameter_has_a_value() -> None:

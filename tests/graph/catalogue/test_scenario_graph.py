@@ -9,7 +9,7 @@ import pytest
 
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue import scenario_graph
-from sonar_tracking.graph.catalogue.node_catalogue import NodeDescription
+from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.scenario_graph import (
     NO_TOPIC,
     planned_nodes,

@@ -9,7 +9,8 @@ import pytest
 
 from sonar_tracking.configuration import describe, parameter
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.graph.catalogue.node_catalogue import NODES, NodeDescription
+from sonar_tracking.graph.catalogue.node_catalogue import NODES
+from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.node_base.parameters import descriptor, resolve, unknown_overrides
 
 

@@ -13,8 +13,8 @@ from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from sonar_tracking.errors import InputError, Notice, Severity
-from sonar_tracking.graph.catalogue.node_catalogue import NodeDescription
 from sonar_tracking.graph.catalogue.node_configuration import NodeConfiguration
+from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.topics import BEARING_TRACKS, ODOMETRY, TRUE_BEARING_TRACKS
 from sonar_tracking.graph.message_writing import array_writing
 from sonar_tracking.graph.node_base.data_flow import Received

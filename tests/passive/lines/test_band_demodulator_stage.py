@@ -8,8 +8,10 @@ import pytest
 
 from sonar_tracking.errors import InputError
 from sonar_tracking.geometry import steering_vectors, wavenumber
-from sonar_tracking.passive.lines.band_demodulator_stage import (
+from sonar_tracking.passive.lines.band_demodulator_configuration import (
     BandDemodulatorConfiguration,
+)
+from sonar_tracking.passive.lines.band_demodulator_stage import (
     BandDemodulatorStage,
 )
 from sonar_tracking.records.bearings import ArraySnapshots

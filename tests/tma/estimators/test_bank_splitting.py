@@ -14,7 +14,7 @@ from sonar_tracking.tma.estimators.hypothesis_bank import (
     mixture_moments,
     start_bank,
 )
-from sonar_tracking.tma.estimators.range_bank import RangeBankConfiguration
+from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 from sonar_tracking.tma.targets.station_association import azimuth_log_likelihood
 

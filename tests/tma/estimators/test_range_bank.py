@@ -11,7 +11,8 @@ from sonar_tracking.evaluation.studies.tma_frequency_fusion.histories import (
 )
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import scenario
 from sonar_tracking.simulation.sensors.tma_scene import TmaRuns, TmaScene, simulate_runs
-from sonar_tracking.tma.estimators.range_bank import RangeBank, RangeBankConfiguration
+from sonar_tracking.tma.estimators.range_bank import RangeBank
+from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 
 BOUND_S1, BOUND_S2, BOUND_S3 = 80.5, 144.1, 83.2
 """Root of the posterior bound on the range in the last frame, m."""

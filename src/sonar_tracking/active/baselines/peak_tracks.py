@@ -11,14 +11,14 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from sonar_tracking.active.baselines.state_extraction import Peaks
-from sonar_tracking.active.detection.information_reduction import GATE_SIZE
+from sonar_tracking.active.detection.detection_threshold import GATE_SIZE
 from sonar_tracking.active.tracks.contact_gating import determinant, inverse
 from sonar_tracking.active.tracks.contact_track_list import TrackRows
 from sonar_tracking.active.tracks.motion_modes import turn_matrices, white_acceleration_noise
 from sonar_tracking.active.tracks.particle_cloud import ParticleCloud
+from sonar_tracking.filtering.assignment import least_cost_pairs
 from sonar_tracking.records.arrays import FloatArray, IndexArray, IntArray
 from sonar_tracking.records.bearings import TrackStatus
 
@@ -165,7 +165,7 @@ def nearest_peaks(tracks: PeakTracks, peaks: Peaks) -> tuple[IndexArray, IndexAr
     scaled = np.matmul(inverse(spread, determinant(spread)), difference[..., None])[..., 0]
     square = (difference * scaled).sum(axis=-1)
     inside = square < GATE_SIZE**2
-    rows, columns = linear_sum_assignment(np.where(inside, square, STRANGER))
+    rows, columns = least_cost_pairs(np.where(inside, square, STRANGER))
     kept = inside[rows, columns]
     return rows[kept], columns[kept]
 

@@ -35,8 +35,8 @@ from sonar_tracking.active.contacts.contact_tracker_configuration import (
     check_configuration,
 )
 from sonar_tracking.active.detection.detection_model import DetectionModel, make_detection_model
+from sonar_tracking.active.detection.detection_threshold import GATE_SIZE
 from sonar_tracking.active.detection.gate_association import PROBABILITY_IN_GATE
-from sonar_tracking.active.detection.information_reduction import GATE_SIZE
 from sonar_tracking.active.tracks.contact_gating import SensorGeometry, sensor_geometry
 from sonar_tracking.active.tracks.contact_track_list import (
     TrackRows,

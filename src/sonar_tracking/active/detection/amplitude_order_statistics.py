@@ -18,7 +18,6 @@ Kim, Song (2007), equations 6-10.
 from __future__ import annotations
 
 import numpy as np
-from scipy.special import betaln, gammaln
 
 from sonar_tracking.records.arrays import FloatArray
 
@@ -38,6 +37,9 @@ def rank_probabilities(count: int, signal_to_noise_ratio_linear: float) -> Float
     ndarray, shape (count,)
         Entry l - 1 belongs to the l-th strongest; the sum is 1.
     """
+    # Loaded at the first gate: it takes as long as half the start of a node.
+    from scipy.special import betaln, gammaln
+
     shape = 1.0 / (1.0 + signal_to_noise_ratio_linear)
     rank = np.arange(1, count + 1)
     logarithm = np.log(shape) + betaln(shape, count)

@@ -27,6 +27,9 @@ from numpy.typing import ArrayLike
 from sonar_tracking.errors import ConfigurationError, InputError
 from sonar_tracking.records.arrays import FloatArray
 
+GATE_SIZE = 4.0
+"""Of the gate around a predicted position, standard deviations."""
+
 SMALLEST_USEFUL_SIGNAL_TO_NOISE_RATIO = 1.57
 """Linear (1.96 dB): at and below it the approximate q2 only grows with P_F."""
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sonar_tracking.active.detection.amplitude_order_statistics import rank_probabilities_of
-from sonar_tracking.active.detection.information_reduction import GATE_SIZE
+from sonar_tracking.active.detection.detection_threshold import GATE_SIZE
 from sonar_tracking.records.arrays import FloatArray
 
 PROBABILITY_IN_GATE = 1.0 - np.exp(-0.5 * GATE_SIZE**2)

@@ -25,14 +25,12 @@ from scipy.optimize import minimize_scalar
 from scipy.special import exp1
 
 from sonar_tracking.active.detection.detection_threshold import (
+    GATE_SIZE,
     FalseAlarmLimits,
     checked_gate,
     detection_probability,
 )
 from sonar_tracking.records.arrays import FloatArray
-
-GATE_SIZE = 4.0
-"""Standard deviations."""
 
 LOG_INTEGRATION_VARIABLE = (-34.0, 14.0, 600)
 """Trapezoid in ln t: first, last, number of points; the integrand vanishes outside."""

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sonar_tracking.active.contacts.contact_positions import PlacedContacts, position_covariance
-from sonar_tracking.active.detection.information_reduction import GATE_SIZE
+from sonar_tracking.active.detection.detection_threshold import GATE_SIZE
 from sonar_tracking.active.tracks.pair_limits import few_enough, half_widths, nearest_in_gates
 from sonar_tracking.active.tracks.track_bank import TrackBank
 from sonar_tracking.records.arrays import FloatArray, IndexArray

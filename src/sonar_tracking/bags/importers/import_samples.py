@@ -35,8 +35,10 @@ from sonar_tracking.bags.storage.recording_information import RecordingInformati
 from sonar_tracking.configuration import from_mapping
 from sonar_tracking.errors import ConfigurationError, InputError
 from sonar_tracking.motion import lever_arm, swing_velocity
-from sonar_tracking.passive.lines.band_demodulator_stage import (
+from sonar_tracking.passive.lines.band_demodulator_configuration import (
     BandDemodulatorConfiguration,
+)
+from sonar_tracking.passive.lines.band_demodulator_stage import (
     chosen_bandwidth,
     demodulated_band,
 )

@@ -17,8 +17,10 @@ from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
     BearingTrackerConfiguration,
 )
 from sonar_tracking.passive.bearings.bearing_tracker_stage import BearingTrackerStage
-from sonar_tracking.passive.lines.band_demodulator_stage import (
+from sonar_tracking.passive.lines.band_demodulator_configuration import (
     BandDemodulatorConfiguration,
+)
+from sonar_tracking.passive.lines.band_demodulator_stage import (
     BandDemodulatorStage,
 )
 from sonar_tracking.passive.lines.line_tracker_configuration import LineTrackerConfiguration

@@ -8,7 +8,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from sonar_tracking.active.contact_tracker import make_contact_tracker
+from sonar_tracking.active.contacts import contact_tracker_configuration
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.configuration import (
     ConfigurationType,
@@ -18,40 +18,41 @@ from sonar_tracking.configuration import (
     unknown_name_text,
 )
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.graph.catalogue.node_catalogue import (
+from sonar_tracking.graph.catalogue.node_catalogue import NODES
+from sonar_tracking.graph.catalogue.node_description import NodeDescription
+from sonar_tracking.graph.catalogue.passive_nodes import (
     BAND_DEMODULATOR,
     BEARING_TRACKER,
     LINE_TRACKER,
-    NODES,
     SUBSPACE_ESTIMATOR,
-    NodeDescription,
 )
 from sonar_tracking.graph.catalogue.planned_node import FLOW_WINDOW
+from sonar_tracking.passive.bearings import bearing_tracker_configuration
 from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
     BearingTrackerConfiguration,
     check_estimator,
 )
-from sonar_tracking.passive.bearings.bearing_tracker_stage import BearingTrackerStage
 from sonar_tracking.passive.lines.line_tracker_configuration import (
     LineTrackerConfiguration,
     check_line_tracker,
 )
+from sonar_tracking.passive.subspaces import subspace_configuration
 from sonar_tracking.passive.subspaces.subspace_configuration import SubspaceConfiguration
-from sonar_tracking.passive.subspaces.subspace_stage import SubspaceStage
 from sonar_tracking.simulation.scenarios.scenario_file import read_yaml_mapping
 from sonar_tracking.tma.targets.tma_tracker_configuration import (
     TmaTrackerConfiguration,
     check_tma_tracker,
 )
 
-_STAGES: Mapping[type, Callable[[Any], object]] = {
-    SubspaceConfiguration: SubspaceStage,
-    BearingTrackerConfiguration: BearingTrackerStage,
-    ContactTrackerConfiguration: make_contact_tracker,
+_CHECKS: Mapping[type, Callable[[Any], None]] = {
+    SubspaceConfiguration: subspace_configuration.check_configuration,
+    BearingTrackerConfiguration: bearing_tracker_configuration.check_configuration,
+    ContactTrackerConfiguration: contact_tracker_configuration.check_configuration,
     LineTrackerConfiguration: check_line_tracker,
     TmaTrackerConfiguration: check_tma_tracker,
 }
-"""What refuses parameters that do not fit together, by their configuration."""
+"""What refuses parameters that do not fit together, by their configuration; the stages ask the
+same, but they need not be loaded for it."""
 
 _DEEPEST = 10_000
 """Largest flow_depth that is allowed."""
@@ -154,9 +155,9 @@ def _settings(node: NodeDescription, given: Mapping[str, Any], where: str) -> di
         names = {field.name for field in fields(configuration)}
         own = {name: value for name, value in given.items() if name in names}
         made: Any = from_mapping(configuration, own, place)
-        if configuration in _STAGES:
+        if configuration in _CHECKS:
             try:
-                _STAGES[configuration](made)
+                _CHECKS[configuration](made)
             except ConfigurationError as error:
                 raise ConfigurationError(f"{place}: {error}") from error
         settings |= {name: getattr(made, name) for name in sorted(names)}

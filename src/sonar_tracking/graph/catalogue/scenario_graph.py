@@ -7,7 +7,8 @@ from dataclasses import replace
 from typing import Any
 
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.graph.catalogue.node_catalogue import NODES, NodeDescription
+from sonar_tracking.graph.catalogue.node_catalogue import NODES
+from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.node_settings import NodeSettings
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
 from sonar_tracking.graph.catalogue.topics import Topic, TopicRole

@@ -15,8 +15,8 @@ import yaml
 from rosgraph_msgs.msg import Clock
 
 from sonar_tracking.errors import ConfigurationError, Severity
-from sonar_tracking.graph.catalogue.node_catalogue import NodeDescription
 from sonar_tracking.graph.catalogue.node_configuration import SimulatorConfiguration
+from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC
 from sonar_tracking.graph.node_base import quality_of_service
 from sonar_tracking.graph.node_base.data_flow import DataOutput

@@ -16,8 +16,8 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 
 from sonar_tracking.configuration import describe
 from sonar_tracking.errors import ConfigurationError, InputError, Notice, Severity
-from sonar_tracking.graph.catalogue.node_catalogue import NodeDescription
 from sonar_tracking.graph.catalogue.node_configuration import NodeConfiguration
+from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.topics import DIAGNOSTICS_TOPIC, Topic
 from sonar_tracking.graph.message_writing.field_writing import message_class
 from sonar_tracking.graph.node_base import parameters, quality_of_service

@@ -7,15 +7,17 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from sonar_tracking.errors import Notice
-from sonar_tracking.graph.catalogue.node_catalogue import BAND_DEMODULATOR
+from sonar_tracking.graph.catalogue.passive_nodes import BAND_DEMODULATOR
 from sonar_tracking.graph.catalogue.topics import SAMPLES, SNAPSHOTS
 from sonar_tracking.graph.message_writing.array_writing import snapshots_to_message
 from sonar_tracking.graph.node_base.event_time_join import JoinedItem
 from sonar_tracking.graph.node_base.node_process import run_node
 from sonar_tracking.graph.node_base.sonar_node import SonarNode
 from sonar_tracking.message_reading.sample_reading import samples_from_message
-from sonar_tracking.passive.lines.band_demodulator_stage import (
+from sonar_tracking.passive.lines.band_demodulator_configuration import (
     BandDemodulatorConfiguration,
+)
+from sonar_tracking.passive.lines.band_demodulator_stage import (
     BandDemodulatorStage,
 )
 

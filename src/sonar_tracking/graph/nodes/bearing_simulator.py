@@ -6,7 +6,7 @@ import sys
 from collections.abc import Iterator
 from dataclasses import replace
 
-from sonar_tracking.graph.catalogue.node_catalogue import BEARING_SIMULATOR
+from sonar_tracking.graph.catalogue.simulator_nodes import BEARING_SIMULATOR
 from sonar_tracking.graph.catalogue.topics import (
     BEARING_TRACKS,
     FREQUENCY_LINES,

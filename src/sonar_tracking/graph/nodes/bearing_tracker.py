@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from sonar_tracking.errors import InputError, Notice
-from sonar_tracking.graph.catalogue.node_catalogue import BEARING_TRACKER
+from sonar_tracking.graph.catalogue.passive_nodes import BEARING_TRACKER
 from sonar_tracking.graph.catalogue.topics import BEARING_TRACKS, SUBSPACES
 from sonar_tracking.graph.message_writing import array_writing
 from sonar_tracking.graph.node_base.data_flow import Received

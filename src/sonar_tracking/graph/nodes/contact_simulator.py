@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 
-from sonar_tracking.graph.catalogue.node_catalogue import CONTACT_SIMULATOR
+from sonar_tracking.graph.catalogue.simulator_nodes import CONTACT_SIMULATOR
 from sonar_tracking.graph.catalogue.topics import CONTACTS, ODOMETRY, TRUE_TRACKS
 from sonar_tracking.graph.message_writing import array_writing
 from sonar_tracking.graph.message_writing.contact_writing import contacts_to_message

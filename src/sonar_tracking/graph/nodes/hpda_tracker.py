@@ -19,7 +19,7 @@ from sonar_tracking.active.contacts.sensor_location import (
     needs_own_ship,
 )
 from sonar_tracking.errors import Notice
-from sonar_tracking.graph.catalogue.node_catalogue import HPDA_TRACKER
+from sonar_tracking.graph.catalogue.active_nodes import HPDA_TRACKER
 from sonar_tracking.graph.catalogue.topics import (
     ACTIVE_MARKERS,
     ACTIVE_THRESHOLD,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 
-from sonar_tracking.graph.catalogue.node_catalogue import HYDROPHONE_SIMULATOR
+from sonar_tracking.graph.catalogue.simulator_nodes import HYDROPHONE_SIMULATOR
 from sonar_tracking.graph.catalogue.topics import (
     ODOMETRY,
     SAMPLES,

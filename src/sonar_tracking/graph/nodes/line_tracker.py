@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from sonar_tracking.errors import Notice
-from sonar_tracking.graph.catalogue.node_catalogue import LINE_TRACKER
+from sonar_tracking.graph.catalogue.passive_nodes import LINE_TRACKER
 from sonar_tracking.graph.catalogue.topics import BEARING_TRACKS, FREQUENCY_LINES, LOFAR, SAMPLES
 from sonar_tracking.graph.message_writing.line_writing import frequency_lines_to_message
 from sonar_tracking.graph.message_writing.sample_writing import lofar_rows_to_message

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from sonar_tracking.errors import Notice
-from sonar_tracking.graph.catalogue.node_catalogue import SUBSPACE_ESTIMATOR
+from sonar_tracking.graph.catalogue.passive_nodes import SUBSPACE_ESTIMATOR
 from sonar_tracking.graph.catalogue.topics import SNAPSHOTS, SUBSPACES
 from sonar_tracking.graph.message_writing import array_writing
 from sonar_tracking.graph.node_base.event_time_join import JoinedItem

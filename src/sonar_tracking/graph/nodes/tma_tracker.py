@@ -8,8 +8,8 @@ from dataclasses import replace
 from typing import Any
 
 from sonar_tracking.errors import InputError, Notice
-from sonar_tracking.graph.catalogue.node_catalogue import TMA_TRACKER
 from sonar_tracking.graph.catalogue.node_configuration import TmaInputConfiguration
+from sonar_tracking.graph.catalogue.tma_nodes import TMA_TRACKER
 from sonar_tracking.graph.catalogue.topics import (
     BEARING_TRACKS,
     FREQUENCY_LINES,

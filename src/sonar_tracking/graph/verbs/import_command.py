@@ -11,15 +11,15 @@ from sonar_tracking.bags.importers.import_samples import import_samples, suggest
 from sonar_tracking.bags.importers.import_wav import import_wav
 from sonar_tracking.configuration import from_mapping
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.graph.catalogue.node_catalogue import (
+from sonar_tracking.graph.catalogue.active_nodes import HPDA_TRACKER
+from sonar_tracking.graph.catalogue.node_settings import read_settings, resolved_settings
+from sonar_tracking.graph.catalogue.passive_nodes import (
     BAND_DEMODULATOR,
     BEARING_TRACKER,
-    HPDA_TRACKER,
     LINE_TRACKER,
     SUBSPACE_ESTIMATOR,
-    TMA_TRACKER,
 )
-from sonar_tracking.graph.catalogue.node_settings import read_settings, resolved_settings
+from sonar_tracking.graph.catalogue.tma_nodes import TMA_TRACKER
 from sonar_tracking.graph.catalogue.topics import BEARING_TRACKS, FREQUENCY_LINES
 from sonar_tracking.simulation.scenarios.scenario_mapping import checked_epoch
 

@@ -8,12 +8,12 @@ from pathlib import Path
 from sonar_tracking.configuration import describe, from_mapping
 from sonar_tracking.display.run_display import RunDisplay
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.graph.catalogue.node_catalogue import SUBSPACE_ESTIMATOR
 from sonar_tracking.graph.catalogue.node_settings import (
     NodeSettings,
     resolved_settings,
     with_room_for_bursts,
 )
+from sonar_tracking.graph.catalogue.passive_nodes import SUBSPACE_ESTIMATOR
 from sonar_tracking.graph.catalogue.planned_node import FLOW_WINDOW
 from sonar_tracking.graph.catalogue.scenario_graph import (
     planned_nodes,

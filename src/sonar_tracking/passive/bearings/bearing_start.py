@@ -18,8 +18,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
+from sonar_tracking.filtering.assignment import least_cost_pairs
 from sonar_tracking.filtering.constant_velocity import process_noise_matrix
 from sonar_tracking.passive.bearings.new_bearings import new_bearings
 from sonar_tracking.passive.bearings.tentative_track import StartedTrack, TentativeTrack
@@ -129,7 +129,7 @@ class BearingStart:
         costs = np.array(
             [[self._cost(track, middle, *each) for each in bearings] for track in self.tentative]
         ).reshape(len(self.tentative), len(bearings))
-        rows, columns = linear_sum_assignment(np.minimum(costs, 10.0 * _GATE))
+        rows, columns = least_cost_pairs(np.minimum(costs, 10.0 * _GATE))
         matches = {r: c for r, c in zip(rows, columns, strict=True) if costs[r, c] <= _GATE}
         joined = []
         for row, track in enumerate(self.tentative):

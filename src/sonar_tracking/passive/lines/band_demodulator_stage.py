@@ -13,9 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sonar_tracking.configuration import parameter
 from sonar_tracking.errors import ConfigurationError, InputError
 from sonar_tracking.geometry import aperture
+from sonar_tracking.passive.lines.band_demodulator_configuration import (
+    BandDemodulatorConfiguration,
+)
 from sonar_tracking.passive.lines.demodulation import Band, Demodulator, design_band
 from sonar_tracking.passive.lines.sample_frames import check_samples_block, check_unchanged
 from sonar_tracking.passive.subspaces.block_checks import MAXIMUM_RELATIVE_BANDWIDTH
@@ -23,21 +25,6 @@ from sonar_tracking.passive.subspaces.sensor_history import SensorHistory
 from sonar_tracking.records.bearings import ArraySnapshots
 from sonar_tracking.records.samples import ArraySamples
 from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS
-
-
-@dataclass(frozen=True)
-class BandDemodulatorConfiguration:
-    """Parameters of the stage that takes one narrow band out of broadband samples."""
-
-    center_frequency: float = parameter(300.0, "Centre of the band", unit="Hz", minimum=1e-3)
-    bandwidth: float = parameter(
-        0.0,
-        "Two-sided width of the band; 0 = half of what is narrow for the array, "
-        "0.05 sound_speed / aperture, but at most a tenth of center_frequency",
-        unit="Hz",
-        minimum=0.0,
-    )
-    block_snapshots: int = parameter(4, "Snapshots in one message", minimum=1, maximum=100_000)
 
 
 @dataclass(frozen=True)

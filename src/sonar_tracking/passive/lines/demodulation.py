@@ -16,7 +16,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import firwin, kaiserord
 
 from sonar_tracking.errors import ConfigurationError
 
@@ -77,6 +76,9 @@ def design_band(sample_rate: float, frequency: float, bandwidth: float) -> Band:
             f"The band around {frequency:g} Hz reaches above half the sample rate of "
             f"{sample_rate:g} Hz; give a frequency below {sample_rate / 2 - half_width:g} Hz."
         )
+    # Loaded at the first band: it takes twice as long as the start of a node.
+    from scipy.signal import firwin, kaiserord
+
     n_taps, shape = kaiserord(_STOP_BAND_DB, _TRANSITION * bandwidth / (sample_rate / 2))
     taps = firwin(n_taps | 1, bandwidth / 2, window=("kaiser", shape), fs=sample_rate)
     return Band(frequency, bandwidth, int(sample_rate // bandwidth), taps)

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
+from sonar_tracking.filtering.assignment import least_cost_pairs
 from sonar_tracking.passive.lines.line_tracker_configuration import LineTrackerConfiguration
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.time import NANOSECONDS
@@ -172,7 +172,7 @@ class LineTracks:
             total -= HANDOVER_COST * line.confirmed  # an old line goes before a new one
             inside = np.abs(innovation) <= reach
             cost[index, inside] = total[inside]
-        lines, peaks = linear_sum_assignment(cost)
+        lines, peaks = least_cost_pairs(cost)
         return {
             int(line): int(peak)
             for line, peak in zip(lines, peaks, strict=True)

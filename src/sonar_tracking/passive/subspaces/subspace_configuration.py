@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from sonar_tracking.configuration import parameter
+from sonar_tracking.errors import ConfigurationError
 
 
 @dataclass(frozen=True)
@@ -69,3 +70,23 @@ class SubspaceConfiguration:
     def covariance_lookahead(self) -> int:
         """Snapshots of the sample covariance after the sample time."""
         return self.covariance_snapshots // 2 if self.covariance_alignment == "centred" else 0
+
+
+def check_configuration(configuration: SubspaceConfiguration) -> None:
+    """Refuse parameters that do not fit together.
+
+    Raises
+    ------
+    ConfigurationError
+        With a sentence that names the parameters.
+    """
+    if configuration.n_subspaces % 2 == 0:
+        raise ConfigurationError(
+            f"n_subspaces is {configuration.n_subspaces}; it must be odd, so that the window "
+            "is centred on the sample time."
+        )
+    if configuration.source_count == 0 and configuration.covariance_snapshots == 0:
+        raise ConfigurationError(
+            "source_count = 0 finds the number of sources from the sample covariance; set "
+            "covariance_snapshots above zero, or give source_count."
+        )

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sonar_tracking.errors import ConfigurationError, InputError, Notice, Severity
+from sonar_tracking.errors import InputError, Notice, Severity
 from sonar_tracking.passive.subspaces.basis_sampling import (
     make_method,
     noise_factors,
@@ -39,7 +39,10 @@ from sonar_tracking.passive.subspaces.sample_schedule import (
     period_in_nanoseconds,
 )
 from sonar_tracking.passive.subspaces.sensor_history import SensorHistory
-from sonar_tracking.passive.subspaces.subspace_configuration import SubspaceConfiguration
+from sonar_tracking.passive.subspaces.subspace_configuration import (
+    SubspaceConfiguration,
+    check_configuration,
+)
 from sonar_tracking.records.bearings import ArraySnapshots, SubspaceEstimates
 from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS
 
@@ -89,16 +92,7 @@ class SubspaceStage:
     """
 
     def __init__(self, configuration: SubspaceConfiguration) -> None:
-        if configuration.n_subspaces % 2 == 0:
-            raise ConfigurationError(
-                f"n_subspaces is {configuration.n_subspaces}; it must be odd, so that the window "
-                "is centred on the sample time."
-            )
-        if configuration.source_count == 0 and configuration.covariance_snapshots == 0:
-            raise ConfigurationError(
-                "source_count = 0 finds the number of sources from the sample covariance; set "
-                "covariance_snapshots above zero, or give source_count."
-            )
+        check_configuration(configuration)
         self.configuration = configuration
         self._method = make_method(
             configuration.method, configuration.forgetting_factor, configuration.step

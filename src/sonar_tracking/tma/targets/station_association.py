@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
+from sonar_tracking.filtering.assignment import least_cost_pairs
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.tma.estimators.hypothesis_bank import (
@@ -140,7 +140,7 @@ def associate(
     gain = log_likelihood - np.log(chance_density)
     # One place for chance a bearing: it costs nothing and gains nothing.
     cost = np.concatenate([np.where(gain > 0.0, -gain, 1.0), np.zeros((n_bearings, n_bearings))])
-    rows, columns = linear_sum_assignment(cost)
+    rows, columns = least_cost_pairs(cost)
     target = np.full(n_bearings, FREE)
     taken = rows < n_targets
     target[columns[taken]] = rows[taken]

@@ -17,7 +17,8 @@ from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.tma.estimators.bank_splitting import split_bank, without_unlikely
 from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank, mixture_moments
-from sonar_tracking.tma.estimators.range_bank import RangeBank, RangeBankConfiguration
+from sonar_tracking.tma.estimators.range_bank import RangeBank
+from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.recursion import elapsed
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, TmaMeasurement
 from sonar_tracking.tma.targets.line_columns import LineColumns, plan_columns, with_columns

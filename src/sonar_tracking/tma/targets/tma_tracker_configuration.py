@@ -13,7 +13,7 @@ from sonar_tracking.tma.estimators.jauffret_stacked_lines import (
     NEVER,
     SingleFilterConfiguration,
 )
-from sonar_tracking.tma.estimators.range_bank import RangeBankConfiguration
+from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 
 RANGE_BANK = "range_bank"
 FUSED_LINE, SUMMED_LINES = "fused_line", "summed_lines"

@@ -19,6 +19,7 @@ import numpy as np
 from scipy.stats import poisson
 
 from sonar_tracking.active.detection.detection_threshold import (
+    GATE_SIZE,
     FalseAlarmLimits,
     closed_form_false_alarm_probability,
     detection_probability,
@@ -32,7 +33,6 @@ from sonar_tracking.active.detection.gate_association import (
     associate_by_rank,
 )
 from sonar_tracking.active.detection.information_reduction import (
-    GATE_SIZE,
     exact_information_reduction,
     optimal_false_alarm_probability,
 )

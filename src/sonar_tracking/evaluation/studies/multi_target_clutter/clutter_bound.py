@@ -18,7 +18,8 @@ from itertools import pairwise
 import numpy as np
 
 from sonar_tracking.active.contacts.contact_positions import position_covariance
-from sonar_tracking.active.detection.information_reduction import GATE_SIZE, information_reduction
+from sonar_tracking.active.detection.detection_threshold import GATE_SIZE
+from sonar_tracking.active.detection.information_reduction import information_reduction
 from sonar_tracking.active.tracks.motion_modes import turn_matrices, white_acceleration_noise
 from sonar_tracking.evaluation.studies.multi_target_clutter.scene import (
     ACCELERATION_DEVIATION,

@@ -24,7 +24,8 @@ from sonar_tracking.tma.batch.direction_smoother import (
     smooth_directions,
     systematic_covariance,
 )
-from sonar_tracking.tma.estimators.range_bank import RangeBank, RangeBankConfiguration
+from sonar_tracking.tma.estimators.range_bank import RangeBank
+from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 
 CONFIGURATION = RangeBankConfiguration(

@@ -1,0 +1,66 @@
+"""What is known of a node before it is started (no ROS import)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from sonar_tracking.configuration import ParameterDescription, describe
+from sonar_tracking.graph.catalogue.topics import Topic
+
+
+@dataclass(frozen=True)
+class NodeDescription:
+    """One node of the graph.
+
+    Attributes
+    ----------
+    name : str
+        Default name of the node and of its executable.
+    module : str
+        Run as ``python -m module``.
+    description : str
+        One line of what it does.
+    configurations : tuple of type
+        Configuration dataclasses its ROS parameters are declared from.
+    inputs, outputs : tuple of Topic
+        Data topics it subscribes to and publishes.
+    optional_inputs : tuple of Topic
+        Data topics it subscribes to, but does without where nobody publishes them.
+    section : str
+        Of a source of data: the section of a scenario it simulates. It emits everything due up to
+        ``/clock``.
+    on_request : bool
+        Started only if the scenario names it under ``nodes``, not whenever its inputs are there.
+    topic_parameters : mapping of str to Topic
+        Inputs that may be several topics of one kind, by the parameter that lists their names;
+        a scenario that does not set the parameter gets whatever its nodes publish. The first kind
+        is needed, the others are optional.
+    station_outputs : tuple of Topic
+        Published once for every station of the section, in the namespace of the station.
+    markers : tuple of Topic
+        Pictures for RViz and Foxglove; they are neither recorded nor compared.
+    """
+
+    name: str
+    module: str
+    description: str
+    configurations: tuple[type, ...]
+    inputs: tuple[Topic, ...]
+    outputs: tuple[Topic, ...]
+    section: str = ""
+    on_request: bool = False
+    topic_parameters: Mapping[str, Topic] = field(default_factory=dict)
+    station_outputs: tuple[Topic, ...] = ()
+    markers: tuple[Topic, ...] = ()
+    optional_inputs: tuple[Topic, ...] = ()
+
+    @property
+    def serves_clock(self) -> bool:
+        """Whether it is a source of data."""
+        return bool(self.section)
+
+    @property
+    def parameters(self) -> tuple[ParameterDescription, ...]:
+        """Descriptions of all parameters of the node."""
+        return tuple(entry for each in self.configurations for entry in describe(each))
