@@ -4,9 +4,10 @@ Called by set_up.sh when something has changed, with a supported Python, which i
 environment gets. Needs only the standard library.
 
     set_up.py problem                       prints what is missing on this machine, if anything
-    set_up.py run|test FINGERPRINT REQUEST  brings .venv up to date, then keeps FINGERPRINT (of all
-                                            it is made from) and REQUEST (the Python asked for) in
-                                            .venv/.set_up, where set_up.sh looks for them
+    set_up.py KIND FINGERPRINT REQUEST      brings .venv up to date for a kind of use (run, docs,
+                                            test), then keeps FINGERPRINT (of all it is made from)
+                                            and REQUEST (the Python asked for) in .venv/.set_up,
+                                            where set_up.sh looks for them
 
 What has to be compiled, the messages, is kept as a wheel in .cache, outside of .venv. Whatever goes
 wrong is told in a sentence; the output of pip and of the compiler is in .cache/set_up.log.
@@ -24,7 +25,7 @@ import sys
 import sysconfig
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib.metadata import distributions
 from pathlib import Path
@@ -37,6 +38,13 @@ CACHE = PROJECT / ".cache"
 LOG = CACHE / "set_up.log"
 REQUIREMENTS = PROJECT / "requirements"
 MESSAGES = PROJECT / "msg_defs"
+KINDS = {
+    "run": ("run.txt",),
+    "docs": ("run.txt", "docs.txt"),
+    "test": ("run.txt", "docs.txt", "test.txt"),
+}
+"""The lists of requirements of each kind of use; each kind serves those before it, too."""
+
 PYTHON_VERSION = f"{sys.version_info[0]}.{sys.version_info[1]}"
 
 
@@ -86,7 +94,7 @@ def exclusively() -> Iterator[None]:
 
 
 def set_up(kind: str, fingerprint: str, request: str) -> None:
-    """Bring the environment up to date for running, or for running and testing."""
+    """Bring the environment up to date for a kind of use."""
     if state_of(kind) == fingerprint and request in ("", state_of("python")):
         return
     begin = time.monotonic()
@@ -95,21 +103,20 @@ def set_up(kind: str, fingerprint: str, request: str) -> None:
     UNFINISHED.touch()
     shutil.rmtree(STATE, ignore_errors=True)
     try:
-        fill_environment(with_tests=kind == "test")
+        fill_environment(KINDS[kind])
     except SetUpError:
         UNFINISHED.unlink()  # pip came to an end by itself: what is there is sound
         raise
     STATE.mkdir()
     (STATE / "python").write_text(request)
-    for done in {"run", kind}:
+    for done in list(KINDS)[: list(KINDS).index(kind) + 1]:
         (STATE / done).write_text(fingerprint)
     UNFINISHED.unlink()
     say(f"The set-up is done, after {time.monotonic() - begin:.0f} s.")
 
 
-def fill_environment(with_tests: bool) -> None:
-    """Install everything into the environment."""
-    lists = ["run.txt", "test.txt"] if with_tests else ["run.txt"]
+def fill_environment(lists: Sequence[str]) -> None:
+    """Install everything into the environment: these lists, the messages, the package."""
     say("Installing the dependencies (the first time about 400 MB, in a minute or two) ...")
     install(*(f"--requirement={REQUIREMENTS / name}" for name in lists))
     install("--no-deps", "--force-reinstall", str(message_wheel()))

@@ -1,7 +1,7 @@
-# Sourced by run.sh and test.sh, with $project set: brings the environment .venv up to date.
+# Sourced by run.sh, docs.sh and test.sh, with $project set: brings the environment .venv up to date.
 #
-#   set_up run|test    returns at once if nothing has changed since the last set-up; otherwise
-#                      chooses a Python and lets it run set_up.py, or says what is missing
+#   set_up run|docs|test  returns at once if nothing has changed since the last set-up; otherwise
+#                         chooses a Python and lets it run set_up.py, or says what is missing
 #
 # The package is installed editable: edits below src/, config/ and launch/ take effect at once, in
 # .venv/bin/python as well, so a developer needs no other set-up than these scripts.

@@ -110,10 +110,22 @@ def test_missing_compiler_is_named_with_remedy(project: Path, machine: Path) -> 
     assert_refused(start(project, machine), project, "compiler", "sudo apt install g++")
 
 
-def test_test_script_refuses_in_the_same_way(project: Path, machine: Path) -> None:
+@pytest.mark.parametrize("script", ["docs.sh", "test.sh"])
+def test_other_scripts_refuse_in_the_same_way(project: Path, machine: Path, script: str) -> None:
     add_this_python(machine)
-    finished = start(project, machine, script="test.sh")
+    finished = start(project, machine, script=script)
     assert_refused(finished, project, "compiler", "sudo apt install g++")
+
+
+@pytest.mark.parametrize("version", ["3.9.18", "3.14.0"])
+def test_documentation_on_unsupported_python_is_a_sentence(
+    project: Path, machine: Path, version: str
+) -> None:
+    add_program(
+        machine, "python3", f'[ "$1" = --version ] && echo Python {version} && exit; exit 1'
+    )
+    finished = start(project, machine, script="docs.sh")
+    assert_refused(finished, project, f"python3 is Python {version}", "3.10 to 3.13")
 
 
 def test_broken_compiler_is_named_with_its_reason(project: Path, machine: Path) -> None:

@@ -149,16 +149,16 @@ def test_failure_leaves_an_environment_that_can_be_gone_on_with(
     assert set_up.UNFINISHED.exists()
 
 
-def test_set_up_for_tests_serves_running_too(
+def test_set_up_for_tests_serves_running_and_documentation_too(
     set_up: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     set_up.ENVIRONMENT.mkdir()
-    calls = []
+    calls: list[tuple[str, ...]] = []
     monkeypatch.setattr(set_up, "make_environment", lambda: None)
-    monkeypatch.setattr(set_up, "fill_environment", lambda with_tests: calls.append(with_tests))
-    for kind in ("test", "run", "test"):
+    monkeypatch.setattr(set_up, "fill_environment", calls.append)
+    for kind in ("test", "docs", "run", "test"):
         assert set_up.main([kind, "0", ""]) == 0
-    assert calls == [True]
+    assert calls == [("run.txt", "docs.txt", "test.txt")]
 
 
 def test_second_set_up_waits_for_the_first(tmp_path: Path) -> None:

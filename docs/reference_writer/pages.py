@@ -1,0 +1,31 @@
+"""Writes everything that is made from the code into one folder, for the pages to include."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from docs.reference_writer.command_line import command_line
+from docs.reference_writer.messages import conventions, messages
+from docs.reference_writer.nodes import nodes
+from docs.reference_writer.scenarios import scenario_keys, scenarios
+from docs.reference_writer.topics import topics
+
+FRAGMENTS: dict[str, Callable[[], str]] = {
+    "command_line": command_line,
+    "message_conventions": conventions,
+    "messages": messages,
+    "nodes": nodes,
+    "scenario_keys": scenario_keys,
+    "scenarios": scenarios,
+    "topics": topics,
+}
+
+
+def write_fragments(folder: Path) -> None:
+    """Write every fragment to ``<folder>/<name>.md``; one that has not changed stays untouched."""
+    folder.mkdir(exist_ok=True)
+    for name, make in FRAGMENTS.items():
+        file, text = folder / f"{name}.md", make() + "\n"
+        if not file.is_file() or file.read_text(encoding="utf-8") != text:
+            file.write_text(text, encoding="utf-8")

@@ -1,0 +1,129 @@
+"""Runs the tutorials as a reader would: page by page, block by block, in an empty folder."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.docs.code_blocks import DOCS, CodeBlock, all_blocks, blocks_of
+from tests.system.command_line import PATIENCE, environment
+
+NOT_RUN = {
+    r"\./scripts/": "sets an environment up and runs for minutes; tests/system/test_set_up*.py",
+    r"pip install": "changes the environment",
+    r"(ros2|rosdep|colcon|source|export) ": "needs an installation of ROS 2",
+    r"sonar-tracking (evaluate|bench)": "takes minutes; the studies have tests of their own",
+    r"sonar-tracking run (crossing_targets|tma|cross_fix|tonals|active) --rate": (
+        "minutes of data; tests/system runs these scenarios"
+    ),
+    r"sonar-tracking import wav .* --samples": "needs own ship's track; tests/system runs it",
+    r"python listener\.py": "does not end; test_listener_prints_the_bearings runs it",
+    r"sonar-tracking run --duration 10 --no-display": "what the listener listens to, likewise",
+}
+"""Lines of console blocks that are not run here, and why; they are parsed all the same."""
+
+NOT_RUN_PAGES = {
+    "README.md": "one screen of the commands that the tutorials run",
+    "docs/get_started.md": "the two commands",
+}
+TUTORIALS = [
+    page
+    for page in sorted({block.page for block in all_blocks()} - set(NOT_RUN_PAGES))
+    if any(block.language in {"console", "python"} for block in blocks_of(DOCS.parent / page))
+]
+
+
+def is_run(line: str) -> bool:
+    """Whether a line of a console block is run here."""
+    return not any(re.match(pattern, line) for pattern in NOT_RUN)
+
+
+def reader_environment(folder: Path) -> dict[str, str]:
+    """Return the environment of a reader who has activated the virtual environment."""
+    programs = Path(sys.executable).parent
+    return {**environment(folder), "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}"}
+
+
+def run_block(block: CodeBlock, folder: Path) -> None:
+    """Do what a reader does with a block."""
+    if block.caption:
+        (folder / block.caption).write_text(block.text, encoding="utf-8")
+        return
+    commands = [line for line in block.commands if is_run(line)]
+    if block.language == "python":
+        (folder / "block.py").write_text(block.text, encoding="utf-8")
+        commands = ["python -W error block.py"]
+    for line in commands:
+        run_line(line, folder)
+
+
+def run_line(line: str, folder: Path) -> None:
+    """Type a command."""
+    done = subprocess.run(
+        ["bash", "-c", line],
+        cwd=folder,
+        env=reader_environment(folder),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=PATIENCE,
+        check=False,
+    )
+    assert done.returncode == 0, f"{line}\n{done.stdout}"
+
+
+@pytest.mark.parametrize("page", TUTORIALS)
+def test_page_works_from_top_to_bottom(page: str, tmp_path: Path) -> None:
+    for block in blocks_of(DOCS.parent / page):
+        run_block(block, tmp_path)
+
+
+def test_every_file_a_page_makes_is_used_by_it() -> None:
+    """A file that no command reads would not be tested."""
+    for page in TUTORIALS:
+        blocks = blocks_of(DOCS.parent / page)
+        lines = " ".join(line for block in blocks for line in block.commands)
+        for block in blocks:
+            assert not block.caption or block.caption in lines, f"{page}: {block.caption}"
+            assert block.language != "yaml" or block.caption, f"{page}: {block.text}"
+
+
+def test_every_reason_not_to_run_a_line_is_needed() -> None:
+    lines = [line for block in all_blocks() for line in block.commands]
+    unused = [pattern for pattern in NOT_RUN if not any(re.match(pattern, each) for each in lines)]
+    assert not unused
+
+
+def listener_blocks() -> list[CodeBlock]:
+    """Return the listener as README.md and as the tutorial show it."""
+    return [block for block in all_blocks() if "create_subscription" in block.text]
+
+
+def test_readme_shows_the_listener_of_the_tutorial() -> None:
+    first, *others = listener_blocks()
+    assert others
+    assert all(block.text == first.text for block in others)
+    assert len(first.text.splitlines()) <= 12
+
+
+def test_listener_prints_the_bearings(tmp_path: Path) -> None:
+    (tmp_path / "listener.py").write_text(listener_blocks()[0].text, encoding="utf-8")
+    heard = tmp_path / "heard.txt"
+    with heard.open("w") as output:
+        listener = subprocess.Popen(
+            [sys.executable, "-u", "listener.py"],
+            cwd=tmp_path,
+            env=reader_environment(tmp_path),
+            stdout=output,
+        )
+    try:
+        run_line("sonar-tracking run --duration 10 --no-display", tmp_path)
+    finally:
+        listener.kill()
+        listener.wait()
+    assert re.search(r"\{1: -?\d\.\d+", heard.read_text())
