@@ -10,6 +10,7 @@ from types import ModuleType
 from typing import Annotated
 
 from sonar_tracking.errors import ConfigurationError, SonarTrackingError
+from sonar_tracking.evaluation.metrics.cutoff import CUTOFF_M
 
 try:
     import typer
@@ -35,6 +36,10 @@ RecordOption = Annotated[
     Path | None, typer.Option(help="Record all data topics and /clock in this bag.")
 ]
 JsonOption = Annotated[Path | None, typer.Option(help="Write the figures to this file.")]
+CutoffOption = Annotated[
+    float,
+    typer.Option(help="Distance from which on a track is scored as none of a target, m."),
+]
 NoDisplayOption = Annotated[
     bool, typer.Option("--no-display", help="Lines of text instead of the live table.")
 ]
@@ -50,10 +55,11 @@ def run(
     record: RecordOption = None,
     no_display: NoDisplayOption = False,
     json: JsonOption = None,
+    cutoff: CutoffOption = CUTOFF_M,
 ) -> None:
     """Run a scenario through the live graph: every node a process of its own."""
     module = _needs("sonar_tracking.graph.verbs.run_command")
-    raise typer.Exit(module.run(scenario, duration, rate, record, not no_display, json))
+    raise typer.Exit(module.run(scenario, duration, rate, record, not no_display, json, cutoff))
 
 
 @app.command()
@@ -70,10 +76,13 @@ def replay(
     ] = False,
     no_display: NoDisplayOption = False,
     json: JsonOption = None,
+    cutoff: CutoffOption = CUTOFF_M,
 ) -> None:
     """Replay a recording through the live graph and compare with what was recorded."""
     module = _needs("sonar_tracking.graph.verbs.run_command")
-    raise typer.Exit(module.replay(bag, rate, record, parameters, repair, not no_display, json))
+    raise typer.Exit(
+        module.replay(bag, rate, record, parameters, repair, not no_display, json, cutoff)
+    )
 
 
 @import_app.command()
@@ -187,9 +196,7 @@ def evaluate(
 def score(
     bag: Annotated[Path, typer.Argument(help="Bag with tracks and truth.")],
     json: JsonOption = None,
-    cutoff: Annotated[
-        float, typer.Option(help="Distance from which on a track is none of a target, m.")
-    ] = 200.0,
+    cutoff: CutoffOption = CUTOFF_M,
 ) -> None:
     """Score the bearing and position tracks in a bag against the truth in the bag."""
     _needs("sonar_tracking.evaluation.metrics.score_bag").score_bag(bag, json, cutoff)

@@ -12,6 +12,8 @@ from sonar_tracking.active.contacts.contact_tracker_configuration import Contact
 from sonar_tracking.bags.importers.import_contacts import ContactSensor, read_pings
 from sonar_tracking.bags.storage.bag_records import position_tracks_of
 from sonar_tracking.bags.storage.reader import read_bag
+from sonar_tracking.display.bag_contents import bag_contents
+from sonar_tracking.evaluation.metrics.score_bag import score_bag
 from tests.system.command_line import report_of, run_command
 
 N_PINGS = 40
@@ -61,12 +63,22 @@ def test_recorded_contacts_are_tracked_by_the_graph(tmp_path: Path) -> None:
     assert f"{N_PINGS} pings" in imported.stdout and "truth of 2 targets" in imported.stdout
     assert "range_m is 'far away', not a number" in imported.stdout
     done = run_command(
-        tmp_path, "replay", bag, "--rate", "max", "--record", recorded, "--json", json
-    )
+        tmp_path, "replay", bag, "--rate", "max", "--record", recorded, "--json", json,
+        "--cutoff", 50,
+    )  # fmt: skip
     assert done.returncode == 0, done.stdout
     score = report_of(json)["score"]["positions"]["/active/tracks"]
     assert score["rmse_m"] < 4.0 and score["identity_swaps"] == 0
-    assert score["held_share"] > 0.85
+    assert score["held_share"] > 0.85 and score["cutoff_m"] == 50.0
+    assert "--clock --topics /active/contacts /own_ship/odometry\n" in done.stdout
+
+    # The truth is in the new recording too: it can be scored and drawn, and has changed nothing.
+    again = read_bag(recorded)
+    truth_topic = ["/truth/tracks"]
+    assert list(again.messages(truth_topic)) == list(read_bag(bag).messages(truth_topic))
+    assert again.topics["/truth/tracks"].role == "truth"
+    assert score_bag(recorded, cutoff_m=50.0)["/active/tracks"].to_mapping() == score
+    assert len(bag_contents(again).position_truth["/truth/tracks"]) == 2
 
     sensor = ContactSensor(range_deviation=3.0, bearing_deviation_deg=1.0)
     tracker = make_contact_tracker(ContactTrackerConfiguration(**PARAMETERS))  # type: ignore[arg-type]

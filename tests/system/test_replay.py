@@ -27,13 +27,14 @@ def test_identical_at_any_rate(recorded_run: RecordedRun, tmp_path: Path, rate: 
     assert all(report["comparison"][name].startswith("identical: ") for name in OUTPUTS)
     live = digests(recorded_run.report)
     assert digests(report) == {name: live[name] for name in digests(report)}
-    assert {*OUTPUTS, "/array/snapshots"} <= set(digests(report))
+    assert {*OUTPUTS, "/array/snapshots", "/truth/bearing_tracks"} <= set(digests(report))
     assert report["score"] == recorded_run.report["score"]
     assert report["nodes"]["subspace_estimator"]["messages_in"] == 411
     # A replay can be recorded, and holds what is needed for the next one.
     again = read_bag(tmp_path / "again")
     assert again.recording is not None and "bearing_tracker" in again.recording.node_parameters
     assert again.topics["/array/snapshots"].message_count == 411
+    assert again.topics.keys() == read_bag(recorded_run.bag).topics.keys()
 
 
 def test_other_parameters_differ_and_are_no_failure(

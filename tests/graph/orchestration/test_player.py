@@ -11,6 +11,7 @@ from sonar_tracking.graph.orchestration.graph_plan import CONTROL_NODE
 from sonar_tracking.graph.orchestration.player import CLOCK_PERIOD, Player
 
 BLOCKS, TRACKS = "/array/snapshots", "/passive/bearing_tracks"
+TRUTH = "/truth/bearing_tracks"
 START = 1_767_225_600_000_000_000
 WINDOW = 4
 
@@ -37,6 +38,7 @@ class Graph:
             self.ledger,
             messages,
             {BLOCKS},
+            {TRUTH},
             self.aside.append,
             lambda topic, data, wall: None,
             WINDOW,
@@ -94,3 +96,36 @@ def test_a_recording_without_inputs_is_finished_at_once() -> None:
     assert player.finished
     assert player.data_seconds == 0.0
     assert len(graph.aside) == 1
+
+
+def test_truth_is_published_beside_the_inputs_and_moves_no_clock() -> None:
+    graph = Graph()
+    early, late = START - 3600 * 10 * CLOCK_PERIOD, START + 3600 * 10 * CLOCK_PERIOD
+    between = START + CLOCK_PERIOD // 2
+    blocks = [message for message in recording(2) if message.topic == BLOCKS]
+    truth = [BagMessage(TRUTH, time, b"truth") for time in (early, between, late)]
+    messages = sorted([*blocks, *truth], key=lambda message: message.log_time)
+    player = graph.player(messages, 1.0)
+    player.advance(0.0)
+    player.advance(0.0)
+    player.advance(0.0)
+    assert [topic for topic, _ in graph.published] == [TRUTH, BLOCKS, TRUTH]
+    assert player.advance(0.04) == pytest.approx(0.06), "the second block waits for its time"
+    player.advance(0.11)
+    player.advance(0.11)
+    assert [topic for topic, _ in graph.published[3:]] == [BLOCKS, TRUTH] and player.finished
+    assert graph.clocks == [message.log_time for message in blocks]
+    assert player.data_seconds == pytest.approx(0.1)
+
+
+def test_truth_waits_for_a_slow_consumer_like_anything_else() -> None:
+    graph = Graph()
+    graph.ledger = FlowLedger({TRUTH: ("recorder",)}, {TRUTH: CONTROL_NODE})
+    player = graph.player([BagMessage(TRUTH, START, b"%d" % n) for n in range(9)], math.inf)
+    for _ in range(20):
+        player.advance(0.0)
+    assert len(graph.published) == WINDOW
+    for finished in range(1, 9):
+        graph.ledger.finished("recorder", TRUTH, finished)
+        player.advance(0.0)
+    assert [data for _, data in graph.published] == [b"%d" % n for n in range(9)]

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from sonar_tracking.evaluation.metrics.cutoff import CUTOFF_M
 from sonar_tracking.evaluation.metrics.identity_score import (
     IdentityScore,
     ScoredPeriod,
@@ -38,7 +39,6 @@ from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks
 
-CUTOFF_M = 200.0
 ORDER = 2.0
 STATES = 4
 """Dimension of a state: x, y, vx, vy."""

@@ -11,7 +11,6 @@ flat mapping of the fields of :class:`~sonar_tracking.evaluation.metrics.bearing
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -29,11 +28,8 @@ from sonar_tracking.bags.storage.bag_records import (
 from sonar_tracking.bags.storage.reader import Bag, read_bag
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.evaluation.metrics.bearing_score import BearingScore, score_bearing_tracks
-from sonar_tracking.evaluation.metrics.position_score import (
-    CUTOFF_M,
-    PositionScore,
-    score_position_tracks,
-)
+from sonar_tracking.evaluation.metrics.cutoff import CUTOFF_M, check_cutoff
+from sonar_tracking.evaluation.metrics.position_score import PositionScore, score_position_tracks
 
 Score = BearingScore | PositionScore
 Scores = dict[str, Score]
@@ -61,8 +57,7 @@ def score_bag(path: Path, output: Path | None = None, cutoff_m: float = CUTOFF_M
     ConfigurationError
         If the cut-off is not positive, the bag cannot be read, or it lacks tracks or truth.
     """
-    if not (math.isfinite(cutoff_m) and cutoff_m > 0.0):
-        raise ConfigurationError(f"The cut-off is {cutoff_m} m; give a positive distance.")
+    check_cutoff(cutoff_m)
     bag = read_bag(path)
     console = Console(highlight=False)
     if bag.recovery:

@@ -50,9 +50,10 @@ class GraphPlan:
     transport: TransportChoice = field(default_factory=TransportChoice)
 
     def topics(self) -> dict[str, Topic]:
-        """Return all data topics by resolved name."""
+        """Return all data topics by resolved name; what is offered is what it is offered as."""
         listed = [topic for node in self.nodes for topic in (*node.publishers, *node.subscriptions)]
-        return {resolved(topic): topic for topic in (*self.offered, *listed)}
+        offered = {resolved(topic): topic for topic in self.offered}
+        return offered | {resolved(topic): topic for topic in listed} | offered
 
     def offered_names(self) -> tuple[str, ...]:
         """Return the resolved names of the topics the orchestration publishes."""

@@ -31,9 +31,12 @@ class Player:
     messages : iterable of BagMessage
         In log order.
     inputs : set of str
-        Topics to publish; messages of other topics go to ``sink``.
+        Topics to publish in time; they drive ``/clock``.
+    truth : set of str
+        Topics to publish beside them, as soon as the inputs recorded before are out: what was
+        true may begin long before the data and last longer, and must not stretch the replay.
     sink : callable
-        Takes the messages that are not published: recorded outputs and truth.
+        Takes the messages of all other topics: recorded outputs.
     published : callable
         Called with topic, message and wall time of everything published.
     flow_window : int
@@ -48,6 +51,7 @@ class Player:
         ledger: FlowLedger,
         messages: Iterable[BagMessage],
         inputs: set[str],
+        truth: set[str],
         sink: Sink,
         published: Published,
         flow_window: int,
@@ -57,11 +61,12 @@ class Player:
         self._ledger = ledger
         self._messages: Iterator[BagMessage] = iter(messages)
         self._inputs = inputs
+        self._truth = truth
         self._sink = sink
         self._published = published
         self._flow_window = flow_window
         self._rate = rate
-        self._counts = dict.fromkeys(inputs, 0)
+        self._counts = dict.fromkeys(inputs | truth, 0)
         self._next: BagMessage | None = None
         self._exhausted = False
         self._first: int | None = None
@@ -72,7 +77,7 @@ class Player:
 
     @property
     def finished(self) -> bool:
-        """Whether every input was published."""
+        """Whether every input and all truth were published."""
         return self._exhausted
 
     @property
@@ -85,9 +90,11 @@ class Player:
         message = self._next
         if message is None or self._ledger.largest_backlog() >= self._flow_window:
             return IDLE_SECONDS
-        early = self._wall_seconds_early(message.log_time, wall)
-        if early > 0.0:
-            return early
+        if message.topic in self._inputs:
+            early = self._wall_seconds_early(message.log_time, wall)
+            if early > 0.0:
+                return early
+            self._advance_clock(message.log_time)
         self._publish(message, wall)
         self._fetch()
         return 0.0
@@ -97,13 +104,15 @@ class Player:
         if self._first is not None:
             self._anchor = (wall, self._last)
 
-    def _publish(self, message: BagMessage, wall: float) -> None:
+    def _advance_clock(self, log_time: int) -> None:
         if self._first is None:
-            self._first = message.log_time
-        self._last = max(self._last, message.log_time)
-        if self._clock == 0 or abs(message.log_time - self._clock) >= CLOCK_PERIOD:
-            self._clock = message.log_time
+            self._first = log_time
+        self._last = max(self._last, log_time)
+        if self._clock == 0 or abs(log_time - self._clock) >= CLOCK_PERIOD:
+            self._clock = log_time
             self._control.publish_clock(self._clock)
+
+    def _publish(self, message: BagMessage, wall: float) -> None:
         self._counts[message.topic] += 1
         self._ledger.published(CONTROL_NODE, message.topic, self._counts[message.topic])
         self._control.publish(message.topic, message.data)
@@ -118,9 +127,9 @@ class Player:
         return anchor_wall + (log_time - anchor_time) / NANOSECONDS / self._rate - wall
 
     def _fetch(self) -> None:
-        """Find the next input; everything else on the way goes to the sink."""
+        """Find the next message to publish; everything else on the way goes to the sink."""
         for message in self._messages:
-            if message.topic in self._inputs:
+            if message.topic in self._counts:
                 self._next = message
                 return
             self._sink(message)

@@ -52,12 +52,18 @@ class RunObserver:
         All data topics by resolved name.
     display : RunDisplay
         Shown each estimated picture.
+    cutoff_m : float
+        Distance from which on the score takes a position track for none of a target, m.
     keep_steps : bool
         Keep digests of output topics after every message, to find the first that differs.
     """
 
     def __init__(
-        self, topics: Mapping[str, Topic], display: RunDisplay, keep_steps: bool = False
+        self,
+        topics: Mapping[str, Topic],
+        display: RunDisplay,
+        cutoff_m: float,
+        keep_steps: bool = False,
     ) -> None:
         self.latency = LatencyMeter()
         self.records = {
@@ -66,6 +72,7 @@ class RunObserver:
         }
         self._topics = topics
         self._display = display
+        self._cutoff_m = cutoff_m
         self._blocks, self._estimates, self._timed = _timed_chain(topics)
         self._bearings: list[BearingTracks] = []
         self._positions: dict[str, list[PositionTracks]] = {}
@@ -80,6 +87,8 @@ class RunObserver:
         """Take a message the orchestration has published itself."""
         self.announced(topic, head_stamp(data), wall)
         self.records[topic].add(data)
+        if self._topics[topic].role is TopicRole.TRUTH:
+            self._take_truth(topic, data)
 
     def observed(self, topic: str, data: bytes, wall: float) -> None:
         """Take a message received from the graph."""
@@ -87,16 +96,12 @@ class RunObserver:
         self._take_time(topic, data, wall)
         described = self._topics[topic]
         if described.role is TopicRole.TRUTH:
-            self.take_truth(topic, data)
+            self._take_truth(topic, data)
         elif described.message_type == BEARING_TRACKS.message_type:
             self._take_bearings(topic, tracks_from_bytes(data))
         elif described.message_type == PASSIVE_TRACKS.message_type:
             self._positions.setdefault(topic, []).append(_position_tracks(data))
             self._display.position_tracks(topic, self._positions[topic][-1])
-
-    def take_truth(self, topic: str, data: bytes) -> None:
-        """Take a true picture; it is decoded when the run is scored."""
-        self._truth.setdefault(topic, []).append(data)
 
     def score(self) -> Mapping[str, object]:
         """Return the score of the tracks against truth; empty if either is missing.
@@ -116,10 +121,14 @@ class RunObserver:
 
             places = [_position_tracks(data) for data in true_positions]
             score["positions"] = {
-                topic: score_position_tracks(places, tracks).to_mapping()
+                topic: score_position_tracks(places, tracks, self._cutoff_m).to_mapping()
                 for topic, tracks in self._positions.items()
             }
         return score
+
+    def _take_truth(self, topic: str, data: bytes) -> None:
+        """Keep a true picture; it is decoded when the run is scored."""
+        self._truth.setdefault(topic, []).append(data)
 
     def _take_bearings(self, topic: str, tracks: BearingTracks) -> None:
         # Bearings simulated at a station are measurements, not tracks to be scored.

@@ -11,6 +11,7 @@ from sonar_tracking.bags.storage.recording_information import RecordingInformati
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
 from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC, Topic, TopicRole
 from sonar_tracking.graph.orchestration.graph_plan import resolved
+from sonar_tracking.graph.orchestration.topic_record import TopicRecord
 
 RECORDER = "recorder"
 _MODULE = "sonar_tracking.graph.nodes.recorder"
@@ -58,9 +59,27 @@ def planned_recorder(
     )
 
 
-def recording_hint(output: Path, topics: Iterable[Topic]) -> str:
-    """Return what to say of a finished recording: how the stock ROS 2 tools play its inputs."""
-    inputs = sorted(resolved(topic) for topic in topics if topic.role is TopicRole.INPUT)
+def recording_hint(
+    output: Path, topics: Mapping[str, Topic], records: Mapping[str, TopicRecord]
+) -> str:
+    """Return what to say of a finished recording: how the stock ROS 2 tools play its inputs.
+
+    Parameters
+    ----------
+    output : Path
+        The bag.
+    topics : mapping of str to Topic
+        All data topics by resolved name.
+    records : mapping of str to TopicRecord
+        What passed over them; topics without messages are not named.
+    """
+    inputs = sorted(
+        name
+        for name, topic in topics.items()
+        if topic.role is TopicRole.INPUT and records[name].messages
+    )
+    if not inputs:
+        return f"recorded {output}"
     return (
         f"recorded {output}; stock ROS 2 tools play its inputs with: "
         f"ros2 bag play {output} --clock --topics {' '.join(inputs)}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Collection, Mapping
 
 from sonar_tracking.bags.storage.reader import Bag
 from sonar_tracking.bags.storage.storage_file import BagMessage
@@ -18,32 +18,34 @@ class ReplayComparison:
         The recording.
     replayed : mapping of str to TopicRecord
         What the replay publishes, by topic.
-    take_truth : callable
-        Takes topic and message of each recorded true picture.
+    played : set of str
+        Topics that are played from the bag: there is nothing to compare them with.
+
+    Attributes
+    ----------
+    topics : set of str
+        The recorded outputs it wants to see.
     """
 
     def __init__(
-        self,
-        bag: Bag,
-        replayed: Mapping[str, TopicRecord],
-        take_truth: Callable[[str, bytes], None],
+        self, bag: Bag, replayed: Mapping[str, TopicRecord], played: Collection[str]
     ) -> None:
         self._recorded = {
             name: TopicRecord(topic.type_name, keep_steps=True)
             for name, topic in bag.topics.items()
-            if topic.role == "output" and name in replayed
+            if topic.role == "output"
+            and name in replayed
+            and name not in played
+            # Somebody else's recorder lists topics on which it has heard nothing.
+            and (topic.message_count or bag.recording)
         }
         self._replayed = replayed
-        self._take_truth = take_truth
-        self._truth = {name for name, topic in bag.topics.items() if topic.role == "truth"}
         self._cut_off = bag.recovery is not None
-        self.topics = {*self._recorded, *self._truth}
+        self.topics = set(self._recorded)
 
     def take(self, message: BagMessage) -> None:
         """Take a recorded message that is not played."""
-        if message.topic in self._truth:
-            self._take_truth(message.topic, message.data)
-        elif message.topic in self._recorded:
+        if message.topic in self._recorded:
             self._recorded[message.topic].add(message.data)
 
     def result(self) -> dict[str, str]:

@@ -25,6 +25,7 @@ def run(
     record: Path | None,
     display: bool,
     json: Path | None,
+    cutoff_m: float,
 ) -> int:
     """Run a scenario through the live graph and return the exit code.
 
@@ -33,7 +34,7 @@ def run(
     ConfigurationError
         If what was asked cannot be done; nothing was started then.
     """
-    options = RunOptions(rate_from_text(rate), record, json)
+    options = RunOptions(rate_from_text(rate), record, json, cutoff_m)
     options.check()
     from sonar_tracking.graph.verbs.run_scenario import run_scenario
 
@@ -50,6 +51,7 @@ def replay(
     repair: bool,
     display: bool,
     json: Path | None,
+    cutoff_m: float,
 ) -> int:
     """Replay a recording through the live graph and return the exit code.
 
@@ -58,7 +60,7 @@ def replay(
     ConfigurationError
         If what was asked cannot be done; nothing was started then.
     """
-    options = RunOptions(rate_from_text(rate), record, json)
+    options = RunOptions(rate_from_text(rate), record, json, cutoff_m)
     options.check()
     from sonar_tracking.graph.verbs.run_replay import replay_bag
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.evaluation.metrics.cutoff import CUTOFF_M, check_cutoff
 
 
 @dataclass(frozen=True)
@@ -24,11 +25,14 @@ class RunOptions:
         Bag to record into.
     json : Path or None
         Where to write the report.
+    cutoff_m : float
+        Distance from which on the score takes a position track for none of a target, m.
     """
 
     rate: float = 1.0
     record: Path | None = None
     json: Path | None = None
+    cutoff_m: float = CUTOFF_M
 
     def check(self) -> None:
         """Refuse what could only fail at the end of the run.
@@ -36,8 +40,10 @@ class RunOptions:
         Raises
         ------
         ConfigurationError
-            If a file to write cannot be written, or the bag exists or cannot be made.
+            If a file to write cannot be written, the bag exists or cannot be made, or the cut-off
+            is no distance.
         """
+        check_cutoff(self.cutoff_m)
         if self.record is not None and self.record.exists():
             raise ConfigurationError(
                 f"--record: {self.record} exists already; give another name or remove it."

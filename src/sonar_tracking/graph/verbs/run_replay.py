@@ -21,7 +21,14 @@ from sonar_tracking.graph.catalogue.node_settings import (
 )
 from sonar_tracking.graph.catalogue.planned_node import FLOW_WINDOW, PlannedNode
 from sonar_tracking.graph.catalogue.scenario_graph import planned_nodes
-from sonar_tracking.graph.catalogue.topics import SAMPLES, SNAPSHOTS, Topic
+from sonar_tracking.graph.catalogue.topics import (
+    SAMPLES,
+    SNAPSHOTS,
+    TRUE_BEARING_TRACKS,
+    TRUE_TRACKS,
+    Topic,
+    TopicRole,
+)
 from sonar_tracking.graph.catalogue.transport_profile import choose_transport
 from sonar_tracking.graph.orchestration.graph_plan import GraphPlan, resolved
 from sonar_tracking.graph.orchestration.orchestration import Orchestration
@@ -75,9 +82,10 @@ def replay_bag(
     from sonar_tracking.graph.orchestration.player import Player
     from sonar_tracking.graph.orchestration.run_observer import RunObserver
 
-    observer = RunObserver(plan.topics(), display, keep_steps=True)
-    comparison = ReplayComparison(bag, observer.records, observer.take_truth)
-    inputs = set(plan.offered_names())
+    observer = RunObserver(plan.topics(), display, options.cutoff_m, keep_steps=True)
+    truth = {resolved(topic) for topic in plan.offered if topic.role is TopicRole.TRUTH}
+    inputs = {*plan.offered_names()} - truth
+    comparison = ReplayComparison(bag, observer.records, inputs | truth)
     try:
         with ControlNode(
             orchestration.ledger, orchestration.edges, observer.observed, observer.announced
@@ -89,8 +97,9 @@ def replay_bag(
             source = Player(
                 control,
                 orchestration.ledger,
-                bag.messages(inputs | comparison.topics),
+                bag.messages(inputs | truth | comparison.topics),
                 inputs,
+                truth,
                 comparison.take,
                 observer.replayed,
                 FLOW_WINDOW,
@@ -101,7 +110,7 @@ def replay_bag(
     finally:
         orchestration.stop_processes()
     if options.record is not None:
-        display.say(recording_hint(options.record, plan.topics().values()))
+        display.say(recording_hint(options.record, plan.topics(), observer.records))
     report = orchestration.report(data_seconds, observer)
     return _compared(report, comparison, parameters is not None) if complete else report
 
@@ -169,14 +178,15 @@ def _settings(bag: Bag, parameters: Path | None) -> NodeSettings:
 
 
 def _offered(bag: Bag, nodes: tuple[PlannedNode, ...]) -> tuple[Topic, ...]:
-    """Return the topics to play: recorded inputs, and whatever else the nodes need of the bag."""
+    """Return the topics to play: inputs, whatever else the nodes need of the bag, and truth."""
     known = {resolved(topic): topic for node in NODES.values() for topic in node.outputs}
     computed = {resolved(topic) for node in nodes for topic in node.publishers}
     needed = {resolved(topic): topic for node in nodes for topic in node.subscriptions}
     wanted = needed.keys() - computed
     known |= needed
+    # Whoever computed it when it was recorded: what is played is an input of this graph.
     offered = tuple(
-        known[name]
+        replace(known[name], role=TopicRole.INPUT)
         for name, topic in bag.topics.items()
         if name in known
         and topic.message_count
@@ -193,7 +203,20 @@ def _offered(bag: Bag, nodes: tuple[PlannedNode, ...]) -> tuple[Topic, ...]:
             f"{bag.path} holds no message of {', '.join(missing)} to replay; "
             f"its topics are {there}."
         )
-    return offered
+    return (*offered, *_true_pictures(bag, {resolved(topic) for topic in offered}))
+
+
+def _true_pictures(bag: Bag, inputs: set[str]) -> tuple[Topic, ...]:
+    """Return the recorded truth: no node takes it, but recorders, displays and scores do."""
+    pictures = {topic.message_type: topic for topic in (TRUE_BEARING_TRACKS, TRUE_TRACKS)}
+    return tuple(
+        replace(pictures[topic.type_name], name=name.lstrip("/"))
+        for name, topic in bag.topics.items()
+        if topic.role == "truth"
+        and topic.message_count
+        and topic.type_name in pictures
+        and name not in inputs
+    )
 
 
 def _block_seconds(bag: Bag) -> float:

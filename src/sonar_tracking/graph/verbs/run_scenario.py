@@ -75,7 +75,7 @@ def run_scenario(
     from sonar_tracking.graph.orchestration.simulated_source import SimulatedSource
 
     topics = plan.topics()
-    observer = RunObserver(topics, display)
+    observer = RunObserver(topics, display, options.cutoff_m)
     try:
         with ControlNode(
             orchestration.ledger,
@@ -95,7 +95,7 @@ def run_scenario(
     finally:
         orchestration.stop_processes()
     if options.record is not None:
-        display.say(recording_hint(options.record, plan.topics().values()))
+        display.say(recording_hint(options.record, plan.topics(), observer.records))
     return orchestration.report(data_seconds, observer)
 
 
