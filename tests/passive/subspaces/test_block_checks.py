@@ -12,7 +12,7 @@ from sonar_tracking.geometry import line_array
 from sonar_tracking.passive.subspaces.block_checks import (
     check_block,
     check_first_block,
-    check_unchanged,
+    check_next_block,
 )
 from sonar_tracking.records.bearings import Sensor
 from tests.passive.crossing_scene import EPOCH, POSITIONS, block_of, circular_noise
@@ -81,6 +81,6 @@ def test_more_sources_than_elements() -> None:
 )
 def test_change_during_the_run_is_named(changes: dict[str, object], sentence: str) -> None:
     first = block_of(DATA, EPOCH)
-    check_unchanged(replace(first, stamp=EPOCH + 1), first)
+    check_next_block(replace(first, stamp=EPOCH + 1), first)
     with pytest.raises(InputError, match=sentence):
-        check_unchanged(replace(first, **changes), first)  # type: ignore[arg-type]
+        check_next_block(replace(first, **changes), first)  # type: ignore[arg-type]

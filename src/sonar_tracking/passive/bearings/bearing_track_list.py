@@ -161,12 +161,13 @@ def folded_angles(angles: FloatArray, positions: FloatArray) -> tuple[FloatArray
     signs : ndarray, shape (...)
         Pure numbers: -1 where the fold reverses the sense of rotation, else 1.
     """
+    line = is_line(positions)
     signs = np.ones_like(angles)
-    inside = ~(np.abs(angles) > (0.5 * np.pi if is_line(positions) else np.pi))
+    inside = ~(np.abs(angles) > (0.5 * np.pi if line else np.pi))
     if inside.all():
         return angles, signs
     wrapped = np.where(inside, angles, np.remainder(angles + np.pi, 2.0 * np.pi) - np.pi)
-    if not is_line(positions):
+    if not line:
         return wrapped, signs
     behind = np.abs(wrapped) > 0.5 * np.pi
     folded = np.where(behind, np.copysign(np.pi, wrapped) - wrapped, wrapped)

@@ -11,6 +11,7 @@ done again, with what the turn has added since it began.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -35,10 +36,7 @@ from sonar_tracking.passive.bearings.manoeuvre_detection import (
     steady,
 )
 from sonar_tracking.passive.directions.sources_at_angles import unresolved
-from sonar_tracking.passive.directions.weighted_subspace_fit import (
-    SubspaceFit,
-    weighted_subspace_fit,
-)
+from sonar_tracking.passive.directions.weighted_subspace_fit import weighted_subspace_fit
 from sonar_tracking.records.arrays import BoolArray, ComplexArray, FloatArray, IndexArray, IntArray
 from sonar_tracking.records.bearings import SubspaceEstimates
 
@@ -150,17 +148,13 @@ class JointMapFilters:
         subspace, notices = covariance_subspace(self.configuration, estimates, n_elements - 1)
         if subspace is None:
             return FilterUpdate(filters, None, notices)
-        number = wavenumber(estimates.center_frequency, estimates.sound_speed)
-
-        def fit(angles: FloatArray) -> SubspaceFit:
-            return weighted_subspace_fit(
-                subspace,
-                estimates.covariance_snapshots,
-                estimates.element_positions,
-                angles,
-                number,
-            )
-
+        fit = partial(
+            weighted_subspace_fit,
+            subspace,
+            estimates.covariance_snapshots,
+            estimates.element_positions,
+            wavenumber=wavenumber(estimates.center_frequency, estimates.sound_speed),
+        )
         age = -estimates.covariance_time_offset
         corrected = update_jointly(filters, age, fit)
         manoeuvres = self._judge_manoeuvres(filters, corrected, estimates)
@@ -184,7 +178,8 @@ class JointMapFilters:
         self, before: JointMapState, after: KalmanState, estimates: SubspaceEstimates
     ) -> Manoeuvres:
         """Return which bearings turn, by the first update."""
-        if self._constant_process_noise:
+        configuration = self.configuration
+        if configuration.steady_process_noise_density >= configuration.process_noise_density:
             return before.manoeuvres
         targets = self.targets(before)
         age = -estimates.covariance_time_offset
@@ -197,31 +192,29 @@ class JointMapFilters:
 
     def _add_turn(self, filters: JointMapState, begun: BoolArray, level: IntArray) -> JointMapState:
         """Return the prediction with what a turn has added to some bearings by now."""
-        density = np.where(begun, self._densities(level), 0.0)
+        configuration = self.configuration
+        steady = configuration.steady_process_noise_density
+        turning = configuration.process_noise_density
+        density = np.where(begun, _densities(level, steady, turning), 0.0)
         added = joint_process_noise(begun.shape[-1], MEMORY, density)
         return replace(filters, covariance=filters.covariance + added)
 
     def _process_noise(self, filters: JointMapState) -> FloatArray:
         """Return the spectral density of each bearing's acceleration, rad^2/s^3."""
-        density = self._densities(filters.manoeuvres.level)
-        if self._constant_process_noise:
-            return density
-        held = _HELD_SHARE * self.configuration.steady_process_noise_density
-        density = np.where(filters.manoeuvres.held, held, density)
-        rates = self.targets(filters).mean[..., 1]
-        passing = np.minimum(passing_process_noise(rates), self.configuration.process_noise_density)
-        return np.maximum(density, passing)
-
-    @property
-    def _constant_process_noise(self) -> bool:
-        configuration = self.configuration
-        return configuration.steady_process_noise_density >= configuration.process_noise_density
-
-    def _densities(self, level: IntArray) -> FloatArray:
-        """Return the spectral densities of levels of process noise, rad^2/s^3."""
         steady = self.configuration.steady_process_noise_density
-        share = level / HIGHEST_LEVEL
-        return steady ** (1.0 - share) * self.configuration.process_noise_density**share
+        turning = self.configuration.process_noise_density
+        density = _densities(filters.manoeuvres.level, steady, turning)
+        if steady >= turning:
+            return density
+        density = np.where(filters.manoeuvres.held, _HELD_SHARE * steady, density)
+        rates = self.targets(filters).mean[..., 1]
+        return np.maximum(density, np.minimum(passing_process_noise(rates), turning))
+
+
+def _densities(level: IntArray, steady: float, turning: float) -> FloatArray:
+    """Return the spectral densities of levels of process noise, rad^2/s^3."""
+    share = level / HIGHEST_LEVEL
+    return steady ** (1.0 - share) * turning**share
 
 
 def _rows(n_targets: int) -> IntArray:

@@ -94,14 +94,19 @@ class WeakSourceCounter:
             Fastest bearing that must not be counted twice, rad/s.
         """
         duration = estimates.covariance_snapshots * estimates.sample_period
+        line = is_uniform_line(estimates.element_positions)
+        number = wavenumber(estimates.center_frequency, estimates.sound_speed)
         counts = [0]
-        number = 1
-        while number <= len(self.middles):
-            mean = np.mean(self.covariances[-number:], axis=0)
-            span = seconds(self.middles[-1] - self.middles[-number]) + duration
-            snapshots = number * estimates.covariance_snapshots
-            counts.append(_counted(mean, estimates, snapshots, span * maximum_rate))
-            number *= 2
+        together = 1
+        while together <= len(self.middles):
+            mean = np.mean(self.covariances[-together:], axis=0)
+            span = seconds(self.middles[-1] - self.middles[-together]) + duration
+            turn = span * maximum_rate
+            snapshots = together * estimates.covariance_snapshots
+            counts.append(_rank(mean, estimates, snapshots, number, turn))
+            if line:
+                counts.append(_smoothed_rank(mean, estimates, snapshots, number, turn))
+            together *= 2
         return max(counts)
 
 
@@ -144,24 +149,35 @@ def believed_sources(
     return int(np.count_nonzero(ratios > (1.0 + least) * (1.0 + share / least)))
 
 
-def _counted(
-    covariance: ComplexArray, estimates: SubspaceEstimates, n_snapshots: int, turn: float
+def _rank(
+    covariance: ComplexArray,
+    estimates: SubspaceEstimates,
+    n_snapshots: int,
+    number: float,
+    turn: float,
 ) -> int:
-    """Return the larger of the rank and of the number in the smoothed covariance."""
+    """Return the number of weak sources in the covariance, coherent ones counted as one."""
+    positions = estimates.element_positions
+    if n_snapshots < _SNAPSHOTS_PER_ELEMENT * len(positions):
+        return 0
+    values = _eigenvalues(covariance, estimates.noise_covariance)
+    return believed_sources(values, n_snapshots, positions, number, turn)
+
+
+def _smoothed_rank(
+    covariance: ComplexArray,
+    estimates: SubspaceEstimates,
+    n_snapshots: int,
+    number: float,
+    turn: float,
+) -> int:
+    """Return the number of weak sources, coherent or not, in the covariance of a uniform line."""
     positions, noise = estimates.element_positions, estimates.noise_covariance
-    number = wavenumber(estimates.center_frequency, estimates.sound_speed)
-    count = 0
-    if n_snapshots >= _SNAPSHOTS_PER_ELEMENT * len(positions):
-        count = believed_sources(
-            _eigenvalues(covariance, noise), n_snapshots, positions, number, turn
-        )
-    if not is_uniform_line(positions):
-        return count
     size = smoothed_size(len(positions), n_snapshots)
     smoothed = forward_backward_smoothed(covariance, size)
     colour = None if noise is None else forward_backward_smoothed(noise, size)
     values = _eigenvalues(smoothed, colour)
-    return max(count, believed_sources(values, n_snapshots, positions[:size], number, turn))
+    return believed_sources(values, n_snapshots, positions[:size], number, turn)
 
 
 def _eigenvalues(covariance: ComplexArray, noise_covariance: ComplexArray | None) -> FloatArray:

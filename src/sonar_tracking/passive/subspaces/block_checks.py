@@ -93,14 +93,15 @@ def check_block(block: ArraySnapshots) -> None:
         )
 
 
-def check_unchanged(block: ArraySnapshots, first: ArraySnapshots) -> None:
-    """Reject a block whose array, frequency or rate differs from the first one of the run.
+def check_next_block(block: ArraySnapshots, first: ArraySnapshots) -> None:
+    """Reject a block that is malformed, or of another array, frequency or rate than the first one.
 
     Raises
     ------
     InputError
-        Naming what changed.
+        Naming what is wrong or what changed.
     """
+    check_block(block)
     for name in ("sample_period", "center_frequency", "bandwidth", "sound_speed"):
         old, new = getattr(first, name), getattr(block, name)
         if old != new:

@@ -78,10 +78,10 @@ class EstimationMemory:
         return self.history if self.used.all() else self.history[..., self.used]
 
     def without_windows(self, closed: list[Window]) -> EstimationMemory:
-        """Return the memory without some windows and what was kept for them alone."""
+        """Return the memory without some windows, one at least, and what was kept for them."""
         windows = tuple(w for w in self.windows if w not in closed)
         captured = tuple(c for c in self.captured if any(c.index in w.indices for w in windows))
-        sensors = self.sensors.since(closed[-1].stamp) if closed else self.sensors
+        sensors = self.sensors.since(closed[-1].stamp)
         return replace(self, windows=windows, captured=captured, sensors=sensors)
 
 

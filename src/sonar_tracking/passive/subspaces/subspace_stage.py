@@ -21,9 +21,8 @@ from sonar_tracking.passive.subspaces.basis_sampling import (
     start_sampler,
 )
 from sonar_tracking.passive.subspaces.block_checks import (
-    check_block,
     check_first_block,
-    check_unchanged,
+    check_next_block,
 )
 from sonar_tracking.passive.subspaces.channel_monitor import new_monitor, used_elements
 from sonar_tracking.passive.subspaces.estimation_memory import (
@@ -103,6 +102,7 @@ class SubspaceStage:
             configuration.step,
             configuration.covariance_lookahead,
         )
+        self._kept_snapshots = configuration.covariance_snapshots + self._schedule.reach
         self._memory: EstimationMemory | None = None
 
     def reset(self) -> None:
@@ -155,8 +155,7 @@ class SubspaceStage:
         """Check a block and place it in time; return how many snapshots are missing before it."""
         if memory is None:
             return self._begin(block), 0
-        check_block(block)
-        check_unchanged(block, memory.array)
+        check_next_block(block, memory.array)
         timing, missing = memory.timing.following(block.stamp, block.data.shape[-2])
         if missing < 0:
             raise InputError(
@@ -273,16 +272,16 @@ class SubspaceStage:
         """Close the windows that end in the gap, with the snapshots from before it."""
         lost = [w for w in memory.windows if w.complete < memory.timing.first_index]
         estimates = [self._estimate(window, memory, before) for window in lost]
-        return memory.without_windows(lost), estimates
+        return memory.without_windows(lost) if lost else memory, estimates
 
     def _close_complete_windows(self, memory: EstimationMemory, end: bool) -> Closed:
         """Close the windows that are complete; at the end of the data also those begun."""
         last_index = memory.timing.last_index
         done = [w for w in memory.windows if end or w.complete <= last_index]
         estimates = [self._estimate(window, memory, memory) for window in done]
-        keep = self.configuration.covariance_snapshots + self._schedule.reach
-        history = memory.history[..., max(memory.history.shape[-2] - keep, 0) :, :]
-        return replace(memory.without_windows(done), history=history), estimates
+        oldest = max(memory.history.shape[-2] - self._kept_snapshots, 0)
+        memory = replace(memory, history=memory.history[..., oldest:, :])
+        return memory.without_windows(done) if done else memory, estimates
 
     def _mark_end_of_data(
         self, memory: EstimationMemory, estimates: list[SubspaceEstimates]
