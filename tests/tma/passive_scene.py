@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
 from sonar_tracking.records.positions import PositionTracks
 from sonar_tracking.simulation.scenarios.bearing_sensor_configuration import (
@@ -111,7 +111,7 @@ def with_bearings(frame: PassiveFrame, **changes: Any) -> PassiveFrame:
     return replace(frame, bearings=(replace(frame.bearings[0], **changes), *frame.bearings[1:]))
 
 
-def one_value(values: NDArray[np.float64], value: float) -> NDArray[np.float64]:
+def one_value(values: FloatArray, value: float) -> FloatArray:
     """Return a column with its first entry changed."""
     changed = values.copy()
     changed[0] = value

@@ -19,7 +19,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.active.association.hpda import associate_ranked
 from sonar_tracking.active.association.lm_ipda import (
@@ -68,7 +67,7 @@ from sonar_tracking.active.tracks.track_management import (
     surviving,
 )
 from sonar_tracking.errors import Notice
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate, GateThresholds
 
@@ -272,7 +271,7 @@ class MultiTargetTracker:
         alive &= ~duplicates(bank, pairs, association.weights)
         return ListedTracks(bank, alive, self._was_shown(bank), detected)
 
-    def _was_shown(self, bank: TrackBank) -> NDArray[np.bool_]:
+    def _was_shown(self, bank: TrackBank) -> BoolArray:
         shown = np.zeros(len(bank), dtype=bool)
         shown[bank.id.searchsorted(self._shown)] = True
         return shown
@@ -293,9 +292,7 @@ class MultiTargetTracker:
         self._next_id += len(rows)
         return candidates
 
-    def _initial_existence(
-        self, ping: _Ping, rows: NDArray[np.intp], threshold: float
-    ) -> FloatArray:
+    def _initial_existence(self, ping: _Ping, rows: IndexArray, threshold: float) -> FloatArray:
         initial = self._configuration.initial_existence
         if self._configuration.method != "integrated":
             return np.full(len(rows), initial)

@@ -13,12 +13,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.display.track_history import TrackHistory
 from sonar_tracking.geometry import wavenumber
 from sonar_tracking.passive.directions.conventional_beamformer import beam_powers
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import FloatArray, IntArray
 from sonar_tracking.records.bearings import AngleKind, ArraySnapshots
 from sonar_tracking.records.time import seconds
 
@@ -54,7 +53,7 @@ class BeamPicture:
         Relative to the strongest beam of the line.
     """
 
-    stamps: NDArray[np.int64]
+    stamps: IntArray
     angles: FloatArray
     levels_db: FloatArray
 

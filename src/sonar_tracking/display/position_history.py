@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import COLUMNS, PositionTracks
 from sonar_tracking.records.time import seconds
@@ -28,7 +27,7 @@ class PositionHistory:
     """
 
     tracks: PositionTracks
-    stamps: NDArray[np.int64]
+    stamps: IntArray
 
     @property
     def id(self) -> int:
@@ -101,5 +100,5 @@ def _histories(lists: Iterable[PositionTracks]) -> tuple[PositionHistory, ...]:
     )
 
 
-def _placed(picture: PositionTracks, keep: NDArray[np.bool_]) -> PositionTracks:
+def _placed(picture: PositionTracks, keep: BoolArray) -> PositionTracks:
     return picture.selected(keep & np.all(np.isfinite(picture.state[:, :2]), axis=-1))

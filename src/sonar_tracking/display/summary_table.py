@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.display.position_history import PositionHistory
 from sonar_tracking.display.position_table import COLUMNS, position_cells
 from sonar_tracking.display.track_history import TrackHistory
+from sonar_tracking.records.arrays import FloatArray, IntArray
 from sonar_tracking.records.bearings import AngleKind, TrackStatus
 from sonar_tracking.records.time import seconds
 
@@ -173,7 +173,7 @@ def _draw_table(axes: Axes, table: SummaryTable) -> None:
             axes.text(edge, middle, text, ha="right", va="center", fontsize=9)
 
 
-def _right_edges(table: SummaryTable) -> NDArray[np.float64]:
+def _right_edges(table: SummaryTable) -> FloatArray:
     """Return where the columns end, 0 to 1, as wide as their longest text."""
     lines = [
         [line for cell in (heading, *cells) for line in cell.split("\n")]
@@ -183,7 +183,7 @@ def _right_edges(table: SummaryTable) -> NDArray[np.float64]:
     return (np.cumsum(widths) - 0.5) / np.sum(widths)
 
 
-def _life(stamps: NDArray[np.int64], start: int) -> tuple[str, str]:
+def _life(stamps: IntArray, start: int) -> tuple[str, str]:
     first, last = seconds(int(stamps[0]) - start), seconds(int(stamps[-1]) - start)
     return f"{first:.1f}", f"{last:.1f}"
 

@@ -13,12 +13,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.display.position_history import PositionHistory
 from sonar_tracking.display.tactical_scene import TacticalScene
 from sonar_tracking.display.uncertainty_ellipse import uncertainty_ellipse
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import FloatArray, IndexArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -144,7 +143,7 @@ def _duration_text(seconds: float) -> str:
     return f"{seconds / 60.0:g} min" if seconds >= 60.0 else f"{seconds:g} s"
 
 
-def _marks(times: FloatArray, interval: float) -> NDArray[np.intp]:
+def _marks(times: FloatArray, interval: float) -> IndexArray:
     """Return the first row at or after each multiple of the interval."""
     if not len(times):
         return np.empty(0, np.intp)

@@ -6,10 +6,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.motion import compass_from_azimuth
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import CodeArray, FloatArray, IntArray
 from sonar_tracking.records.bearings import AngleKind, BearingTracks, TrackStatus
 
 
@@ -34,9 +33,9 @@ class TrackHistory:
     """
 
     id: int
-    stamps: NDArray[np.int64]
+    stamps: IntArray
     angles: FloatArray
-    status: NDArray[np.uint8]
+    status: CodeArray
     deviations: FloatArray
     kind: AngleKind = AngleKind.CONE
 

@@ -22,6 +22,7 @@ from sonar_tracking.message_reading.field_reading import (
     sensor,
     stamp_from_time,
 )
+from sonar_tracking.records.arrays import ComplexArray, FloatArray
 from sonar_tracking.records.bearings import (
     AngleKind,
     ArraySnapshots,
@@ -194,13 +195,13 @@ def _array_reals(message: Any) -> dict[str, float]:
     return {name: getattr(message, name) for name in ARRAY_REALS}
 
 
-def _square_or_none(message: Any, name: str, size: int) -> NDArray[np.complex128] | None:
+def _square_or_none(message: Any, name: str, size: int) -> ComplexArray | None:
     if len(getattr(message, name)) == 0:
         return None
     return complex_column(message, name, (size, size), "elements x elements")
 
 
-def _rows_or_nan(message: Any, name: str, shape: tuple[int, ...]) -> NDArray[np.float64]:
+def _rows_or_nan(message: Any, name: str, shape: tuple[int, ...]) -> FloatArray:
     values = column(message, name)
     return values.reshape(shape) if values.size else np.full(shape, np.nan)
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sonar_tracking.errors import InputError
+from sonar_tracking.records.arrays import ComplexArray, FloatArray
 from sonar_tracking.records.bearings import Sensor
 from sonar_tracking.records.time import NANOSECONDS
 
@@ -39,7 +40,7 @@ def column(message: Any, name: str, dtype: str = "float64") -> NDArray[Any]:
 
 def complex_column(
     message: Any, name: str, shape: tuple[int, ...], meaning: str, dtype: str = "float64"
-) -> NDArray[np.complex128]:
+) -> ComplexArray:
     """Return an interleaved (re, im) field as a complex array of the given shape.
 
     Raises
@@ -93,7 +94,7 @@ def check_columns(message: Any, key: str, widths: dict[str, int]) -> int:
     return rows
 
 
-def element_positions(message: Any) -> NDArray[np.float64]:
+def element_positions(message: Any) -> FloatArray:
     """Return element_x, element_y and element_z as one array, shape (n_elements, 3), m.
 
     Raises

@@ -15,7 +15,13 @@ BoolArray = NDArray[np.bool_]
 """Yes or no an entry."""
 
 IntArray = NDArray[np.int64]
-"""Whole numbers: counts, stamps, identifiers of tracks in memory."""
+"""Whole numbers: counts and stamps."""
 
 IndexArray = NDArray[np.intp]
 """Positions in another array."""
+
+IdArray = NDArray[np.uint64]
+"""Identifiers, as in the messages; 0 = none."""
+
+CodeArray = NDArray[np.uint8]
+"""Codes of a small set, such as the status of a track, as in the messages."""

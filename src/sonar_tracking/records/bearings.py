@@ -11,9 +11,8 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sonar_tracking.records.arrays import ComplexArray, FloatArray
+from sonar_tracking.records.arrays import BoolArray, CodeArray, ComplexArray, FloatArray, IdArray
 from sonar_tracking.records.time import UNKNOWN_STAMP
 
 
@@ -194,8 +193,8 @@ class BearingTracks:
     """
 
     stamp: int
-    id: NDArray[np.uint64]
-    status: NDArray[np.uint8]
+    id: IdArray
+    status: CodeArray
     arrival_angle: FloatArray
     arrival_angle_rate: FloatArray
     covariance: FloatArray
@@ -204,7 +203,7 @@ class BearingTracks:
     innovation: FloatArray
     signal_to_noise_ratio: FloatArray
     existence_probability: FloatArray
-    ambiguous: NDArray[np.bool_]
+    ambiguous: BoolArray
     next_stamp: int = UNKNOWN_STAMP
     sensor: Sensor = field(default_factory=Sensor)
     angle_kind: AngleKind = AngleKind.CONE

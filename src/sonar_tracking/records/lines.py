@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import FloatArray, IdArray
 from sonar_tracking.records.bearings import Sensor
 from sonar_tracking.records.time import UNKNOWN_STAMP
 
@@ -50,10 +50,10 @@ class FrequencyLines:
     """
 
     stamp: int
-    track_id: NDArray[np.uint64]
+    track_id: IdArray
     arrival_angle: FloatArray
     arrival_angle_variance: FloatArray
-    line_id: NDArray[np.uint64]
+    line_id: IdArray
     frequency: FloatArray
     standard_deviation: FloatArray
     signal_to_noise_ratio: FloatArray
@@ -74,7 +74,7 @@ class Beams:
         rad and rad^2.
     """
 
-    track_id: NDArray[np.uint64]
+    track_id: IdArray
     arrival_angle: FloatArray
     variance: FloatArray
 
@@ -98,7 +98,7 @@ class LofarRows:
     """
 
     stamp: int
-    track_id: NDArray[np.uint64]
+    track_id: IdArray
     first_frequency: float
     bin_width: float
     level_db: NDArray[np.float32]

@@ -15,11 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sonar_tracking.errors import InputError
-from sonar_tracking.records.arrays import BoolArray, FloatArray
+from sonar_tracking.records.arrays import BoolArray, CodeArray, FloatArray, IdArray
 from sonar_tracking.records.time import UNKNOWN_STAMP
 
-IdArray = NDArray[np.uint64]
-CodeArray = NDArray[np.uint8]
 RowArray = NDArray[np.uint32]
 
 MAP_FRAME = "map"
@@ -305,7 +303,7 @@ class TruthTracks:
     """
 
     stamp: int
-    id: NDArray[np.uint64]
+    id: IdArray
     position: FloatArray
     velocity: FloatArray
     next_stamp: int = UNKNOWN_STAMP

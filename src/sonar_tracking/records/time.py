@@ -5,7 +5,8 @@ from __future__ import annotations
 import typing
 
 import numpy as np
-from numpy.typing import NDArray
+
+from sonar_tracking.records.arrays import FloatArray, IntArray
 
 NANOSECONDS = 1_000_000_000
 """In a second; stamps are counted in them."""
@@ -20,8 +21,8 @@ UNKNOWN_STAMP = 0
 @typing.overload
 def seconds(stamp_difference: int) -> float: ...
 @typing.overload
-def seconds(stamp_difference: NDArray[np.int64]) -> NDArray[np.float64]: ...
-def seconds(stamp_difference: int | NDArray[np.int64]) -> float | NDArray[np.float64]:
+def seconds(stamp_difference: IntArray) -> FloatArray: ...
+def seconds(stamp_difference: int | IntArray) -> float | FloatArray:
     """Return a difference of stamps as a duration.
 
     Parameters

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from sonar_tracking.geometry import steering_pair, steering_vectors
 from sonar_tracking.passive.performance.fisher_information import (
     source_covariance,
     stochastic_fisher_information,
 )
+from sonar_tracking.records.arrays import ComplexArray, FloatArray
 from tests.passive.crossing_scene import POSITIONS, WAVENUMBER
 
 ANGLES = np.deg2rad([-12.0, 3.0, 20.0])
@@ -31,8 +31,8 @@ def test_one_source_has_its_closed_form(level: float, angle: float) -> None:
 
 
 def information_by_the_trace(
-    sources: NDArray[np.complex128], noise_covariance: NDArray[np.complex128], snapshots: float
-) -> NDArray[np.float64]:
+    sources: ComplexArray, noise_covariance: ComplexArray, snapshots: float
+) -> FloatArray:
     """Return the angles' information after removing all nuisance parameters, from N tr(...)."""
     A, D = steering_pair(POSITIONS, ANGLES, WAVENUMBER)
     inverse = np.linalg.inv(A @ sources @ A.conj().T + 0.7 * noise_covariance)

@@ -47,7 +47,7 @@ def test_what_is_not_known_stays_unknown() -> None:
 
 
 def test_forgetting_does_not_change_what_is_asked_later() -> None:
-    history = HISTORY.appended(4 * NANOSECONDS, sensor(-160.0, 22.0))
+    history = HISTORY.append(4 * NANOSECONDS, sensor(-160.0, 22.0))
     for seconds in (2.5, 3.0, 4.5):
         stamp = round(seconds * NANOSECONDS)
         assert history.since(round(2.5 * NANOSECONDS)).at(stamp) == history.at(stamp)

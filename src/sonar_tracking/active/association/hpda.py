@@ -14,7 +14,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.active.association.lm_ipda import (
     BankAssociation,
@@ -29,7 +28,7 @@ from sonar_tracking.active.detection.gate_association import (
 )
 from sonar_tracking.active.tracks.contact_gating import GatePairs
 from sonar_tracking.active.tracks.track_bank import TrackBank
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import FloatArray, IndexArray
 
 
 def associate_ranked(
@@ -88,7 +87,7 @@ def associate_ranked(
     )
 
 
-def _in_order_of_choice(bank: TrackBank, rows: NDArray[np.intp]) -> NDArray[np.intp]:
+def _in_order_of_choice(bank: TrackBank, rows: IndexArray) -> IndexArray:
     """Return the tracks, confirmed ones first, then by existence probability."""
     order = np.lexsort((-bank.existence[rows], ~bank.confirmed[rows]))
     return np.asarray(rows[order])

@@ -20,12 +20,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.active.detection.gate_association import PROBABILITY_IN_GATE
 from sonar_tracking.active.tracks.contact_gating import GatePairs
 from sonar_tracking.active.tracks.track_bank import TrackBank
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import FloatArray, IndexArray
 
 LARGEST_CLAIM = 0.999
 """Upper limit of P_tj, so that P / (1 - P) stays finite."""
@@ -127,7 +126,7 @@ def associate_integrated(
     )
 
 
-def summed(rows: NDArray[np.intp], values: FloatArray, count: int) -> FloatArray:
+def summed(rows: IndexArray, values: FloatArray, count: int) -> FloatArray:
     """Return the sums of the values that belong to each of ``count`` rows."""
     return np.asarray(np.bincount(rows, values, count), dtype=np.float64)
 

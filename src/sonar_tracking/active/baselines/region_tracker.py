@@ -15,7 +15,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.active.association.jpda import associate_jointly
 from sonar_tracking.active.baselines.regions_of_interest import WINDOW, PolarContacts, find_regions
@@ -52,7 +51,7 @@ from sonar_tracking.active.tracks.particle_cloud import (
     resample_cloud,
 )
 from sonar_tracking.errors import Notice, Severity
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
 
@@ -292,7 +291,7 @@ def _region_covariances(regions: FloatArray, sensor: SensorGeometry) -> FloatArr
     )
 
 
-def _inside_gate(cloud: ParticleCloud, placed: PlacedContacts) -> NDArray[np.bool_]:
+def _inside_gate(cloud: ParticleCloud, placed: PlacedContacts) -> BoolArray:
     mean, covariance = cloud.moments()
     difference = placed.position - mean[:2] - placed.delay[:, None] * mean[2:]
     spread = placed.covariance + covariance[:2, :2]

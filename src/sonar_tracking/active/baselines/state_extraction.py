@@ -10,10 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.active.tracks.particle_cloud import ParticleCloud
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import FloatArray, IndexArray
 
 ITERATIONS = 10
 
@@ -88,7 +87,7 @@ def _draw(weight: FloatArray, generator: np.random.Generator) -> int:
     return int(min(np.searchsorted(edges, generator.random() * edges[-1]), len(weight) - 1))
 
 
-def _labels(cloud: ParticleCloud, centres: FloatArray) -> NDArray[np.intp]:
+def _labels(cloud: ParticleCloud, centres: FloatArray) -> IndexArray:
     # |x - c|^2 without |x|^2, which is the same for all centres; from their mean for the digits.
     middle = np.mean(centres, axis=0)
     away = centres - middle

@@ -11,11 +11,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.active.contacts.ping_description import plausible_description
 from sonar_tracking.errors import InputError, Notice, Severity
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray
 from sonar_tracking.records.contacts import Contacts
 from sonar_tracking.records.time import seconds
 
@@ -193,5 +192,5 @@ def _usable(contacts: Contacts) -> tuple[Contacts, tuple[Notice, ...]]:
     return contacts, tuple(notices)
 
 
-def _kept(values: float | FloatArray, good: NDArray[np.bool_]) -> float | FloatArray:
+def _kept(values: float | FloatArray, good: BoolArray) -> float | FloatArray:
     return values[good] if isinstance(values, np.ndarray) and values.ndim else values

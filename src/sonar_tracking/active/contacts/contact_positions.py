@@ -14,9 +14,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import FloatArray, IndexArray
 from sonar_tracking.records.contacts import Contacts
 
 IDENTITY = np.eye(2)
@@ -43,7 +42,7 @@ class PlacedContacts:
     distance: FloatArray
     delay: FloatArray
 
-    def selected(self, rows: NDArray[np.intp]) -> PlacedContacts:
+    def selected(self, rows: IndexArray) -> PlacedContacts:
         """Return some of the contacts."""
         return PlacedContacts(
             self.position[rows], self.covariance[rows], self.distance[rows], self.delay[rows]

@@ -14,13 +14,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.active.contacts.contact_positions import PlacedContacts, position_covariance
 from sonar_tracking.active.detection.detection_threshold import GATE_SIZE
 from sonar_tracking.active.tracks.pair_limits import few_enough, half_widths, nearest_in_gates
 from sonar_tracking.active.tracks.track_bank import TrackBank
-from sonar_tracking.records.arrays import FloatArray, IndexArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
 from sonar_tracking.records.contacts import Contacts
 
 BOXED_PER_PORTION = 500_000
@@ -109,7 +108,7 @@ class GatePairs:
     track: IndexArray
     contact: IndexArray
 
-    def kept(self, mask: NDArray[np.bool_]) -> GatePairs:
+    def kept(self, mask: BoolArray) -> GatePairs:
         """Return some of the pairs."""
         return GatePairs(self.track[mask], self.contact[mask])
 
@@ -228,7 +227,7 @@ def inverse(matrix: FloatArray, area: FloatArray) -> FloatArray:
 
 
 def _boxed(
-    gates: TrackGates, sorted_x: FloatArray, confirmed: NDArray[np.bool_]
+    gates: TrackGates, sorted_x: FloatArray, confirmed: BoolArray
 ) -> tuple[IndexArray, IndexArray]:
     """Return which of the contacts sorted by x lie in the box of each gate: from, to."""
     centre = gates.centre[:, 0]

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.active.detection.detection_model import DetectionModel
 from sonar_tracking.records.arrays import FloatArray, IntArray
@@ -96,5 +95,5 @@ def thresholds_without_gates(
     )
 
 
-def _seconds(stamps: IntArray) -> NDArray[np.float64]:
+def _seconds(stamps: IntArray) -> FloatArray:
     return np.asarray(stamps, dtype=np.float64) / NANOSECONDS

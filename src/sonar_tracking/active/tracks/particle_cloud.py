@@ -14,7 +14,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.active.contacts.contact_positions import PlacedContacts
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
@@ -25,7 +24,7 @@ from sonar_tracking.active.tracks.motion_modes import (
     turn_coefficients,
 )
 from sonar_tracking.motion import wrap_angle
-from sonar_tracking.records.arrays import FloatArray, IntArray
+from sonar_tracking.records.arrays import FloatArray, IndexArray, IntArray
 
 KERNEL_WIDTH = 0.3
 """Relative to the kernel that is best for a Gaussian cloud."""
@@ -161,9 +160,7 @@ def particle_densities(
     return density
 
 
-def systematic_rows(
-    weight: FloatArray, count: int, generator: np.random.Generator
-) -> NDArray[np.intp]:
+def systematic_rows(weight: FloatArray, count: int, generator: np.random.Generator) -> IndexArray:
     """Return the rows of ``count`` particles drawn in proportion to their weights."""
     edges = np.cumsum(weight)
     points = (np.arange(count) + generator.random()) / count * edges[-1]

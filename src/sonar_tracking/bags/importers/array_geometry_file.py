@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 import yaml
-from numpy.typing import NDArray
 
 from sonar_tracking.configuration import from_mapping, parameter
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.geometry import aperture, line_array
+from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.simulation.scenarios.scenario import DEFAULT_EPOCH
 from sonar_tracking.simulation.scenarios.scenario_mapping import checked_epoch
 
@@ -62,7 +62,7 @@ class RecordedArray:
     """
 
     sensor_id: str
-    element_positions: NDArray[np.float64]
+    element_positions: FloatArray
     channels: tuple[int, ...]
     sound_speed: float
     epoch: int = DEFAULT_EPOCH
@@ -154,7 +154,7 @@ def array_from_mapping(mapping: Mapping[str, Any], where: str) -> RecordedArray:
     )
 
 
-def _positions(entries: _Entries, prefix: str) -> NDArray[np.float64]:
+def _positions(entries: _Entries, prefix: str) -> FloatArray:
     if not entries.element_x:
         if entries.n_elements < 2 or entries.spacing <= 0.0:
             raise ConfigurationError(

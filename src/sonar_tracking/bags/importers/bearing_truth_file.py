@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.records.arrays import FloatArray, IdArray
 
 _COLUMNS = ("time_s", "target", "arrival_angle_deg")
 
@@ -34,9 +34,9 @@ class SurveyedBearings:
     """
 
     time: float
-    target: NDArray[np.uint64]
-    angle: NDArray[np.float64]
-    rate: NDArray[np.float64]
+    target: IdArray
+    angle: FloatArray
+    rate: FloatArray
 
 
 def read_surveyed_bearings(path: Path | str) -> list[SurveyedBearings]:

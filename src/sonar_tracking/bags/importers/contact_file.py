@@ -25,12 +25,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.bags.importers.number_table import NumberTable, read_number_table
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.motion import azimuth_from_compass, wrap_angle
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray, IntArray
 from sonar_tracking.records.time import NANOSECONDS
 
 TIMES = ("time_s", "unix_time_s")
@@ -65,7 +64,7 @@ class ContactLines:
         A sentence for each line left out.
     """
 
-    stamp: NDArray[np.int64]
+    stamp: IntArray
     range: FloatArray
     azimuth: FloatArray
     relative: bool
@@ -90,7 +89,7 @@ class SurveyedPositions:
         Of the bow, rad; NaN = not given.
     """
 
-    stamp: NDArray[np.int64]
+    stamp: IntArray
     position: FloatArray
     azimuth: FloatArray
 
@@ -184,7 +183,7 @@ def _one_of(table: NumberTable, names: tuple[str, ...]) -> str:
     return found[0]
 
 
-def _stamps(table: NumberTable, epoch: int) -> NDArray[np.int64]:
+def _stamps(table: NumberTable, epoch: int) -> IntArray:
     """Return stamps, ns; -1 where the time is not usable."""
     name = _one_of(table, TIMES)
     times = table.column(name)
@@ -196,11 +195,11 @@ def _stamps(table: NumberTable, epoch: int) -> NDArray[np.int64]:
 
 def _usable(
     table: NumberTable,
-    stamp: NDArray[np.int64],
+    stamp: IntArray,
     direction: str,
     amplitude: FloatArray | None,
     bad: list[str],
-) -> NDArray[np.bool_]:
+) -> BoolArray:
     """Return which lines can be used, and name the others with the first thing wrong."""
     distance, angle = table.column("range_m"), table.column(direction)
     contact = ~(np.isnan(distance) & np.isnan(angle))
@@ -223,7 +222,7 @@ def _usable(
     return _named(table, checks, bad)
 
 
-def _positioned(table: NumberTable, epoch: int, bad: list[str]) -> NDArray[np.intp]:
+def _positioned(table: NumberTable, epoch: int, bad: list[str]) -> IndexArray:
     """Return the usable rows of a table of positions in order of time."""
     stamp = _stamps(table, epoch)
     checks = {"the time is no instant after 1970": stamp > 0}
@@ -236,9 +235,7 @@ def _positioned(table: NumberTable, epoch: int, bad: list[str]) -> NDArray[np.in
     return rows[np.argsort(stamp[rows], kind="stable")]
 
 
-def _named(
-    table: NumberTable, checks: dict[str, NDArray[np.bool_]], bad: list[str]
-) -> NDArray[np.bool_]:
+def _named(table: NumberTable, checks: dict[str, BoolArray], bad: list[str]) -> BoolArray:
     good = np.ones(len(table), dtype=bool)
     for sentence, passed in checks.items():
         bad.extend(f"{table.place(int(i))}: {sentence}." for i in np.flatnonzero(good & ~passed))
@@ -246,7 +243,7 @@ def _named(
     return good
 
 
-def _surveyed(table: NumberTable, epoch: int, rows: NDArray[np.intp]) -> SurveyedPositions:
+def _surveyed(table: NumberTable, epoch: int, rows: IndexArray) -> SurveyedPositions:
     stamp, first = np.unique(_stamps(table, epoch)[rows], return_index=True)
     rows = rows[first]
     position = np.stack([table.column("east_m"), table.column("north_m")], axis=1)[rows]

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.bags.importers.contact_file import (
     ContactLines,
@@ -38,7 +37,7 @@ from sonar_tracking.bags.storage.writer import BagWriter
 from sonar_tracking.configuration import parameter
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.motion import wrap_angle
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import FloatArray, IndexArray, IntArray
 from sonar_tracking.records.contacts import Contacts
 from sonar_tracking.records.positions import TruthTracks
 from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS, seconds
@@ -205,7 +204,7 @@ def _surveyed_own_ship(
 
 def _ping(
     lines: ContactLines,
-    rows: NDArray[np.intp],
+    rows: IndexArray,
     motion: OwnShipMotion,
     index: int,
     sensor: ContactSensor,
@@ -252,7 +251,7 @@ def _deviations(own: FloatArray, common: float, option: str) -> FloatArray:
 
 
 def _truth(
-    path: Path | str, stamps: NDArray[np.int64], epoch: int, notes: list[str]
+    path: Path | str, stamps: IntArray, epoch: int, notes: list[str]
 ) -> tuple[TruthTracks, ...]:
     """Return the true states at the pings, each target from its first to its last position."""
     targets, bad = read_true_positions(path, epoch)

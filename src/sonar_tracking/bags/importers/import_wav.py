@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.bags.importers.array_geometry_file import RecordedArray, read_array_geometry
 from sonar_tracking.bags.importers.bearing_truth_file import read_surveyed_bearings
@@ -33,6 +32,7 @@ from sonar_tracking.bags.storage.recording_information import RecordingInformati
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.passive.lines.demodulation import Band, Demodulator, design_band
 from sonar_tracking.passive.subspaces.block_checks import MAXIMUM_RELATIVE_BANDWIDTH
+from sonar_tracking.records.arrays import ComplexArray
 from sonar_tracking.records.time import END_OF_DATA
 
 SNAPSHOTS_TOPIC = "/array/snapshots"
@@ -106,7 +106,7 @@ class ImportSummary:
 @dataclass(frozen=True)
 class _Block:
     first_sample: int
-    data: NDArray[np.complex128]
+    data: ComplexArray
 
 
 def import_wav(

@@ -13,11 +13,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.configuration import unknown_name_text
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import FloatArray, IntArray
 
 
 @dataclass(frozen=True)
@@ -41,7 +40,7 @@ class NumberTable:
     path: Path
     numbers: Mapping[str, FloatArray]
     names: Mapping[str, tuple[str, ...]]
-    rows: NDArray[np.int64]
+    rows: IntArray
     bad: tuple[str, ...]
 
     def __len__(self) -> int:

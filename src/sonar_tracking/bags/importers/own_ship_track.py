@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.bags.importers.contact_file import SurveyedPositions
 from sonar_tracking.motion import wrap_angle
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import FloatArray, IntArray
 from sonar_tracking.records.own_ship import OwnShipState
 from sonar_tracking.records.time import seconds
 
@@ -31,7 +30,7 @@ class OwnShipMotion:
         Of the bow, rad (not wrapped) and rad/s.
     """
 
-    stamp: NDArray[np.int64]
+    stamp: IntArray
     position: FloatArray
     velocity: FloatArray
     azimuth: FloatArray
@@ -54,7 +53,7 @@ class OwnShipMotion:
         )
 
 
-def own_ship_at(surveyed: SurveyedPositions, stamps: NDArray[np.int64]) -> OwnShipMotion:
+def own_ship_at(surveyed: SurveyedPositions, stamps: IntArray) -> OwnShipMotion:
     """Return own ship at the stamps of the pings, linear between the positions.
 
     Before the first and after the last position own ship goes on as there. Where the heading was

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.bags.importers.array_geometry_file import RecordedArray
 from sonar_tracking.bags.importers.bearing_truth_file import SurveyedBearings
@@ -15,6 +14,7 @@ from sonar_tracking.bags.storage.bag_records import (
     SNAPSHOTS_TYPE,
 )
 from sonar_tracking.bags.storage.message_definitions import installed_typestore
+from sonar_tracking.records.arrays import ComplexArray, FloatArray
 from sonar_tracking.records.bearings import Sensor, TrackStatus
 from sonar_tracking.records.samples import ArraySamples
 from sonar_tracking.records.time import NANOSECONDS
@@ -26,7 +26,7 @@ def snapshots_cdr(
     array: RecordedArray,
     stamp: int,
     next_stamp: int,
-    data: NDArray[np.complex128],
+    data: ComplexArray,
     sample_period: float,
     frequency: float,
     bandwidth: float,
@@ -112,7 +112,7 @@ def _head(sensor: Sensor, stamp: int, next_stamp: int, type_name: str) -> dict[s
     }
 
 
-def _elements(positions: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+def _elements(positions: FloatArray) -> dict[str, FloatArray]:
     columns = np.ascontiguousarray(positions.T)
     return dict(zip(("element_x", "element_y", "element_z"), columns, strict=True))
 

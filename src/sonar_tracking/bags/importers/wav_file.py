@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.records.arrays import CodeArray, FloatArray
 
 _PCM, _FLOAT, _EXTENSIBLE = 1, 3, 0xFFFE
 _SIZE_ELSEWHERE = 0xFFFFFFFF
@@ -48,10 +48,10 @@ class WavFile:
     n_samples: int
     is_float: bool
     sample_bits: int
-    data: NDArray[np.uint8]
+    data: CodeArray
     missing_samples: int = 0
 
-    def samples(self, start: int, stop: int) -> NDArray[np.float64]:
+    def samples(self, start: int, stop: int) -> FloatArray:
         """Return samples ``start`` to ``stop``, shape (n, n_channels), full scale 1."""
         frame = self.n_channels * self.sample_bits // 8
         values = _decoded(self.data[start * frame : stop * frame], self.sample_bits, self.is_float)
@@ -132,7 +132,7 @@ def _chunks(path: Path) -> dict[str, tuple[int, int]]:
     return found
 
 
-def _decoded(data: NDArray[np.uint8], bits: int, is_float: bool) -> NDArray[np.float64]:
+def _decoded(data: CodeArray, bits: int, is_float: bool) -> FloatArray:
     if is_float:
         return np.frombuffer(data, f"<f{bits // 8}").astype(np.float64)
     if bits == 8:

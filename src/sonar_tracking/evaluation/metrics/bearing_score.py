@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from sonar_tracking.evaluation.metrics.bearing_truth import BearingTruth
@@ -30,7 +29,7 @@ from sonar_tracking.evaluation.metrics.score_statistics import (
     normalised_square_error,
 )
 from sonar_tracking.motion import wrap_angle
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import FloatArray, IndexArray
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
 
 CUTOFF_DEG = 5.0
@@ -137,6 +136,6 @@ def score_bearing_tracks(
     )
 
 
-def _established(entry: BearingTracks) -> NDArray[np.intp]:
+def _established(entry: BearingTracks) -> IndexArray:
     status = np.isin(entry.status, (TrackStatus.CONFIRMED, TrackStatus.COASTED))
     return np.flatnonzero(status & np.isfinite(entry.arrival_angle))

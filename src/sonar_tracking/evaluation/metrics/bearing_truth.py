@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.evaluation.metrics.truth_samples import TruthSamples
 from sonar_tracking.motion import wrap_angle
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import FloatArray, IdArray
 from sonar_tracking.records.bearings import BearingTracks
 from sonar_tracking.records.time import seconds
 
@@ -27,7 +26,7 @@ class TrueBearings:
         rad and rad/s.
     """
 
-    id: NDArray[np.uint64]
+    id: IdArray
     angle: FloatArray
     rate: FloatArray
 

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from itertools import groupby, pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.evaluation.metrics.ospa_gospa import Assignment
+from sonar_tracking.records.arrays import BoolArray, IdArray
 from sonar_tracking.records.time import seconds
 
 LOST_PERIODS = 5
@@ -45,10 +45,10 @@ class ScoredPeriod:
 
 def scored_period(
     stamp: int,
-    truth_ids: NDArray[np.uint64],
-    track_ids: NDArray[np.uint64],
+    truth_ids: IdArray,
+    track_ids: IdArray,
     assignment: Assignment,
-    near: NDArray[np.bool_],
+    near: BoolArray,
 ) -> ScoredPeriod:
     """Return one scored period.
 

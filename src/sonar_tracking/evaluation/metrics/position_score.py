@@ -14,7 +14,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from sonar_tracking.evaluation.metrics.cutoff import CUTOFF_M
@@ -35,7 +34,7 @@ from sonar_tracking.evaluation.metrics.score_statistics import (
     normalised_square_error,
 )
 from sonar_tracking.evaluation.metrics.track_sides import SideChoice, wrong_sides
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks
 
@@ -114,8 +113,8 @@ class _Period:
     speed_error: FloatArray
     nearest: FloatArray
     nees: FloatArray
-    two_sided: NDArray[np.bool_]
-    wrong_side: NDArray[np.bool_]
+    two_sided: BoolArray
+    wrong_side: BoolArray
 
 
 def score_position_tracks(
@@ -199,7 +198,7 @@ def _scored(
     )
 
 
-def _established(entry: PositionTracks) -> NDArray[np.intp]:
+def _established(entry: PositionTracks) -> IndexArray:
     """Return the rows that claim a target, at a position that is known."""
     status = np.isin(entry.status, (TrackStatus.CONFIRMED, TrackStatus.COASTED))
     return np.flatnonzero(status & np.all(np.isfinite(entry.state[:, :2]), axis=-1))

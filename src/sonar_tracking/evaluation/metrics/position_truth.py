@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.evaluation.metrics.truth_samples import TruthSamples
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import FloatArray, IdArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks, TrackSource, TruthTracks
 from sonar_tracking.records.time import seconds
@@ -27,7 +26,7 @@ class TruePositions:
         x, y, vx, vy, m and m/s; a velocity may be NaN.
     """
 
-    id: NDArray[np.uint64]
+    id: IdArray
     state: FloatArray
 
 

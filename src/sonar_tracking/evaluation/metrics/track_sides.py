@@ -13,9 +13,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IdArray, IndexArray
 from sonar_tracking.records.positions import PositionTracks, TrackHypothesis
 
 
@@ -33,9 +32,9 @@ class SidedTracks:
         Row of the other side; -1 = there is none.
     """
 
-    rows: NDArray[np.intp]
-    id: NDArray[np.uint64]
-    other: NDArray[np.intp]
+    rows: IndexArray
+    id: IdArray
+    other: IndexArray
 
 
 class SideChoice:
@@ -44,7 +43,7 @@ class SideChoice:
     def __init__(self) -> None:
         self._identity: dict[int, int] = {}
 
-    def choose(self, tracks: PositionTracks, rows: NDArray[np.intp]) -> SidedTracks:
+    def choose(self, tracks: PositionTracks, rows: IndexArray) -> SidedTracks:
         """Return the rows that count.
 
         Parameters
@@ -74,9 +73,7 @@ class SideChoice:
         return self._identity.get(identifier, identifier)
 
 
-def wrong_sides(
-    tracks: PositionTracks, sided: SidedTracks, true_position: FloatArray
-) -> NDArray[np.bool_]:
+def wrong_sides(tracks: PositionTracks, sided: SidedTracks, true_position: FloatArray) -> BoolArray:
     """Return which two-sided tracks stand on the side farther from the nearest truth.
 
     Parameters
@@ -101,7 +98,7 @@ def wrong_sides(
     return rejected < chosen
 
 
-def _pairs(tracks: PositionTracks, rows: NDArray[np.intp]) -> list[tuple[int, int]]:
+def _pairs(tracks: PositionTracks, rows: IndexArray) -> list[tuple[int, int]]:
     """Return the rows that are left and right of one bearing track, heard by the same sensors."""
     sides: dict[tuple[object, ...], list[int]] = {}
     for row in rows.tolist():

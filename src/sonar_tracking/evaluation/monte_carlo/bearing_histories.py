@@ -12,10 +12,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.filtering.consistency import chi_square_band
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray
 
 SUCCESS_ERROR = np.radians(3.0)
 """Largest bearing error of a successful run in its last steps, rad."""
@@ -86,7 +85,7 @@ def normalised_innovation_squared(
     return innovation**2 / innovation_variance
 
 
-def successful(angle: FloatArray, truth: FloatArray) -> NDArray[np.bool_]:
+def successful(angle: FloatArray, truth: FloatArray) -> BoolArray:
     """Tell which runs are successful.
 
     Parameters

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 from builtin_interfaces.msg import Time
-from numpy.typing import NDArray
 
+from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import Sensor
 from sonar_tracking.records.time import NANOSECONDS
 
@@ -44,7 +44,7 @@ def packed_complex(values: Any, dtype: str = "float64") -> array.array[Any]:
     return packed(flat.reshape(-1).view(dtype), dtype)
 
 
-def set_element_positions(message: Any, positions: NDArray[np.float64]) -> None:
+def set_element_positions(message: Any, positions: FloatArray) -> None:
     """Set element_x, element_y and element_z from an array of shape (n_elements, 3), m."""
     for index, axis in enumerate("xyz"):
         setattr(message, f"element_{axis}", packed(positions[:, index]))

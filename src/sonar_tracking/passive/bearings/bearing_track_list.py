@@ -151,7 +151,7 @@ def folded_angles(angles: FloatArray, positions: FloatArray) -> tuple[FloatArray
     angles : ndarray, shape (...)
         rad, unbounded.
     positions : ndarray, shape (n_elements, 3)
-        A line array cannot distinguish theta from pi - theta: its angles are folded into
+        m. A line array cannot distinguish theta from pi - theta: its angles are folded into
         -pi/2 ... pi/2; those of other arrays are wrapped into -pi ... pi.
 
     Returns

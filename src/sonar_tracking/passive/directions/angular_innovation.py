@@ -38,7 +38,7 @@ def angular_innovations(
     Parameters
     ----------
     basis : ndarray, shape (..., n_subspaces, n_elements, n_columns), complex
-        Bases of the signal subspace; columns need not be orthonormal.
+        Bases of the signal subspace; columns need not be orthonormal. Pure numbers.
     positions : ndarray, shape (n_elements, 3)
         Element positions, m.
     predicted_angles : ndarray, shape (..., n_targets)

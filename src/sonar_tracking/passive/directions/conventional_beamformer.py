@@ -21,7 +21,7 @@ def beam_powers(
     Parameters
     ----------
     snapshots : ndarray, shape (n_snapshots, n_elements), complex
-        Averaged over.
+        Linear amplitude; averaged over.
     positions : ndarray, shape (n_elements, 3)
         Element positions, m.
     angles : ndarray, shape (n_angles,)

@@ -53,7 +53,18 @@ class ProjectionProblem:
     wavenumber: float
 
     def error(self, angles: FloatArray) -> FloatArray:
-        """Return sum_m ||P_S b_m||^2, shape (...), at angles of shape (..., n_targets)."""
+        """Return what of the combinations the steering vectors do not explain, sum_m ||P_S b_m||^2.
+
+        Parameters
+        ----------
+        angles : ndarray, shape (..., n_targets)
+            rad.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            Pure numbers.
+        """
         vectors = steering_vectors(self.positions, angles, self.wavenumber)
         residuals = steering_span(vectors).outside(self.combinations)
         return np.asarray((residuals.real**2 + residuals.imag**2).sum(axis=(-2, -1)))
@@ -68,7 +79,10 @@ class ProjectionProblem:
 
         Returns
         -------
-        ndarray, shape (..., n_targets, n_targets), and ndarray, shape (..., n_targets)
+        curvature : ndarray, shape (..., n_targets, n_targets)
+            1/rad^2.
+        slope : ndarray, shape (..., n_targets)
+            1/rad.
         """
         vectors, derivatives = steering_pair(self.positions, angles, self.wavenumber)
         span = steering_span(vectors)
@@ -82,7 +96,7 @@ class ProjectionProblem:
         return curvature, slope
 
     def step(self, angles: FloatArray) -> FloatArray:
-        """Return the full Gauss-Newton step A^-1 a, shape (..., n_targets), rad."""
+        """Return the full Gauss-Newton step A^-1 a at angles of shape (..., n_targets), rad."""
         curvature, slope = self.curvature_and_slope(angles)
         n_targets = angles.shape[-1]
         mean = np.trace(curvature, axis1=-2, axis2=-1)[..., None, None] / n_targets

@@ -48,7 +48,18 @@ class SignalSubspace:
     factor: ComplexArray | None
 
     def whitened(self, columns: ComplexArray) -> ComplexArray:
-        """Return L^-1 times columns of shape (..., n_elements, n)."""
+        """Return L^-1 times some columns.
+
+        Parameters
+        ----------
+        columns : ndarray, shape (..., n_elements, n), complex
+            In any unit.
+
+        Returns
+        -------
+        ndarray, shape (..., n_elements, n), complex
+            In units of the columns.
+        """
         if self.factor is None:
             return columns
         return np.asarray(np.linalg.solve(self.factor, columns), dtype=np.complex128)
@@ -59,6 +70,7 @@ class SignalSubspace:
         Returns
         -------
         ndarray, shape (..., n_elements, rank), complex
+            Pure numbers.
         """
         return self.vectors if self.factor is None else self.factor @ self.vectors
 
@@ -71,11 +83,11 @@ def signal_subspace(
     Parameters
     ----------
     covariance : ndarray, shape (..., n_elements, n_elements), complex
-        C, Hermitian.
+        C, Hermitian, linear power.
     rank : int
         R, rank of the source covariance, at least 1 and below n_elements.
     noise_covariance : ndarray, shape (n_elements, n_elements), complex, optional
-        C_v with trace n_elements; None = white.
+        C_v with trace n_elements; None = white. Pure numbers.
 
     Returns
     -------
@@ -119,7 +131,12 @@ def noise_factor(noise_covariance: ComplexArray) -> ComplexArray:
     Parameters
     ----------
     noise_covariance : ndarray, shape (n_elements, n_elements), complex
-        C_v.
+        C_v with trace n_elements, pure numbers.
+
+    Returns
+    -------
+    ndarray, shape (n_elements, n_elements), complex
+        L, pure numbers; C_v = L L^H.
 
     Raises
     ------

@@ -32,7 +32,18 @@ class SteeringSpan:
     inverse: ComplexArray
 
     def outside(self, columns: ComplexArray) -> ComplexArray:
-        """Return P_S times columns of shape (..., n_elements, n): what lies outside the span."""
+        """Return what of some columns lies outside the span, P_S times them.
+
+        Parameters
+        ----------
+        columns : ndarray, shape (..., n_elements, n), complex
+            In any unit.
+
+        Returns
+        -------
+        ndarray, shape (..., n_elements, n), complex
+            In units of the columns.
+        """
         within = np.swapaxes(self.orthonormal, -1, -2).conj() @ columns
         return columns - self.orthonormal @ within
 
@@ -43,7 +54,7 @@ def steering_span(vectors: ComplexArray) -> SteeringSpan:
     Parameters
     ----------
     vectors : ndarray, shape (..., n_elements, n_targets), complex
-        S, at least as many elements as targets.
+        S, pure numbers; at least as many elements as targets.
     """
     left, values, right = np.linalg.svd(vectors, full_matrices=False)
     kept = values > _LEAST_SEPARABLE * values[..., :1]

@@ -97,7 +97,12 @@ class BackgroundNormaliser:
         Parameters
         ----------
         power : ndarray, shape (..., n_bins)
-            Linear. Noise has the value 1 on average in the result; a spectrum of zeros stays 0.
+            Linear.
+
+        Returns
+        -------
+        ndarray, shape (..., n_bins)
+            Linear ratio: noise has the value 1 on average; a spectrum of zeros stays 0.
         """
         power = power / self._trend.of(power)
         background = self._windowed_mean(power)

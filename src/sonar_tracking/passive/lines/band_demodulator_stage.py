@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.errors import ConfigurationError, InputError
 from sonar_tracking.geometry import aperture
@@ -22,6 +21,7 @@ from sonar_tracking.passive.lines.demodulation import Band, Demodulator, design_
 from sonar_tracking.passive.lines.sample_frames import check_samples_block, check_unchanged
 from sonar_tracking.passive.subspaces.block_checks import MAXIMUM_RELATIVE_BANDWIDTH
 from sonar_tracking.passive.subspaces.sensor_history import SensorHistory
+from sonar_tracking.records.arrays import ComplexArray, FloatArray
 from sonar_tracking.records.bearings import ArraySnapshots
 from sonar_tracking.records.samples import ArraySamples
 from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS
@@ -76,7 +76,7 @@ class BandDemodulatorStage:
                     "sender must number samples without overlap."
                 )
             if gap > 0.5:
-                return (*self._flushed(samples.stamp), *self._resume(samples, round(gap)))
+                return (*self._flush(samples.stamp), *self._resume(samples, round(gap)))
         return self._advance(samples)
 
     def _begin(self, samples: ArraySamples) -> None:
@@ -95,7 +95,7 @@ class BandDemodulatorStage:
         assert self._run is not None
         self._skip, self._n_samples = skip, 0
         self._demodulator = Demodulator(self._run.band, samples.sample_rate)
-        self._held: NDArray[np.complex128] = np.empty((0, samples.data.shape[1]), np.complex128)
+        self._held: ComplexArray = np.empty((0, samples.data.shape[1]), np.complex128)
         self._held_sample = self._demodulator.next_centre
         self._filter_stamp = samples.stamp + round(skip * NANOSECONDS / samples.sample_rate)
 
@@ -107,16 +107,16 @@ class BandDemodulatorStage:
         self._held = np.concatenate([self._held, snapshots])
         self._n_samples += len(samples.data) - skipped
         self._end_stamp = samples.end_stamp
-        self._sensors = self._sensors.appended(samples.stamp, samples.sensor)
+        self._sensors = self._sensors.append(samples.stamp, samples.sensor)
         size = self._configuration.block_snapshots
         blocks = []
         while len(self._held) > size:
             blocks.append(self._block(size, self._stamp_after(size)))
         if samples.next_stamp == END_OF_DATA:
-            blocks.extend(self._flushed(END_OF_DATA))
+            blocks.extend(self._flush(END_OF_DATA))
         return tuple(blocks)
 
-    def _flushed(self, next_stamp: int) -> list[ArraySnapshots]:
+    def _flush(self, next_stamp: int) -> list[ArraySnapshots]:
         """Return the snapshots held, whatever their number."""
         return [self._block(len(self._held), next_stamp)] if len(self._held) else []
 
@@ -173,14 +173,29 @@ def demodulated_band(configuration: BandDemodulatorConfiguration, samples: Array
 
 def chosen_bandwidth(
     configuration: BandDemodulatorConfiguration,
-    element_positions: NDArray[np.float64],
+    element_positions: FloatArray,
     sound_speed: float,
 ) -> float:
-    """Return the bandwidth that is asked for, or what suits an array where none is, Hz."""
+    """Return the bandwidth that is asked for, or what suits an array where none is.
+
+    Parameters
+    ----------
+    configuration : BandDemodulatorConfiguration
+        Centre and width.
+    element_positions : ndarray, shape (n_elements, 3)
+        m.
+    sound_speed : float
+        m/s.
+
+    Returns
+    -------
+    float
+        Hz.
+    """
     suitable = 0.5 * _narrow(element_positions, sound_speed)
     return configuration.bandwidth or min(suitable, 0.1 * configuration.center_frequency)
 
 
-def _narrow(element_positions: NDArray[np.float64], sound_speed: float) -> float:
+def _narrow(element_positions: FloatArray, sound_speed: float) -> float:
     """Return the bandwidth from which on a band is not narrow for an array, Hz."""
     return MAXIMUM_RELATIVE_BANDWIDTH * sound_speed / max(float(aperture(element_positions)), 1e-9)

@@ -18,14 +18,14 @@ def element_spectra(frame: FloatArray, first_bin: int, last_bin: int) -> Complex
     Parameters
     ----------
     frame : ndarray, shape (n_samples, n_elements)
-        Time series; n_samples even.
+        Time series, linear amplitude; n_samples even.
     first_bin, last_bin : int
         Bins k / (n_samples / sample_rate) returned, the last one excluded.
 
     Returns
     -------
     ndarray, shape (last_bin - first_bin, n_elements), complex
-        Scaled so that white noise of variance 1 has the power 1.
+        Linear amplitude, scaled so that white noise of variance 1 has the power 1.
     """
     n_samples = len(frame)
     window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(n_samples) / n_samples)
@@ -45,7 +45,7 @@ def beam_powers(
     Parameters
     ----------
     spectra : ndarray, shape (n_bins, n_elements), complex
-        Of the elements.
+        Of the elements, linear amplitude.
     frequencies : ndarray, shape (n_bins,)
         Of the bins, Hz.
     element_positions : ndarray, shape (n_elements, 3)
@@ -58,7 +58,7 @@ def beam_powers(
     Returns
     -------
     ndarray, shape (n_beams, n_bins)
-        A wave from the direction of the beam has the power it has on one element.
+        Linear: a wave from the direction of the beam has the power it has on one element.
     """
     powers = np.empty((len(arrival_angles), len(frequencies)))
     for beam, angle in enumerate(arrival_angles):
@@ -79,13 +79,18 @@ def strongest_power(
     Parameters
     ----------
     spectrum : ndarray, shape (n_elements,), complex
-        One bin of the elements' spectra.
+        One bin of the elements' spectra, linear amplitude.
     frequency : float
         Hz.
     element_positions : ndarray, shape (n_elements, 3)
         m.
     sound_speed : float
         m/s.
+
+    Returns
+    -------
+    float
+        Linear.
     """
     n_elements = len(element_positions)
     if element_positions[:, 1].any():

@@ -15,9 +15,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.records.arrays import ComplexArray, FloatArray
 
 _STOP_BAND_DB = 60.0
 _TRANSITION = 0.5
@@ -42,7 +42,7 @@ class Band:
     frequency: float
     bandwidth: float
     decimation: int
-    taps: NDArray[np.float64]
+    taps: FloatArray
 
     @property
     def reach(self) -> int:
@@ -77,7 +77,6 @@ def design_band(sample_rate: float, frequency: float, bandwidth: float) -> Band:
             f"{sample_rate:g} Hz; give a frequency below {sample_rate / 2 - half_width:g} Hz."
         )
     # Loaded at the first band: it takes twice as long as the start of a node.
-    from scipy.signal import firwin, kaiserord
 
     n_taps, shape = kaiserord(_STOP_BAND_DB, _TRANSITION * bandwidth / (sample_rate / 2))
     taps = firwin(n_taps | 1, bandwidth / 2, window=("kaiser", shape), fs=sample_rate)
@@ -104,25 +103,25 @@ class Demodulator:
         offsets = np.arange(-band.reach, band.reach + 1)
         kernel = 2.0 * band.taps * np.exp(-2j * np.pi * self._cycles_per_sample * offsets)
         self._kernel = np.stack([kernel.real, kernel.imag])
-        self._samples: NDArray[np.float64] | None = None
+        self._samples: FloatArray | None = None
         self._first_sample = 0
         step = band.decimation
         self.next_centre = -(-band.reach // step) * step
         """Sample the next snapshot will be centred on."""
 
-    def update(self, samples: NDArray[np.float64]) -> NDArray[np.complex128]:
+    def update(self, samples: FloatArray) -> ComplexArray:
         """Take the next samples and return the snapshots they complete.
 
         Parameters
         ----------
         samples : ndarray, shape (n_samples, n_channels)
-            Following those of the call before.
+            Linear amplitude, following those of the call before.
 
         Returns
         -------
         ndarray, shape (n_snapshots, n_channels), complex
-            Their centres are ``decimation`` samples apart. A sample that is not finite makes the
-            snapshots of its channel NaN whose window holds it.
+            Linear amplitude. Their centres are ``decimation`` samples apart. A sample that is not
+            finite makes the snapshots of its channel NaN whose window holds it.
         """
         held = samples if self._samples is None else np.concatenate([self._samples, samples])
         reach, step = self._band.reach, self._band.decimation

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.errors import Notice, Severity
 from sonar_tracking.geometry import has_grating_lobes, wavenumber
@@ -13,7 +12,7 @@ from sonar_tracking.passive.lines.line_tracker_configuration import LineTrackerC
 from sonar_tracking.passive.lines.line_tracks import HeardLine
 from sonar_tracking.passive.lines.sample_frames import SampleFrame
 from sonar_tracking.passive.lines.spectral_peaks import find_peaks
-from sonar_tracking.records.arrays import BoolArray, ComplexArray, FloatArray
+from sonar_tracking.records.arrays import BoolArray, ComplexArray, FloatArray, IdArray
 from sonar_tracking.records.lines import Beams, LofarRows
 from sonar_tracking.records.samples import ArraySamples
 
@@ -70,25 +69,63 @@ class LineAnalysis:
         )
 
     def spectra(self, frame: FloatArray) -> ComplexArray:
-        """Return the spectra of the elements, shape (n_bins, n_elements)."""
+        """Return the spectra of the elements.
+
+        Parameters
+        ----------
+        frame : ndarray, shape (n_samples, n_elements)
+            Time series, linear amplitude.
+
+        Returns
+        -------
+        ndarray, shape (n_bins, n_elements), complex
+            Linear amplitude; white noise of variance 1 has the power 1.
+        """
         return element_spectra(frame, self.first_bin, self.last_bin)
 
     def beam_powers(self, spectra: ComplexArray, used: BoolArray, angles: FloatArray) -> FloatArray:
-        """Return the power spectra of beams on arrival angles (rad), shape (n_beams, n_bins)."""
+        """Return the power spectra of beams.
+
+        Parameters
+        ----------
+        spectra : ndarray, shape (n_bins, n_elements), complex
+            Of the elements, linear amplitude.
+        used : ndarray of bool, shape (n_elements,)
+            Elements to use.
+        angles : ndarray, shape (n_beams,)
+            Arrival angles, rad.
+
+        Returns
+        -------
+        ndarray, shape (n_beams, n_bins)
+            Linear.
+        """
         positions = self._positions[used]
         return beam_powers(
             spectra[:, used], self._frequencies, positions, self._sound_speed, angles
         )
 
-    def heard(
+    def hear(
         self,
         spectra: ComplexArray,
         used: BoolArray,
         power: FloatArray,
         normalised: FloatArray,
-        track_ids: NDArray[np.uint64],
+        track_ids: IdArray,
     ) -> list[tuple[HeardLine, float]]:
-        """Return what each beam hears of its own direction, with the power in the beam."""
+        """Return what each beam hears of its own direction, with the linear power in the beam.
+
+        Parameters
+        ----------
+        spectra : ndarray, shape (n_bins, n_elements), complex
+            Of the elements, linear amplitude.
+        used : ndarray of bool, shape (n_elements,)
+            Elements in use.
+        power, normalised : ndarray, shape (n_beams, n_bins)
+            Linear power of the beams, and over its background.
+        track_ids : ndarray of uint64, shape (n_beams,)
+            Bearing track of each beam.
+        """
         margin = 10.0 ** (self._configuration.ownership_margin_db / 10.0)
         found = []
         for beam, track_id in enumerate(track_ids):
@@ -110,7 +147,17 @@ class LineAnalysis:
         return found
 
     def rows(self, frame: SampleFrame, beams: Beams, normalised: FloatArray) -> LofarRows:
-        """Return the rows of the LOFAR picture: the normalised spectra in decibel."""
+        """Return the rows of the LOFAR picture: the normalised spectra in decibel.
+
+        Parameters
+        ----------
+        frame : SampleFrame
+            The frame.
+        beams : Beams
+            Bearing track of each beam.
+        normalised : ndarray, shape (n_beams, n_bins)
+            Linear power over background.
+        """
         inside = normalised[:, self.inside]
         level = 10.0 * np.log10(np.maximum(inside, 1e-10))
         first = float(self._frequencies[self.inside][0]) if self.inside.any() else np.nan

@@ -127,18 +127,18 @@ class LineTrackerStage:
         beams = self._beams(frame.stamp)
         self._lines.predict(frame.stamp)
         if frame.samples is None:
-            return LineUpdate(_reported(frame, beams, (), analysis.frame_length), None, notices)
+            return LineUpdate(_report(frame, beams, (), analysis.frame_length), None, notices)
         spectra = analysis.spectra(frame.samples)
         used = usable_elements(spectra)
         notices += element_notices(used, np.ones_like(used) if self._used is None else self._used)
         self._used = used
         power = analysis.beam_powers(spectra, used, beams.arrival_angle)
         normalised = analysis.normaliser.normalise(power)
-        peaks = analysis.heard(spectra, used, power, normalised, beams.track_id)
-        heard = self._owned(peaks, analysis)
+        peaks = analysis.hear(spectra, used, power, normalised, beams.track_id)
+        heard = self._attribute(peaks, analysis)
         confirmed = self._lines.update(frame.stamp, heard, analysis.bin_width)
         return LineUpdate(
-            lines=_reported(frame, beams, confirmed, analysis.frame_length),
+            lines=_report(frame, beams, confirmed, analysis.frame_length),
             rows=analysis.rows(frame, beams, normalised),
             notices=notices,
         )
@@ -159,7 +159,7 @@ class LineTrackerStage:
         variance += step**2 * covariance[:, 1, 1]
         return Beams(tracks.id[rows], tracks.arrival_angle[rows] + step * rate, variance)
 
-    def _owned(
+    def _attribute(
         self, heard: list[tuple[HeardLine, float]], analysis: LineAnalysis
     ) -> list[HeardLine]:
         """Return each line once, on the bearing track it belongs to."""
@@ -184,7 +184,7 @@ class LineTrackerStage:
         return taken
 
 
-def _reported(
+def _report(
     frame: SampleFrame,
     beams: Beams,
     confirmed: Sequence[tuple[LineTrack, HeardLine]],

@@ -72,7 +72,7 @@ class LineTrack:
     detections: tuple[bool, ...] = (True,)
     confirmed: bool = False
 
-    def predicted(self, stamp: int, drift_noise: float) -> LineTrack:
+    def predict(self, stamp: int, drift_noise: float) -> LineTrack:
         """Return the line at a later instant."""
         step = (stamp - self.stamp) / NANOSECONDS
         transition = np.array([[1.0, step], [0.0, 1.0]])
@@ -80,7 +80,7 @@ class LineTrack:
         covariance = transition @ self.covariance @ transition.T + noise
         return replace(self, stamp=stamp, state=transition @ self.state, covariance=covariance)
 
-    def updated(self, heard: HeardLine) -> LineTrack:
+    def update(self, heard: HeardLine) -> LineTrack:
         """Return the line after it was heard."""
         variance = self.covariance[0, 0] + heard.variance
         gain = self.covariance[:, 0] / variance
@@ -113,7 +113,7 @@ class LineTracks:
     def predict(self, stamp: int) -> None:
         """Bring all lines to an instant that is not earlier, ns."""
         noise = self._configuration.drift_noise
-        self.lines = tuple(line.predicted(stamp, noise) for line in self.lines)
+        self.lines = tuple(line.predict(stamp, noise) for line in self.lines)
 
     def update(
         self, stamp: int, heard: Sequence[HeardLine], bin_width: float
@@ -134,26 +134,26 @@ class LineTracks:
         tuple of (LineTrack, HeardLine)
             The confirmed lines that were heard, by rising identifier.
         """
-        pairs = self._assigned(heard, bin_width)
+        pairs = self._assign(heard, bin_width)
         kept = []
         reported = []
         for index, line in enumerate(self.lines):
             peak = pairs.get(index)
-            line = self._counted(line if peak is None else line.updated(heard[peak]), peak)
+            line = self._count_detection(line if peak is None else line.update(heard[peak]), peak)
             if not self._lives(line):
                 continue
             kept.append(line)
             if peak is not None and line.confirmed:
                 reported.append((line, heard[peak]))
         for peak in sorted(set(range(len(heard))) - set(pairs.values())):
-            line = self._counted(self._new(stamp, heard[peak]), peak)
+            line = self._count_detection(self._new(stamp, heard[peak]), peak)
             kept.append(line)
             if line.confirmed:
                 reported.append((line, heard[peak]))
         self.lines = tuple(kept)
         return tuple(reported)
 
-    def _assigned(self, heard: Sequence[HeardLine], bin_width: float) -> dict[int, int]:
+    def _assign(self, heard: Sequence[HeardLine], bin_width: float) -> dict[int, int]:
         """Return the peak of each line that has one, by their numbers."""
         if not self.lines or not heard:
             return {}
@@ -191,7 +191,7 @@ class LineTracks:
         self._next_id += 1
         return line
 
-    def _counted(self, line: LineTrack, peak: int | None) -> LineTrack:
+    def _count_detection(self, line: LineTrack, peak: int | None) -> LineTrack:
         configuration = self._configuration
         length = max(configuration.confirmation_frames, configuration.deletion_frames)
         detections = (*line.detections, peak is not None)[-length:]

@@ -105,7 +105,7 @@ class SampleFramer:
 
     def _cut(self, block: ArraySamples, missing: int) -> Iterator[SampleFrame]:
         rate, n_elements = block.sample_rate, block.data.shape[1]
-        self._sensors = self._sensors.appended(block.stamp, block.sensor)
+        self._sensors = self._sensors.append(block.stamp, block.sensor)
         gap_end = block.stamp
         while missing:
             part = min(missing, self._hop)

@@ -22,9 +22,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 
 _BIN_CORRELATION = np.array([[1.0, 2 / 3, 1 / 6], [2 / 3, 1.0, 2 / 3], [1 / 6, 2 / 3, 1.0]])
 _SKIRT_MARGIN = 4.0
@@ -46,14 +45,25 @@ class SpectralPeaks:
         Linear, on the frequency of the line, in the analysis bandwidth of 1.5 bins.
     """
 
-    bin: NDArray[np.int64]
+    bin: IntArray
     position: FloatArray
     variance: FloatArray
     signal_to_noise_ratio: FloatArray
 
 
 def hann_transform(offset: FloatArray) -> FloatArray:
-    """Return the transform of a Hann window at offsets in bins, relative to its top."""
+    """Return the transform of a Hann window, relative to its top.
+
+    Parameters
+    ----------
+    offset : ndarray, shape (...)
+        From the top, in bins.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        Linear amplitude.
+    """
     square = np.asarray(offset, np.float64) ** 2
     pole = np.abs(square - 1.0) < 1e-12
     return np.where(pole, 0.5, np.sinc(offset) / np.where(pole, 1.0, 1.0 - square))
@@ -65,12 +75,12 @@ def find_peaks(normalised: FloatArray, threshold: FloatArray, power: FloatArray)
     Parameters
     ----------
     normalised : ndarray, shape (n_bins,)
-        Power over background.
+        Linear power over background.
     threshold : ndarray, shape (n_bins,)
-        Of the same.
+        Of the same, linear.
     power : ndarray, shape (n_bins,)
-        Before the normalisation: a strong line is in the background of the bins beside it, which
-        would bend its top.
+        Linear, before the normalisation: a strong line is in the background of the bins
+        beside it, which would bend its top.
     """
     middle = normalised[1:-1]
     top = (middle >= normalised[:-2]) & (middle > normalised[2:]) & (middle > threshold[1:-1])
@@ -85,7 +95,7 @@ def find_peaks(normalised: FloatArray, threshold: FloatArray, power: FloatArray)
     return SpectralPeaks(bins[keep], (bins + offset)[keep], variance[keep], ratio[keep])
 
 
-def _skirts(position: FloatArray, ratio: FloatArray) -> NDArray[np.bool_]:
+def _skirts(position: FloatArray, ratio: FloatArray) -> BoolArray:
     distance = np.abs(position[:, None] - position)
     envelope = np.ones_like(distance)
     outside = distance > _MAIN_LOBE

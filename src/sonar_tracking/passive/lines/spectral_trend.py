@@ -36,12 +36,17 @@ class SpectralTrend:
         self._basis, _ = np.linalg.qr(powers)
 
     def of(self, power: FloatArray) -> FloatArray:
-        """Return the trend, positive; where there is no power it is 1.
+        """Return the trend of spectra.
 
         Parameters
         ----------
         power : ndarray, shape (..., n_bins)
             Linear.
+
+        Returns
+        -------
+        ndarray, shape (..., n_bins)
+            Linear, positive; where there is no power it is 1.
         """
         silent = ~np.any(power > 0.0, axis=-1, keepdims=True)
         floor = np.maximum(_FLOOR * np.max(power, axis=-1, keepdims=True), _TINY)

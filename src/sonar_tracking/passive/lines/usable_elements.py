@@ -9,20 +9,24 @@ are bad all are used: the fault is likely to be elsewhere.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.errors import Notice, Severity
 from sonar_tracking.passive.subspaces.channel_monitor import LOUD_RATIO, SILENT_RATIO
-from sonar_tracking.records.arrays import BoolArray
+from sonar_tracking.records.arrays import BoolArray, ComplexArray
 
 
-def usable_elements(spectra: NDArray[np.complex128]) -> BoolArray:
+def usable_elements(spectra: ComplexArray) -> BoolArray:
     """Return which elements can be used.
 
     Parameters
     ----------
     spectra : ndarray, shape (n_bins, n_elements), complex
-        Of the elements.
+        Of the elements, linear amplitude.
+
+    Returns
+    -------
+    ndarray of bool, shape (n_elements,)
+        True where an element can be used.
     """
     power = np.median(spectra.real**2 + spectra.imag**2, axis=0)
     heard = power > 0.0

@@ -45,9 +45,9 @@ def near_field_information(
     wavenumber : float
         rad/m.
     source_covariance : ndarray, shape (n_sources, n_sources), complex
-        P, power at the centre of the array.
+        P, linear power at the centre of the array.
     noise_power : float
-        sigma^2.
+        sigma^2, linear power.
     snapshots : float
         N, independent snapshots.
 
@@ -77,7 +77,7 @@ def near_field_bound(information: FloatArray) -> tuple[FloatArray, FloatArray]:
     Parameters
     ----------
     information : ndarray, shape (2 n_sources, 2 n_sources)
-        From :func:`near_field_information`.
+        From :func:`near_field_information`: 1/rad^2, 1/(rad m), 1/m^2.
 
     Returns
     -------

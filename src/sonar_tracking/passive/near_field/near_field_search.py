@@ -81,12 +81,31 @@ class NearFieldGrid:
     curvatures: FloatArray
 
     def vectors(self, points: FloatArray) -> ComplexArray:
-        """Return steering vectors of norm 1 at points (n, 2) of angle and curvature, in columns."""
+        """Return steering vectors of norm 1.
+
+        Parameters
+        ----------
+        points : ndarray, shape (n_points, 2)
+            Angle and curvature of each, rad and 1/m.
+
+        Returns
+        -------
+        ndarray, shape (n_elements, n_points), complex
+            In columns, pure numbers.
+        """
         vectors = spherical_vectors(self.positions, points[:, 0], points[:, 1], self.wavenumber)
         return np.asarray(vectors / np.linalg.norm(vectors, axis=0), dtype=np.complex128)
 
     def spectrum(self, cost: Cost) -> tuple[FloatArray, FloatArray]:
-        """Return at each angle the least cost and the curvature that has it."""
+        """Return at each angle the least cost and the curvature that has it.
+
+        Returns
+        -------
+        costs : ndarray, shape (n_angles,)
+            In units of the cost.
+        curvatures : ndarray, shape (n_angles,)
+            1/m.
+        """
         points = np.stack(np.meshgrid(self.angles, self.curvatures, indexing="ij"), axis=-1)
         flat = points.reshape(-1, 2)
         portions = np.array_split(flat, -(-len(flat) // _VECTORS_AT_ONCE))
@@ -96,7 +115,20 @@ class NearFieldGrid:
         return np.take_along_axis(costs, best[:, None], axis=1)[:, 0], self.curvatures[best]
 
     def refined(self, cost: Cost, point: FloatArray) -> FloatArray:
-        """Return the point of least cost near a grid point (2,), by a pattern search."""
+        """Return the point of least cost near a grid point, by a pattern search.
+
+        Parameters
+        ----------
+        cost : callable
+            From steering vectors to what is to be least.
+        point : ndarray, shape (2,)
+            Angle and curvature, rad and 1/m.
+
+        Returns
+        -------
+        ndarray, shape (2,)
+            rad and 1/m.
+        """
         index = int(np.abs(self.angles - point[0]).argmin())
         cell = np.ptp(self.angles[max(index - 1, 0) : index + 2])
         nearest = self.curvatures[-1]
@@ -153,7 +185,7 @@ def near_field_music(covariance: ComplexArray, n_sources: int, grid: NearFieldGr
     Parameters
     ----------
     covariance : ndarray, shape (n_elements, n_elements), complex
-        Sample covariance in white noise.
+        Sample covariance in white noise, linear power.
     n_sources : int
         Dimension of the signal subspace, below n_elements.
     grid : NearFieldGrid
@@ -189,14 +221,26 @@ def near_field_music(covariance: ComplexArray, n_sources: int, grid: NearFieldGr
 def near_field_maximum_likelihood(
     covariance: ComplexArray, n_sources: int, grid: NearFieldGrid
 ) -> NearFieldFix:
-    """Return the deterministic maximum-likelihood bearings and ranges.
+    """Return the deterministic maximum-likelihood bearings and ranges; sources may be coherent.
 
-    Parameters and errors are those of :func:`near_field_music`; sources may be coherent.
+    Parameters
+    ----------
+    covariance : ndarray, shape (n_elements, n_elements), complex
+        Sample covariance in white noise, linear power.
+    n_sources : int
+        How many there are, fewer than elements.
+    grid : NearFieldGrid
+        Where to look.
 
     Returns
     -------
     NearFieldFix
         n_sources of them.
+
+    Raises
+    ------
+    InputError
+        If there are not fewer sources than elements, or none.
     """
     _check_sources(n_sources, covariance)
     points = np.empty((0, 2))

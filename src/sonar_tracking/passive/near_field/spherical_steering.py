@@ -83,7 +83,7 @@ def spherical_vectors(
     Returns
     -------
     ndarray, shape (..., n_elements, n_sources), complex
-        Steering vectors in the columns, 1 at the centre.
+        Steering vectors in the columns, pure numbers: 1 at the centre.
     """
     along, _, square, curvature = _coordinates(positions, angles, curvatures)
     ratio = np.sqrt(1.0 - 2.0 * curvature * along + curvature**2 * square)
@@ -96,7 +96,21 @@ def spherical_derivatives(
 ) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
     """Return the steering vectors and their derivatives by angle and by curvature.
 
-    Parameters and shapes are those of :func:`spherical_vectors`; units 1/rad and m.
+    Parameters
+    ----------
+    positions : ndarray, shape (n_elements, 3)
+        m.
+    angles : array_like, shape (..., n_sources)
+        Arrival angles at the centre of the array, rad from broadside.
+    curvatures : array_like, shape (..., n_sources)
+        1 / range from the centre, 1/m; 0 = plane wave.
+    wavenumber : float
+        rad/m.
+
+    Returns
+    -------
+    vectors, by_angle, by_curvature : ndarray, shape (..., n_elements, n_sources), complex
+        Pure numbers, 1/rad and m.
     """
     along, across, square, curvature = _coordinates(positions, angles, curvatures)
     ratio = np.sqrt(1.0 - 2.0 * curvature * along + curvature**2 * square)

@@ -51,7 +51,7 @@ def stochastic_fisher_information(
     snapshots : float
         N, independent snapshots.
     noise_covariance : ndarray, shape (n_elements, n_elements), complex, optional
-        With trace n_elements; None = white.
+        Pure numbers with trace n_elements; None = white.
 
     Returns
     -------
@@ -93,7 +93,7 @@ def source_covariance(
     Parameters
     ----------
     covariance : ndarray, shape (..., n_elements, n_elements), complex
-        Sample covariance C.
+        Sample covariance C, linear power.
     positions : ndarray, shape (n_elements, 3)
         m.
     angles : ndarray, shape (..., n_sources)
@@ -103,12 +103,12 @@ def source_covariance(
     noise_power : ndarray, shape (...)
         sigma^2, linear.
     noise_covariance : ndarray, shape (n_elements, n_elements), complex, optional
-        C_v, trace n_elements; None = identity.
+        C_v, pure numbers with trace n_elements; None = identity.
 
     Returns
     -------
     ndarray, shape (..., n_sources, n_sources), complex
-        P_s, Hermitian and not negative.
+        P_s, linear power; Hermitian and not negative.
     """
     shape = np.eye(covariance.shape[-1]) if noise_covariance is None else noise_covariance
     power = np.asarray(noise_power, dtype=np.float64)[..., None, None]

@@ -17,7 +17,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from sonar_tracking.records.arrays import ComplexArray
+from sonar_tracking.records.arrays import ComplexArray, FloatArray
 
 LEAST_COUNTING_SNAPSHOTS = 12
 """Fewest snapshots that sources are counted on."""
@@ -34,8 +34,8 @@ def minimum_description_length(eigenvalues: NDArray[np.floating], n_snapshots: i
     Parameters
     ----------
     eigenvalues : ndarray, shape (M,)
-        Of a sample covariance, descending. Zero ones, of silent elements or because there are fewer
-        snapshots than M, are left out.
+        Of a sample covariance, linear power, descending. Zero ones, of silent elements or
+        because there are fewer snapshots than M, are left out.
     n_snapshots : int
         N, independent snapshots in the covariance.
     """
@@ -58,14 +58,14 @@ def forward_backward_smoothed(covariance: ComplexArray, n_smoothed: int) -> Comp
     Parameters
     ----------
     covariance : ndarray, shape (n_elements, n_elements), complex
-        Sample covariance.
+        Sample covariance, linear power.
     n_smoothed : int
         Elements of each sub-array.
 
     Returns
     -------
     ndarray, shape (n_smoothed, n_smoothed), complex
-        (C_s + J conj(C_s) J) / 2 with C_s the mean over the sub-arrays.
+        (C_s + J conj(C_s) J) / 2 with C_s the mean over the sub-arrays, linear power.
     """
     n_elements = len(covariance)
     n_arrays = n_elements - n_smoothed + 1
@@ -92,7 +92,7 @@ def smoothed_size(n_elements: int, n_snapshots: int) -> int:
 def counting_snapshots(
     eigenvalues: NDArray[np.floating],
     n_snapshots: int,
-    positions: NDArray[np.float64],
+    positions: FloatArray,
     wavenumber: float,
     largest_turn: float,
 ) -> int:
@@ -106,7 +106,7 @@ def counting_snapshots(
     Parameters
     ----------
     eigenvalues : ndarray, shape (n_elements,)
-        Of the sample covariance, descending.
+        Of the sample covariance, linear power, descending.
     n_snapshots : int
         Snapshots in it.
     positions : ndarray, shape (n_elements, 3)
@@ -134,12 +134,13 @@ def source_count(
     Parameters
     ----------
     covariance : ndarray, shape (n_elements, n_elements), complex
-        Sample covariance, not whitened (whitening breaks the shift structure).
+        Sample covariance, linear power, not whitened (whitening breaks the shift
+        structure).
     n_snapshots : int
         Snapshots in it.
     noise_covariance : ndarray, shape (n_elements, n_elements), complex, optional
-        Positive; None = white. Smoothed like the covariance and then whitened with: the shift
-        structure is no longer needed there.
+        Pure numbers, positive; None = white. Smoothed like the covariance and then whitened
+        with: the shift structure is no longer needed there.
     """
     size = smoothed_size(len(covariance), n_snapshots)
     smoothed = forward_backward_smoothed(covariance, size)

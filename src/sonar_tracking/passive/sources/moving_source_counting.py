@@ -36,9 +36,9 @@ def count_moving_sources(
     Parameters
     ----------
     snapshots : ndarray, shape (n_snapshots, n_elements), complex
-        Not whitened.
+        Linear amplitude, not whitened.
     eigenvalues : ndarray, shape (n_elements,)
-        Of their covariance, descending.
+        Of their covariance, linear power, descending.
     header : ArraySnapshots
         Array and frequency.
     maximum_rate : float
@@ -72,7 +72,18 @@ def count_moving_sources(
 
 
 def sample_covariance(snapshots: ComplexArray) -> ComplexArray:
-    """Return X X^H / N of snapshots of shape (..., N, n_elements)."""
+    """Return the sample covariance X X^H / N.
+
+    Parameters
+    ----------
+    snapshots : ndarray, shape (..., N, n_elements), complex
+        Linear amplitude.
+
+    Returns
+    -------
+    ndarray, shape (..., n_elements, n_elements), complex
+        Linear power.
+    """
     return np.swapaxes(snapshots, -1, -2) @ snapshots.conj() / snapshots.shape[-2]
 
 

@@ -16,10 +16,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.geometry import beamwidth, is_line, steering_pair, steering_vectors
-from sonar_tracking.records.arrays import ComplexArray, FloatArray
+from sonar_tracking.records.arrays import ComplexArray, FloatArray, IndexArray
 
 _POINTS_PER_BEAM = 16
 _REFINEMENT_STEPS = 8
@@ -82,7 +81,7 @@ def music_bearings(
     Parameters
     ----------
     covariance : ndarray, shape (n_elements, n_elements), complex
-        Sample covariance.
+        Sample covariance, linear power.
     n_sources : int
         Dimension of the signal subspace, below n_elements.
     positions : ndarray, shape (n_elements, 3)
@@ -90,7 +89,7 @@ def music_bearings(
     wavenumber : float
         rad/m.
     noise_covariance : ndarray, shape (n_elements, n_elements), complex, optional
-        None = white noise.
+        Pure numbers; None = white noise.
 
     Returns
     -------
@@ -123,7 +122,7 @@ def _grid(positions: FloatArray, wavenumber: float) -> FloatArray:
     return np.pi * (2.0 * middles - 1.0)
 
 
-def _refined(pencil: _Pencil, grid: FloatArray, found: NDArray[np.intp]) -> FloatArray:
+def _refined(pencil: _Pencil, grid: FloatArray, found: IndexArray) -> FloatArray:
     angles = grid[found]
     low = grid[np.maximum(found - 1, 0)]
     high = grid[np.minimum(found + 1, len(grid) - 1)]

@@ -33,16 +33,17 @@ def with_steering_error(
     Parameters
     ----------
     covariance : ndarray, shape (..., n_elements, n_elements), complex
-        Sample covariance.
+        Sample covariance, linear power.
     steering_error : float
         Relative rms error e of an element of the steering vectors.
     noise_covariance : ndarray, shape (n_elements, n_elements), complex, optional
-        C_v, trace n_elements; None = white. The floor has its colour, so that it is white where
-        the noise is.
+        C_v, pure numbers with trace n_elements; None = white. The floor has its colour, so
+        that it is white where the noise is.
 
     Returns
     -------
     ndarray, shape (..., n_elements, n_elements), complex
+        Linear power.
     """
     if steering_error == 0.0:
         return covariance
@@ -58,13 +59,14 @@ def steering_error_floor(covariance: ComplexArray, steering_error: float) -> Flo
     Parameters
     ----------
     covariance : ndarray, shape (..., n_elements, n_elements), complex
-        Sample covariance.
+        Sample covariance, linear power.
     steering_error : float
         Relative rms error e of an element of the steering vectors.
 
     Returns
     -------
     ndarray, shape (...)
+        Linear power.
     """
     power = np.trace(covariance, axis1=-2, axis2=-1).real / covariance.shape[-1]
     return np.asarray(steering_error**2 * power, dtype=np.float64)

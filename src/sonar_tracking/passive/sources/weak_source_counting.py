@@ -124,7 +124,7 @@ def believed_sources(
     Parameters
     ----------
     eigenvalues : ndarray, shape (n_elements,)
-        Of the (whitened) covariance, descending.
+        Of the (whitened) covariance, linear power, descending.
     n_snapshots : int
         Snapshots in it.
     positions : ndarray, shape (n_elements, 3)

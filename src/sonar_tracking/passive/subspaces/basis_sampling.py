@@ -102,8 +102,9 @@ class BasisSampler:
         Parameters
         ----------
         data : ndarray, shape (..., n_snapshots, n_elements), complex
-            The next snapshots. When all are exactly zero the recursion is held: they say nothing,
-            and forgetting the past would make it singular.
+            The next snapshots, linear amplitude. When all are exactly zero the
+            recursion is held: they say nothing, and forgetting the past would make it
+            singular.
         first_index : int
             Global index of the first of them.
         timing : BlockTiming
@@ -154,7 +155,19 @@ def start_sampler(
     batch: tuple[int, ...],
     noise_covariance: ComplexArray | None,
 ) -> BasisSampler:
-    """Return a recursion before its first snapshot."""
+    """Return a sampler before its first snapshot.
+
+    Parameters
+    ----------
+    method : SubspaceMethod
+        The method.
+    n_elements, n_columns : int
+        Of the basis.
+    batch : tuple of int
+        Leading dimensions; empty = a single run.
+    noise_covariance : ndarray, shape (n_elements, n_elements), complex, or None
+        Pure numbers with trace n_elements; None = white.
+    """
     colouring = whitening = None
     if noise_covariance is not None:
         colouring, whitening = noise_factors(noise_covariance)
@@ -168,6 +181,17 @@ def start_sampler(
 
 
 def noise_factors(noise_covariance: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
-    """Return the Cholesky factor of a noise covariance and its inverse."""
+    """Return the Cholesky factor of a noise covariance and its inverse.
+
+    Parameters
+    ----------
+    noise_covariance : ndarray, shape (n_elements, n_elements), complex
+        Pure numbers with trace n_elements.
+
+    Returns
+    -------
+    colouring, whitening : ndarray, shape (n_elements, n_elements), complex
+        Pure numbers.
+    """
     colouring = np.asarray(np.linalg.cholesky(noise_covariance), dtype=np.complex128)
     return colouring, np.asarray(np.linalg.inv(colouring), dtype=np.complex128)

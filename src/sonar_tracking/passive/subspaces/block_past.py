@@ -60,7 +60,15 @@ class BlockPast:
         )
 
     def update(self, state: BlockPastState, data: ComplexArray) -> BlockPastState:
-        """Return the state after one step on all of ``data``, shape (..., n_snapshots, M)."""
+        """Return the state after one step on all snapshots.
+
+        Parameters
+        ----------
+        state : BlockPastState
+            Before them.
+        data : ndarray, shape (..., n_snapshots, n_elements), complex
+            Linear amplitude.
+        """
         beta = self.forgetting_factor
         n_snapshots = data.shape[-2]
         weights = beta ** (0.5 * np.arange(n_snapshots - 1, -1, -1))
@@ -74,7 +82,7 @@ class BlockPast:
         return BlockPastState(basis=state.basis + gain, correlation=correlation)
 
     def basis(self, state: BlockPastState) -> ComplexArray:
-        """Return W."""
+        """Return W, shape (..., n_elements, n_columns), pure numbers."""
         return state.basis
 
 

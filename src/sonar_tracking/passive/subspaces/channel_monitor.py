@@ -16,10 +16,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.errors import Notice, Severity
-from sonar_tracking.records.arrays import BoolArray, FloatArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 from sonar_tracking.records.bearings import ArraySnapshots
 
 SILENT_RATIO, LOUD_RATIO, _SATURATED_RATIO = 1e-3, 100.0, 4.0
@@ -55,12 +54,12 @@ class ChannelMonitor:
 
     power: FloatArray
     amplitudes: FloatArray
-    good_for: NDArray[np.int_]
+    good_for: IntArray
     n_snapshots: int = 0
 
     @property
     def used(self) -> BoolArray:
-        """Elements that are not left out."""
+        """Elements that are not left out, shape (n_elements,)."""
         good = np.asarray(self.good_for >= QUARANTINE_SNAPSHOTS)
         return good if np.count_nonzero(good) > len(good) // 2 else np.ones_like(good)
 

@@ -58,13 +58,13 @@ def summarise_covariance(
     Parameters
     ----------
     snapshots : ndarray, shape (..., n_snapshots, n_elements), complex
-        Newest snapshots.
+        Newest snapshots, linear amplitude.
     n_columns : int
         Signal eigenvalues to leave out of the noise power; 0 = take the number found by MDL.
     header : ArraySnapshots
         Array and frequency.
     whitening : ndarray, shape (n_elements, n_elements), complex, or None
-        Inverse Cholesky factor of the noise covariance; None = white noise.
+        Inverse Cholesky factor of the noise covariance, pure numbers; None = white noise.
     maximum_rate : float
         Fastest bearing that must not be counted twice, rad/s.
     steering_error : float

@@ -74,7 +74,7 @@ class EstimationMemory:
 
     @property
     def used_history(self) -> ComplexArray:
-        """Snapshots in memory of the elements that are used, shape (..., n_kept, n_used)."""
+        """Snapshots kept of the elements in use, shape (..., n_kept, n_used), linear amplitude."""
         return self.history if self.used.all() else self.history[..., self.used]
 
     def without_windows(self, closed: list[Window]) -> EstimationMemory:

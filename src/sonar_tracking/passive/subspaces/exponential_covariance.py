@@ -56,7 +56,15 @@ class ExponentialCovariance:
         return CovarianceState(covariance=covariance, n_columns=n_columns)
 
     def update(self, state: CovarianceState, data: ComplexArray) -> CovarianceState:
-        """Return the state after all of ``data``, shape (..., n_snapshots, M)."""
+        """Return the state after all snapshots.
+
+        Parameters
+        ----------
+        state : CovarianceState
+            Before them.
+        data : ndarray, shape (..., n_snapshots, n_elements), complex
+            Linear amplitude.
+        """
         beta = self.forgetting_factor
         n_snapshots = data.shape[-2]
         weights = (1.0 - beta) * beta ** np.arange(n_snapshots - 1, -1, -1)
@@ -65,6 +73,12 @@ class ExponentialCovariance:
         return CovarianceState(covariance=covariance, n_columns=state.n_columns)
 
     def basis(self, state: CovarianceState) -> ComplexArray:
-        """Return the eigenvectors of the largest eigenvalues, orthonormal, largest first."""
+        """Return the eigenvectors of the largest eigenvalues, largest first.
+
+        Returns
+        -------
+        ndarray, shape (..., n_elements, n_columns), complex
+            Orthonormal columns, pure numbers.
+        """
         vectors = np.linalg.eigh(state.covariance).eigenvectors
         return vectors[..., : -state.n_columns - 1 : -1]

@@ -15,10 +15,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.passive.subspaces.past import Past, PastState
-from sonar_tracking.records.arrays import ComplexArray
+from sonar_tracking.records.arrays import ComplexArray, FloatArray
 
 
 @dataclass(frozen=True)
@@ -26,7 +25,15 @@ class OrthonormalPast(Past):
     """OPAST with an exponential window; it starts as PAST does and has the same state."""
 
     def update(self, state: PastState, data: ComplexArray) -> PastState:
-        """Return the state after all snapshots of ``data``, shape (..., n_snapshots, M)."""
+        """Return the state after all snapshots.
+
+        Parameters
+        ----------
+        state : PastState
+            Before them.
+        data : ndarray, shape (..., n_snapshots, n_elements), complex
+            Linear amplitude.
+        """
         beta = self.forgetting_factor
         basis = state.basis.copy()
         inverse = state.inverse_correlation
@@ -48,15 +55,13 @@ class OrthonormalPast(Past):
         return PastState(basis=basis, inverse_correlation=inverse)
 
 
-def _normalising_factor(
-    q_power: NDArray[np.float64], p_power: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _normalising_factor(q_power: FloatArray, p_power: FloatArray) -> FloatArray:
     # (1/sqrt(1 + ab) - 1) / a without the cancellation, and with its limit 0 at a = 0.
     root = np.sqrt(1.0 + p_power * q_power)
     return -p_power / (root * (1.0 + root))
 
 
-def _power(column: ComplexArray) -> NDArray[np.float64]:
+def _power(column: ComplexArray) -> FloatArray:
     return (column.real**2 + column.imag**2).sum(axis=-2, keepdims=True)
 
 

@@ -64,7 +64,15 @@ class Past:
         )
 
     def update(self, state: PastState, data: ComplexArray) -> PastState:
-        """Return the state after all snapshots of ``data``, shape (..., n_snapshots, M)."""
+        """Return the state after all snapshots.
+
+        Parameters
+        ----------
+        state : PastState
+            Before them.
+        data : ndarray, shape (..., n_snapshots, n_elements), complex
+            Linear amplitude.
+        """
         beta = self.forgetting_factor
         basis = state.basis.copy()
         inverse = state.inverse_correlation
@@ -82,7 +90,7 @@ class Past:
         return PastState(basis=basis, inverse_correlation=inverse)
 
     def basis(self, state: PastState) -> ComplexArray:
-        """Return W."""
+        """Return W, shape (..., n_elements, n_columns), pure numbers."""
         return state.basis
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import Sensor
 from sonar_tracking.records.time import NANOSECONDS
 
@@ -23,7 +23,7 @@ class SensorHistory:
 
     known: tuple[tuple[int, Sensor], ...] = ()
 
-    def appended(self, stamp: int, sensor: Sensor) -> SensorHistory:
+    def append(self, stamp: int, sensor: Sensor) -> SensorHistory:
         """Return the history with the sensor of a block that begins at a stamp, ns."""
         return SensorHistory((*self.known, (stamp, sensor)))
 
@@ -70,6 +70,6 @@ def _mixed(
     return (x, y, z)
 
 
-def _quaternion(values: NDArray[np.float64]) -> list[float]:
+def _quaternion(values: FloatArray) -> list[float]:
     length = float(np.linalg.norm(values))
     return [float(value) for value in (values / length if length else values)]

@@ -28,16 +28,24 @@ class SubspaceMethod(Protocol, Generic[State]):
         ...
 
     def update(self, state: State, data: ComplexArray) -> State:
-        """Return the state after the snapshots ``data``, shape (..., n_snapshots, n_elements)."""
+        """Return the state after more snapshots.
+
+        Parameters
+        ----------
+        state : object
+            Before them.
+        data : ndarray, shape (..., n_snapshots, n_elements), complex
+            Linear amplitude.
+        """
         ...
 
     def basis(self, state: State) -> ComplexArray:
-        """Return a basis of the signal subspace, shape (..., n_elements, n_columns)."""
+        """Return a basis of the subspace, shape (..., n_elements, n_columns), pure numbers."""
         ...
 
 
 def identity_basis(n_elements: int, n_columns: int, batch: tuple[int, ...]) -> ComplexArray:
-    """Return I(:, :n_columns) for every run, shape (*batch, n_elements, n_columns)."""
+    """Return I(:, :n_columns) of every run, pure numbers, (*batch, n_elements, n_columns)."""
     basis = np.zeros((*batch, n_elements, n_columns), dtype=np.complex128)
     basis[..., : min(n_elements, n_columns), :] = np.eye(min(n_elements, n_columns), n_columns)
     return basis

@@ -163,7 +163,7 @@ class SubspaceStage:
                 "blocks must follow each other in time."
             )
         history = memory.history if missing == 0 else memory.history[..., :0, :]
-        sensors = memory.sensors.appended(block.stamp, block.sensor)
+        sensors = memory.sensors.append(block.stamp, block.sensor)
         return replace(memory, sensors=sensors, timing=timing, history=history), missing
 
     def _begin(self, block: ArraySnapshots) -> EstimationMemory:

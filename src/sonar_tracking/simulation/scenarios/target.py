@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from sonar_tracking.configuration import SECTION, parameter
+from sonar_tracking.records.arrays import BoolArray
 from sonar_tracking.simulation.scenarios.bearing_motion import (
     ArctangentMotion,
     LinearMotion,
@@ -38,7 +39,7 @@ class LineConfiguration:
         (), "times from, to, from, to, ... between which it is emitted; empty = always", unit="s"
     )
 
-    def is_present(self, times: ArrayLike) -> NDArray[np.bool_]:
+    def is_present(self, times: ArrayLike) -> BoolArray:
         """Return at which times (s) the line is there; intervals are half open."""
         return within(self.present, times)
 
@@ -79,12 +80,12 @@ class TargetConfiguration:
     lines: tuple[LineConfiguration, ...] = field(default=(), metadata=SECTION)
     motion: TargetMotion = field(default_factory=ArctangentMotion, metadata=SECTION)
 
-    def is_present(self, times: ArrayLike) -> NDArray[np.bool_]:
+    def is_present(self, times: ArrayLike) -> BoolArray:
         """Return at which reception times (s) the target is heard; intervals are half open."""
         return within(self.present, times)
 
 
-def within(schedule: tuple[float, ...], times: ArrayLike) -> NDArray[np.bool_]:
+def within(schedule: tuple[float, ...], times: ArrayLike) -> BoolArray:
     """Return which times lie in the half open intervals from, to, from, to, ...; empty = all.
 
     Parameters

@@ -16,10 +16,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.motion import KinematicState, Path, Trajectory, emission_times, wrap_angle
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import FloatArray, IntArray
 from sonar_tracking.records.bearings import AngleKind, BearingTracks, Sensor, TrackStatus
 from sonar_tracking.records.lines import NOT_ATTRIBUTED, FrequencyLines
 from sonar_tracking.simulation.scenarios.bearing_sensor_configuration import (
@@ -162,7 +161,7 @@ class BearingStation:
         next_stamp: int,
         time: float,
         ids: list[int],
-        status: NDArray[np.int_],
+        status: IntArray,
         angles: FloatArray,
         rates: FloatArray,
         measured: FloatArray,

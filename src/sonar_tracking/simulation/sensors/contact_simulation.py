@@ -16,7 +16,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.motion import Path, wrap_angle
 from sonar_tracking.records.arrays import FloatArray, IntArray
@@ -251,5 +250,5 @@ class ContactSimulation:
         return self._epoch + nanoseconds(time)
 
 
-def _pair(vector: NDArray[np.float64]) -> tuple[float, float]:
+def _pair(vector: FloatArray) -> tuple[float, float]:
     return float(vector[0]), float(vector[1])

@@ -13,9 +13,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sonar_tracking.records.arrays import BoolArray, FloatArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 from sonar_tracking.records.time import nanoseconds
 from sonar_tracking.tma.estimators.hypothesis_bank import (
     HypothesisBank,
@@ -75,8 +74,8 @@ class RangeBankState:
     stamp: int
     bank: HypothesisBank
     windows: InnovationWindows
-    manoeuvre_until: NDArray[np.int64]
-    refused: NDArray[np.int64]
+    manoeuvre_until: IntArray
+    refused: IntArray
 
 
 class RangeBank:

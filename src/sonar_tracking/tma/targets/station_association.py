@@ -9,11 +9,10 @@ explains better than chance stays free.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.filtering.assignment import least_cost_pairs
 from sonar_tracking.motion import wrap_angle
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import FloatArray, IntArray
 from sonar_tracking.tma.estimators.hypothesis_bank import (
     HypothesisBank,
     innovation_covariance,
@@ -118,9 +117,7 @@ def direction_log_likelihood(
     return float(np.logaddexp.reduce(np.where(within, density, -np.inf)))
 
 
-def associate(
-    log_likelihood: FloatArray, chance_density: float = CHANCE_DENSITY
-) -> NDArray[np.int_]:
+def associate(log_likelihood: FloatArray, chance_density: float = CHANCE_DENSITY) -> IntArray:
     """Return the target of each bearing.
 
     Parameters

@@ -10,7 +10,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from sonar_tracking.evaluation.monte_carlo.batch_runner import RunBatch
@@ -31,7 +30,7 @@ from sonar_tracking.filtering.consistency import normalised_squared
 from sonar_tracking.passive.bearings.bearing_tracker_stage import BearingTrackerStage
 from sonar_tracking.passive.subspaces.subspace_configuration import SubspaceConfiguration
 from sonar_tracking.passive.subspaces.subspace_stage import SubspaceStage
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import FloatArray, IntArray
 from sonar_tracking.records.bearings import BearingTracks, SubspaceEstimates, TrackStatus
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
@@ -203,7 +202,7 @@ def matched_to_targets(tracks: Sequence[BearingTracks], angles: FloatArray) -> l
     return ordered
 
 
-def _columns(tracks: BearingTracks, rows: NDArray[np.int_]) -> BearingTracks:
+def _columns(tracks: BearingTracks, rows: IntArray) -> BearingTracks:
     """Pick rows of a track list; row -1 gives NaN and the covariance of nothing known."""
 
     def picked(values: FloatArray) -> FloatArray:

@@ -25,7 +25,7 @@ from sonar_tracking.evaluation.studies.multi_target_clutter.scene import (
     SceneOptions,
     simulate_scene,
 )
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.contacts import ContactTrackerUpdate
 from sonar_tracking.simulation.sensors.contact_simulation import SimulatedPing
@@ -166,7 +166,7 @@ class _Scored:
     assignment: Assignment
     period: ScoredPeriod
     square_error: FloatArray
-    settled: NDArray[np.bool_]
+    settled: BoolArray
     estimates: FloatArray
 
     @classmethod

@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.evaluation.monte_carlo.study import StudyRow
 from sonar_tracking.evaluation.monte_carlo.study_definition import Column, TableLayout
 from sonar_tracking.evaluation.studies.room_array.rows import APART_DEG, FOUND_DEG
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray
 
 PLANE, SPHERICAL, SPHERICAL_MUSIC = "plane", "spherical", "spherical MUSIC"
 """Waves that are steered with, by maximum likelihood if not by MUSIC."""
@@ -51,7 +50,7 @@ class NearFieldResult:
     found: FloatArray
 
     @property
-    def apart(self) -> NDArray[np.bool_]:
+    def apart(self) -> BoolArray:
         """Positions that hear the sources at least APART_DEG apart, shape (n_positions,)."""
         angles = self.surveyed[..., 0]
         spread = angles.max(axis=1) - angles.min(axis=1)

@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.evaluation.monte_carlo.study import StudyRow
 from sonar_tracking.evaluation.monte_carlo.study_definition import Column, TableLayout
-from sonar_tracking.records.arrays import BoolArray, FloatArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 
 TOLD, FROM_NOTHING = "told their number", "from nothing"
 """What the chain knows beforehand."""
@@ -64,12 +63,12 @@ class RoomResult:
         return np.asarray(spread >= np.radians(APART_DEG))
 
     @property
-    def n_extra(self) -> NDArray[np.int_]:
+    def n_extra(self) -> IntArray:
         """Confirmed tracks that belong to no source, shape (n_sub_arrays,)."""
         return np.isfinite(self.extra).sum(axis=1)
 
     @property
-    def miscount(self) -> NDArray[np.int_]:
+    def miscount(self) -> IntArray:
         """Number of confirmed tracks minus that of sources, shape (n_sub_arrays,)."""
         found = np.isfinite(self.tracked).sum(axis=1)
         return np.asarray(found + self.n_extra - len(self.sources))

@@ -20,7 +20,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.bags.importers.import_wav import SNAPSHOTS_TOPIC, TRUTH_TOPIC, import_wav
 from sonar_tracking.bags.storage.bag_records import bearing_tracks_of, snapshots_of
@@ -63,7 +62,7 @@ from sonar_tracking.passive.bearings.bearing_tracker_stage import (
     BearingTrackerStage,
 )
 from sonar_tracking.passive.subspaces.subspace_stage import SubspaceConfiguration, SubspaceStage
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import FloatArray, IntArray
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
 from sonar_tracking.records.time import NANOSECONDS
 
@@ -302,7 +301,7 @@ def _compared(
     )
 
 
-def _last_at(stamps: NDArray[np.int64], instant: int) -> int:
+def _last_at(stamps: IntArray, instant: int) -> int:
     return int(np.searchsorted(stamps, instant, side="right")) - 1
 
 

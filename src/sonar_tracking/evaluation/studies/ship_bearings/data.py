@@ -13,11 +13,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.motion import azimuth_from_compass
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import FloatArray, IntArray
 from sonar_tracking.tma.batch.direction_smoother import MINIMUM_COSINE, DirectionHistory
 
 PRIOR_DEVIATION_DEG, PRIOR_WEIGHT = 0.5, 2.0
@@ -87,7 +86,7 @@ class JoinedBearings:
     history: DirectionHistory
     azimuth_deviation: FloatArray
     ship: FloatArray
-    array: NDArray[np.int64]
+    array: IntArray
     names: str
 
 
