@@ -77,6 +77,7 @@ def design_band(sample_rate: float, frequency: float, bandwidth: float) -> Band:
             f"{sample_rate:g} Hz; give a frequency below {sample_rate / 2 - half_width:g} Hz."
         )
     # Loaded at the first band: it takes twice as long as the start of a node.
+    from scipy.signal import firwin, kaiserord
 
     n_taps, shape = kaiserord(_STOP_BAND_DB, _TRANSITION * bandwidth / (sample_rate / 2))
     taps = firwin(n_taps | 1, bandwidth / 2, window=("kaiser", shape), fs=sample_rate)
