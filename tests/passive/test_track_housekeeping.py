@@ -28,6 +28,8 @@ from tests.passive.crossing_scene import (
     snapshots_of,
 )
 
+pytestmark = pytest.mark.slow
+
 FIVE = np.deg2rad([-50.0, -25.0, 0.0, 25.0, 50.0])
 
 

@@ -75,6 +75,7 @@ def test_five_targets_start_within_four_covariances(source_count: int) -> None:
     assert np.all(errors**2 < 16.0 * started.covariance[order, 0, 0])
 
 
+@pytest.mark.slow
 def test_started_tracks_survive_the_crossings() -> None:
     # Twelve runs of the whole scene at 0 dB, from nothing; from truth all runs succeed.
     subspaces = SubspaceConfiguration(method="past", forgetting_factor=0.86, period=1.0)

@@ -247,6 +247,7 @@ def test_long_gap_is_skipped() -> None:
     assert len(notices) == 1
 
 
+@pytest.mark.slow
 def test_silence_holds_the_recursion() -> None:
     # Forgetting during silence would make the recursion singular after some 5000 snapshots.
     data = crossing_data(12, 0.0, 1.0)

@@ -35,6 +35,7 @@ from tests.tma.passive_scene import (
 )
 
 
+@pytest.mark.slow
 def test_a_target_is_found_and_its_side_resolved_by_own_ship_s_turn() -> None:
     stage = TmaTrackerStage()
     ended = []
@@ -113,6 +114,7 @@ def test_frames_must_be_in_order() -> None:
     assert len(listed(stage.update(frames[3]))) == 2
 
 
+@pytest.mark.slow
 def test_lines_without_bearings_are_used_and_give_no_list() -> None:
     frames = frames_of(scene(DIRECTIONS))
     whole, split = TmaTrackerStage(), TmaTrackerStage()
@@ -125,6 +127,7 @@ def test_lines_without_bearings_are_used_and_give_no_list() -> None:
     assert np.hypot(*(apart.state[0, :2] - together.state[0, :2])) < 100.0
 
 
+@pytest.mark.slow
 def test_lines_without_a_track_are_attributed_by_their_angle() -> None:
     sensor = replace(ARRAY, attribute_lines=False)
     stage = TmaTrackerStage()
@@ -136,6 +139,7 @@ def test_lines_without_a_track_are_attributed_by_their_angle() -> None:
     assert lines == {1: {1, 2, 3}, 2: {4, 5}}
 
 
+@pytest.mark.slow
 def test_bearings_of_two_stations_become_one_solution() -> None:
     buoy = BearingSensorConfiguration(
         sensor_id="buoy",
