@@ -1,4 +1,4 @@
-"""The recorded array with the default tracker that is told neither number nor bearings."""
+"""The recorded array with the default tracker that is given neither number nor bearings."""
 
 from __future__ import annotations
 

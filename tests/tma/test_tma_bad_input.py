@@ -170,10 +170,10 @@ def test_a_line_or_track_told_twice_is_used_once() -> None:
     (lines,) = frames[0].lines
     twice = replace(lines, line_id=np.array([1, 1, 2], np.uint64))
     update = stage.update(replace(frames[0], lines=(twice,)))
-    assert any("told twice" in notice.text for notice in update.notices)
+    assert any("appears twice" in notice.text for notice in update.notices)
     (bearings,) = frames[1].bearings
     update = stage.update(replace(frames[1], bearings=(doubled(bearings),)))
-    assert any("told twice" in notice.text for notice in update.notices)
+    assert any("appears twice" in notice.text for notice in update.notices)
     assert len(listed(update)) == 1
 
 

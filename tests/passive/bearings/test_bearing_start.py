@@ -145,7 +145,7 @@ def test_covariances_that_share_snapshots_are_used_once() -> None:
 
 
 def test_missing_target_starts_later_than_the_others() -> None:
-    # The third source comes up after 6 s; the others are not disturbed and keep their names.
+    # The third source comes up after 6 s; the identities of the others are maintained.
     generator = np.random.default_rng(5)
     angles = np.broadcast_to(np.deg2rad([-30.0, 0.0, 30.0]), (3200, 3))
     levels = np.full((3200, 3), 5.0)

@@ -201,7 +201,7 @@ def _checked_band(
 def _finite_blocks(
     wav: WavFile, columns: list[int], band: Band, dropped: list[str]
 ) -> Iterator[_Block]:
-    """Yield blocks of snapshots; a block that is not finite is left out and told."""
+    """Yield blocks of snapshots; a block that is not finite is left out and reported."""
     for block in _blocks(wav, columns, band):
         bad = ~np.isfinite(block.data).all(axis=0)
         if not bad.any():

@@ -1,6 +1,6 @@
 """Columns of numbers from a CSV file with a header, or from the arrays of an npz file.
 
-A line that cannot be read is left out and named, a column that nobody knows is named; columns that
+A line that cannot be read is left out and named, an unknown column is named; columns that
 are missing refuse the whole file.
 """
 

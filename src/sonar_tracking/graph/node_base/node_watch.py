@@ -46,7 +46,7 @@ class NodeWatch:
     inputs, outputs : list
         Its data topics; they may still become more.
     diagnostics : Diagnostics
-        Where its state is told.
+        Where its state is reported.
     progress : ProgressReporter
         Its publisher on ``flow/done``.
     """

@@ -39,7 +39,7 @@ class BearingMeasurement:
     innovation : ndarray, shape (..., n_targets)
         Measured minus predicted angle, rad.
     variance : ndarray, shape (..., n_targets)
-        Of the measurement, rad^2; NaN = cannot be told, do not use it.
+        Of the measurement, rad^2; NaN = unknown, do not use it.
     age : float
         How long before the stamp the targets had the measured angles, s.
     """

@@ -79,8 +79,8 @@ class BearingTrackerConfiguration:
     steady_process_noise_deg2: float = parameter(
         0.001,
         "The same while the innovations of a bearing show no turn, and a tenth of it while another "
-        "is nearer than half a beamwidth, so that slow crossings keep their names; never less than "
-        "0.125 |rate|^3 (in radians), by which a target that passes on a straight course turns; "
+        "is nearer than half a beamwidth, so that slow crossings swap no identities; never less "
+        "than 0.125 |rate|^3 (in radians), by which a target on a straight course turns; "
         "with process_noise_deg2 or more q is constant (joint_map)",
         unit="deg^2/s^3",
         minimum=0.0,

@@ -270,7 +270,7 @@ class BearingTrackerStage:
         evidence: Evidence,
         measurement: BearingMeasurement | None,
     ) -> tuple[TrackStatus, ...]:
-        """Return the status of each running track; TERMINATED is told once."""
+        """Return the status of each running track; TERMINATED is reported once."""
         coasted = np.full(len(state.ids), measurement is None and self._state is not None)
         if not self.configuration.ends_tracks:
             return tuple(np.where(coasted, TrackStatus.COASTED, TrackStatus.CONFIRMED).tolist())

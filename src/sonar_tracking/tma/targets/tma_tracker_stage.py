@@ -165,7 +165,7 @@ class TmaTrackerStage:
             if problem:
                 notices.append(left_out(sensor, problem))
             if key in observed:
-                notices.append(left_out(sensor, f"track {key[1]} is told twice"))
+                notices.append(left_out(sensor, f"track {key[1]} appears twice"))
                 continue
             if key in self._target_of:
                 self._target_of[key].existence_probability = float(
@@ -308,7 +308,7 @@ class TmaTrackerStage:
                     target.misfits = {}
 
     def picture(self) -> PositionTracks:
-        """Return the complete picture at the stamp of the last frame; ended rows are told once."""
+        """Return the complete picture at the stamp of the last frame; an ended row appears once."""
         rows = []
         for target in self._targets:
             for solution in target.solutions:

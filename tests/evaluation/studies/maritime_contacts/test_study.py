@@ -1,4 +1,4 @@
-"""Protects: boats in recorded radar scans are held, and the contacts trail them by one scan."""
+"""Protects: boats in recorded radar scans are tracked, and the contacts trail them by one scan."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Runs of the doa-coherent study: every tracker on the same blocks, and the bound of each run.
 
 RYU takes the ordinary eigenvectors of the block covariance, as many as there are targets. PROPOSED
-and the joint filter take the generalised eigenvectors, as many as the rank, which both are told.
+and the joint filter take the generalised eigenvectors, as many as the rank, which both are given.
 All start from the truth, as in the paper, and are the stages that the nodes run.
 """
 

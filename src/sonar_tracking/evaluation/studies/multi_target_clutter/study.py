@@ -88,7 +88,7 @@ LAYOUTS = (
         (
             Column("rmse_m", "RMSE", ".1f"),
             Column("settled_rmse_m", "settled", ".2f"),
-            Column("held_share", "held", ".3f"),
+            Column("held_share", "maintained", ".3f"),
             Column("continuity", "continuity", ".3f"),
             Column("identity_swaps", "swaps", ".1f"),
             Column("false_tracks_per_hour", "false/h", ".2f"),

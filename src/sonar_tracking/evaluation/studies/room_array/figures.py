@@ -47,7 +47,7 @@ def draw_room_array(
     Returns
     -------
     tuple of Path
-        One picture for what the chain is told, one for the near sources.
+        One picture for what the chain is given, one for the near sources.
     """
     flat = [result for task in results for result in task]
     recordings = [result for result in flat if isinstance(result, RoomResult)]

@@ -32,7 +32,7 @@ class Estimator(Protocol):
 
 
 class BearingsOnly:
-    """The default estimator without ears for lines: what the bearings alone would have done."""
+    """The default estimator with bearings only: what the bearings alone would have done."""
 
     def __init__(self) -> None:
         self._bank = RangeBank()
