@@ -15,7 +15,7 @@ def least_cost_pairs(costs: FloatArray) -> tuple[IndexArray, IndexArray]:
     Parameters
     ----------
     costs : ndarray, shape (n_rows, n_columns)
-        Finite.
+        Finite, in any unit.
 
     Returns
     -------

@@ -51,7 +51,7 @@ class NumberTable:
         return place(self.path, int(self.rows[index]))
 
     def column(self, name: str) -> FloatArray:
-        """Return a column, all NaN where the file has none of that name."""
+        """Return a column, shape (n_rows,), in units of the file; all NaN where there is none."""
         return self.numbers.get(name, np.full(len(self), np.nan))
 
 

@@ -189,7 +189,7 @@ def bench_estimates(data: ComplexArray, n_sources: int) -> tuple[SubspaceEstimat
     Parameters
     ----------
     data : ndarray, shape (n_snapshots, n_elements), complex
-        Snapshots.
+        Snapshots, linear amplitude.
     n_sources : int
         Dimension of the subspaces.
     """
@@ -249,9 +249,14 @@ def run_method(
     step : int
         Snapshots in a portion.
     data : ndarray, shape (n_snapshots, n_elements), complex
-        Snapshots.
+        Snapshots, linear amplitude.
     n_columns : int
         Dimension of the subspace.
+
+    Returns
+    -------
+    ndarray, shape (n_elements, n_columns), complex
+        Pure numbers.
     """
     state = method.start(data.shape[1], n_columns)
     portions_in_period = PERIOD_SNAPSHOTS // step

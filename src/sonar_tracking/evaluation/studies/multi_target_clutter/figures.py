@@ -32,7 +32,7 @@ def draw_scene(path: Path, truth: Sequence[FloatArray]) -> Path:
     path : Path
         Picture to write; missing directories are made.
     truth : sequence of ndarray, shape (n_targets, 3)
-        Identity, x and y at each ping.
+        Identity, x and y at each ping, m.
     """
     figure, axes = _tactical("Paths of the targets")
     _draw_truth(axes, truth, 1.5)

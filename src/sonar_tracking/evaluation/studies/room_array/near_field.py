@@ -128,6 +128,7 @@ def whole_array_snapshots(
     Returns
     -------
     ndarray, shape (n_snapshots, n_elements), complex
+        Linear amplitude.
     """
     responses = room.responses[room.source_ids.index(source)]
     n_samples = round(DURATION * room.sample_rate) + responses.shape[1] - 1

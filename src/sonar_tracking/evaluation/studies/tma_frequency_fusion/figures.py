@@ -88,7 +88,7 @@ def draw_errors(
     histories : mapping of str to TmaHistories
         By name of the estimator.
     bound : ndarray, shape (n_frames, 4)
-        Root of the bounds on the four errors.
+        Root of the bounds on range, azimuth, course and speed, m, deg, deg, m/s.
     """
     import matplotlib.pyplot as plt
 
