@@ -27,6 +27,7 @@ from sonar_tracking.graph.catalogue.topics import (
     Topic,
     TopicKind,
 )
+from sonar_tracking.graph.catalogue.transport_profile import choose_transport
 from sonar_tracking.graph.message_writing.field_writing import message_class, time_from_stamp
 from sonar_tracking.graph.node_base import quality_of_service
 from sonar_tracking.message_reading.field_reading import stamp_from_time
@@ -36,6 +37,9 @@ PATIENCE = 40.0
 """Longest wait for anything, s: generous, because machines may be busy."""
 
 DEPTH = 100
+
+# Nodes and probe find each other at once, as those of a run do.
+os.environ.update(choose_transport(0, 0).others)
 
 
 class NodeProcess:

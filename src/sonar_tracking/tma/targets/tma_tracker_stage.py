@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sonar_tracking.errors import InputError, Notice, Severity
+from sonar_tracking.filtering.assignment import load_solver
 from sonar_tracking.motion import KinematicState
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
 from sonar_tracking.records.lines import FrequencyLines
@@ -84,6 +85,11 @@ class TmaTrackerStage:
         self._n_stations = n_stations
         self._next_id = self._configuration.first_id
         self.reset()
+
+    def warm_up(self) -> None:
+        """Load what joins bearings of several stations before the first data need it."""
+        if self._n_stations > 1:
+            load_solver()
 
     def reset(self) -> None:
         """Forget all targets; identifiers go on."""
