@@ -15,7 +15,8 @@ from sonar_tracking.simulation.scenarios.bearing_sensor_configuration import (
     BearingSensorConfiguration,
 )
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame, UnusableBearings
-from sonar_tracking.tma.targets.tma_tracker_configuration import BASELINES, TmaTrackerConfiguration
+from sonar_tracking.tma.targets.tma_method_registry import TMA_METHODS
+from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
 from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
 from tests.tma.passive_scene import (
     ARRAY,
@@ -192,7 +193,9 @@ def test_an_unusable_list_coasts_the_targets() -> None:
     assert np.trace(coasted.covariance[0, 2:, 2:]) > velocity
 
 
-@pytest.mark.parametrize("method", BASELINES)
+@pytest.mark.parametrize(
+    "method", [entry.name for entry in TMA_METHODS if not entry.weighs_hypotheses]
+)
 def test_methods_for_comparison_can_be_chosen(method: str) -> None:
     stage = TmaTrackerStage(TmaTrackerConfiguration(method=method))
     updates = fed(stage, frames_of(scene(duration=140.0)))

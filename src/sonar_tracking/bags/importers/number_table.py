@@ -14,8 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sonar_tracking.configuration import unknown_name_text
-from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.errors import ConfigurationError, unknown_name_text
 from sonar_tracking.records.arrays import FloatArray, IntArray
 
 

@@ -8,8 +8,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sonar_tracking.configuration import unknown_name_text
-from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.errors import ConfigurationError, unknown_name_text
 from sonar_tracking.evaluation.monte_carlo.batch_runner import Workers, compute
 from sonar_tracking.evaluation.monte_carlo.study import Study, write_json
 from sonar_tracking.evaluation.monte_carlo.study_definition import StudyDefinition

@@ -32,7 +32,6 @@ from sonar_tracking.tma.targets.station_pairing import Pair, StationPairing
 from sonar_tracking.tma.targets.station_view import StationView, station_view
 from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
 from sonar_tracking.tma.targets.tma_tracker_configuration import (
-    RANGE_BANK,
     TmaTrackerConfiguration,
     check_tma_tracker,
 )
@@ -252,7 +251,7 @@ class TmaTrackerStage:
             updated=self._stamp,
             bearing_track_id=key[1],
         )
-        if self._configuration.method == RANGE_BANK:
+        if self._configuration.entry.weighs_hypotheses:
             self._pairing.begin(target, self._targets)
         self._targets.append(target)
         self._target_of[key] = target

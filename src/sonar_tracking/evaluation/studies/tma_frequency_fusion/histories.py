@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import polar
-from sonar_tracking.evaluation.studies.tma_frequency_fusion.systems import Estimator
 from sonar_tracking.filtering.consistency import normalised_squared
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import BoolArray, FloatArray
 from sonar_tracking.simulation.sensors.tma_scene import TmaRuns
+from sonar_tracking.tma.estimators.estimator import Estimator
 
 LOST_BOUNDS = 5.0
 """A run whose range error exceeds so many bounds is lost."""
