@@ -2,31 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from docs.reference_writer.tables import sentence, table
 from sonar_tracking.configuration import ParameterDescription
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
-from sonar_tracking.graph.catalogue.node_description import NodeDescription
 
 
 def methods() -> str:
-    """Return the tables of methods of all nodes, one section a node that has a choice."""
+    """Return a section for every node that has a choice, with a table for every parameter."""
     sections = []
     for node in NODES.values():
-        if tables := "\n\n".join(method_tables(node)):
-            sections.append(f"## {node.name}\n\n{tables}")
+        if tables := [_table(entry) for entry in node.parameters if entry.methods is not None]:
+            sections.append("\n\n".join([f"## {node.name}", *tables]))
     return "\n\n".join(sections)
 
 
-def method_tables(node: NodeDescription) -> Iterator[str]:
-    """Yield the table of methods of every parameter of a node that chooses among methods."""
-    for entry in node.parameters:
-        if entry.methods is not None:
-            yield _method_table(entry)
-
-
-def _method_table(entry: ParameterDescription) -> str:
+def _table(entry: ParameterDescription) -> str:
     assert entry.methods is not None
     rows = [
         (f"`{row.name}`", sentence(row.description), sentence(row.traits), row.paper)

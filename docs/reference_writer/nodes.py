@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from docs.reference_writer.methods import method_tables
 from docs.reference_writer.tables import parameter_cells, sentence, table
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
@@ -25,8 +24,7 @@ def _node(node: NodeDescription) -> str:
     rows = [(f"`{entry.name}`", *parameter_cells(entry)) for entry in node.parameters]
     parameters = table(("parameter", "default", "unit", "allowed", "what it does"), rows)
     introduction = f"{sentence(node.description)} {sentence('; '.join(flows))}"
-    parts = [f"## {node.name}", introduction, parameters, *method_tables(node)]
-    return "\n\n".join(parts)
+    return f"## {node.name}\n\n{introduction}\n\n{parameters}"
 
 
 def _recorder() -> str:
