@@ -11,13 +11,14 @@ import numpy as np
 
 from sonar_tracking.evaluation.metrics.truth_samples import Sample
 from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.time import seconds
 
 
 def median_period(lists: Sequence[Sample]) -> float:
     """Return the median time between track lists in order of time, s; 0 for fewer than two."""
     if len(lists) < 2:
         return 0.0
-    return float(np.median(np.diff([entry.stamp for entry in lists]))) * 1e-9
+    return seconds(float(np.median(np.diff([entry.stamp for entry in lists]))))
 
 
 def joined(parts: Sequence[FloatArray]) -> FloatArray:
