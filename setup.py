@@ -47,7 +47,7 @@ def files_below(folder: str) -> list[tuple[str, list[str]]]:
 
 
 def requirements_of_pip() -> dict[str, Any]:
-    """Return what pip has to install: least versions are those of Ubuntu 24.04, if it has any."""
+    """Return what pip has to install; of Ubuntu 24.04 all but typer is new enough, if there."""
     run = [
         "backports.zstd>=1,<2",
         "lz4>=4,<5",
@@ -55,9 +55,9 @@ def requirements_of_pip() -> dict[str, Any]:
         "numpy>=1.26,<3",
         "PyYAML>=6,<7",
         "rich>=13.7,<16",
-        "rosbags>=0.10.10,<0.12",
+        "rosbags>=0.11,<0.12",
         "scipy>=1.11,<2",
-        "typer>=0.9,<1",
+        "typer>=0.13,<1",
     ]
     plot = ["matplotlib>=3.6,<4"]
     studies = [*plot, "dask>=2024.1", "distributed>=2024.1"]
@@ -70,6 +70,7 @@ def requirements_of_pip() -> dict[str, Any]:
             "display": plot,
             "studies": studies,
             "test": [*studies, *pinned("test.txt")],
+            "docs": pinned("docs.txt"),
         },
     }
 

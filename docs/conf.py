@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import sys
-from importlib.metadata import version as version_of
 from pathlib import Path
 from typing import Any
+
+import sonar_tracking
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
@@ -13,7 +14,7 @@ sys.path.insert(0, str(HERE.parent))
 project = "sonar_tracking"
 author = "The sonar_tracking developers"
 project_copyright = "The sonar_tracking developers"
-version = release = version_of("sonar_tracking")
+version = release = sonar_tracking.__version__
 
 extensions = [
     "myst_parser",

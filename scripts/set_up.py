@@ -3,14 +3,14 @@
 Called by set_up.sh when something has changed, with a supported Python, which is the one the
 environment gets. Needs only the standard library.
 
-    set_up.py problem                       prints what is missing on this machine, if anything
+    set_up.py problem KIND                  prints what is missing on this machine, if anything
     set_up.py KIND FINGERPRINT REQUEST      brings .venv up to date for a kind of use (run, docs,
-                                            test), then keeps FINGERPRINT (of all it is made from)
-                                            and REQUEST (the Python asked for) in .venv/.set_up,
-                                            where set_up.sh looks for them
+                                            test, quick), then keeps FINGERPRINT (of all it is made
+                                            from) and REQUEST (the Python asked for) in
+                                            .venv/.set_up, where set_up.sh looks for them
 
 What has to be compiled, the messages, is kept as a wheel in .cache, outside of .venv. Whatever goes
-wrong is said in a sentence; the output of pip and of the compiler is in .cache/set_up.log.
+wrong is told in a sentence; the output of pip and of the compiler is in .cache/set_up.log.
 """
 
 from __future__ import annotations
@@ -38,12 +38,16 @@ CACHE = PROJECT / ".cache"
 LOG = CACHE / "set_up.log"
 REQUIREMENTS = PROJECT / "requirements"
 MESSAGES = PROJECT / "msg_defs"
+ROS = "ros.txt"
+"""The list that brings the messages, too, which have to be compiled."""
+
 KINDS = {
-    "run": ("run.txt",),
-    "docs": ("run.txt", "docs.txt"),
-    "test": ("run.txt", "docs.txt", "test.txt"),
+    "quick": ("run.txt", "test.txt"),
+    "run": (ROS, "run.txt"),
+    "docs": (ROS, "run.txt", "docs.txt"),
+    "test": (ROS, "run.txt", "docs.txt", "test.txt"),
 }
-"""The lists of requirements of each kind of use; each kind serves those before it, too."""
+"""The lists of requirements of each kind of use; a kind serves those with fewer lists, too."""
 
 PYTHON_VERSION = f"{sys.version_info[0]}.{sys.version_info[1]}"
 
@@ -55,8 +59,8 @@ class SetUpError(Exception):
 def main(arguments: list[str]) -> int:
     """Do what the arguments ask for; return the exit code."""
     try:
-        if arguments == ["problem"]:
-            print(problem() or "", end="")
+        if arguments[0] == "problem":
+            print(problem(arguments[1]) or "", end="")
         else:
             kind, fingerprint, request = arguments
             with exclusively():
@@ -98,28 +102,39 @@ def set_up(kind: str, fingerprint: str, request: str) -> None:
     if state_of(kind) == fingerprint and request in ("", state_of("python")):
         return
     begin = time.monotonic()
+    lists = lists_of(kind, fingerprint, request)
     LOG.write_text("")
     make_environment()
     UNFINISHED.touch()
     shutil.rmtree(STATE, ignore_errors=True)
     try:
-        fill_environment(KINDS[kind])
+        fill_environment(lists)
     except SetUpError:
         UNFINISHED.unlink()  # pip came to an end by itself: what is there is sound
         raise
     STATE.mkdir()
     (STATE / "python").write_text(request)
-    for done in list(KINDS)[: list(KINDS).index(kind) + 1]:
-        (STATE / done).write_text(fingerprint)
+    for served, needed in KINDS.items():
+        if set(needed) <= set(lists):
+            (STATE / served).write_text(fingerprint)
     UNFINISHED.unlink()
     say(f"The set-up is done, after {time.monotonic() - begin:.0f} s.")
+
+
+def lists_of(kind: str, fingerprint: str, request: str) -> list[str]:
+    """List the requirements of a kind of use, and of those that are up to date: they stay so."""
+    lists = set(KINDS[kind])
+    if request in ("", state_of("python")):
+        lists.update(*(KINDS[other] for other in KINDS if state_of(other) == fingerprint))
+    return sorted(lists)
 
 
 def fill_environment(lists: Sequence[str]) -> None:
     """Install everything into the environment: these lists, the messages, the package."""
     say("Installing the dependencies (the first time about 400 MB, in a minute or two) ...")
     install(*(f"--requirement={REQUIREMENTS / name}" for name in lists))
-    install("--no-deps", "--force-reinstall", str(message_wheel()))
+    if ROS in lists:
+        install("--no-deps", "--force-reinstall", str(message_wheel()))
     say("Installing sonar_tracking ...")
     install("--no-deps", "--no-build-isolation", "--editable", str(PROJECT))
     register()
@@ -134,7 +149,7 @@ def state_of(name: str) -> str:
 # What is missing
 
 
-def problem() -> str | None:
+def problem(kind: str) -> str | None:
     """Say what keeps this Python on this machine from making the environment, or nothing."""
     try:
         import ensurepip  # noqa: F401
@@ -143,7 +158,7 @@ def problem() -> str | None:
             f"{sys.executable} cannot make a virtual environment: install what it needs, e.g. with"
             f" 'sudo apt install python{PYTHON_VERSION}-venv', and start again."
         )
-    if cached_message_wheel() is not None:
+    if ROS not in KINDS[kind] or cached_message_wheel() is not None:
         return None
     return compiler_problem()
 
@@ -299,7 +314,7 @@ def message_folder() -> Path:
     sources = [path for path in sorted(MESSAGES.rglob("*")) if path.is_file()]
     for path in [*sources, REQUIREMENTS / "build.txt"]:
         digest.update(f"\n{path.relative_to(PROJECT)}\n".encode() + path.read_bytes())
-    for line in (REQUIREMENTS / "run.txt").read_text().splitlines():
+    for line in (REQUIREMENTS / ROS).read_text().splitlines():
         if line.startswith("ros-"):
             digest.update(line.encode())
     return CACHE / "messages" / digest.hexdigest()[:16]

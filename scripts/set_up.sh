@@ -1,7 +1,8 @@
 # Sourced by run.sh, docs.sh and test.sh, with $project set: brings the environment .venv up to date.
 #
-#   set_up run|docs|test  returns at once if nothing has changed since the last set-up; otherwise
-#                         chooses a Python and lets it run set_up.py, or says what is missing
+#   set_up KIND    KIND is run, docs, test or quick (the tests that need no ROS and so no compiler);
+#                  returns at once if nothing has changed since the last set-up; otherwise chooses a
+#                  Python and lets it run set_up.py, or says what is missing
 #
 # The package is installed editable: edits below src/, config/ and launch/ take effect at once, in
 # .venv/bin/python as well, so a developer needs no other set-up than these scripts.
@@ -59,7 +60,7 @@ is_supported() {
 }
 
 # Sets $python to the first Python that has all that is needed.
-choose_python() {
+choose_python() { # KIND
     local candidate problem first_problem="" seen=""
     for candidate in ${PYTHON:+"$PYTHON"} python3 python3.13 python3.12 python3.11 python3.10; do
         if ! is_supported "$candidate"; then
@@ -70,7 +71,7 @@ choose_python() {
             [[ "$problem" == "Python "* ]] && seen="$seen, $candidate is $problem"
             continue
         fi
-        problem="$("$candidate" -I "$project/scripts/set_up.py" problem)"
+        problem="$("$candidate" -I "$project/scripts/set_up.py" problem "$1")"
         if [[ -z "$problem" ]]; then
             python="$candidate"
             return
@@ -93,7 +94,7 @@ set_up() { # KIND
     PATH="${PATH//":$project/.venv/bin:"/:}"
     PATH="${PATH#:}"
     PATH="${PATH%:}"
-    check_machine
-    choose_python
+    [[ "$1" == quick ]] || check_machine
+    choose_python "$1"
     "$python" -I "$project/scripts/set_up.py" "$1" "$wanted" "${PYTHON:-}"
 }

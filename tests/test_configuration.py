@@ -16,8 +16,9 @@ from sonar_tracking.configuration import (
     from_mapping,
     parameter,
     range_text,
+    unknown_name_text,
 )
-from sonar_tracking.errors import ConfigurationError, unknown_name_text
+from sonar_tracking.errors import ConfigurationError
 
 
 @dataclass(frozen=True)

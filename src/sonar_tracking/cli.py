@@ -16,6 +16,8 @@ try:
     import typer
 except ModuleNotFoundError:
     sys.exit("sonar-tracking: the Python package typer is missing; pip install typer rich")
+if tuple(map(int, typer.__version__.split(".")[:2])) < (0, 13):
+    sys.exit(f"sonar-tracking: typer {typer.__version__} is too old; pip install --upgrade typer")
 
 REFUSED = 2
 """Exit code: what was asked cannot be done, and nothing was started."""
@@ -229,9 +231,12 @@ def _missing_package(error: ModuleNotFoundError) -> str:
     """Return the sentence for a Python package that is not installed."""
     name = (error.name or "").partition(".")[0]
     if name == "rclpy" or name.endswith("_msgs"):
-        remedy = "use ./scripts/run.sh, or source your ROS 2 installation first"
+        remedy = (
+            "use ./scripts/run.sh, or source your ROS 2 installation first, or, on Linux on x86-64,"
+            " pip install 'sonar_tracking[ros]'"
+        )
     else:
-        remedy = f"pip install {name}"
+        remedy = f"pip install {'PyYAML' if name == 'yaml' else name}"
     return f"the Python package {error.name} is missing: {remedy}."
 
 

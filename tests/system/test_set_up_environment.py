@@ -38,7 +38,7 @@ def set_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     for folder in (".cache", "requirements", "msg_defs/msg"):
         (tmp_path / folder).mkdir(parents=True)
     (tmp_path / "requirements" / "build.txt").write_text("cmake==4\n")
-    (tmp_path / "requirements" / "run.txt").write_text("ros-jazzy-rclpy==7\nnumpy==2\n")
+    (tmp_path / "requirements" / "ros.txt").write_text("ros-jazzy-rclpy==7\n")
     (tmp_path / "msg_defs" / "msg" / "Tracks.msg").write_text("uint64[] id\n")
     return module
 
@@ -47,7 +47,9 @@ def test_missing_venv_is_named_with_remedy(
     set_up: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "ensurepip", None)
-    assert re.search(r"virtual environment.*sudo apt install python3\.\d+-venv", set_up.problem())
+    assert re.search(
+        r"virtual environment.*sudo apt install python3\.\d+-venv", set_up.problem("quick")
+    )
 
 
 def test_missing_headers_are_named_with_remedy(
@@ -55,7 +57,7 @@ def test_missing_headers_are_named_with_remedy(
 ) -> None:
     monkeypatch.setattr(sysconfig, "get_path", lambda _name: str(tmp_path))
     monkeypatch.setattr(set_up.shutil, "which", lambda name: f"/bin/{name}")
-    sentence = set_up.problem()
+    sentence = set_up.problem("run")
     assert re.search(r"Python\.h.*sudo apt install python3\.\d+-dev", sentence)
 
 
@@ -63,10 +65,15 @@ def test_nothing_has_to_be_compiled_once_there_is_a_wheel(
     set_up: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(set_up.shutil, "which", lambda _name: None)
-    assert "compiler" in set_up.problem()
+    assert "compiler" in set_up.problem("run")
     set_up.message_folder().mkdir(parents=True)
     (set_up.message_folder() / "sonar_tracking_msgs.whl").touch()
-    assert set_up.problem() is None
+    assert set_up.problem("run") is None
+
+
+def test_quick_tests_need_no_compiler(set_up: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(set_up.shutil, "which", lambda _name: None)
+    assert set_up.problem("quick") is None
 
 
 @pytest.mark.parametrize(
@@ -91,10 +98,9 @@ def test_other_pins_compile_the_messages_again_only_for_ros(
     set_up: ModuleType, tmp_path: Path
 ) -> None:
     before = set_up.message_folder()
-    pins = tmp_path / "requirements" / "run.txt"
-    pins.write_text("ros-jazzy-rclpy==7\nnumpy==3\n")
+    (tmp_path / "requirements" / "run.txt").write_text("numpy==3\n")
     assert set_up.message_folder() == before
-    pins.write_text("ros-jazzy-rclpy==8\nnumpy==3\n")
+    (tmp_path / "requirements" / "ros.txt").write_text("ros-jazzy-rclpy==8\n")
     assert set_up.message_folder() != before
 
 
@@ -156,9 +162,37 @@ def test_set_up_for_tests_serves_running_and_documentation_too(
     calls: list[tuple[str, ...]] = []
     monkeypatch.setattr(set_up, "make_environment", lambda: None)
     monkeypatch.setattr(set_up, "fill_environment", calls.append)
-    for kind in ("test", "docs", "run", "test"):
+    for kind in ("test", "docs", "run", "quick", "test"):
         assert set_up.main([kind, "0", ""]) == 0
-    assert calls == [("run.txt", "docs.txt", "test.txt")]
+    assert calls == [["docs.txt", "ros.txt", "run.txt", "test.txt"]]
+
+
+def test_set_up_for_quick_tests_leaves_running_set_up(
+    set_up: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whoever runs and tests in turn waits for each once."""
+    set_up.ENVIRONMENT.mkdir()
+    calls: list[list[str]] = []
+    monkeypatch.setattr(set_up, "make_environment", lambda: None)
+    monkeypatch.setattr(set_up, "fill_environment", calls.append)
+    for kind in ("quick", "run", "quick", "run"):
+        assert set_up.main([kind, "0", ""]) == 0
+    assert calls == [["run.txt", "test.txt"], ["ros.txt", "run.txt", "test.txt"]]
+    assert set_up.main(["quick", "changed", ""]) == 0
+    assert calls[2:] == [["run.txt", "test.txt"]]
+
+
+def test_messages_are_left_out_of_an_environment_without_ros(
+    set_up: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    installed: list[str] = []
+    monkeypatch.setattr(set_up, "install", lambda *arguments: installed.extend(arguments))
+    monkeypatch.setattr(set_up, "register", lambda: None)
+    monkeypatch.setattr(set_up, "message_wheel", lambda: Path("messages.whl"))
+    set_up.fill_environment(set_up.KINDS["quick"])
+    assert "messages.whl" not in installed
+    set_up.fill_environment(set_up.KINDS["run"])
+    assert "messages.whl" in installed
 
 
 def test_second_set_up_waits_for_the_first(tmp_path: Path) -> None:
@@ -194,6 +228,4 @@ def test_build_requirements_are_the_same_in_both_places() -> None:
         lines = (PROJECT / "requirements" / name).read_text().splitlines()
         return {line for line in lines if line and not line.startswith("#")}
 
-    assert isolated == listed("build.txt") | {
-        line for line in listed("run.txt") if line.startswith("ros-")
-    }
+    assert isolated == listed("build.txt") | listed("ros.txt")

@@ -4,11 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from sonar_tracking.passive.bearings.bearing_tracker_stage import BearingTrackerStage
 from tests.system.command_line import report_of, run_command
 
-BROKEN = f"""
-import {BearingTrackerStage.__module__} as stage
+BROKEN = """
+import sonar_tracking.passive.bearing_tracker_stage as stage
 
 def update(self, estimates):
     raise ZeroDivisionError("division by zero")

@@ -38,13 +38,11 @@ class ParticleTracks:
     Parameters
     ----------
     configuration : ContactTrackerConfiguration
-        Parameters.
-    used : bool
-        Whether there are particles at all.
+        Particles are used with method ``hpda_particle`` only.
     """
 
-    def __init__(self, configuration: ContactTrackerConfiguration, used: bool) -> None:
-        self.used = used
+    def __init__(self, configuration: ContactTrackerConfiguration) -> None:
+        self.used = configuration.method == "hpda_particle"
         self._count = configuration.n_particles
         self._motion = ParticleMotion.configured(configuration)
         self._generator = np.random.default_rng(configuration.seed)

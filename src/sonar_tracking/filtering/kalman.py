@@ -57,9 +57,9 @@ def predict(state: KalmanState, transition: FloatArray, process_noise: FloatArra
     state : KalmanState
         Before the step.
     transition : ndarray, shape (n, n) or (..., n, n)
-        F, in units of the state.
+        F.
     process_noise : ndarray, shape (n, n) or (..., n, n)
-        Q, in units of the state squared.
+        Q.
     """
     mean = np.matmul(transition, state.mean[..., None])[..., 0]
     spread = np.matmul(np.matmul(transition, state.covariance), np.swapaxes(transition, -1, -2))
@@ -76,11 +76,11 @@ def update(
     state : KalmanState
         Prediction.
     measurement : ndarray, shape (..., m)
-        z, in any unit.
+        z.
     measurement_matrix : ndarray, shape (m, n)
-        H, units of z over units of the state.
+        H.
     noise : ndarray, shape (..., m, m)
-        Measurement covariance R, in units of z squared.
+        Measurement covariance R.
     """
     matrix = measurement_matrix
     innovation = measurement - np.matmul(matrix, state.mean[..., None])[..., 0]
@@ -96,5 +96,5 @@ def update(
 
 
 def symmetrised(matrix: FloatArray) -> FloatArray:
-    """Return the symmetric part of square matrices, shape (..., n, n), in their units."""
+    """Return the symmetric part of a stack of square matrices."""
     return 0.5 * (matrix + matrix.swapaxes(-1, -2))

@@ -19,20 +19,20 @@ UNKNOWN_STAMP = 0
 
 
 @typing.overload
-def seconds(stamp_difference: float) -> float: ...
+def seconds(stamp_difference: int) -> float: ...
 @typing.overload
 def seconds(stamp_difference: IntArray) -> FloatArray: ...
-def seconds(stamp_difference: float | IntArray) -> float | FloatArray:
+def seconds(stamp_difference: int | IntArray) -> float | FloatArray:
     """Return a difference of stamps as a duration.
 
     Parameters
     ----------
-    stamp_difference : float or ndarray of int64, shape (...)
+    stamp_difference : int or ndarray of int64, any shape
         ns. Subtract stamps before they become floats: a double holds an epoch to 0.2 us only.
 
     Returns
     -------
-    float or ndarray, shape (...)
+    float or ndarray, same shape
         s.
     """
     if isinstance(stamp_difference, np.ndarray):

@@ -24,10 +24,7 @@ from sonar_tracking.graph.node_base.sonar_node import SonarNode
 from sonar_tracking.message_reading import array_reading
 from sonar_tracking.own_ship_interpolation import interpolate_own_ship
 from sonar_tracking.records.own_ship import OwnShipState
-from tests.graph.live_graph import Probe
-from tests.ros_domain import ros_domain
-
-pytestmark = pytest.mark.graph
+from tests.graph.live_graph import DOMAIN, Probe
 
 SECOND = 1_000_000_000
 START = 1_767_225_600 * SECOND
@@ -77,7 +74,7 @@ class Live:
                 "-p",
                 "qos_overrides./passive/bearing_tracks.subscription.depth:=x",
             ],
-            domain_id=ros_domain(),
+            domain_id=DOMAIN,
             signal_handler_options=SignalHandlerOptions.NO,
         )
         self.node = Example()

@@ -114,3 +114,13 @@ def test_batch_is_many_single_calls() -> None:
             POSITIONS, angles[run], WAVENUMBER, sources[run], power[run], 20
         )
         assert np.allclose(together[run], alone, rtol=1e-9)
+
+
+def test_sources_of_one_power_are_shared_by_a_batch() -> None:
+    """Numpy 1 and 2 read a matrix beside a stack of matrices differently."""
+    angles = np.array([[-0.4, 0.1, 0.7], [-0.2, 0.0, 0.5]])
+    arguments = (POSITIONS, angles, WAVENUMBER)
+    shared = stochastic_fisher_information(*arguments, np.eye(3, dtype=complex), np.array(1.0), 20)
+    each = np.broadcast_to(np.eye(3, dtype=complex), (2, 3, 3))
+    alone = stochastic_fisher_information(*arguments, each, np.array(1.0), 20)
+    assert np.array_equal(shared, alone)

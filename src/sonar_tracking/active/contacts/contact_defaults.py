@@ -59,7 +59,7 @@ def with_defaults(contacts: Contacts, defaults: ContactDefaultsConfiguration) ->
     Parameters
     ----------
     contacts : Contacts
-        NaN = unknown.
+        NaN = not told.
     defaults : ContactDefaultsConfiguration
         What is zero there stays unknown.
     """

@@ -88,14 +88,9 @@ def interpolated(
     known : ndarray, shape (n,)
         Ascending times, s.
     values : ndarray, shape (n, k)
-        At these times, in any unit.
+        At these times.
     wanted : ndarray, shape (m,)
         Times asked for, s.
-
-    Returns
-    -------
-    values, rates : ndarray, shape (m, k)
-        In units of the values, and per s.
     """
     if len(known) == 1:
         return np.repeat(values, len(wanted), axis=0), np.zeros((len(wanted), values.shape[1]))

@@ -136,7 +136,8 @@ def decompressed(scan: McapScan, chunk: int) -> bytes:
         return zstd.decompress(data)
     except ImportError as error:
         raise ConfigurationError(
-            f"The bag is compressed with {compression}; install the Python package {error.name}."
+            f"The bag is compressed with {compression}; "
+            f"pip install {'lz4' if compression == 'lz4' else 'backports.zstd'}."
         ) from error
     except Exception as error:
         raise _DamageError(f"a compressed chunk at byte {start} cannot be decompressed") from error

@@ -18,8 +18,9 @@ from sonar_tracking.configuration import (
     checked_value,
     describe,
     range_text,
+    unknown_name_text,
 )
-from sonar_tracking.errors import ConfigurationError, unknown_name_text
+from sonar_tracking.errors import ConfigurationError
 
 ConfigurationType = TypeVar("ConfigurationType")
 

@@ -71,7 +71,7 @@ def stochastic_fisher_information(
     # P_s A^H R^-1 A P_s = P_s G (sigma^2 I + P_s G)^-1 P_s with G = A^H A: small matrices only.
     product = source_covariance @ (_hermitian(vectors) @ vectors)
     full = product + power * np.eye(product.shape[-1])
-    signal = product @ np.linalg.solve(full, source_covariance)
+    signal = product @ np.linalg.solve(full, np.broadcast_to(source_covariance, full.shape))
     information = (curvature * np.swapaxes(signal, -1, -2)).real
     information = 0.5 * (information + np.swapaxes(information, -1, -2))
     return np.asarray(2.0 * snapshots / power * information, dtype=np.float64)

@@ -18,7 +18,7 @@ STEERING_ENTRIES = 1 << 19
 
 
 def circular_gaussian(generator: np.random.Generator, shape: tuple[int, ...]) -> ComplexArray:
-    """Return independent circular complex Gaussian numbers of power 1 (linear), in any shape."""
+    """Return independent circular complex Gaussian numbers of power 1."""
     pairs = generator.standard_normal((*shape, 2))
     pairs *= np.sqrt(0.5)
     return pairs.view(np.complex128)[..., 0]
@@ -42,14 +42,14 @@ def synthesize_snapshots(
     arrival_angles : ndarray, shape (n_snapshots, n_sources)
         At each snapshot, rad from broadside; the same for all batch entries.
     signals : ndarray, shape (..., n_snapshots, n_sources), complex
-        Source signals at the first element, linear amplitude.
+        Source signals at the first element.
     noise : ndarray, shape (..., n_snapshots, n_elements), complex
-        Added to the sum, linear amplitude; leading dimensions as in ``signals``.
+        Added to the sum; leading dimensions as in ``signals``.
 
     Returns
     -------
     ndarray, shape (..., n_snapshots, n_elements), complex
-        Snapshots, linear amplitude.
+        Snapshots.
     """
     n_snapshots, n_sources = arrival_angles.shape
     if signals.shape[-2:] != (n_snapshots, n_sources):
@@ -68,5 +68,5 @@ def synthesize_snapshots(
 
 
 def rounded_to_single(data: ComplexArray) -> ComplexArray:
-    """Return data, shape (...) and any unit, as they are after single precision messages."""
+    """Return the data as they are after a passage through single precision messages."""
     return data.astype(np.complex64).astype(np.complex128)

@@ -139,7 +139,6 @@ def source_noise(
     Returns
     -------
     ndarray, shape (n_samples,)
-        Linear amplitude.
     """
     edges = [frequency - _SOURCE_BANDWIDTH / 2, frequency + _SOURCE_BANDWIDTH / 2]
     band = firwin(1025, edges, pass_zero=False, fs=sample_rate)
@@ -165,7 +164,7 @@ def received_signal(
     Returns
     -------
     ndarray, shape (n_samples, SUB_ARRAY_ELEMENTS)
-        Samples at the rate of the responses, linear amplitude.
+        Samples at the rate of the responses.
     """
     responses = room.responses[room.source_ids.index(source)]
     history = responses.shape[1] - 1
@@ -197,7 +196,7 @@ def write_recording(
     sources : tuple of int
         Numbers of the sources.
     signals : list of ndarray, shape (n_samples, SUB_ARRAY_ELEMENTS)
-        What is received of each, linear amplitude.
+        What is received of each.
     snapshot_bandwidth : float
         Band in which the noise is SIGNAL_TO_NOISE_DB below each source, Hz.
     generator : numpy.random.Generator

@@ -83,8 +83,7 @@ def batch_rows(parts: Sequence[BatchHistories], bound: FloatArray) -> tuple[Stud
     parts : sequence of BatchHistories
         All batches.
     bound : ndarray, shape (n_frames, 4)
-        Of S1 with random accelerations: root of the bounds on range, azimuth, course and
-        speed, m, deg, deg, m/s.
+        Of S1 with random accelerations.
     """
     still = replace(scenario("S1"), acceleration=0.0)
     alone = RunBatch(0, (np.random.SeedSequence(0),))
