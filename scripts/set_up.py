@@ -10,7 +10,7 @@ environment gets. Needs only the standard library.
                                             .venv/.set_up, where set_up.sh looks for them
 
 What has to be compiled, the messages, is kept as a wheel in .cache, outside of .venv. Whatever goes
-wrong is told in a sentence; the output of pip and of the compiler is in .cache/set_up.log.
+wrong is said in a sentence; the output of pip and of the compiler is in .cache/set_up.log.
 """
 
 from __future__ import annotations

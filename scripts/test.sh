@@ -1,10 +1,18 @@
 #!/usr/bin/env bash
-# Checks everything: lint, format, types, all tests. Arguments go to pytest and replace its
-# default, all tests: ./scripts/test.sh tests/passive -k past
+# Checks everything: lint, format, types, all tests, on all processors.
+#
+#   ./scripts/test.sh                        everything
+#   ./scripts/test.sh --quick                in a minute: no ROS graph, no Monte Carlo runs
+#   ./scripts/test.sh tests/passive -k past  arguments go to pytest; -n 0 keeps to one process
 set -euo pipefail
 project="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)"
 source "$project/scripts/set_up.sh"
 
+selection=()
+if [[ "${1:-}" == "--quick" ]]; then
+    shift
+    selection=(-m "not graph and not system and not slow and not data")
+fi
 set_up test
 cd "$project"
 failed=()
@@ -22,10 +30,10 @@ if [[ -d .venv/lib/python3.10 ]]; then
 else
     check types .venv/bin/mypy
 fi
-check tests .venv/bin/python -m pytest "$@"
+check tests .venv/bin/python -m pytest -n "$(nproc)" "${selection[@]}" "$@"
 
 if ((${#failed[@]})); then
     echo "Failed: ${failed[*]}." >&2
     exit 1
 fi
-echo "Lint, format, types and tests passed." >&2
+echo "Lint, format, types and ${selection[0]:+quick }tests passed." >&2

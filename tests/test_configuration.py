@@ -16,9 +16,8 @@ from sonar_tracking.configuration import (
     from_mapping,
     parameter,
     range_text,
-    unknown_name_text,
 )
-from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.errors import ConfigurationError, unknown_name_text
 
 
 @dataclass(frozen=True)

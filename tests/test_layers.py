@@ -17,6 +17,8 @@ PACKAGE = "sonar_tracking"
 ROOMS = (
     "errors",
     "resources",
+    "lazy_imports",
+    "method_registry",
     "configuration",
     # what flows between the stages, and the mathematics they share
     "records",

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from docs.reference_writer.command_line import command_line
 from docs.reference_writer.messages import conventions, messages
+from docs.reference_writer.methods import methods
 from docs.reference_writer.nodes import nodes
 from docs.reference_writer.scenarios import scenario_keys, scenarios
 from docs.reference_writer.topics import topics
@@ -15,6 +16,7 @@ FRAGMENTS: dict[str, Callable[[], str]] = {
     "command_line": command_line,
     "message_conventions": conventions,
     "messages": messages,
+    "methods": methods,
     "nodes": nodes,
     "scenario_keys": scenario_keys,
     "scenarios": scenarios,

@@ -33,9 +33,9 @@ def parameter_cells(entry: ParameterDescription) -> tuple[str, str, str, str]:
 
 
 def sentence(text: str) -> str:
-    """Return a text on one line, with a capital and a full stop."""
+    """Return a text on one line, with a capital and a full stop; nothing stays nothing."""
     flat = " ".join(text.split()).rstrip(".")
-    return flat[:1].upper() + flat[1:] + "."
+    return flat[:1].upper() + flat[1:] + "." if flat else ""
 
 
 def default_text(entry: ParameterDescription) -> str:

@@ -8,14 +8,14 @@ and the tables of the documentation are printed from it.
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import math
 import typing
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.errors import ConfigurationError, unknown_name_text
+from sonar_tracking.method_registry import MethodRegistry
 
 SECTION = {"section": True}
 """Metadata of a dataclass field that holds nested configurations and is no parameter itself."""
@@ -45,6 +45,8 @@ class ParameterDescription:
         Inclusive range of a number, or of each entry of a tuple.
     choices : tuple of str
         Allowed values of a string; empty = any.
+    methods : MethodRegistry or None
+        Where the choices are methods of a stage: what is known of them.
     """
 
     name: str
@@ -56,6 +58,7 @@ class ParameterDescription:
     maximum: float | None
     choices: tuple[str, ...]
     entry_kind: type = float
+    methods: MethodRegistry[Any] | None = None
 
 
 def parameter(
@@ -66,6 +69,7 @@ def parameter(
     minimum: float | None = None,
     maximum: float | None = None,
     choices: tuple[str, ...] = (),
+    methods: MethodRegistry[Any] | None = None,
 ) -> Any:
     """Declare one field of a configuration dataclass.
 
@@ -81,6 +85,9 @@ def parameter(
         Inclusive range.
     choices : tuple of str
         Allowed values of a string, or of each entry of a tuple.
+    methods : MethodRegistry, optional
+        Instead of choices: the methods whose names are allowed. They are looked up whenever the
+        parameter is described, and the text goes on with what each of them does.
     """
     metadata = {
         "description": description,
@@ -88,6 +95,7 @@ def parameter(
         "minimum": minimum,
         "maximum": maximum,
         "choices": choices,
+        "methods": methods,
     }
     return dataclasses.field(default=default, metadata=metadata)
 
@@ -105,16 +113,24 @@ def describe(configuration: type) -> tuple[ParameterDescription, ...]:
         hint = hints[field.name]
         kind = typing.get_origin(hint) or hint
         default: Any = field.default
-        descriptions.append(
-            ParameterDescription(
-                name=field.name,
-                kind=kind,
-                default=default,
-                entry_kind=typing.get_args(hint)[0] if kind is tuple else float,
-                **field.metadata,
-            )
+        described = ParameterDescription(
+            name=field.name,
+            kind=kind,
+            default=default,
+            entry_kind=typing.get_args(hint)[0] if kind is tuple else float,
+            **field.metadata,
         )
+        descriptions.append(_with_methods(described))
     return tuple(descriptions)
+
+
+def _with_methods(description: ParameterDescription) -> ParameterDescription:
+    """Return a parameter that chooses a method with the choices and texts of the methods."""
+    methods = description.methods
+    if methods is None:
+        return description
+    text = f"{description.description}. {methods.text}"
+    return dataclasses.replace(description, choices=methods.names, description=text)
 
 
 def checked_value(description: ParameterDescription, value: Any, where: str) -> Value:
@@ -222,11 +238,3 @@ def from_mapping(
             raise ConfigurationError(unknown_name_text(f"{where}.{name}", name, names))
         checked[name] = checked_value(known[name], value, where)
     return configuration(**checked)
-
-
-def unknown_name_text(full_name: str, name: str, known: typing.Iterable[str]) -> str:
-    """Return the sentence for a name that is not known, with the nearest known one."""
-    names = sorted(known)
-    near = difflib.get_close_matches(str(name), names, n=1)
-    hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(names)}."
-    return f"{full_name} is not known; {hint}"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -43,3 +45,21 @@ class Notice:
     severity: Severity
     culprit: str
     text: str
+
+
+def unknown_name_text(full_name: str, name: str, known: Iterable[str]) -> str:
+    """Return the sentence for a name that is not known, with the nearest known one.
+
+    Parameters
+    ----------
+    full_name : str
+        The name and where it was given, e.g. ``"nodes.bearing_tracker.methd"``.
+    name : str
+        The name itself.
+    known : iterable of str
+        Names that are known.
+    """
+    names = sorted(known)
+    near = difflib.get_close_matches(str(name), names, n=1)
+    hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(names)}."
+    return f"{full_name} is not known; {hint}"

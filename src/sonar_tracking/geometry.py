@@ -73,7 +73,7 @@ def steering_vectors(
     Returns
     -------
     ndarray, shape (..., n_elements, n_angles), complex
-        Steering vectors in the columns.
+        Steering vectors in the columns, pure numbers.
 
     References
     ----------
@@ -92,7 +92,21 @@ def steering_derivatives(
 ) -> ComplexArray:
     """Return the derivatives of the steering vectors with respect to the arrival angle.
 
-    Parameters and shapes are those of :func:`steering_vectors`; unit 1/rad.
+    Parameters
+    ----------
+    positions : ndarray, shape (n_elements, 3)
+        Element positions, m.
+    arrival_angles : array_like, shape (..., n_angles)
+        rad from broadside.
+    wavenumber : float
+        rad/m.
+    phase_reference : {"first_element", "array_centre"}
+        As in :func:`steering_vectors`.
+
+    Returns
+    -------
+    ndarray, shape (..., n_elements, n_angles), complex
+        1/rad.
     """
     return steering_pair(positions, arrival_angles, wavenumber, phase_reference)[1]
 
@@ -105,7 +119,21 @@ def steering_pair(
 ) -> tuple[ComplexArray, ComplexArray]:
     """Return steering vectors and their derivatives, computed together.
 
-    Parameters and shapes are those of :func:`steering_vectors`.
+    Parameters
+    ----------
+    positions : ndarray, shape (n_elements, 3)
+        Element positions, m.
+    arrival_angles : array_like, shape (..., n_angles)
+        rad from broadside.
+    wavenumber : float
+        rad/m.
+    phase_reference : {"first_element", "array_centre"}
+        As in :func:`steering_vectors`.
+
+    Returns
+    -------
+    vectors, derivatives : ndarray, shape (..., n_elements, n_angles), complex
+        Pure numbers and 1/rad.
     """
     angles = np.asarray(arrival_angles, dtype=np.float64)[..., None, :]
     offset = _offsets(positions, phase_reference)
@@ -115,7 +143,13 @@ def steering_pair(
 
 
 def aperture(positions: FloatArray) -> float:
-    """Return the largest distance between two elements, m."""
+    """Return the largest distance between two elements, m.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n_elements, 3)
+        Element positions, m.
+    """
     if len(positions) < 2:
         return 0.0
     if is_line(positions):
@@ -124,14 +158,26 @@ def aperture(positions: FloatArray) -> float:
 
 
 def is_line(positions: FloatArray) -> bool:
-    """Return whether all elements lie on a line parallel to the x axis of the array."""
+    """Return whether all elements lie on a line parallel to the x axis of the array.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n_elements, 3)
+        Element positions, m.
+    """
     across = positions[:, 1:] - positions[0, 1:]
     length = np.ptp(positions[:, 0])
     return bool(np.abs(across).max() <= 1e-6 * max(length, np.finfo(float).tiny))
 
 
 def is_uniform_line(positions: FloatArray) -> bool:
-    """Return whether the elements are a line array with equal spacing, in order of x."""
+    """Return whether the elements are a line array with equal spacing, in order of x.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n_elements, 3)
+        Element positions, m.
+    """
     if len(positions) < 2 or not is_line(positions):
         return False
     steps = np.diff(positions[:, 0])
@@ -139,7 +185,13 @@ def is_uniform_line(positions: FloatArray) -> bool:
 
 
 def largest_spacing(positions: FloatArray) -> float:
-    """Return the largest distance from an element to its nearest neighbour, m."""
+    """Return the largest distance from an element to its nearest neighbour, m.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n_elements, 3)
+        Element positions, m.
+    """
     if len(positions) < 2:
         return 0.0
     if is_line(positions):
@@ -164,7 +216,15 @@ def has_grating_lobes(positions: FloatArray, wavenumber: float) -> bool:
 
 
 def beamwidth(positions: FloatArray, wavenumber: float) -> float:
-    """Return the broadside beamwidth wavelength / aperture, rad (pi for a single point)."""
+    """Return the broadside beamwidth wavelength / aperture, rad (pi for a single point).
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n_elements, 3)
+        Element positions, m.
+    wavenumber : float
+        rad/m.
+    """
     length = aperture(positions)
     if length == 0.0:
         return float(np.pi)

@@ -25,17 +25,39 @@ NEWTON_STEPS = 4
 
 
 def wrap_angle(angle: ArrayLike) -> FloatArray:
-    """Return the angle brought into [-pi, pi), rad."""
+    """Return an angle, shape (...), brought into [-pi, pi), rad."""
     return np.mod(np.asarray(angle) + np.pi, 2.0 * np.pi) - np.pi
 
 
 def azimuth_from_compass(compass_deg: ArrayLike) -> FloatArray:
-    """Return the azimuth (rad, anticlockwise from east) of a compass angle (deg from north)."""
+    """Return the azimuth of a compass angle.
+
+    Parameters
+    ----------
+    compass_deg : array_like, shape (...)
+        deg, clockwise from north.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        rad, anticlockwise from east, in [-pi, pi).
+    """
     return wrap_angle(np.pi / 2.0 - np.radians(compass_deg))
 
 
 def compass_from_azimuth(azimuth: ArrayLike) -> FloatArray:
-    """Return the compass angle (deg from north, in [0, 360)) of an azimuth (rad, from east)."""
+    """Return the compass angle of an azimuth.
+
+    Parameters
+    ----------
+    azimuth : array_like, shape (...)
+        rad, anticlockwise from east.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        deg, clockwise from north, in [0, 360).
+    """
     return np.mod(90.0 - np.degrees(azimuth), 360.0)
 
 
@@ -59,7 +81,7 @@ class Turn:
 
 
 def lever_arm(azimuth: float, ahead: float, port: float) -> FloatArray:
-    """Return where a point aboard a platform is from the platform's reference, in ``map``, m.
+    """Return where a point aboard a platform is from the platform's reference, in ``map``.
 
     Parameters
     ----------
@@ -67,13 +89,31 @@ def lever_arm(azimuth: float, ahead: float, port: float) -> FloatArray:
         Heading of the platform, rad.
     ahead, port : float
         Of the point ahead of the reference and to port of it, m.
+
+    Returns
+    -------
+    ndarray, shape (2,)
+        m.
     """
     cosine, sine = math.cos(azimuth), math.sin(azimuth)
     return np.array([cosine * ahead - sine * port, sine * ahead + cosine * port])
 
 
 def swing_velocity(turn_rate: float, arm: FloatArray) -> FloatArray:
-    """Return the velocity of a point off the turning point, across its lever arm (m), m/s."""
+    """Return the velocity of a point off the turning point, across its lever arm.
+
+    Parameters
+    ----------
+    turn_rate : float
+        rad/s.
+    arm : ndarray, shape (2,)
+        From the turning point, in ``map``, m.
+
+    Returns
+    -------
+    ndarray, shape (2,)
+        m/s.
+    """
     return turn_rate * np.array([-arm[1], arm[0]])
 
 
@@ -99,7 +139,7 @@ class Path(Protocol):
     """Anything that moves."""
 
     def state(self, times: ArrayLike) -> KinematicState:
-        """Return the state at the given times, s."""
+        """Return the state at the given times, shape (...), s."""
 
 
 class Trajectory:

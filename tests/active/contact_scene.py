@@ -3,12 +3,13 @@
 import numpy as np
 
 from sonar_tracking.active.contact_tracker import ContactTracker, make_contact_tracker
+from sonar_tracking.active.contacts.contact_method_registry import CONTACT_METHODS
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
 
-METHODS = ("integrated", "hpda_kalman", "hpda_particle", "roi_clustering", "smc_phd")
-WITH_EXISTENCE = METHODS[:3]
+METHODS = CONTACT_METHODS.names
+WITH_EXISTENCE = CONTACT_METHODS.names_with("estimates_existence")
 SECOND = 1_000_000_000
 VELOCITY = np.array([2.0, -1.0])
 NOTHING = np.zeros(0)

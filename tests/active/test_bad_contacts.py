@@ -118,6 +118,7 @@ def test_unknown_clutter_is_counted(method: str) -> None:
     assert len(confirmed(update)) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("claimed", [5.0, 10_000.0])
 def test_ten_thousand_contacts_leave_memory_bounded(method: str, claimed: float) -> None:
@@ -139,6 +140,7 @@ def test_ten_thousand_contacts_leave_memory_bounded(method: str, claimed: float)
     assert np.all(np.isfinite(update.tracks.state))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["roi_clustering", "smc_phd"])
 def test_more_targets_than_particles_are_kept_for_are_said(method: str) -> None:
     generator = np.random.default_rng(28)

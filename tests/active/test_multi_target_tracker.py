@@ -192,7 +192,7 @@ def test_a_sector_is_no_full_circle() -> None:
 
 @pytest.mark.parametrize("method", METHODS)
 def test_what_is_shown_stays_until_its_end_is_told_once(method: str) -> None:
-    """Tentative tracks as well: nobody has to guess what became of one."""
+    """Tentative tracks as well: the end of each is reported."""
     generator = np.random.default_rng(26)
     tracker = start(method, tentative_probability=0.01)
     shown: set[int] = set()
@@ -210,7 +210,7 @@ def test_what_is_shown_stays_until_its_end_is_told_once(method: str) -> None:
 
 @pytest.mark.parametrize("method", WITH_EXISTENCE)
 def test_a_track_that_gives_way_to_a_crowd_is_told_to_have_ended(method: str) -> None:
-    """Where there are more tracks than allowed, too, nobody has to guess what became of one."""
+    """Where there are more tracks than allowed, too, the end of each is reported."""
     generator = np.random.default_rng(27)
     tracker = start(method, maximum_tracks=10, tentative_probability=1e-6)
     shown: set[int] = set()

@@ -67,6 +67,7 @@ def test_levels_that_are_not_known_are_averaged() -> None:
     assert np.mean(np.abs(excess)) < 0.6
 
 
+@pytest.mark.slow
 def test_heavy_tailed_clutter_is_noticed_and_makes_no_crowd_of_tracks() -> None:
     heavy = replace(SENSOR, clutter_shape=1.0)
     _, excess, warned = run(heavy, TRACKER)

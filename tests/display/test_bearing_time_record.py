@@ -107,6 +107,7 @@ def test_the_table_says_when_and_where_a_track_was() -> None:
     assert row.split() == ["4", "1.0", "5.0", "+11.0", "+15.0", "0.50", "0"]
 
 
+@pytest.mark.slow
 def test_a_bag_is_drawn_with_its_table(tmp_path: Path) -> None:
     writer = BagWriter(tmp_path / "run")
     writer.add_topic("/passive/bearing_tracks", TRACKS, role="output")

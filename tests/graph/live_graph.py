@@ -27,17 +27,19 @@ from sonar_tracking.graph.catalogue.topics import (
     Topic,
     TopicKind,
 )
+from sonar_tracking.graph.catalogue.transport_profile import choose_transport
 from sonar_tracking.graph.message_writing.field_writing import message_class, time_from_stamp
 from sonar_tracking.graph.node_base import quality_of_service
 from sonar_tracking.message_reading.field_reading import stamp_from_time
+from tests.ros_domain import ros_domain
 
-DOMAIN = 1 + os.getpid() % 100
 PATIENCE = 40.0
 """Longest wait for anything, s: generous, because machines may be busy."""
 
 DEPTH = 100
 
-os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+# Nodes and probe find each other at once, as those of a run do.
+os.environ.update(choose_transport(0, 0).others)
 
 
 class NodeProcess:
@@ -63,7 +65,7 @@ class NodeProcess:
                 arguments,
                 stdout=output,
                 stderr=subprocess.STDOUT,
-                env={**os.environ, "ROS_DOMAIN_ID": str(DOMAIN)},
+                env={**os.environ, "ROS_DOMAIN_ID": str(ros_domain())},
             )
 
     @property
@@ -108,7 +110,7 @@ class Probe:
 
     def __init__(self, name: str = "probe") -> None:
         self._context = Context()
-        rclpy.init(args=[], context=self._context, domain_id=DOMAIN)
+        rclpy.init(args=[], context=self._context, domain_id=ros_domain())
         self.node = Node(name, context=self._context, use_global_arguments=False)
         self._executor = EventsExecutor(context=self._context)
         self._executor.add_node(self.node)

@@ -70,6 +70,7 @@ def scores(level_db: float, trackers: dict[str, BearingTrackerStage]) -> dict[st
     return result
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("level_db", "ratio", "single", "fused"), [(-5.0, 0.5, 1.25, 0.48), (0.0, 0.65, 0.40, 0.19)]
 )

@@ -28,6 +28,8 @@ from tests.passive.crossing_scene import (
     snapshots_of,
 )
 
+pytestmark = pytest.mark.slow
+
 FIVE = np.deg2rad([-50.0, -25.0, 0.0, 25.0, 50.0])
 
 
@@ -48,7 +50,7 @@ def scene(seed: int, angles_deg: FloatArray, level_db: FloatArray) -> ComplexArr
 def tracked(
     data: ComplexArray, method: str = "joint_map", period: float = 0.5
 ) -> list[BearingTracks]:
-    """Return the tracks of snapshots that begin at t = 0, told nothing."""
+    """Return the tracks of snapshots that begin at t = 0, given nothing."""
     subspaces = SubspaceConfiguration(n_subspaces=1, period=period, covariance_snapshots=100)
     stage = SubspaceStage(subspaces)
     tracker = BearingTrackerStage(BearingTrackerConfiguration(method=method))

@@ -12,6 +12,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from tests.ros_domain import ros_domain
+
 COMMAND = [sys.executable, "-m", "sonar_tracking.cli"]
 PATIENCE = 90.0
 """Longest wait for anything, s: generous, because machines may be busy."""
@@ -21,8 +23,7 @@ def environment(home: Path) -> dict[str, str]:
     """Return the environment of a command whose logs go below ``home``."""
     return {
         **os.environ,
-        "ROS_DOMAIN_ID": str(1 + os.getpid() % 200),
-        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        "ROS_DOMAIN_ID": str(ros_domain()),
         "ROS_HOME": str(home),
     }
 

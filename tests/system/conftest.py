@@ -1,4 +1,4 @@
-"""One recorded run that several tests look at."""
+"""Recorded runs that several tests look at, each made once."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from tests.made_once import made_once
 from tests.system.command_line import report_of, run_command
 
 
@@ -22,11 +23,15 @@ class RecordedRun:
 
 @pytest.fixture(scope="session")
 def recorded_run(tmp_path_factory: pytest.TempPathFactory) -> RecordedRun:
-    folder = tmp_path_factory.mktemp("recorded_run")
-    done = run_command(
-        folder,
-        *("run", "doa_fusion", "--rate", "max", "--record", folder / "bag"),
-        *("--json", folder / "report.json"),
-    )
-    assert done.returncode == 0, done.stdout
-    return RecordedRun(folder / "bag", report_of(folder / "report.json"), done.stdout)
+    def make(folder: Path) -> None:
+        done = run_command(
+            folder,
+            *("run", "doa_fusion", "--rate", "max", "--record", folder / "bag"),
+            *("--json", folder / "report.json"),
+        )
+        assert done.returncode == 0, done.stdout
+        (folder / "output.txt").write_text(done.stdout)
+
+    folder = made_once(tmp_path_factory, "recorded_run", make)
+    report = report_of(folder / "report.json")
+    return RecordedRun(folder / "bag", report, (folder / "output.txt").read_text())

@@ -16,16 +16,16 @@ from sonar_tracking.evaluation.studies.room_array.responses import (
     write_recording,
 )
 from sonar_tracking.evaluation.studies.room_array.study import BANDWIDTH, node_parameters, track_bag
+from tests.recorded_data import recorded_data
 from tests.system.command_line import report_of, run_command
 
-MEASURED = Path("../shared/data/ula32_room_responses/rir_sources_1_2_3_4_5_8_9.npz")
+MEASURED = "ula32_room_responses/rir_sources_1_2_3_4_5_8_9.npz"
 PAIR = (8, 9)
 
 
+@pytest.mark.data
 def test_two_sources_of_a_measured_array_are_tracked_by_the_graph(tmp_path: Path) -> None:
-    if not MEASURED.is_file():
-        pytest.skip(f"{MEASURED} is not there")
-    room = read_room_responses(MEASURED)
+    room = read_room_responses(recorded_data(MEASURED))
     generator = np.random.default_rng(3)
     signals = [received_signal(room, source, 5000.0, generator) for source in PAIR]
     wav, geometry, truth = write_recording(room, PAIR, signals, BANDWIDTH, generator, tmp_path)

@@ -158,7 +158,7 @@ def test_environment_is_not_made_from_itself(project: Path, machine: Path, first
 
 
 def test_full_disk_is_a_sentence(project: Path, machine: Path) -> None:
-    """Anything the system refuses is told without a traceback."""
+    """Anything the system refuses is reported without a traceback."""
     add_this_python(machine)
     for name in ("cc", "c++"):
         add_program(machine, name, "exit 0")

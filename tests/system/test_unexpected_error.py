@@ -4,10 +4,11 @@ from pathlib import Path
 
 import pytest
 
+from sonar_tracking.passive.bearings.bearing_tracker_stage import BearingTrackerStage
 from tests.system.command_line import report_of, run_command
 
-BROKEN = """
-import sonar_tracking.passive.bearing_tracker_stage as stage
+BROKEN = f"""
+import {BearingTrackerStage.__module__} as stage
 
 def update(self, estimates):
     raise ZeroDivisionError("division by zero")

@@ -1,6 +1,7 @@
 """Protects the whole passive chain: snapshots of a line array become positions of two ships."""
 
 import numpy as np
+import pytest
 
 from sonar_tracking.evaluation.offline.offline_bearing_chain import run_offline_chain
 from sonar_tracking.motion import Trajectory
@@ -46,6 +47,7 @@ def own_path(target: TargetConfiguration) -> Trajectory:
     return motion.trajectory
 
 
+@pytest.mark.slow
 def test_two_ships_are_located_after_one_turn() -> None:
     stage = TmaTrackerStage()
     for bearings in run_offline_chain(SCENARIO).tracks:

@@ -70,6 +70,7 @@ def test_robust_weights_bear_outliers() -> None:
     assert position_error(runs, plain.mean) > 5.0 * position_error(runs, robust.mean)
 
 
+@pytest.mark.slow
 def test_the_most_probable_path_knows_of_accelerations() -> None:
     runs = runs_of(0.01)
     frames = list(runs.frames())

@@ -52,6 +52,7 @@ def last_error(changes: Callable[[PassiveFrame, int], PassiveFrame], **world: An
     return error_of(listed(update), frames[-1][1])
 
 
+@pytest.mark.slow
 def test_all_lines_may_vanish_and_others_come() -> None:
     early = tuple(replace(line, present=(0.0, 120.0)) for line in LINES)
     late = (LineConfiguration(225.0, present=(160.0, 250.0)),)
@@ -59,6 +60,7 @@ def test_all_lines_may_vanish_and_others_come() -> None:
     assert last_error(lambda frame, _: frame, targets=(target,)) < 150.0
 
 
+@pytest.mark.slow
 def test_a_line_that_becomes_another_source_does_no_harm() -> None:
     """Line 1 keeps its name and is 5 Hz off from frame 150 on: not the target's any more."""
 
@@ -71,6 +73,7 @@ def test_a_line_that_becomes_another_source_does_no_harm() -> None:
     assert last_error(swapped) < 150.0
 
 
+@pytest.mark.slow
 def test_bearings_cross_0_and_360_degrees_unnoticed() -> None:
     """The target passes due west, where azimuths jump from pi to -pi."""
     west = replace(
@@ -82,6 +85,7 @@ def test_bearings_cross_0_and_360_degrees_unnoticed() -> None:
     assert last_error(lambda frame, _: frame, targets=(west,)) < 200.0
 
 
+@pytest.mark.slow
 def test_wild_bearings_and_frequencies_are_gated() -> None:
     wild = replace(DIRECTIONS, outlier_share=0.05, line_outlier_share=0.05)
     errors = []
@@ -166,10 +170,10 @@ def test_a_line_or_track_told_twice_is_used_once() -> None:
     (lines,) = frames[0].lines
     twice = replace(lines, line_id=np.array([1, 1, 2], np.uint64))
     update = stage.update(replace(frames[0], lines=(twice,)))
-    assert any("told twice" in notice.text for notice in update.notices)
+    assert any("appears twice" in notice.text for notice in update.notices)
     (bearings,) = frames[1].bearings
     update = stage.update(replace(frames[1], bearings=(doubled(bearings),)))
-    assert any("told twice" in notice.text for notice in update.notices)
+    assert any("appears twice" in notice.text for notice in update.notices)
     assert len(listed(update)) == 1
 
 
@@ -241,6 +245,7 @@ def test_while_own_ship_turns_a_towed_array_starts_nothing() -> None:
     assert len(running(listed(stage.update(first[125])))) == 2
 
 
+@pytest.mark.slow
 def test_a_manoeuvre_of_the_target_is_followed() -> None:
     motion = KinematicMotion(
         position=(4000.0, 3000.0),

@@ -54,6 +54,7 @@ def spoilt_frame(frame: PassiveFrame, generator: np.random.Generator) -> Passive
     return replace(frame, bearings=tuple(bearings), lines=tuple(lines))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_nonsense_is_survived(seed: int) -> None:
     generator = np.random.default_rng(seed)

@@ -55,6 +55,7 @@ def test_derivatives_are_those_of_the_innovation() -> None:
         assert np.all(np.abs(rows.derivative[0, [0, 2], index] - numerical[[0, 2]]) < scale[[0, 2]])
 
 
+@pytest.mark.slow
 def test_a_fast_target_is_reported_where_it_is() -> None:
     """12 m/s at 4 to 6 km: the sound is up to 50 m behind the target."""
     fast = replace(

@@ -8,10 +8,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from sonar_tracking.active.baselines.region_tracker import RegionTracker
-from sonar_tracking.active.baselines.smc_phd import DensityTracker
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
-from sonar_tracking.active.multi_target_tracker import MultiTargetTracker
 from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
 
 
@@ -54,8 +51,5 @@ def make_contact_tracker(configuration: ContactTrackerConfiguration) -> ContactT
     ConfigurationError
         If parameters do not fit together.
     """
-    if configuration.method == "roi_clustering":
-        return RegionTracker(configuration)
-    if configuration.method == "smc_phd":
-        return DensityTracker(configuration)
-    return MultiTargetTracker(configuration)
+    tracker: ContactTracker = configuration.entry.make(configuration)
+    return tracker

@@ -20,12 +20,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sonar_tracking.active.association.hpda import associate_ranked
-from sonar_tracking.active.association.lm_ipda import (
-    BankAssociation,
-    PairEvidence,
-    associate_integrated,
+from sonar_tracking.active.association.association_rule import (
+    HPDA,
+    HPDA_WITH_PARTICLES,
+    LM_IPDA,
+    AssociationRule,
+    GatedPing,
 )
+from sonar_tracking.active.association.lm_ipda import BankAssociation, PairEvidence
 from sonar_tracking.active.contacts.contact_checks import (
     PingOrigin,
     check_order,
@@ -94,7 +96,9 @@ class MultiTargetTracker:
     Parameters
     ----------
     configuration : ContactTrackerConfiguration
-        With method ``integrated``, ``hpda_kalman`` or ``hpda_particle``.
+        Parameters.
+    rule : AssociationRule
+        How contacts are associated with tracks.
 
     Raises
     ------
@@ -102,18 +106,20 @@ class MultiTargetTracker:
         If parameters do not fit together.
     """
 
-    def __init__(self, configuration: ContactTrackerConfiguration) -> None:
+    def __init__(self, configuration: ContactTrackerConfiguration, rule: AssociationRule) -> None:
         check_configuration(configuration)
         self._configuration = configuration
+        self._rule = rule
+        turning = rule.has_motion_modes and configuration.motion == "turning"
         self._modes = MotionModes(
-            n_modes=3 if _turning(configuration) else 1,
+            n_modes=3 if turning else 1,
             acceleration_deviation=configuration.acceleration_deviation,
             lateral_acceleration=configuration.lateral_acceleration,
             turn_probability=configuration.turn_probability,
             stay_probability=configuration.stay_probability,
         )
         self._bank = empty_bank(self._modes.n_modes)
-        self._particles = ParticleTracks(configuration)
+        self._particles = ParticleTracks(configuration, used=rule.has_particles)
         self._clutter = ClutterMonitor()
         self._next_id = configuration.first_id
         self._shown = np.zeros(0, dtype=np.int64)
@@ -244,14 +250,15 @@ class MultiTargetTracker:
             ),
             clutter_density=density * applied.clutter_share[pairs.track],
         )
-        detection = applied.detection_probability
-        if self._configuration.method == "integrated":
-            n_contacts = len(ping.amplitudes)
-            return associate_integrated(bank, pairs, evidence, detection, n_contacts)
-        ratio = ping.model.signal_to_noise_ratio_linear
-        return associate_ranked(
-            bank, pairs, evidence, ping.amplitudes, gates.volume, detection, ratio
+        gated = GatedPing(
+            pairs,
+            evidence,
+            ping.amplitudes,
+            gates.volume,
+            applied.detection_probability,
+            ping.model.signal_to_noise_ratio_linear,
         )
+        return self._rule.associate(bank, gated)
 
     def _managed(
         self, bank: TrackBank, pairs: GatePairs, association: BankAssociation, ping: _Ping
@@ -294,7 +301,7 @@ class MultiTargetTracker:
 
     def _initial_existence(self, ping: _Ping, rows: IndexArray, threshold: float) -> FloatArray:
         initial = self._configuration.initial_existence
-        if self._configuration.method != "integrated":
+        if not self._rule.weighs_amplitudes:
             return np.full(len(rows), initial)
         amplitudes = ping.amplitudes[rows]
         ratio = ping.model.amplitude_ratio(amplitudes, np.full(len(rows), threshold))
@@ -302,6 +309,16 @@ class MultiTargetTracker:
         return np.minimum(odds / (1.0 + odds), 0.5 * self._configuration.confirmation_probability)
 
 
-def _turning(configuration: ContactTrackerConfiguration) -> bool:
-    """Return whether tracks have turning motion modes, which HPDA's one contact does not serve."""
-    return configuration.method == "integrated" and configuration.motion == "turning"
+def integrated_tracker(configuration: ContactTrackerConfiguration) -> MultiTargetTracker:
+    """Return the tracker that uses all contacts (``integrated``)."""
+    return MultiTargetTracker(configuration, LM_IPDA)
+
+
+def hpda_kalman_tracker(configuration: ContactTrackerConfiguration) -> MultiTargetTracker:
+    """Return the tracker of the one contact best by rank, with Kalman filters."""
+    return MultiTargetTracker(configuration, HPDA)
+
+
+def hpda_particle_tracker(configuration: ContactTrackerConfiguration) -> MultiTargetTracker:
+    """Return the same with particles for confirmed targets."""
+    return MultiTargetTracker(configuration, HPDA_WITH_PARTICLES)

@@ -38,11 +38,13 @@ class ParticleTracks:
     Parameters
     ----------
     configuration : ContactTrackerConfiguration
-        Particles are used with method ``hpda_particle`` only.
+        Parameters.
+    used : bool
+        Whether there are particles at all.
     """
 
-    def __init__(self, configuration: ContactTrackerConfiguration) -> None:
-        self.used = configuration.method == "hpda_particle"
+    def __init__(self, configuration: ContactTrackerConfiguration, used: bool) -> None:
+        self.used = used
         self._count = configuration.n_particles
         self._motion = ParticleMotion.configured(configuration)
         self._generator = np.random.default_rng(configuration.seed)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.bags.storage.bag_records import (
@@ -34,6 +34,8 @@ from sonar_tracking.records.bearings import BearingTracks
 from sonar_tracking.records.contacts import Contacts
 from sonar_tracking.records.lines import FrequencyLines, LofarRows
 from sonar_tracking.records.own_ship import OwnShipState
+
+Value = TypeVar("Value")
 
 CONTACT_TRACKER = "hpda_tracker"
 """Node whose parameters tell where the sensor of contacts is mounted, and the sound speed."""
@@ -100,39 +102,65 @@ def bag_contents(bag: Bag) -> BagContents:
         Opened bag.
     """
     rejected: list[str] = []
+    truths = {name for name, topic in bag.topics.items() if topic.role == "truth"}
+    columns = {
+        **_bearings(bag, truths, rejected),
+        **_positions(bag, truths, rejected),
+        **_contacts(bag, rejected),
+        **_lines(bag, rejected),
+    }
+    return BagContents(**columns, rejected=tuple(rejected))
+
+
+def _bearings(bag: Bag, truths: set[str], rejected: list[str]) -> dict[str, Any]:
     bearings = _by_topic(bag, BEARING_TRACKS_TYPE, directions_of, rejected)
-    positions = _by_topic(bag, POSITION_TRACKS_TYPE, position_tracks_of, rejected)
     histories = {name: _confirmed(lists) for name, lists in bearings.items()}
-    places = {name: position_histories(lists) for name, lists in positions.items()}
+    return {
+        "bearings": _without(bearings, truths),
+        "bearing_tracks": _without(histories, truths),
+        "bearing_truth": _only(histories, truths),
+    }
+
+
+def _positions(bag: Bag, truths: set[str], rejected: list[str]) -> dict[str, Any]:
+    positions = _by_topic(bag, POSITION_TRACKS_TYPE, position_tracks_of, rejected)
+    histories = {name: position_histories(lists) for name, lists in positions.items()}
+    tracked = _without(positions, truths).values()
+    return {
+        "position_tracks": _without(histories, truths),
+        "position_truth": _only(histories, truths),
+        "open_tracks": tuple(history for lists in tracked for history in open_histories(lists)),
+    }
+
+
+def _contacts(bag: Bag, rejected: list[str]) -> dict[str, Any]:
+    """Return the contacts in ``map``, by what the bag knows of own ship and the mounting."""
     pings = next(iter(_by_topic(bag, CONTACTS_TYPE, contacts_of, rejected).values()), ())
     states = next(iter(_by_topic(bag, ODOMETRY_TYPE, own_ship_of, rejected).values()), ())
     own_ship = tuple(sorted(states, key=lambda state: state.stamp))
     parameters = bag.recording.node_parameters if bag.recording else {}
     given = parameters.get(CONTACT_TRACKER, {})
-    truths = {name for name, topic in bag.topics.items() if topic.role == "truth"}
-    return BagContents(
-        bearings={name: lists for name, lists in bearings.items() if name not in truths},
-        bearing_tracks={name: each for name, each in histories.items() if name not in truths},
-        bearing_truth={name: each for name, each in histories.items() if name in truths},
-        position_tracks={name: each for name, each in places.items() if name not in truths},
-        position_truth={name: each for name, each in places.items() if name in truths},
-        open_tracks=tuple(
-            history
-            for name, lists in positions.items()
-            if name not in truths
-            for history in open_histories(lists)
-        ),
-        frequency_lines=_by_topic(bag, FREQUENCY_LINES_TYPE, frequency_lines_of, rejected),
-        lofar_rows={
-            name: tuple(lofar_rows_of(bag, name, rejected))
-            for name in topics_of_type(bag, IMAGE_TYPE)
-            if name.endswith("/lofar")
-        },
-        contacts=located_pings(pings, own_ship, recorded_mounting(given), rejected),
-        sound_speed=float(given.get("sound_speed", BagContents.sound_speed)),
-        own_ship=own_ship,
-        rejected=tuple(rejected),
-    )
+    return {
+        "contacts": located_pings(pings, own_ship, recorded_mounting(given), rejected),
+        "sound_speed": float(given.get("sound_speed", BagContents.sound_speed)),
+        "own_ship": own_ship,
+    }
+
+
+def _lines(bag: Bag, rejected: list[str]) -> dict[str, Any]:
+    pictures = [name for name in topics_of_type(bag, IMAGE_TYPE) if name.endswith("/lofar")]
+    return {
+        "frequency_lines": _by_topic(bag, FREQUENCY_LINES_TYPE, frequency_lines_of, rejected),
+        "lofar_rows": {name: tuple(lofar_rows_of(bag, name, rejected)) for name in pictures},
+    }
+
+
+def _without(by_topic: Mapping[str, Value], truths: set[str]) -> dict[str, Value]:
+    return {name: value for name, value in by_topic.items() if name not in truths}
+
+
+def _only(by_topic: Mapping[str, Value], truths: set[str]) -> dict[str, Value]:
+    return {name: value for name, value in by_topic.items() if name in truths}
 
 
 def _by_topic(

@@ -54,7 +54,7 @@ def draw_line_record(histories: dict[int, FloatArray], path: Path, title: str = 
     Parameters
     ----------
     histories : dict of int to ndarray, shape (n, 3)
-        As :func:`line_histories` gives them; at least one.
+        As :func:`line_histories` gives them, s and Hz; at least one.
     path : Path
         Image file.
     title : str

@@ -40,7 +40,7 @@ class PositionHistory:
         return self.tracks.state[:, :2]
 
     def seconds(self, start: int) -> FloatArray:
-        """Return the time of each row since a stamp (ns), s."""
+        """Return the time of each row since a stamp (ns), shape (n_rows,), s."""
         return np.asarray(seconds(self.stamps - start), np.float64)
 
 

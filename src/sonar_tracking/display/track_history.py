@@ -46,13 +46,13 @@ class TrackHistory:
 
     @property
     def degrees(self) -> FloatArray:
-        """Return the angles as people read them: from broadside, or compass bearings; deg."""
+        """Angles as people read them: from broadside, or compass bearings, shape (n_rows,), deg."""
         if self.kind == AngleKind.AZIMUTH:
             return compass_from_azimuth(self.angles)
         return np.degrees(self.angles)
 
     def degrees_with_gaps(self) -> FloatArray:
-        """Return the degrees with NaN where a line would jump across the whole axis."""
+        """Return the degrees, shape (n_rows,), NaN where a line would jump across the axis."""
         degrees = self.degrees
         widest = 180.0 if self.kind == AngleKind.AZIMUTH else 90.0
         jumps = np.flatnonzero(np.abs(np.diff(degrees)) > widest)

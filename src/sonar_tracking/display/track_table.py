@@ -16,6 +16,7 @@ from sonar_tracking.display.plan_view import PlanView
 from sonar_tracking.display.position_table import STATUS_STYLE, position_table
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
 from sonar_tracking.records.positions import PositionTracks
+from sonar_tracking.records.time import NANOSECONDS
 
 PICTURE_COLUMNS = 61
 PICTURE_ROWS = 16
@@ -91,7 +92,7 @@ class TrackTable:
         for row in range(len(tracks.id)):
             status = TrackStatus(int(tracks.status[row]))
             identifier = int(tracks.id[row])
-            age = (tracks.stamp - self._first_seen[identifier]) / 1e9
+            age = (tracks.stamp - self._first_seen[identifier]) / NANOSECONDS
             table.add_row(
                 str(identifier),
                 Text(status.name.lower(), style=STATUS_STYLE[status]),

@@ -1,10 +1,12 @@
 """Pairs of least total cost.
 
 The solver comes with ``scipy.optimize``, which takes longer to load than a whole node to start: it
-is loaded by the first assignment. Whoever must not wait then makes one of nothing before.
+is loaded by the first assignment, or before, by :func:`load_solver`.
 """
 
 from __future__ import annotations
+
+import numpy as np
 
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 
@@ -15,7 +17,7 @@ def least_cost_pairs(costs: FloatArray) -> tuple[IndexArray, IndexArray]:
     Parameters
     ----------
     costs : ndarray, shape (n_rows, n_columns)
-        Finite.
+        Finite, in any unit.
 
     Returns
     -------
@@ -26,3 +28,8 @@ def least_cost_pairs(costs: FloatArray) -> tuple[IndexArray, IndexArray]:
 
     rows, columns = linear_sum_assignment(costs)
     return rows, columns
+
+
+def load_solver() -> None:
+    """Load the solver now, so that the first assignment need not wait for it."""
+    least_cost_pairs(np.zeros((1, 1)))

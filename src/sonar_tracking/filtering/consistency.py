@@ -19,14 +19,14 @@ def normalised_squared(errors: FloatArray, covariances: FloatArray) -> FloatArra
     Parameters
     ----------
     errors : ndarray, shape (..., n)
-        Innovations, or estimates minus truth.
+        Innovations, or estimates minus truth, in any unit.
     covariances : ndarray, shape (..., n, n)
-        Their claimed covariances.
+        Their claimed covariances, in units of the errors squared.
 
     Returns
     -------
     ndarray, shape (...)
-        Expected value 1 when the covariance is right; NaN where an error is NaN.
+        Pure numbers, expected value 1 when the covariance is right; NaN where an error is NaN.
     """
     weighted = np.linalg.solve(covariances, errors[..., None])[..., 0]
     return np.sum(errors * weighted, axis=-1) / errors.shape[-1]

@@ -12,7 +12,7 @@ from sonar_tracking.records.arrays import FloatArray
 
 
 def transition_matrix(interval: float) -> FloatArray:
-    """Return F = [[1, T], [0, 1]] for an interval T in s."""
+    """Return F = [[1, T], [0, 1]], shape (2, 2), for an interval T in s."""
     return np.array([[1.0, interval], [0.0, 1.0]])
 
 
@@ -29,7 +29,8 @@ def process_noise_matrix(spectral_density: float, interval: float) -> FloatArray
     Returns
     -------
     ndarray, shape (2, 2)
-        Covariance the motion gains during the interval.
+        Covariance the motion gains during the interval: unit of the value squared, over s, over
+        s^2.
     """
     squared, cubed = interval**2, interval**3
     return spectral_density * np.array([[cubed / 3.0, squared / 2.0], [squared / 2.0, interval]])

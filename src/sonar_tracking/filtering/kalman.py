@@ -57,9 +57,9 @@ def predict(state: KalmanState, transition: FloatArray, process_noise: FloatArra
     state : KalmanState
         Before the step.
     transition : ndarray, shape (n, n) or (..., n, n)
-        F.
+        F, in units of the state.
     process_noise : ndarray, shape (n, n) or (..., n, n)
-        Q.
+        Q, in units of the state squared.
     """
     mean = np.matmul(transition, state.mean[..., None])[..., 0]
     spread = np.matmul(np.matmul(transition, state.covariance), np.swapaxes(transition, -1, -2))
@@ -76,11 +76,11 @@ def update(
     state : KalmanState
         Prediction.
     measurement : ndarray, shape (..., m)
-        z.
+        z, in any unit.
     measurement_matrix : ndarray, shape (m, n)
-        H.
+        H, units of z over units of the state.
     noise : ndarray, shape (..., m, m)
-        Measurement covariance R.
+        Measurement covariance R, in units of z squared.
     """
     matrix = measurement_matrix
     innovation = measurement - np.matmul(matrix, state.mean[..., None])[..., 0]
@@ -96,5 +96,5 @@ def update(
 
 
 def symmetrised(matrix: FloatArray) -> FloatArray:
-    """Return the symmetric part of a stack of square matrices."""
+    """Return the symmetric part of square matrices, shape (..., n, n), in their units."""
     return 0.5 * (matrix + matrix.swapaxes(-1, -2))

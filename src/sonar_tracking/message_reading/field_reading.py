@@ -29,7 +29,10 @@ def type_name(message: Any) -> str:
 
 
 def column(message: Any, name: str, dtype: str = "float64") -> NDArray[Any]:
-    """Return a message field as a flat array (a view of the message, not a copy)."""
+    """Return a message field as a flat array, shape (n_values,), in units of the message.
+
+    It is a view of the message, not a copy.
+    """
     values = getattr(message, name)
     if len(values) == 0:
         return np.empty(0, dtype)
@@ -42,6 +45,8 @@ def complex_column(
     message: Any, name: str, shape: tuple[int, ...], meaning: str, dtype: str = "float64"
 ) -> ComplexArray:
     """Return an interleaved (re, im) field as a complex array of the given shape.
+
+    It is in units of the message.
 
     Raises
     ------

@@ -106,7 +106,7 @@ class SubspaceEstimates:
     stamp : int
         The sample time, ns.
     method : str
-        past, opast, block_past or covariance.
+        How they were followed, a name of ``SUBSPACE_METHODS``.
     basis : ndarray, shape (..., n_subspaces, n_elements, n_columns), complex
         One basis a subspace; columns need not be orthonormal. n_subspaces 0 = none available.
     time_offsets : ndarray, shape (n_subspaces,)

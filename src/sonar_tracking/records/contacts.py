@@ -142,7 +142,7 @@ class ContactTrackerUpdate:
     Attributes
     ----------
     tracks : PositionTracks
-        The complete picture; a terminated track is told once.
+        The complete picture; a terminated track is reported once.
     target_count : float
         Expected number of targets.
     thresholds : GateThresholds

@@ -144,7 +144,7 @@ class PositionTracks:
     contributor_id : ndarray of uint64, shape (n_contributors,)
         Identifier in the list of the contributor.
     contributor_sensor : tuple of str
-        Sensor of each contributor; ``""`` = not told.
+        Sensor of each contributor; ``""`` = unknown.
     next_stamp : int
         Watermark, ns.
     frame_id : str

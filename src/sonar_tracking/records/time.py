@@ -19,20 +19,20 @@ UNKNOWN_STAMP = 0
 
 
 @typing.overload
-def seconds(stamp_difference: int) -> float: ...
+def seconds(stamp_difference: float) -> float: ...
 @typing.overload
 def seconds(stamp_difference: IntArray) -> FloatArray: ...
-def seconds(stamp_difference: int | IntArray) -> float | FloatArray:
+def seconds(stamp_difference: float | IntArray) -> float | FloatArray:
     """Return a difference of stamps as a duration.
 
     Parameters
     ----------
-    stamp_difference : int or ndarray of int64, any shape
+    stamp_difference : float or ndarray of int64, shape (...)
         ns. Subtract stamps before they become floats: a double holds an epoch to 0.2 us only.
 
     Returns
     -------
-    float or ndarray, same shape
+    float or ndarray, shape (...)
         s.
     """
     if isinstance(stamp_difference, np.ndarray):

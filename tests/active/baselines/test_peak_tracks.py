@@ -1,4 +1,4 @@
-"""Protects: peaks of a density keep their names, and nobody has to guess what became of one."""
+"""Protects: peaks of a density maintain their identities, and the end of each is reported."""
 
 import numpy as np
 import pytest

@@ -90,6 +90,7 @@ def test_exact_factor_without_clutter_has_its_limit() -> None:
     assert float(information_reduction(0.6, 0.0)) == pytest.approx(0.6 * 0.996981, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_exact_factor_is_the_expected_squared_innovation() -> None:
     """q2 S = E[nu nu'] of the combined innovation, by simulation of the filter's own model."""
     generator = np.random.default_rng(1)

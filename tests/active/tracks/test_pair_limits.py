@@ -1,6 +1,7 @@
 """Protects: bounded work and memory in a crowd of contacts, and nothing lost outside of it."""
 
 import numpy as np
+import pytest
 
 from sonar_tracking.active.contact_tracker import make_contact_tracker
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
@@ -57,6 +58,7 @@ def test_boxes_are_searched_as_a_whole_unless_there_are_too_many() -> None:
     assert 2 * np.sum(widths[3:]) <= MAXIMUM_BOXED
 
 
+@pytest.mark.slow
 def test_contacts_in_one_spot_take_bounded_work() -> None:
     """The worst: all gates hold all contacts. The pairs would be millions."""
     generator = np.random.default_rng(4)
@@ -78,6 +80,7 @@ def test_contacts_in_one_spot_take_bounded_work() -> None:
     assert np.all(np.isfinite(update.tracks.state))
 
 
+@pytest.mark.slow
 def test_a_target_outside_the_crowd_is_followed() -> None:
     generator = np.random.default_rng(5)
     tracker = start("integrated")

@@ -56,6 +56,7 @@ def test_a_round_trip_keeps_bytes_order_and_information(tmp_path: Path) -> None:
     assert {m.topic for m in bag.messages(["/clock"])} == {"/clock"}
 
 
+@pytest.mark.slow
 def test_truncation_at_any_byte_gives_the_whole_messages_before_it(tmp_path: Path) -> None:
     written = whole_bag(tmp_path / "run", 6)
     data = (tmp_path / "run" / "run_0.mcap").read_bytes()
@@ -78,6 +79,7 @@ def test_truncation_at_any_byte_gives_the_whole_messages_before_it(tmp_path: Pat
     assert counts[-1] == len(written)
 
 
+@pytest.mark.slow
 def test_damage_anywhere_never_raises_anything_but_a_sentence(tmp_path: Path) -> None:
     whole_bag(tmp_path / "run", 3)
     data = (tmp_path / "run" / "run_0.mcap").read_bytes()

@@ -146,6 +146,7 @@ def test_metadata_has_the_fields_of_version_nine(tmp_path: Path) -> None:
     assert "sonar_tracking.scenario" in done["custom_data"]
 
 
+@pytest.mark.slow
 def test_a_kill_loses_less_than_a_second(tmp_path: Path) -> None:
     script = WRITE_UNTIL_KILLED.format(
         root=str(Path(__file__).parents[2]), bag=str(tmp_path / "killed")
@@ -170,6 +171,7 @@ def test_a_kill_loses_less_than_a_second(tmp_path: Path) -> None:
     assert lines[-1] - recovered[-1] <= SECOND
 
 
+@pytest.mark.slow
 def test_messages_of_a_pause_reach_the_file_when_the_flush_is_due(tmp_path: Path) -> None:
     writer = open_writer(tmp_path / "run")
     write_messages(writer, 3)

@@ -54,6 +54,7 @@ def test_the_periodic_peer_uses_the_last_period_alone(data: ComplexArray) -> Non
     assert projector(whole) == pytest.approx(projector(last), abs=1e-8)
 
 
+@pytest.mark.slow
 def test_figures_of_every_method_and_size_are_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -72,6 +73,7 @@ def test_figures_of_every_method_and_size_are_written(
     assert "snapshots/s" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_stone_soup_tracks_as_well_from_the_same_contacts() -> None:
     rows = {row.system: row.metrics for row in measure_side_by_side(SHORT_SCENE)}
     if PEER not in rows:

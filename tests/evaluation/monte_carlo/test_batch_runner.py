@@ -41,6 +41,7 @@ def test_seeds_and_parts_draw_different_numbers() -> None:
     assert draw(run_batches(3, seed=5, part=1)[0]) != first
 
 
+@pytest.mark.slow
 def test_results_keep_the_order_of_the_tasks_and_each_is_reported() -> None:
     tasks = [Task(draw, batch) for batch in run_batches(35, seed=5)]
     done: list[None] = []

@@ -3,34 +3,65 @@
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
+import pytest
+
 from sonar_tracking.graph.catalogue.transport_profile import (
     LARGEST_MESSAGE_BYTES,
     SEGMENT_BYTES,
     choose_transport,
 )
 
+PROFILES = "FASTRTPS_DEFAULT_PROFILES_FILE"
 
-def test_small_messages_need_nothing() -> None:
+
+@pytest.fixture(autouse=True)
+def no_profile_of_the_user(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in (PROFILES, "FASTDDS_DEFAULT_PROFILES_FILE"):
+        monkeypatch.delenv(name, raising=False)
+
+
+def numbers(path: str) -> dict[str, int]:
+    """Return the whole numbers of a profile by element; of equal names the last."""
+    return {
+        element.tag.rpartition("}")[2]: int(element.text or 0)
+        for element in ElementTree.parse(path).iter()
+        if (element.text or "").strip().isdigit()
+    }
+
+
+def test_small_messages_need_no_transport_of_their_own() -> None:
     choice = choose_transport(2400, 2)
-    assert not choice.large_publishers and not choice.others and not choice.warning
+    assert choice.large_publishers == choice.others
+    assert not choice.warning
+
+
+@pytest.mark.parametrize("name", [PROFILES, "FASTDDS_DEFAULT_PROFILES_FILE"])
+def test_a_profile_of_the_user_is_left_alone(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    monkeypatch.setenv(name, "mine.xml")
+    assert not choose_transport(2400, 2).others
+
+
+def test_every_process_tells_of_itself_often() -> None:
+    """A graph is connected as soon as its last node is there, not up to three seconds later."""
+    choice = choose_transport(16 * 2**20, 0)
+    for profiles in (choice.large_publishers, choice.others):
+        found = numbers(profiles[PROFILES])
+        assert found["count"] == 100
+        assert found["nanosec"] <= 500_000_000
 
 
 def test_the_shipped_profile_holds_what_the_code_promises() -> None:
     choice = choose_transport(16 * 2**20, 0)
-    path = choice.large_publishers["FASTRTPS_DEFAULT_PROFILES_FILE"]
-    tree = ElementTree.parse(path)
-    sizes = {
-        element.tag.rpartition("}")[2]: int(element.text or 0)
-        for element in tree.iter()
-        if (element.text or "").strip().isdigit()
-    }
-    assert sizes == {"segment_size": SEGMENT_BYTES, "maxMessageSize": LARGEST_MESSAGE_BYTES}
-    assert not choice.others
+    sizes = numbers(choice.large_publishers[PROFILES])
+    assert sizes["segment_size"] == SEGMENT_BYTES
+    assert sizes["maxMessageSize"] == LARGEST_MESSAGE_BYTES
+    assert "segment_size" not in numbers(choice.others[PROFILES])
 
 
 def test_without_shared_memory_it_falls_back_and_says_so(tmp_path: Path) -> None:
     choice = choose_transport(16 * 2**20, 1, shared_memory=tmp_path / "none")
-    assert choice.large_publishers == {"FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"} == choice.others
+    for variables in (choice.large_publishers, choice.others):
+        assert variables["FASTDDS_BUILTIN_TRANSPORTS"] == "UDPv4"
     assert "UDP" in choice.warning and "--shm-size" in choice.warning
 
 

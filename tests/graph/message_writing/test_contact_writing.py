@@ -90,7 +90,7 @@ def assert_same(found: Any, record: Any) -> None:
 def test_contacts_come_back(record: Contacts) -> None:
     found = contacts_from_message(through_the_wire(contacts_to_message(record)))
     if not len(record.range):
-        # Without contacts nobody can tell an unknown deviation from none.
+        # Without contacts an unknown deviation cannot be told from none.
         empty: dict[str, Any] = {
             name: getattr(record, name)
             for name in ("range_standard_deviation", "azimuth_standard_deviation")

@@ -10,6 +10,8 @@ import pytest
 
 from tests.graph.live_graph import Probe, node_process
 
+pytestmark = pytest.mark.graph
+
 NODE = "bearing_tracker"
 
 

@@ -24,7 +24,10 @@ from sonar_tracking.graph.node_base.sonar_node import SonarNode
 from sonar_tracking.message_reading import array_reading
 from sonar_tracking.own_ship_interpolation import interpolate_own_ship
 from sonar_tracking.records.own_ship import OwnShipState
-from tests.graph.live_graph import DOMAIN, Probe
+from tests.graph.live_graph import Probe
+from tests.ros_domain import ros_domain
+
+pytestmark = pytest.mark.graph
 
 SECOND = 1_000_000_000
 START = 1_767_225_600 * SECOND
@@ -74,7 +77,7 @@ class Live:
                 "-p",
                 "qos_overrides./passive/bearing_tracks.subscription.depth:=x",
             ],
-            domain_id=DOMAIN,
+            domain_id=ros_domain(),
             signal_handler_options=SignalHandlerOptions.NO,
         )
         self.node = Example()

@@ -286,7 +286,7 @@ def test_silence_ends_the_track_once(tracker: Tracker) -> None:
 
 
 def test_odometry_tells_where_the_sensor_is_when_the_ping_does_not(tracker: Tracker) -> None:
-    """Pings wait for it, and are placed as if they had told their pose themselves."""
+    """Pings wait for it, and are placed as if they had carried their pose themselves."""
     start = tracker.new_run()
     for number in range(SETTLED + 1):
         tracker.send(ping(start, number, told=False))

@@ -25,10 +25,10 @@ from tests.bags.bag_fixtures import (
     information,
     snapshots_cdr,
 )
+from tests.ros_domain import ros_domain
 
 rclpy = pytest.importorskip("rclpy")
 
-DOMAIN = 63
 TOPIC = "/array/snapshots"
 
 
@@ -37,11 +37,7 @@ def recorder(bag: Path, *extra: str) -> Iterator[subprocess.Popen[str]]:
     """Run the recorder of one snapshot topic and the clock."""
     lists = {"topics": [TOPIC, "/clock"], "types": [SNAPSHOTS, CLOCK], "roles": ["input", "other"]}
     arguments = [word for n, v in lists.items() for word in ("-p", f"{n}:={json.dumps(v)}")]
-    environment = {
-        **os.environ,
-        "ROS_DOMAIN_ID": str(DOMAIN),
-        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
-    }
+    environment = {**os.environ, "ROS_DOMAIN_ID": str(ros_domain())}
     process = subprocess.Popen(
         [
             *(sys.executable, "-m", "sonar_tracking.graph.nodes.recorder", "--ros-args"),
@@ -68,8 +64,7 @@ class Peer:
         from sonar_tracking_msgs.msg import ArraySnapshots, Progress
 
         self.context = rclpy.Context()
-        os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
-        rclpy.init(context=self.context, domain_id=DOMAIN)
+        rclpy.init(context=self.context, domain_id=ros_domain())
         self.node = rclpy.create_node("peer", context=self.context)
         self.executor = SingleThreadedExecutor(context=self.context)
         self.executor.add_node(self.node)
@@ -114,6 +109,11 @@ class Peer:
         self.context.try_shutdown()
 
 
+def recorded(bag: Path) -> list[bytes]:
+    """Return the blocks that have reached the file."""
+    return [message.data for message in read_bag(bag).messages([TOPIC])]
+
+
 @pytest.fixture
 def peer() -> Iterator[Peer]:
     peer = Peer()
@@ -131,7 +131,7 @@ def test_every_byte_is_kept_and_the_bag_finished_on_interrupt(tmp_path: Path, pe
     bag = read_bag(tmp_path / "run")
     assert bag.recovery is None
     assert bag.recording == information()
-    assert [message.data for message in bag.messages([TOPIC])] == sent
+    assert recorded(tmp_path / "run") == sent
     assert bag.topics["/clock"].message_count == 60
     last = peer.progress[-1]
     assert (last.node, last.topic, last.count) == ("recorder", TOPIC, 60)
@@ -147,13 +147,13 @@ def test_an_existing_bag_is_kept_and_a_kill_leaves_a_readable_one(
     with recorder(tmp_path / "run") as process:
         peer.wait_until_matched()
         sent = peer.send(range(20))
-        time.sleep(1.0)
+        peer.wait(lambda: recorded(tmp_path / "run_2") == sent)
         process.kill()
         process.wait()
     assert list((tmp_path / "run").iterdir()) == []
     bag = read_bag(tmp_path / "run_2")
     assert bag.recovery is not None
-    assert [message.data for message in bag.messages([TOPIC])] == sent
+    assert recorded(tmp_path / "run_2") == sent
     assert "run_2 is recorded instead" in peer.statuses["recorder: recording"].message
 
 

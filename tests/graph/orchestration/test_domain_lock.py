@@ -1,4 +1,4 @@
-"""A ROS domain belongs to one run at a time, and to nobody when that is gone."""
+"""A ROS domain belongs to one run at a time, and is free when that is gone."""
 
 import os
 from pathlib import Path

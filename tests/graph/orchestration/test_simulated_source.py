@@ -1,4 +1,4 @@
-"""A lost tick is told again, and the end is reached only when the simulator has served it."""
+"""A lost tick is published again, and the end is reached only when the simulator has served it."""
 
 import math
 from typing import Any

@@ -75,6 +75,7 @@ def test_five_targets_start_within_four_covariances(source_count: int) -> None:
     assert np.all(errors**2 < 16.0 * started.covariance[order, 0, 0])
 
 
+@pytest.mark.slow
 def test_started_tracks_survive_the_crossings() -> None:
     # Twelve runs of the whole scene at 0 dB, from nothing; from truth all runs succeed.
     subspaces = SubspaceConfiguration(method="past", forgetting_factor=0.86, period=1.0)
@@ -144,7 +145,7 @@ def test_covariances_that_share_snapshots_are_used_once() -> None:
 
 
 def test_missing_target_starts_later_than_the_others() -> None:
-    # The third source comes up after 6 s; the others are not disturbed and keep their names.
+    # The third source comes up after 6 s; the identities of the others are maintained.
     generator = np.random.default_rng(5)
     angles = np.broadcast_to(np.deg2rad([-30.0, 0.0, 30.0]), (3200, 3))
     levels = np.full((3200, 3), 5.0)

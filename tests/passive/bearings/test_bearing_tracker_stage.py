@@ -106,6 +106,7 @@ def chain_by_the_letter(
     return np.array(result)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("n_subspaces", "centred"), [(1, False), (7, False), (7, True)])
 def test_chain_is_the_published_one(n_subspaces: int, centred: bool) -> None:
     data = crossing_data(1, -3.0, 6.0)

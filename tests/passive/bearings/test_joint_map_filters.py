@@ -9,6 +9,7 @@ import pytest
 
 from sonar_tracking.errors import InputError
 from sonar_tracking.filtering.kalman import KalmanState
+from sonar_tracking.passive.bearings.bearing_method_registry import BEARING_METHODS
 from sonar_tracking.passive.bearings.bearing_tracker_stage import (
     BearingTrackerConfiguration,
     BearingTrackerStage,
@@ -28,7 +29,7 @@ from tests.passive.crossing_scene import (
     snapshots_of,
 )
 
-METHODS = ["coherent", "joint_map"]
+METHODS = BEARING_METHODS.names_with("needs_covariance")
 CAUSAL = SubspaceConfiguration(
     period=1.0, source_count=5, n_subspaces=1, update_snapshots=1, covariance_snapshots=200
 )

@@ -18,6 +18,7 @@ def noise_power(n_frames: int, seed: int) -> np.ndarray:
     return np.asarray(np.abs(element_spectra(frames, FIRST, LAST)).T ** 2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("probability", "half_width"), [(1e-2, 40), (1e-3, 40), (1e-3, 15), (1e-4, 40)]
 )
@@ -56,6 +57,7 @@ def test_silence_stays_silent() -> None:
     np.testing.assert_array_equal(normaliser.normalise(np.zeros((2, 200))), 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slope", [-2.0, -1.0, 1.0])
 def test_a_steep_background_changes_no_false_alarm(slope: float) -> None:
     """Noise as 1/f^2 falls by 12 dB over one window at the low end; every octave is judged."""

@@ -114,7 +114,7 @@ def test_a_line_in_the_sidelobes_of_another_beam_stays_with_its_target() -> None
     assert all(owners(update) == [(2, 301)] for update in updates[2:-1])
 
 
-def test_a_line_of_nobody_is_given_to_nobody() -> None:
+def test_a_line_without_a_track_stays_unassociated() -> None:
     """A strong source without a track is heard in the sidelobes and flanks of tracked beams."""
     for angle in (70.0, 26.5):  # the second 6 dB down in the beam on 20 deg
         updates = listen([Tone(301.3, angle, 22.0)], [-40.0, 20.0])

@@ -84,6 +84,7 @@ def test_twice_the_range_is_four_times_as_uncertain() -> None:
     assert bound(200.0) / bound(100.0) == pytest.approx(4.0, rel=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("estimator", ESTIMATORS)
 def test_errors_come_near_the_bound(estimator: Estimator) -> None:
     generator, n_snapshots, errors = np.random.default_rng(1), 100, []

@@ -82,6 +82,7 @@ def test_loud_element_is_left_out() -> None:
     assert "20 dB louder" in texts[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [1, 100])
 def test_good_elements_are_never_reported(size: int) -> None:
     assert watched(DATA, size) == ([True] * 15, [])

@@ -99,6 +99,7 @@ def test_pings_are_a_function_of_the_scenario_alone() -> None:
     assert not np.array_equal(one[0].contacts.range, later[0].contacts.range)
 
 
+@pytest.mark.slow
 def test_louder_echoes_are_found_more_often() -> None:
     def found(level_db: float) -> float:
         """Return the contacts near the target per ping."""

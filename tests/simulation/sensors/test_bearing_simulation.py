@@ -111,6 +111,7 @@ def test_a_target_that_comes_back_is_a_new_track() -> None:
     assert [lines.track_id[0] for _, lines, _ in measured(world)[10:]] == [2] * 10
 
 
+@pytest.mark.slow
 def test_errors_are_as_large_as_stated() -> None:
     station = BearingSensorConfiguration(angle_kind="azimuth", outlier_share=0.05)
     frames = measured(scene(station, duration=1500.0))
@@ -125,6 +126,7 @@ def test_errors_are_as_large_as_stated() -> None:
     assert np.std(noise) == pytest.approx(0.1, rel=0.08)
 
 
+@pytest.mark.slow
 def test_frames_are_missing_but_the_end_is_told() -> None:
     frames = measured(scene(replace(EXACT, missing_share=0.3), duration=1000.0))
     assert 620 < len(frames) < 780

@@ -76,6 +76,7 @@ def test_errors_have_the_stated_deviations() -> None:
     assert np.degrees(np.std(azimuths)) == pytest.approx(0.5, rel=0.06)
 
 
+@pytest.mark.slow
 def test_detection_and_false_alarms_follow_the_threshold() -> None:
     configuration = ContactSensorConfiguration(
         sound_speed=0.0, false_alarm_probability=1e-3, maximum_range=2000.0

@@ -1,4 +1,4 @@
-"""Targets nearer than 2 aperture^2 / wavelength are told, others are not."""
+"""Targets nearer than 2 aperture^2 / wavelength are reported, others are not."""
 
 from __future__ import annotations
 

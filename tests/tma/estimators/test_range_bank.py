@@ -26,6 +26,7 @@ def last_range_rmse(histories: TmaHistories) -> float:
     return float(np.sqrt(np.mean(histories.error[:, -1, 0] ** 2)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "limit"), [("S1", 1.35 * BOUND_S1), ("S2", 1.8 * BOUND_S2), ("S3", 1.35 * BOUND_S3)]
 )
@@ -36,6 +37,7 @@ def test_near_the_bound_and_consistent(name: str, limit: float) -> None:
     assert np.count_nonzero(histories.manoeuvre) <= histories.manoeuvre.size / 4000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("angle_deg", [53.0, 90.0, 180.0, 359.7])
 def test_turning_the_scene_turns_the_result(angle_deg: float) -> None:
     angle = np.radians(angle_deg)
@@ -54,6 +56,7 @@ def test_turning_the_scene_turns_the_result(angle_deg: float) -> None:
     np.testing.assert_allclose(there.mean, expected, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_true_frame_intervals_are_used() -> None:
     scene = scenario("S1")
     intervals = np.exp(np.random.default_rng(9).uniform(np.log(0.25), np.log(4.0), 400))
@@ -68,6 +71,7 @@ def test_true_frame_intervals_are_used() -> None:
     assert last_range_rmse(histories) < 2.0 * BOUND_S1
 
 
+@pytest.mark.slow
 def test_a_blackout_is_bridged_by_bearings() -> None:
     scene = scenario("S3")
     heard = scene.heard.copy()
@@ -87,12 +91,14 @@ def wild(runs: TmaRuns) -> TmaRuns:
     return replace(runs, azimuth=azimuth, frequency=runs.frequency + np.where(hit_lines, off, 0.0))
 
 
+@pytest.mark.slow
 def test_outliers_cost_little() -> None:
     runs = runs_of(scenario("S1"), 20)
     clean = last_range_rmse(history_of(RangeBank(), runs))
     assert last_range_rmse(history_of(RangeBank(), wild(runs))) < 1.15 * clean
 
 
+@pytest.mark.slow
 def test_one_run_does_not_depend_on_the_others() -> None:
     runs = runs_of(scenario("S1"), 3)
     alone = replace(runs, truth=runs.truth[:1], azimuth=runs.azimuth[:1])

@@ -77,7 +77,7 @@ def test_a_bearing_without_a_variance_gets_the_one_of_the_parameters_or_is_left_
     assert problem == ""
     assert observation.azimuth_variance == pytest.approx(np.radians(2.0) ** 2)
     observation, _ = observed(bearing(), replace(DEFAULT, azimuth_deviation_deg=2.0))
-    assert observation.azimuth_variance == pytest.approx(1e-4), "one that is told is kept"
+    assert observation.azimuth_variance == pytest.approx(1e-4), "one that is given is kept"
 
 
 @pytest.mark.parametrize(
@@ -172,7 +172,7 @@ def test_lines_go_to_their_tracks_and_each_once() -> None:
     lines = frequency_lines([3, 4, 3, 3], [300.0, 200.0, 310.0, 320.0], [0.1] * 4)
     heard, problem = lines_of(lines, [7, 0, 8, 7])
     assert heard == {7: [HeardLine(3, 300.0, 0.1)], 8: [HeardLine(3, 310.0, 0.1)]}
-    assert problem == "line 3 is told twice"
+    assert problem == "line 3 appears twice"
 
 
 def test_the_relatively_sharpest_lines_are_kept_in_their_order() -> None:

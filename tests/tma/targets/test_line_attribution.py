@@ -1,4 +1,4 @@
-"""Protects whose a line is that names no track: the nearest in angle, and nobody's if in doubt."""
+"""Protects to which track a line goes that names none: the nearest in angle; to none in doubt."""
 
 import numpy as np
 import pytest
@@ -30,7 +30,7 @@ def test_each_line_goes_to_the_track_in_its_direction() -> None:
     assert LineAttribution(4.0).update(lines(10.5, 19.5), TRACKS) == [3, 8]
 
 
-def test_a_line_from_elsewhere_or_of_unknown_direction_is_nobody_s() -> None:
+def test_a_line_from_elsewhere_or_of_unknown_direction_is_unassociated() -> None:
     assert LineAttribution(4.0).update(lines(40.0, np.nan), TRACKS) == [0, 0]
     assert LineAttribution(4.0).update(lines(10.0, variance=-1.0), TRACKS) == [0]
     assert LineAttribution(4.0).update(lines(10.0), {}) == [0]
@@ -41,7 +41,7 @@ def test_a_line_that_names_its_track_keeps_it() -> None:
 
 
 def test_between_two_tracks_time_decides() -> None:
-    """A line midway is nobody's; a slight preference adds up over frames."""
+    """A line midway is unassociated; a slight preference adds up over frames."""
     midway, nearer = LineAttribution(4.0), LineAttribution(4.0)
     for _ in range(30):
         assert midway.update(lines(15.0), TRACKS) == [0]

@@ -57,7 +57,7 @@ def test_a_known_target_takes_its_bearing() -> None:
     assert associate(sharp[:, ::-1]).tolist() == [1, 0]
 
 
-def test_a_bearing_that_nobody_explains_stays_free() -> None:
+def test_a_bearing_without_a_target_stays_unassociated() -> None:
     one = np.array([[1.0, -np.inf, 0.5]])
     assert associate(one).tolist() == [0, FREE, FREE]
     assert associate(np.empty((0, 2))).tolist() == [FREE, FREE]

@@ -64,6 +64,7 @@ def test_both_sides_stand_until_own_ship_turns() -> None:
     assert error @ np.linalg.solve(solutions[0].covariance, error) < 20.0
 
 
+@pytest.mark.slow
 def test_a_second_station_resolves_side_and_range() -> None:
     scene = silent(scene_of_legs(STRAIGHT, 1.0))
     still = np.zeros((400, 2))
@@ -81,6 +82,7 @@ def test_a_second_station_resolves_side_and_range() -> None:
     assert solution.observable
 
 
+@pytest.mark.slow
 def test_lines_come_and_go_without_end() -> None:
     solver = TargetSolver()
     runs = one_run(scene_of_legs(TURNING, 1.0))
@@ -144,6 +146,7 @@ def test_a_track_that_jumps_to_another_target_is_started_anew() -> None:
     assert np.arctan2(offset[1], offset[0]) == pytest.approx(-2.0, abs=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("angle_deg", [37.0, 180.0, 271.3])
 def test_turning_the_scene_turns_both_sides_and_all_that_is_said_of_them(angle_deg: float) -> None:
     """Sides, travel time and observability too, through own ship's turn, to one part in 1e6."""

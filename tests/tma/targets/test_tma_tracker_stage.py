@@ -15,7 +15,8 @@ from sonar_tracking.simulation.scenarios.bearing_sensor_configuration import (
     BearingSensorConfiguration,
 )
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame, UnusableBearings
-from sonar_tracking.tma.targets.tma_tracker_configuration import BASELINES, TmaTrackerConfiguration
+from sonar_tracking.tma.targets.tma_method_registry import TMA_METHODS
+from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
 from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
 from tests.tma.passive_scene import (
     ARRAY,
@@ -35,6 +36,7 @@ from tests.tma.passive_scene import (
 )
 
 
+@pytest.mark.slow
 def test_a_target_is_found_and_its_side_resolved_by_own_ship_s_turn() -> None:
     stage = TmaTrackerStage()
     ended = []
@@ -113,6 +115,7 @@ def test_frames_must_be_in_order() -> None:
     assert len(listed(stage.update(frames[3]))) == 2
 
 
+@pytest.mark.slow
 def test_lines_without_bearings_are_used_and_give_no_list() -> None:
     frames = frames_of(scene(DIRECTIONS))
     whole, split = TmaTrackerStage(), TmaTrackerStage()
@@ -125,6 +128,7 @@ def test_lines_without_bearings_are_used_and_give_no_list() -> None:
     assert np.hypot(*(apart.state[0, :2] - together.state[0, :2])) < 100.0
 
 
+@pytest.mark.slow
 def test_lines_without_a_track_are_attributed_by_their_angle() -> None:
     sensor = replace(ARRAY, attribute_lines=False)
     stage = TmaTrackerStage()
@@ -136,6 +140,7 @@ def test_lines_without_a_track_are_attributed_by_their_angle() -> None:
     assert lines == {1: {1, 2, 3}, 2: {4, 5}}
 
 
+@pytest.mark.slow
 def test_bearings_of_two_stations_become_one_solution() -> None:
     buoy = BearingSensorConfiguration(
         sensor_id="buoy",
@@ -188,7 +193,9 @@ def test_an_unusable_list_coasts_the_targets() -> None:
     assert np.trace(coasted.covariance[0, 2:, 2:]) > velocity
 
 
-@pytest.mark.parametrize("method", BASELINES)
+@pytest.mark.parametrize(
+    "method", [entry.name for entry in TMA_METHODS if not entry.weighs_hypotheses]
+)
 def test_methods_for_comparison_can_be_chosen(method: str) -> None:
     stage = TmaTrackerStage(TmaTrackerConfiguration(method=method))
     updates = fed(stage, frames_of(scene(duration=140.0)))

@@ -2,8 +2,8 @@
 
 Each peak takes the identity of the nearest peak of the ping before in its gate; all together are
 assigned so that the sum of their squared distances is least. A peak that is not found is predicted
-and listed as tentative for a few pings, which a missed detection does not outlast, and is then told
-to have ended. The existence probability of a track is the weight of its peak, at most 1.
+and listed as tentative for a few pings, which a missed detection does not outlast, and is then
+reported to have ended. The existence probability of a track is the weight of its peak, at most 1.
 """
 
 from __future__ import annotations

@@ -59,7 +59,7 @@ def with_defaults(contacts: Contacts, defaults: ContactDefaultsConfiguration) ->
     Parameters
     ----------
     contacts : Contacts
-        NaN = not told.
+        NaN = unknown.
     defaults : ContactDefaultsConfiguration
         What is zero there stays unknown.
     """

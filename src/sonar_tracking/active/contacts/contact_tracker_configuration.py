@@ -4,13 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from sonar_tracking.active.contacts.contact_method_registry import (
+    CONTACT_METHODS,
+    ContactMethodEntry,
+)
+from sonar_tracking.active.contacts.gate_threshold_registry import (
+    AS_DETECTED,
+    GATE_THRESHOLDS,
+    GateThresholdEntry,
+)
 from sonar_tracking.configuration import parameter
 from sonar_tracking.errors import ConfigurationError
 
 SLOWEST_SOUND = 100.0
 """m/s"""
-
-GATE_THRESHOLDS = ("as_detected", "fixed", "closed_form")
 
 
 @dataclass(frozen=True)
@@ -19,10 +26,8 @@ class ContactTrackerConfiguration:
 
     method: str = parameter(
         "integrated",
-        "Association: all contacts by distance and amplitude likelihood with turning motion modes "
-        "(integrated), or the one best by amplitude rank (hpda). Baselines: roi_clustering without "
-        "existence probability, and smc_phd, where it is the weight of a peak",
-        choices=("integrated", "hpda_kalman", "hpda_particle", "roi_clustering", "smc_phd"),
+        "How contacts become tracks",
+        methods=CONTACT_METHODS,
     )
     detection_probability: float = parameter(
         0.9, "P_D where the contacts do not carry it", minimum=0.01, maximum=0.999
@@ -113,10 +118,9 @@ class ContactTrackerConfiguration:
         maximum=0.5,
     )
     gate_threshold: str = parameter(
-        "as_detected",
-        "In the gates of confirmed tracks: every contact, a fixed false-alarm probability, or the "
-        "one of least expected error",
-        choices=GATE_THRESHOLDS,
+        AS_DETECTED,
+        "Which contacts are used in the gates of confirmed tracks",
+        methods=GATE_THRESHOLDS,
     )
     gate_false_alarm_probability: float = parameter(
         1e-2, "For gate_threshold = fixed; the lower limit otherwise is 1e-6", minimum=1e-8
@@ -130,6 +134,16 @@ class ContactTrackerConfiguration:
     n_particles: int = parameter(1000, "Of each particle filter", minimum=50)
     seed: int = parameter(1, "Root of the randomness of particle filters", minimum=0)
     first_id: int = parameter(1, "Identifier of the first track", minimum=1)
+
+    @property
+    def entry(self) -> ContactMethodEntry:
+        """What is known of the method."""
+        return CONTACT_METHODS[self.method]
+
+    @property
+    def gate_threshold_entry(self) -> GateThresholdEntry:
+        """What is known of the choice of thresholds in gates."""
+        return GATE_THRESHOLDS[self.gate_threshold]
 
 
 def check_configuration(configuration: ContactTrackerConfiguration) -> None:
@@ -156,9 +170,8 @@ def check_configuration(configuration: ContactTrackerConfiguration) -> None:
             f"sound_speed is {configuration.sound_speed:g} m/s; give about 1500 in water, or 0 if "
             "a ping takes no time."
         )
-    adaptive = configuration.gate_threshold != "as_detected"
-    if adaptive and configuration.method in ("roi_clustering", "smc_phd"):
+    if configuration.gate_threshold_entry.sets_thresholds and not configuration.entry.has_gates:
         raise ConfigurationError(
             f"gate_threshold {configuration.gate_threshold} needs gates that the method "
-            f"{configuration.method} does not have; use as_detected."
+            f"{configuration.method} does not have; use {AS_DETECTED}."
         )

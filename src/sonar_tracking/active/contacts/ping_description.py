@@ -1,6 +1,6 @@
 """What a ping says of its detector, as far as it makes sense.
 
-A number that cannot be true is no reason to lose the contacts: it is taken for not told, which the
+A number that cannot be true is no reason to lose the contacts: it is taken for unknown, which the
 parameters then fill in, and reported.
 """
 
@@ -37,7 +37,7 @@ def plausible_description(contacts: Contacts) -> tuple[Contacts, tuple[Notice, .
     Parameters
     ----------
     contacts : Contacts
-        As received; NaN = not told.
+        As received; NaN = unknown.
     """
     unknown: dict[str, Any] = {}
     notices = []

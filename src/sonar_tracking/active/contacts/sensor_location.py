@@ -1,4 +1,4 @@
-"""Where the sensor of a ping is and how it is turned: told by the ping, or by own ship's motion.
+"""Where the sensor of a ping is and how it is turned: from the ping, or from own ship's motion.
 
 A sensor that does not tell its pose is mounted on own ship at the place the parameters say.
 """
@@ -44,7 +44,7 @@ def located(
     Parameters
     ----------
     contacts : Contacts
-        NaN = not told.
+        NaN = unknown.
     own_ship : KinematicState or None
         At the stamp of the ping; None = unknown.
     mounting : MountingConfiguration

@@ -156,7 +156,7 @@ def _threshold(contacts: Contacts) -> float:
         return contacts.detection_threshold
     if contacts.false_alarm_probability > 0.0:
         return -math.log(contacts.false_alarm_probability)
-    # The weakest contact is a fair estimate of a threshold that nobody told.
+    # The weakest contact is a fair estimate of a threshold that is unknown.
     return float(np.min(contacts.amplitude)) if len(contacts.amplitude) else np.nan
 
 

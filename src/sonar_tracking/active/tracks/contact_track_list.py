@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sonar_tracking.active.contacts.gate_threshold_registry import AS_DETECTED
 from sonar_tracking.active.detection.detection_model import DetectionModel
 from sonar_tracking.records.arrays import FloatArray, IntArray
 from sonar_tracking.records.contacts import GateThresholds
@@ -90,7 +91,7 @@ def thresholds_without_gates(
         search_false_alarm_probability=model.false_alarm_probability if model else np.nan,
         search_threshold=model.threshold if model else np.nan,
         signal_to_noise_ratio_linear=nothing,
-        method="as_detected",
+        method=AS_DETECTED,
         next_stamp=next_stamp,
     )
 

@@ -11,12 +11,14 @@ Jung, Shin (2002), equation 25.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.contacts.gate_threshold_registry import AS_DETECTED
 from sonar_tracking.active.detection.detection_model import DetectionModel
 from sonar_tracking.active.detection.detection_threshold import (
     FalseAlarmLimits,
@@ -31,6 +33,10 @@ from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.contacts import GateThresholds
 
 SMALLEST_FALSE_ALARM_PROBABILITY = 1e-6
+
+GateProbability = Callable[[FloatArray, DetectionModel], FloatArray]
+"""Takes the resolution cells in each gate (n,) and what is known of the ping; returns the
+false-alarm probability wanted in each gate (n,)."""
 
 
 @dataclass(frozen=True)
@@ -84,11 +90,10 @@ def apply_thresholds(
     if not _wanted(configuration):
         return _as_detected(bank, gates, model, cells, (stamp, next_stamp))
     base = model.false_alarm_probability
-    search = min(configuration.search_false_alarm_probability or base, base)
+    search = _search_probability(configuration, model)
     probability = np.full(len(bank), search)
-    if configuration.gate_threshold != "as_detected":
-        wanted = _gate_probabilities(cells, base, model, configuration)
-        probability = np.where(bank.confirmed, wanted, probability)
+    in_gates: GateProbability = configuration.gate_threshold_entry.make(configuration)
+    probability = np.where(bank.confirmed, in_gates(cells, model), probability)
     threshold = detection_threshold(probability)
     ratio = model.signal_to_noise_ratio_linear
     return AppliedThresholds(
@@ -122,13 +127,18 @@ def check_thresholds(model: DetectionModel, configuration: ContactTrackerConfigu
     if _wanted(configuration) and not known:
         raise InputError(
             "Thresholds in gates need range_resolution, azimuth_resolution and "
-            "false_alarm_probability of the ping; give them, or use gate_threshold as_detected."
+            f"false_alarm_probability of the ping; give them, or use gate_threshold {AS_DETECTED}."
         )
 
 
 def _wanted(configuration: ContactTrackerConfiguration) -> bool:
-    own_gates = configuration.gate_threshold != "as_detected"
+    own_gates = configuration.gate_threshold_entry.sets_thresholds
     return own_gates or configuration.search_false_alarm_probability > 0.0
+
+
+def _search_probability(configuration: ContactTrackerConfiguration, model: DetectionModel) -> float:
+    base = model.false_alarm_probability
+    return min(configuration.search_false_alarm_probability or base, base)
 
 
 def _as_detected(
@@ -154,7 +164,7 @@ def _as_detected(
             threshold=np.full(n_confirmed, model.threshold),
             search_false_alarm_probability=model.false_alarm_probability,
             search_threshold=model.threshold,
-            method="as_detected",
+            method=AS_DETECTED,
         ),
     )
 
@@ -174,14 +184,32 @@ def _gates_of_confirmed(
     }
 
 
-def _gate_probabilities(
-    cells: FloatArray,
-    base: float,
-    model: DetectionModel,
-    configuration: ContactTrackerConfiguration,
-) -> FloatArray:
-    if configuration.gate_threshold == "fixed":
-        fixed = min(configuration.gate_false_alarm_probability, base)
-        return np.full(len(cells), fixed)
-    limits = FalseAlarmLimits(min(SMALLEST_FALSE_ALARM_PROBABILITY, 0.5 * base), base)
-    return closed_form_false_alarm_probability(cells, model.signal_to_noise_ratio_linear, limits)
+def as_outside_gates(configuration: ContactTrackerConfiguration) -> GateProbability:
+    """Return the choice of the threshold that is in force outside the gates."""
+
+    def probability(cells: FloatArray, model: DetectionModel) -> FloatArray:
+        return np.full(len(cells), _search_probability(configuration, model))
+
+    return probability
+
+
+def fixed_probability(configuration: ContactTrackerConfiguration) -> GateProbability:
+    """Return the choice of one false-alarm probability for all gates."""
+
+    def probability(cells: FloatArray, model: DetectionModel) -> FloatArray:
+        base = model.false_alarm_probability
+        return np.full(len(cells), min(configuration.gate_false_alarm_probability, base))
+
+    return probability
+
+
+def closed_form_probability(configuration: ContactTrackerConfiguration) -> GateProbability:
+    """Return the choice of the false-alarm probability of least expected error in each gate."""
+
+    def probability(cells: FloatArray, model: DetectionModel) -> FloatArray:
+        base = model.false_alarm_probability
+        limits = FalseAlarmLimits(min(SMALLEST_FALSE_ALARM_PROBABILITY, 0.5 * base), base)
+        ratio = model.signal_to_noise_ratio_linear
+        return closed_form_false_alarm_probability(cells, ratio, limits)
+
+    return probability

@@ -2,7 +2,7 @@
 
 Where contacts are so many that they fill the gates of thousands of candidates, the number of pairs
 grows with their square. The nearest contacts of a gate then stand for all: which of a crowd is the
-target's nobody can tell, and a track in a crowd is none for long.
+target's cannot be known, and a track in a crowd is none for long.
 """
 
 from __future__ import annotations

@@ -205,7 +205,7 @@ def limited(
 def list_tracks(listed: ListedTracks, tentative_probability: float) -> TrackRows:
     """Return the complete picture: confirmed tracks, likely candidates, and what has ended.
 
-    What has been shown once is shown until it ends, which is told once.
+    What has been shown once is shown until it ends, which is reported once.
 
     Parameters
     ----------

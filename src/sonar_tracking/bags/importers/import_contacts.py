@@ -214,7 +214,7 @@ def _ping(
     bow = motion.azimuth[index] if lines.relative else 0.0
     stamps = motion.stamp
     last = index + 1 == len(stamps)
-    interval = float(np.median(np.diff(stamps))) * 1e-9 if len(stamps) > 1 else np.nan
+    interval = seconds(float(np.median(np.diff(stamps)))) if len(stamps) > 1 else np.nan
     if not last:
         interval = seconds(int(stamps[index + 1] - stamps[index]))
     return Contacts(

@@ -139,14 +139,9 @@ def import_samples(
     band = blocks.band(from_mapping(BandDemodulatorConfiguration, demodulator, str(wav.path)))
     blocks.leave_out(notes)
     bearings = read_surveyed_bearings(truth) if truth is not None else []
-    roles: dict[str, Any] = {SAMPLES_TOPIC: "input", ODOMETRY_TOPIC: "input"}
-    if bearings:
-        roles[TRUTH_TOPIC] = "truth"
-    description = f"imported from {wav.path.name}: {len(columns)} elements, {wav.sample_rate} Hz"
-    scenario = {"name": wav.path.stem, "description": description}
     path, counts, n_samples = write_messages(
         Path(output),
-        RecordingInformation(scenario, node_parameters, roles),
+        _information(wav, len(columns), node_parameters, bool(bearings)),
         {SAMPLES_TOPIC: SAMPLES_TYPE, ODOMETRY_TOPIC: ODOMETRY_TYPE},
         heapq.merge(
             blocks.odometry(),
@@ -161,6 +156,20 @@ def import_samples(
         f"of the {band.bandwidth:.3g} Hz around {band.frequency:g} Hz, lines looked for on each."
     )
     return "\n".join([summary, *notes])
+
+
+def _information(
+    wav: WavFile,
+    n_elements: int,
+    node_parameters: Mapping[str, Mapping[str, Any]],
+    with_truth: bool,
+) -> RecordingInformation:
+    roles: dict[str, Any] = {SAMPLES_TOPIC: "input", ODOMETRY_TOPIC: "input"}
+    if with_truth:
+        roles[TRUTH_TOPIC] = "truth"
+    description = f"imported from {wav.path.name}: {n_elements} elements, {wav.sample_rate} Hz"
+    scenario = {"name": wav.path.stem, "description": description}
+    return RecordingInformation(scenario, node_parameters, roles)
 
 
 def _band(given: Mapping[str, Any]) -> dict[str, Any]:

@@ -159,18 +159,31 @@ def import_wav(
     )
     inputs = {SNAPSHOTS_TOPIC: SNAPSHOTS_TYPE}
     path, counts, n_snapshots = write_messages(Path(output), information, inputs, messages)
+    written = path, counts[SNAPSHOTS_TOPIC], n_snapshots
+    return _summary(wav, array, len(columns), band, written, dropped)
+
+
+def _summary(
+    wav: WavFile,
+    array: RecordedArray,
+    n_elements: int,
+    band: Band,
+    written: tuple[Path, int, int],
+    dropped: list[str],
+) -> ImportSummary:
+    output, n_blocks, n_snapshots = written
     return ImportSummary(
-        output=path,
+        output=output,
         n_channels=wav.n_channels,
-        n_elements=len(columns),
+        n_elements=n_elements,
         sample_rate=wav.sample_rate,
         snapshot_rate=wav.sample_rate / band.decimation,
         bandwidth=band.bandwidth,
         n_snapshots=n_snapshots,
-        n_blocks=counts[SNAPSHOTS_TOPIC],
+        n_blocks=n_blocks,
         dropped=tuple(dropped),
         seconds=wav.n_samples / wav.sample_rate,
-        plane_wave_range=2.0 * array.aperture**2 * frequency / array.sound_speed,
+        plane_wave_range=2.0 * array.aperture**2 * band.frequency / array.sound_speed,
     )
 
 
@@ -201,7 +214,7 @@ def _checked_band(
 def _finite_blocks(
     wav: WavFile, columns: list[int], band: Band, dropped: list[str]
 ) -> Iterator[_Block]:
-    """Yield blocks of snapshots; a block that is not finite is left out and told."""
+    """Yield blocks of snapshots; a block that is not finite is left out and reported."""
     for block in _blocks(wav, columns, band):
         bad = ~np.isfinite(block.data).all(axis=0)
         if not bad.any():

@@ -1,6 +1,6 @@
 """Columns of numbers from a CSV file with a header, or from the arrays of an npz file.
 
-A line that cannot be read is left out and named, a column that nobody knows is named; columns that
+A line that cannot be read is left out and named, an unknown column is named; columns that
 are missing refuse the whole file.
 """
 
@@ -14,8 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sonar_tracking.configuration import unknown_name_text
-from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.errors import ConfigurationError, unknown_name_text
 from sonar_tracking.records.arrays import FloatArray, IntArray
 
 
@@ -51,7 +50,7 @@ class NumberTable:
         return place(self.path, int(self.rows[index]))
 
     def column(self, name: str) -> FloatArray:
-        """Return a column, all NaN where the file has none of that name."""
+        """Return a column, shape (n_rows,), in units of the file; all NaN where there is none."""
         return self.numbers.get(name, np.full(len(self), np.nan))
 
 

@@ -88,9 +88,14 @@ def interpolated(
     known : ndarray, shape (n,)
         Ascending times, s.
     values : ndarray, shape (n, k)
-        At these times.
+        At these times, in any unit.
     wanted : ndarray, shape (m,)
         Times asked for, s.
+
+    Returns
+    -------
+    values, rates : ndarray, shape (m, k)
+        In units of the values, and per s.
     """
     if len(known) == 1:
         return np.repeat(values, len(wanted), axis=0), np.zeros((len(wanted), values.shape[1]))

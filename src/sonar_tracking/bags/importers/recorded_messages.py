@@ -40,7 +40,7 @@ def snapshots_cdr(
     stamp, next_stamp : int
         First snapshot, and watermark, ns.
     data : ndarray, shape (n_snapshots, n_elements), complex
-        Snapshots.
+        Snapshots, linear amplitude.
     sample_period : float
         s.
     frequency, bandwidth : float

@@ -2,7 +2,7 @@
 
 Reads rosbag2 directories and single files. MCAP files are scanned from their beginning, so that a
 bag without footer or ``metadata.yaml``, or one that was cut off, gives all its whole messages;
-what is missing is told in :attr:`Bag.recovery`.
+what is missing is reported in :attr:`Bag.recovery`.
 """
 
 from __future__ import annotations

@@ -33,16 +33,14 @@ from sonar_tracking.evaluation.monte_carlo.study import Study, StudyRow, write_j
 from sonar_tracking.evaluation.monte_carlo.study_definition import Column, TableLayout
 from sonar_tracking.evaluation.monte_carlo.study_report import print_study
 from sonar_tracking.geometry import line_array
+from sonar_tracking.passive.bearings.bearing_method_registry import BEARING_METHODS
 from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
     BearingTrackerConfiguration,
 )
 from sonar_tracking.passive.bearings.bearing_tracker_stage import BearingTrackerStage
-from sonar_tracking.passive.subspaces.block_past import BlockPast
-from sonar_tracking.passive.subspaces.exponential_covariance import ExponentialCovariance
-from sonar_tracking.passive.subspaces.orthonormal_past import OrthonormalPast
-from sonar_tracking.passive.subspaces.past import Past
 from sonar_tracking.passive.subspaces.subspace_configuration import SubspaceConfiguration
 from sonar_tracking.passive.subspaces.subspace_method import SubspaceMethod
+from sonar_tracking.passive.subspaces.subspace_method_registry import SUBSPACE_METHODS
 from sonar_tracking.passive.subspaces.subspace_stage import SubspaceStage
 from sonar_tracking.records.arrays import ComplexArray, FloatArray
 from sonar_tracking.records.bearings import ArraySnapshots, SubspaceEstimates
@@ -67,11 +65,14 @@ PEER = "peer: textbook PAST"
 SLOW_PEER = "peer: eigh each snapshot"
 SLOW_PEER_SNAPSHOTS = 40
 
-TRACKERS = {
-    "ryu, 1 subspace": "ryu",
-    "ml_fusion, 7 subspaces": "ml_fusion",
-    "coherent": "coherent",
-    "joint_map": "joint_map",
+PORTIONS = {
+    "block_past": (("block_past, L 16", 16), ("block_past, L 64", 64)),
+    "covariance": (("covariance, blocks of 20", 20), ("covariance, blocks of 200", 200)),
+}
+"""Names of the rows and snapshots given at a time, of methods that do not get a whole period."""
+
+TRACKERS = {"ryu, 1 subspace": "ryu", "ml_fusion, 7 subspaces": "ml_fusion"} | {
+    name: name for name in BEARING_METHODS.names if name not in ("ryu", "ml_fusion")
 }
 """Methods of the tracker by the names of their rows."""
 
@@ -189,7 +190,7 @@ def bench_estimates(data: ComplexArray, n_sources: int) -> tuple[SubspaceEstimat
     Parameters
     ----------
     data : ndarray, shape (n_snapshots, n_elements), complex
-        Snapshots.
+        Snapshots, linear amplitude.
     n_sources : int
         Dimension of the subspaces.
     """
@@ -249,9 +250,14 @@ def run_method(
     step : int
         Snapshots in a portion.
     data : ndarray, shape (n_snapshots, n_elements), complex
-        Snapshots.
+        Snapshots, linear amplitude.
     n_columns : int
         Dimension of the subspace.
+
+    Returns
+    -------
+    ndarray, shape (n_elements, n_columns), complex
+        Pure numbers.
     """
     state = method.start(data.shape[1], n_columns)
     portions_in_period = PERIOD_SNAPSHOTS // step
@@ -271,16 +277,14 @@ def _subspace_calls(
     yield SLOW_PEER, len(few), partial(eigenvectors_each_snapshot, few, n_sources, beta)
     each_period = partial(eigenvectors_each_period, data, n_sources, PERIOD_SNAPSHOTS)
     yield "eigh each period", len(data), each_period
-    methods: tuple[tuple[str, SubspaceMethod[Any], int], ...] = (
-        ("past", Past(beta), PERIOD_SNAPSHOTS),
-        ("opast", OrthonormalPast(beta), PERIOD_SNAPSHOTS),
-        ("block_past, L 16", BlockPast(beta, 16), 16),
-        ("block_past, L 64", BlockPast(beta, 64), 64),
-        ("covariance, blocks of 20", ExponentialCovariance(beta), 20),
-        ("covariance, blocks of 200", ExponentialCovariance(beta), 200),
-    )
-    for name, method, step in methods:
-        yield name, len(data), partial(run_method, method, step, data, n_sources)
+    for entry in SUBSPACE_METHODS:
+        for name, step in PORTIONS.get(entry.name, ((entry.name, PERIOD_SNAPSHOTS),)):
+            method = entry.make(
+                SubspaceConfiguration(
+                    method=entry.name, forgetting_factor=beta, update_snapshots=step
+                )
+            )
+            yield name, len(data), partial(run_method, method, step, data, n_sources)
 
 
 def _best_seconds(calls: Sequence[Callable[[], object]]) -> list[float]:

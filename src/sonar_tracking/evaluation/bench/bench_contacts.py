@@ -15,6 +15,7 @@ from functools import partial
 import numpy as np
 
 from sonar_tracking.active.contact_tracker import make_contact_tracker
+from sonar_tracking.active.contacts.contact_method_registry import CONTACT_METHODS
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.active.detection.gate_association import PROBABILITY_IN_GATE
 from sonar_tracking.evaluation.bench.stone_soup_peer import PeerParameters, stone_soup_positions
@@ -53,7 +54,7 @@ PEER_PASSES = 3
 """In turns; the fastest one of each ping counts, since other work can only slow one down."""
 
 REFERENCE_CLUTTER = 50.0
-SYSTEMS = (INTEGRATED, HPDA_KALMAN, HPDA_PARTICLE)
+SYSTEMS = tuple(entry.label for entry in CONTACT_METHODS if entry.estimates_existence)
 COMPARED_SYSTEMS = (INTEGRATED, INTEGRATED_STRAIGHT, HPDA_KALMAN, HPDA_PARTICLE)
 PEER, GATED_PEER = "peer: Stone Soup JPDA", "peer: Stone Soup JPDA, gated"
 SIDE_BY_SIDE = "beside Stone Soup, "

@@ -17,7 +17,7 @@ def textbook_past(data: ComplexArray, n_columns: int, forgetting_factor: float) 
     Parameters
     ----------
     data : ndarray, shape (n_snapshots, n_elements), complex
-        Snapshots.
+        Snapshots, linear amplitude.
     n_columns : int
         Dimension of the subspace.
     forgetting_factor : float
@@ -26,7 +26,7 @@ def textbook_past(data: ComplexArray, n_columns: int, forgetting_factor: float) 
     Returns
     -------
     ndarray, shape (n_elements, n_columns), complex
-        Basis after the last snapshot.
+        Basis after the last snapshot, pure numbers.
 
     References
     ----------
@@ -49,7 +49,19 @@ def eigenvectors_each_snapshot(
 ) -> ComplexArray:
     """Track the signal subspace by an eigendecomposition at every snapshot.
 
-    Parameters and return value are those of :func:`textbook_past`.
+    Parameters
+    ----------
+    data : ndarray, shape (n_snapshots, n_elements), complex
+        Snapshots, linear amplitude.
+    n_columns : int
+        Dimension of the subspace.
+    forgetting_factor : float
+        Per snapshot.
+
+    Returns
+    -------
+    ndarray, shape (n_elements, n_columns), complex
+        Basis after the last snapshot, pure numbers.
     """
     n_elements = data.shape[1]
     covariance = np.zeros((n_elements, n_elements), dtype=complex)
@@ -67,7 +79,7 @@ def eigenvectors_each_period(data: ComplexArray, n_columns: int, period: int) ->
     Parameters
     ----------
     data : ndarray, shape (n_snapshots, n_elements), complex
-        Snapshots.
+        Snapshots, linear amplitude.
     n_columns : int
         Dimension of the subspace.
     period : int
@@ -76,7 +88,7 @@ def eigenvectors_each_period(data: ComplexArray, n_columns: int, period: int) ->
     Returns
     -------
     ndarray, shape (n_elements, n_columns), complex
-        Basis of the last period.
+        Basis of the last period, pure numbers.
     """
     basis = np.eye(data.shape[1], n_columns, dtype=complex)
     for first in range(0, len(data), period):

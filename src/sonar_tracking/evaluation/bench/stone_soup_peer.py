@@ -1,7 +1,7 @@
 """Contacts tracked by Stone Soup, the peer of the bench: joint probabilistic data association.
 
 Tracks start from three contacts joined by global nearest neighbours and end after four scans
-without one. That initiator compares every held track with every contact in Python; the gated one
+without one. That initiator compares every track with every contact in Python; the gated one
 is given the contacts near the track only, which is the fair peer. Needs Stone Soup installed.
 
 References
@@ -33,7 +33,7 @@ POINTS = 3
 
 @dataclass(frozen=True)
 class PeerParameters:
-    """What Stone Soup is told of the scene.
+    """What Stone Soup is given of the scene.
 
     Attributes
     ----------

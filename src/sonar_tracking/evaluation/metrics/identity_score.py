@@ -17,7 +17,7 @@ from sonar_tracking.records.arrays import BoolArray, IdArray
 from sonar_tracking.records.time import seconds
 
 LOST_PERIODS = 5
-"""A target without identity for so many periods is lost; a swap that holds so long is lasting."""
+"""A target without identity for so many periods is lost; a swap that stays so long is lasting."""
 
 
 @dataclass(frozen=True)
@@ -79,30 +79,30 @@ def scored_period(
 
 @dataclass(frozen=True)
 class IdentityScore:
-    """How well identities were kept.
+    """How well identities were maintained.
 
     Attributes
     ----------
     identity_swaps : int
         Times a target's assigned identity differed from its previous one.
     lasting_identity_swaps : int
-        Those after which the new identity was held for ``LOST_PERIODS`` periods; the others are
+        Those after which the new identity stayed for ``LOST_PERIODS`` periods; the others are
         exchanges for a moment where two targets are closer than the errors.
     lost_tracks : int
-        Times a target that had been held had no identity for ``LOST_PERIODS`` periods.
+        Times a target that had an identity had none for ``LOST_PERIODS`` periods.
     targets_never_held : int
         Targets that never had an identity.
     held_share : float
         Share of all periods of all targets with an identity.
     continuity, smallest_continuity : float
-        Share of a target's life with its longest-held identity: mean and least over targets.
+        Share of a target's life with the identity it has longest: mean and least over targets.
     false_tracks : int
         Identities within the cut-off of a truth for less than half of their life.
     false_tracks_per_hour : float
         Per hour of data.
     confirmation_delay_periods, confirmation_delay : float
         From a target's first appearance to its first identity, inclusive, mean over the targets
-        ever held; periods and s.
+        ever tracked; periods and s.
     largest_confirmation_delay : float
         The same of the slowest target, s.
     """
@@ -185,7 +185,7 @@ def _losses(life: Mapping[int, int | None]) -> int:
     losses, missing, was_held, previous = 0, 0, False, None
     for index, identity in life.items():
         if previous is not None and index != previous + 1:
-            missing = 0  # the target was away: nobody could have held it
+            missing = 0  # the target was away: no track could have been maintained
         previous = index
         missing = 0 if identity is not None else missing + 1
         was_held = was_held or identity is not None

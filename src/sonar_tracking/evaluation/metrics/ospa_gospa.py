@@ -47,9 +47,9 @@ def assign(distances: FloatArray, cutoff: float, order: float) -> Assignment:
     Parameters
     ----------
     distances : ndarray, shape (n_truths, n_estimates)
-        Between each truth and each estimate.
+        Between each truth and each estimate, in any unit.
     cutoff : float
-        Pairs at or beyond it are not assigned.
+        Pairs at or beyond it are not assigned; in the same unit.
     order : float
         Exponent p, at least 1.
     """

@@ -34,6 +34,9 @@ from sonar_tracking.evaluation.metrics.position_score import PositionScore, scor
 Score = BearingScore | PositionScore
 Scores = dict[str, Score]
 
+LABELS = {"held_share": "share of time tracked", "targets_never_held": "targets never tracked"}
+"""What the table calls a field whose name does not say it."""
+
 
 def score_bag(path: Path, output: Path | None = None, cutoff_m: float = CUTOFF_M) -> Scores:
     """Score every topic of tracks in a bag, print the scores and write them as JSON.
@@ -124,7 +127,7 @@ def _scores_of_kind(
 def _table(topic: str, score: Score) -> Table:
     table = Table("metric", "value", title=topic, title_justify="left", show_edge=False)
     for name, value in score.to_mapping().items():
-        table.add_row(name.replace("_", " "), _text(value))
+        table.add_row(LABELS.get(name, name.replace("_", " ")), _text(value))
     return table
 
 

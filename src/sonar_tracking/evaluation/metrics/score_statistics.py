@@ -11,27 +11,28 @@ import numpy as np
 
 from sonar_tracking.evaluation.metrics.truth_samples import Sample
 from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.time import seconds
 
 
 def median_period(lists: Sequence[Sample]) -> float:
     """Return the median time between track lists in order of time, s; 0 for fewer than two."""
     if len(lists) < 2:
         return 0.0
-    return float(np.median(np.diff([entry.stamp for entry in lists]))) * 1e-9
+    return seconds(float(np.median(np.diff([entry.stamp for entry in lists]))))
 
 
 def joined(parts: Sequence[FloatArray]) -> FloatArray:
-    """Return the values of all parts in one array."""
+    """Return parts, each (n, ...) and in any unit, as one array."""
     return np.concatenate(parts) if parts else np.empty(0)
 
 
 def mean(values: FloatArray | Sequence[float]) -> float:
-    """Return the mean; NaN where there is no value."""
+    """Return the mean of values, shape (n,), in their unit; NaN where there is none."""
     return float(np.mean(values)) if len(values) else math.nan
 
 
 def median(values: FloatArray | Sequence[float]) -> float:
-    """Return the median; NaN where there is no value."""
+    """Return the median of values, shape (n,), in their unit; NaN where there is none."""
     return float(np.median(values)) if len(values) else math.nan
 
 
@@ -41,9 +42,15 @@ def normalised_square_error(error: FloatArray, covariance: FloatArray) -> FloatA
     Parameters
     ----------
     error : ndarray, shape (n, n_dimensions)
-        Estimate minus truth.
+        Estimate minus truth, in any units.
     covariance : ndarray, shape (n, n_dimensions, n_dimensions)
-        As the tracker gives it; a row that is not positive definite, or not finite, is left out.
+        As the tracker gives it, in the same units squared; a row that is not positive
+        definite, or not finite, is left out.
+
+    Returns
+    -------
+    ndarray, shape (n_proper,)
+        Pure numbers.
     """
     finite = np.all(np.isfinite(covariance), axis=(-2, -1)) & np.all(np.isfinite(error), axis=-1)
     error, covariance = error[finite], covariance[finite]

@@ -50,7 +50,7 @@ class SideChoice:
         ----------
         tracks : PositionTracks
             The picture.
-        rows : ndarray of int
+        rows : ndarray of int, shape (n_candidates,)
             Rows that are candidates, ascending.
         """
         other = {}

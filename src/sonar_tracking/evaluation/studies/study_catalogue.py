@@ -8,8 +8,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sonar_tracking.configuration import unknown_name_text
-from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.errors import ConfigurationError, unknown_name_text
 from sonar_tracking.evaluation.monte_carlo.batch_runner import Workers, compute
 from sonar_tracking.evaluation.monte_carlo.study import Study, write_json
 from sonar_tracking.evaluation.monte_carlo.study_definition import StudyDefinition
@@ -95,6 +94,19 @@ def run_study(
     """
     from rich.console import Console
 
+    definitions = _definitions(name, data)
+    where = Workers(workers if workers is not None else os.cpu_count() or 1, scheduler or "")
+    console = Console()
+    studies = tuple(
+        _run(definition, runs, seed, where, plots, console) for definition in definitions
+    )
+    if json is not None:
+        write_json(studies, Path(json))
+    return studies
+
+
+def _definitions(name: str, data: Path | None) -> tuple[StudyDefinition, ...]:
+    """Return the studies that a name stands for."""
     known = (*STUDIES, *DATA_STUDIES, "all")
     if name not in known:
         raise ConfigurationError(unknown_name_text(f"study {name}", name, known))
@@ -104,15 +116,7 @@ def run_study(
     if data is not None:
         measured = name if name in DATA_STUDIES else ROOM_ARRAY
         available[measured] = DATA_STUDIES[measured](data)
-    definitions = tuple(available.values()) if name == "all" else (available[name],)
-    where = Workers(workers if workers is not None else os.cpu_count() or 1, scheduler or "")
-    console = Console()
-    studies = tuple(
-        _run(definition, runs, seed, where, plots, console) for definition in definitions
-    )
-    if json is not None:
-        write_json(studies, Path(json))
-    return studies
+    return tuple(available.values()) if name == "all" else (available[name],)
 
 
 def _run(

@@ -1,4 +1,4 @@
-"""All nodes of the graph: what they are called, take, give and can be told (no ROS import).
+"""All nodes of the graph: names, inputs, outputs and parameters (no ROS import).
 
 The documentation, the launch file and the orchestration read it. A node reads its own description
 alone: it starts without the parameters of the others.

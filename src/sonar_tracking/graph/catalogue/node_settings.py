@@ -15,9 +15,8 @@ from sonar_tracking.configuration import (
     Value,
     describe,
     from_mapping,
-    unknown_name_text,
 )
-from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.errors import ConfigurationError, unknown_name_text
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.passive_nodes import (

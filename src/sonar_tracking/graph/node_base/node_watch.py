@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 from itertools import pairwise
 
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
@@ -18,13 +18,11 @@ from sonar_tracking.graph.node_base.data_flow import (
     input_concern,
 )
 from sonar_tracking.graph.node_base.diagnostics import MATCHED, Diagnostics
+from sonar_tracking.graph.node_base.ready_reports import ReadyReports
 from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS
 
-READY_PERIOD = 0.2
-"""Between publications until the first data message, s of steady time."""
-
 STATUS_PERIOD = 1.0
-"""Between publications afterwards, s of /clock."""
+"""Between publications once data flow, s of /clock."""
 
 STALLED_PERIODS = 5
 STALLED_AT_LEAST = 2 * NANOSECONDS
@@ -46,9 +44,11 @@ class NodeWatch:
     inputs, outputs : list
         Its data topics; they may still become more.
     diagnostics : Diagnostics
-        Where its state is told.
+        Where its state is reported.
     progress : ProgressReporter
         Its publisher on ``flow/done``.
+    warm_up : callable
+        Called once, between the connection of the node and its first data.
     """
 
     def __init__(
@@ -58,6 +58,7 @@ class NodeWatch:
         outputs: list[DataOutput],
         diagnostics: Diagnostics,
         progress: ProgressReporter,
+        warm_up: Callable[[], None],
     ) -> None:
         self._node = node
         self._inputs = inputs
@@ -67,9 +68,7 @@ class NodeWatch:
         self._seen: dict[str, tuple[int, int]] = {}
         self._instants: deque[int] = deque(maxlen=REMEMBERED_STEPS + 1)
         diagnostics.add(MATCHED, self._matched_endpoints)
-        self._ready_timer = node.create_timer(
-            READY_PERIOD, self._until_first_data, clock=Clock(clock_type=ClockType.STEADY_TIME)
-        )
+        ReadyReports(node, diagnostics, self._matched_endpoints, self._data_flow, warm_up)
         node.create_timer(STATUS_PERIOD, self._watch)
 
     def check_publishers(self, source: DataInput) -> None:
@@ -90,11 +89,9 @@ class NodeWatch:
         concern = input_concern(source)
         self._diagnostics.report(concern, "publishers", severity, sentence, lasting=True)
 
-    def _until_first_data(self) -> None:
+    def _data_flow(self) -> bool:
         received = any(source.received for source in self._inputs)
-        if received or any(output.count for output in self._outputs):
-            self._ready_timer.cancel()
-        self._diagnostics.publish()
+        return received or any(output.count for output in self._outputs)
 
     def _watch(self) -> None:
         now = self._node.get_clock().now().nanoseconds

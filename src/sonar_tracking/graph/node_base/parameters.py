@@ -18,9 +18,8 @@ from sonar_tracking.configuration import (
     checked_value,
     describe,
     range_text,
-    unknown_name_text,
 )
-from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.errors import ConfigurationError, unknown_name_text
 
 ConfigurationType = TypeVar("ConfigurationType")
 

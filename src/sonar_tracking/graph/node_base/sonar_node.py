@@ -43,8 +43,8 @@ class SonarNode(Node):
     """Shell of one node of the graph.
 
     A subclass calls :meth:`configuration`, :meth:`data_publisher` and :meth:`data_subscriptions`
-    in its constructor, and overrides :meth:`process` and, as needed, :meth:`substitute` and
-    :meth:`reset`.
+    in its constructor, and overrides :meth:`process` and, as needed, :meth:`substitute`,
+    :meth:`warm_up` and :meth:`reset`.
 
     Parameters
     ----------
@@ -72,7 +72,12 @@ class SonarNode(Node):
         self._join = EventTimeJoin()
         self._series_topics: set[str] = set()
         self.watch = NodeWatch(
-            self, self.data_inputs, self.data_outputs, self.diagnostics, self.progress
+            self,
+            self.data_inputs,
+            self.data_outputs,
+            self.diagnostics,
+            self.progress,
+            self.warm_up,
         )
 
     def configuration(
@@ -165,6 +170,9 @@ class SonarNode(Node):
 
     def substitute(self, rejected: Received) -> None:
         """Publish the one output of an input that could not be used (nothing by default)."""
+
+    def warm_up(self) -> None:
+        """Do before the first data what takes long at its first use (nothing by default)."""
 
     def reset(self) -> None:
         """Begin again: the stage and everything learnt from the data are discarded."""

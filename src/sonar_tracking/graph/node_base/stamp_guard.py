@@ -173,8 +173,8 @@ class StampGuard:
                 Verdict.REJECT,
                 f"{at} was rejected: it is {back:.3f} s earlier than the one before; the sender "
                 "must publish in order (a step back by more than "
-                f"{self._largest_step_back() / 1e9:g} s, parameter reset_after or a few messages, "
-                "is taken as a new beginning).",
+                f"{self._largest_step_back() / NANOSECONDS:g} s, parameter reset_after or a few "
+                "messages, is taken as a new beginning).",
             )
         if self.expected == UNKNOWN_STAMP:
             return StampCheck(Verdict.ACCEPT)

@@ -63,6 +63,10 @@ class LineTracker(SonarNode):
             lines = no_lines(rejected.stamp, END_OF_DATA, sensor(rejected.message))
             self._lines.publish(frequency_lines_to_message(lines))
 
+    def warm_up(self) -> None:
+        """Let the stage load what its first data need."""
+        self._stage.warm_up()
+
     def reset(self) -> None:
         """Forget all lines and bearings; identifiers go on."""
         self._stage.reset()

@@ -34,7 +34,8 @@ from sonar_tracking.graph.node_base import quality_of_service
 from sonar_tracking.graph.node_base.data_flow import ProgressReporter
 from sonar_tracking.graph.node_base.diagnostics import MATCHED, PARAMETERS, Diagnostics
 from sonar_tracking.graph.node_base.node_process import run_node
-from sonar_tracking.graph.node_base.node_watch import READY_PERIOD, STATUS_PERIOD
+from sonar_tracking.graph.node_base.node_watch import STATUS_PERIOD
+from sonar_tracking.graph.node_base.ready_reports import ReadyReports
 
 NAME = "recorder"
 RECORDING = "recording"
@@ -84,8 +85,8 @@ class Recorder(Node):
             self._fail(PARAMETERS, f"{self.get_name()}: {error} Nothing is recorded.")
         self._diagnostics.add(MATCHED, self._matched)
         self._diagnostics.add(RECORDING, self._written)
+        ReadyReports(self, self._diagnostics, self._matched, lambda: any(self._counts.values()))
         steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self._ready_timer = self.create_timer(READY_PERIOD, self._until_first_message, clock=steady)
         self.create_timer(FLUSH_PERIOD / 2, self._flush, clock=steady)
         self.create_timer(STATUS_PERIOD, self._diagnostics.publish)
 
@@ -195,11 +196,6 @@ class Recorder(Node):
     def _fail(self, concern: str, sentence: str) -> None:
         self.failed = True
         self._diagnostics.report(concern, sentence, Severity.ERROR, sentence, lasting=True)
-
-    def _until_first_message(self) -> None:
-        if any(self._counts.values()):
-            self._ready_timer.cancel()
-        self._diagnostics.publish()
 
     def _matched(self) -> dict[str, object]:
         counts: dict[str, object] = {

@@ -8,7 +8,7 @@ IDLE_SECONDS = 1.0
 """Nothing to do before something is heard from the graph."""
 
 RESEND_SECONDS = 0.5
-"""A tick nobody served for this long was lost: it is told again, s."""
+"""A tick nobody served for this long was lost: it is published again, s."""
 
 
 class DataSource(Protocol):

@@ -214,15 +214,21 @@ class Orchestration:
                 process = self._ended.popleft()
                 self._restart(process)
                 restarted.add(process.plan.name)
-            missing = self.edges.missing(asked)
-            if not missing and not self._own_offers_missing(control):
+            if self._connected(control, asked):
                 break
             if time.monotonic() > deadline:
+                missing = "; ".join(self.edges.missing(asked))
                 raise RunFailedError(
-                    f"the graph was not ready after {START_PATIENCE:.0f} s: {'; '.join(missing)}."
+                    f"the graph was not ready after {START_PATIENCE:.0f} s: {missing}."
                 )
-            activity = f"starting: {missing[0]}" if missing else "starting"
-            self._wait(control, source, lambda: False, _WATCH_SECONDS, activity)
+            activity = ": ".join(["starting", *self.edges.missing(asked)[:1]])
+            self._wait(
+                control,
+                source,
+                lambda: bool(self._ended) or self._connected(control, asked),
+                _WATCH_SECONDS,
+                activity,
+            )
         if self._flow_started is None:
             self._refuse_foreign(control, source)
         elif not self.interrupted:
@@ -268,10 +274,11 @@ class Orchestration:
                 "for this run."
             )
 
-    def _own_offers_missing(self, control: ControlNode) -> bool:
+    def _connected(self, control: ControlNode, nodes: set[str] | None) -> bool:
+        """Tell whether some nodes (default: all) and what the orchestration offers are matched."""
         consumers = self._plan.consumers()
-        return any(
-            control.matched_subscriptions(topic) < len(consumers[topic])
+        return not self.edges.missing(nodes) and all(
+            control.matched_subscriptions(topic) >= len(consumers[topic])
             for topic in self._plan.offered_names()
         )
 

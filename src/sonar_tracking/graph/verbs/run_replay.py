@@ -6,7 +6,7 @@ import os
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from sonar_tracking.bags.storage.reader import Bag, read_bag
 from sonar_tracking.bags.storage.repair import repair_bag
@@ -37,6 +37,10 @@ from sonar_tracking.graph.verbs.recording_plan import planned_recorder, recordin
 from sonar_tracking.graph.verbs.replay_comparison import ReplayComparison
 from sonar_tracking.graph.verbs.run_options import RunOptions
 from sonar_tracking.records.time import NANOSECONDS
+
+if TYPE_CHECKING:
+    from sonar_tracking.graph.orchestration.player import Player
+    from sonar_tracking.graph.orchestration.run_observer import RunObserver
 
 
 def replay_bag(
@@ -75,6 +79,21 @@ def replay_bag(
     orchestration = Orchestration(plan, display, log_directory)
     if bag.recovery:
         orchestration.warnings.append(bag.recovery)
+    observer, comparison, source = _play(bag, plan, orchestration, options, display)
+    if options.record is not None:
+        display.say(recording_hint(options.record, plan.topics(), observer.records))
+    report = orchestration.report(source.data_seconds, observer)
+    return _compared(report, comparison, parameters is not None) if source.finished else report
+
+
+def _play(
+    bag: Bag,
+    plan: GraphPlan,
+    orchestration: Orchestration,
+    options: RunOptions,
+    display: RunDisplay,
+) -> tuple[RunObserver, ReplayComparison, Player]:
+    """Run the graph on the recorded inputs; the processes have stopped when it returns."""
     orchestration.start_processes()
     os.environ.update(plan.transport.large_publishers)
     # rclpy takes a second to load: meanwhile the nodes do the same.
@@ -106,13 +125,9 @@ def replay_bag(
                 options.rate,
             )
             orchestration.run(control, source)
-            data_seconds, complete = source.data_seconds, source.finished
     finally:
         orchestration.stop_processes()
-    if options.record is not None:
-        display.say(recording_hint(options.record, plan.topics(), observer.records))
-    report = orchestration.report(data_seconds, observer)
-    return _compared(report, comparison, parameters is not None) if complete else report
+    return observer, comparison, source
 
 
 def plan_replay(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -69,6 +70,7 @@ def run_scenario(
     plan = plan_scenario(scenario, options, log_directory, name_or_path)
     orchestration = Orchestration(plan, display, log_directory)
     orchestration.start_processes()
+    os.environ.update(plan.transport.others)
     # rclpy takes a second to load: meanwhile the nodes do the same.
     from sonar_tracking.graph.orchestration.control_node import ControlNode
     from sonar_tracking.graph.orchestration.run_observer import RunObserver

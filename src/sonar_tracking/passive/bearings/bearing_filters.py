@@ -28,7 +28,7 @@ class FilterUpdate:
     filters : KalmanState
         After the estimate; as before if there was no measurement.
     measurement : BearingMeasurement or None
-        What the estimate told of each target; None = nothing.
+        What the estimate says of each target; None = nothing.
     notices : tuple of Notice
         Why there was no measurement.
     """

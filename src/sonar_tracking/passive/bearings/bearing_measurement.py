@@ -6,7 +6,7 @@ sample time), with the variance the tracker is to believe.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -39,7 +39,7 @@ class BearingMeasurement:
     innovation : ndarray, shape (..., n_targets)
         Measured minus predicted angle, rad.
     variance : ndarray, shape (..., n_targets)
-        Of the measurement, rad^2; NaN = cannot be told, do not use it.
+        Of the measurement, rad^2; NaN = unknown, do not use it.
     age : float
         How long before the stamp the targets had the measured angles, s.
     """
@@ -64,7 +64,7 @@ def measure_in_subspaces(
     configuration : BearingTrackerConfiguration
         Parameters of the tracker.
     estimates : SubspaceEstimates
-        At least one subspace.
+        At least one subspace; the innovations of all are fused.
     predicted_angles, predicted_rates : ndarray, shape (..., n_targets)
         At the stamp, rad and rad/s.
     sources : ndarray, shape (..., n_targets, n_targets), complex, or None
@@ -75,18 +75,13 @@ def measure_in_subspaces(
     Ryu, Park, Choi (2003), eqs. 6-14.
     """
     offsets = estimates.time_offsets
-    basis = estimates.basis
-    if configuration.method == "ryu":
-        middle = int(np.argmin(np.abs(offsets)))
-        offsets = offsets[middle : middle + 1]
-        basis = basis[..., middle : middle + 1, :, :]
     beta = forgetting_factor_of(estimates.effective_snapshots)
     age = 0.0
     if configuration.lag_correction and configuration.variance_from_data:
         age = mean_age(beta) * estimates.sample_period - float(offsets.mean())
     angles = predicted_angles - age * predicted_rates if age else predicted_angles
     innovations = angular_innovations(
-        basis,
+        estimates.basis,
         estimates.element_positions,
         angles,
         wavenumber(estimates.center_frequency, estimates.sound_speed),
@@ -102,3 +97,19 @@ def measure_in_subspaces(
         ratio = correlated_variance_ratio(offsets, estimates.sample_period, beta)
     innovation = fused_measurement(innovations)
     return BearingMeasurement(angles + innovation, innovation, ratio * variance, age)
+
+
+def nearest_subspace(estimates: SubspaceEstimates) -> SubspaceEstimates:
+    """Return the estimates with the one subspace that is nearest to the sample time.
+
+    Parameters
+    ----------
+    estimates : SubspaceEstimates
+        At least one subspace.
+    """
+    middle = int(np.argmin(np.abs(estimates.time_offsets)))
+    return replace(
+        estimates,
+        basis=estimates.basis[..., middle : middle + 1, :, :],
+        time_offsets=estimates.time_offsets[middle : middle + 1],
+    )

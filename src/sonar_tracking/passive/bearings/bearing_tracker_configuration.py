@@ -7,8 +7,13 @@ from dataclasses import dataclass
 
 from sonar_tracking.configuration import parameter
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.passive.bearings.bearing_method_registry import (
+    BEARING_METHODS,
+    BearingMethodEntry,
+)
 from sonar_tracking.passive.sources.weak_source_counting import COUNTED_TOGETHER
 from sonar_tracking.passive.subspaces.subspace_configuration import SubspaceConfiguration
+from sonar_tracking.passive.subspaces.subspace_method_registry import SUBSPACE_METHODS
 
 SQUARE_DEGREE = math.radians(1.0) ** 2
 """rad^2."""
@@ -20,10 +25,8 @@ class BearingTrackerConfiguration:
 
     method: str = parameter(
         "joint_map",
-        "One filter a target, measured in the one subspace at the sample time (ryu), in all fused "
-        "(ml_fusion) or by a fit to the block covariance (coherent); or one filter over all "
-        "targets, updated with the likelihood of the block covariance (joint_map)",
-        choices=("ryu", "ml_fusion", "coherent", "joint_map"),
+        "How bearings are measured and filtered",
+        methods=BEARING_METHODS,
     )
     source_rank: int = parameter(
         0,
@@ -79,8 +82,8 @@ class BearingTrackerConfiguration:
     steady_process_noise_deg2: float = parameter(
         0.001,
         "The same while the innovations of a bearing show no turn, and a tenth of it while another "
-        "is nearer than half a beamwidth, so that slow crossings keep their names; never less than "
-        "0.125 |rate|^3 (in radians), by which a target that passes on a straight course turns; "
+        "is nearer than half a beamwidth, so that slow crossings swap no identities; never less "
+        "than 0.125 |rate|^3 (in radians), by which a target on a straight course turns; "
         "with process_noise_deg2 or more q is constant (joint_map)",
         unit="deg^2/s^3",
         minimum=0.0,
@@ -137,9 +140,14 @@ class BearingTrackerConfiguration:
         return self.start == "automatic" and not published
 
     @property
+    def entry(self) -> BearingMethodEntry:
+        """What is known of the method."""
+        return BEARING_METHODS[self.method]
+
+    @property
     def needs_covariance(self) -> bool:
         """Whether the method measures in the block covariance and not in the subspaces."""
-        return self.method in ("coherent", "joint_map")
+        return self.entry.needs_covariance
 
 
 def check_configuration(configuration: BearingTrackerConfiguration) -> None:
@@ -180,13 +188,19 @@ def check_estimator(tracker: BearingTrackerConfiguration, estimator: SubspaceCon
     """
     if not tracker.needs_covariance:
         return
-    if estimator.method != "covariance":
+    if not estimator.entry.of_covariance:
         raise ConfigurationError(
-            f"bearing_tracker.method {tracker.method} needs subspace_estimator.method covariance, "
-            f"but that is {estimator.method}; set one of them to fit the other."
+            f"bearing_tracker.method {tracker.method} needs subspace_estimator.method "
+            f"{subspace_methods_of_covariance()}, but that is {estimator.method}; set one of them "
+            "to fit the other."
         )
     if estimator.covariance_snapshots == 0:
         raise ConfigurationError(
             f"bearing_tracker.method {tracker.method} measures in the sample covariance; set "
             "subspace_estimator.covariance_snapshots above zero."
         )
+
+
+def subspace_methods_of_covariance() -> str:
+    """Return the names of the subspace methods in whose covariance a tracker may measure."""
+    return " or ".join(SUBSPACE_METHODS.names_with("of_covariance"))

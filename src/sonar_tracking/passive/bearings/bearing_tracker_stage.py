@@ -3,9 +3,10 @@
 Either each target has its own Kalman filter, with a measurement that starts from its own predicted
 steering vector (Ryu, Park, Choi 2003, eq. 6; Hwang et al. 2005, eqs. 18-21), so that every target
 knows which measurement is its own; or one filter holds all targets and takes the likelihood of all
-their angles at once. The filters run unbounded in angle; what is reported is folded into the half
-circle a line array can tell apart, which changes nothing but the names of angles: a line array
-cannot distinguish theta from pi - theta.
+their angles at once (:mod:`sonar_tracking.passive.bearings.bearing_method_registry`). The filters
+run unbounded in angle; what is reported is folded into the half circle a line array can tell apart,
+which changes nothing but the names of angles: a line array cannot distinguish theta from
+pi - theta.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from sonar_tracking.errors import InputError, Notice
+from sonar_tracking.filtering.assignment import load_solver
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.passive.bearings.bearing_filters import BearingFilters, FilterUpdate
 from sonar_tracking.passive.bearings.bearing_measurement import BearingMeasurement
@@ -32,9 +34,8 @@ from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
     SQUARE_DEGREE,
     BearingTrackerConfiguration,
     check_configuration,
+    subspace_methods_of_covariance,
 )
-from sonar_tracking.passive.bearings.independent_filters import IndependentFilters
-from sonar_tracking.passive.bearings.joint_map_filters import JointMapFilters
 from sonar_tracking.passive.bearings.track_existence import (
     ENDED,
     Evidence,
@@ -47,6 +48,7 @@ from sonar_tracking.passive.directions.sources_at_angles import (
     signal_to_noise_ratios,
 )
 from sonar_tracking.passive.sources.weak_source_counting import WeakSourceCounter
+from sonar_tracking.passive.subspaces.subspace_method_registry import SUBSPACE_METHODS
 from sonar_tracking.records.arrays import ComplexArray, FloatArray, IndexArray
 from sonar_tracking.records.bearings import BearingTracks, SubspaceEstimates, TrackStatus
 from sonar_tracking.records.time import END_OF_DATA, seconds
@@ -104,12 +106,14 @@ class BearingTrackerStage:
     def __init__(self, configuration: BearingTrackerConfiguration) -> None:
         check_configuration(configuration)
         self.configuration = configuration
-        joint = configuration.method == "joint_map"
-        self._filters: BearingFilters[Any] = (JointMapFilters if joint else IndependentFilters)(
-            configuration
-        )
+        self._filters: BearingFilters[Any] = configuration.entry.make(configuration)
         self._next_id = configuration.first_id
         self._state: _TrackerState | None = None
+
+    def warm_up(self) -> None:
+        """Load what starts tracks before the first data need it."""
+        if self.configuration.start == "automatic":
+            load_solver()
 
     def reset(self) -> None:
         """Forget all tracks; identifiers go on."""
@@ -168,11 +172,12 @@ class BearingTrackerStage:
 
     def _check_method(self, estimates: SubspaceEstimates) -> None:
         configuration = self.configuration
-        if configuration.needs_covariance and estimates.method != "covariance":
+        suitable = SUBSPACE_METHODS.names_with("of_covariance")
+        if configuration.needs_covariance and estimates.method not in suitable:
+            names = subspace_methods_of_covariance()
             raise InputError(
-                f"method {configuration.method} needs estimates of method covariance, but these "
-                f"are of method {estimates.method}; set method = covariance in the subspace "
-                "estimator."
+                f"method {configuration.method} needs estimates of method {names}, but these are "
+                f"of method {estimates.method}; set method = {names} in the subspace estimator."
             )
 
     def _predict(self, estimates: SubspaceEstimates) -> _TrackerState:
@@ -270,7 +275,7 @@ class BearingTrackerStage:
         evidence: Evidence,
         measurement: BearingMeasurement | None,
     ) -> tuple[TrackStatus, ...]:
-        """Return the status of each running track; TERMINATED is told once."""
+        """Return the status of each running track; TERMINATED is reported once."""
         coasted = np.full(len(state.ids), measurement is None and self._state is not None)
         if not self.configuration.ends_tracks:
             return tuple(np.where(coasted, TrackStatus.COASTED, TrackStatus.CONFIRMED).tolist())

@@ -6,6 +6,7 @@ the predictions), so that every target knows which measurement is its own.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,15 +18,22 @@ from sonar_tracking.passive.bearings.bearing_filters import FilterUpdate
 from sonar_tracking.passive.bearings.bearing_measurement import (
     BearingMeasurement,
     measure_in_subspaces,
+    nearest_subspace,
 )
 from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
     BearingTrackerConfiguration,
 )
 from sonar_tracking.passive.bearings.projection_measurement import measure_by_projection
-from sonar_tracking.records.arrays import ComplexArray, IndexArray
+from sonar_tracking.records.arrays import ComplexArray, FloatArray, IndexArray
 from sonar_tracking.records.bearings import SubspaceEstimates
 
 Measured = tuple[BearingMeasurement | None, tuple[Notice, ...]]
+Measure = Callable[
+    [BearingTrackerConfiguration, SubspaceEstimates, FloatArray, FloatArray, ComplexArray | None],
+    Measured,
+]
+"""Takes parameters, estimates, predicted angles and rates (..., n_targets) in rad and rad/s, and
+the covariance of the sources; returns the measured bearings, or None and why there are none."""
 
 
 @dataclass(frozen=True)
@@ -35,10 +43,13 @@ class IndependentFilters:
     Attributes
     ----------
     configuration : BearingTrackerConfiguration
-        Parameters; the method is ryu, ml_fusion or coherent.
+        Parameters.
+    measure : callable
+        Measures the bearings of all targets, see :data:`Measure`.
     """
 
     configuration: BearingTrackerConfiguration
+    measure: Measure
 
     def start(self, targets: KalmanState) -> KalmanState:
         """Return the filters of some targets: the targets themselves."""
@@ -100,19 +111,8 @@ class IndependentFilters:
         estimates: SubspaceEstimates,
         sources: ComplexArray | None,
     ) -> Measured:
-        configuration = self.configuration
         angles, rates = filters.mean[..., 0], filters.mean[..., 1]
-        measurement: BearingMeasurement | None
-        notices: tuple[Notice, ...] = ()
-        if configuration.method == "coherent":
-            measurement, notices = measure_by_projection(
-                configuration, estimates, angles, rates, sources
-            )
-        elif estimates.basis.shape[-3] == 0:
-            text = "No subspace at this sample time; the tracks are predicted only."
-            return None, (Notice(Severity.WARN, "subspace", text),)
-        else:
-            measurement = measure_in_subspaces(configuration, estimates, angles, rates, sources)
+        measurement, notices = self.measure(self.configuration, estimates, angles, rates, sources)
         if measurement is not None and not np.isfinite(measurement.variance).all():
             text = (
                 "The variance of the measurements is not known without a sample covariance; set "
@@ -121,3 +121,43 @@ class IndependentFilters:
             )
             return None, (Notice(Severity.ERROR, "measurement variance", text),)
         return measurement, notices
+
+
+def one_subspace_filters(configuration: BearingTrackerConfiguration) -> IndependentFilters:
+    """Return filters that measure in the one subspace at the sample time (``ryu``)."""
+    return IndependentFilters(configuration, _measure_in_one_subspace)
+
+
+def fused_subspace_filters(configuration: BearingTrackerConfiguration) -> IndependentFilters:
+    """Return filters that measure in all adjacent subspaces (``ml_fusion``)."""
+    return IndependentFilters(configuration, _measure_in_all_subspaces)
+
+
+def projection_filters(configuration: BearingTrackerConfiguration) -> IndependentFilters:
+    """Return filters that measure by a fit to the block covariance (``coherent``)."""
+    return IndependentFilters(configuration, measure_by_projection)
+
+
+def _measure_in_one_subspace(
+    configuration: BearingTrackerConfiguration,
+    estimates: SubspaceEstimates,
+    angles: FloatArray,
+    rates: FloatArray,
+    sources: ComplexArray | None,
+) -> Measured:
+    if len(estimates.time_offsets):
+        estimates = nearest_subspace(estimates)
+    return _measure_in_all_subspaces(configuration, estimates, angles, rates, sources)
+
+
+def _measure_in_all_subspaces(
+    configuration: BearingTrackerConfiguration,
+    estimates: SubspaceEstimates,
+    angles: FloatArray,
+    rates: FloatArray,
+    sources: ComplexArray | None,
+) -> Measured:
+    if not len(estimates.time_offsets):
+        text = "No subspace at this sample time; the tracks are predicted only."
+        return None, (Notice(Severity.WARN, "subspace", text),)
+    return measure_in_subspaces(configuration, estimates, angles, rates, sources), ()

@@ -228,7 +228,7 @@ def _equivalent_measurement(
     """Return the measurement of each target by itself that would have changed it as the block did.
 
     With the variances p and p' of an angle before and after, its variance is p p' / (p - p') and
-    its innovation the change of the angle times p / (p - p'); NaN where the block told nothing.
+    its innovation the change of the angle times p / (p - p'); NaN where the block says nothing.
     """
     old_angle, old_variance = _angle_at(before, age)
     new_angle, new_variance = _angle_at(after, age)

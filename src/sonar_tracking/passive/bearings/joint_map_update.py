@@ -4,7 +4,7 @@ The measurement is the likelihood of all angles at once, as score and informatio
 (:mod:`sonar_tracking.passive.directions.weighted_subspace_fit`), linearised again at every iterate.
 No measurement variance needs tuning, and nothing is inverted but I + J P, so that the information J
 may be singular at a crossing: the prior, with the correlations that former blocks have left, then
-holds the identities apart. The state of n targets is [n angles, n rates].
+keeps the identities apart. The state of n targets is [n angles, n rates].
 """
 
 from __future__ import annotations

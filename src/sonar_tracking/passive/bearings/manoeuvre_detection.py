@@ -11,7 +11,7 @@ is right. Its exponential mean
 is then standard normal too, while a turn pushes it to one side. The level of process noise is
 raised by one when m^2 exceeds a limit, and lowered by one when it falls below another. Where the
 array does not resolve a bearing from another, its innovations tell nothing about turns: level and,
-with even less process noise, rate from before are held until they part.
+with even less process noise, rate from before are kept until they part.
 
 A straight course is no steady bearing: with the angle f from the closest point of approach the
 bearing accelerates by -2 b^2 tan(f), b being its rate, and f is not known. An acceleration of the
@@ -19,7 +19,7 @@ order of b^2 that lasts about 1 / b is a white one of density
 
     q = c |b|^3,
 
-whatever the range and the speed; no less is taken, steady or held. Fast bearings thus get the
+whatever the range and the speed; no less is taken, steady or kept. Fast bearings thus get the
 process noise that their passing needs, slow ones next to none, and crossings of slow ones stay
 apart by their rates.
 

@@ -2,7 +2,7 @@
 
 MUSIC looks for as many sources as there are by the count. A peak nearer than half a beamwidth to a
 track belongs to that track. One whose power, orthogonal to all other bearings, does not stand out
-of the noise is none: MUSIC finds a peak for every source that it is told of, there or not, and the
+of the noise is none: MUSIC finds a peak for every source asked for, there or not, and the
 noise may be of another colour than it is taken for.
 """
 

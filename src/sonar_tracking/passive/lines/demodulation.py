@@ -76,12 +76,17 @@ def design_band(sample_rate: float, frequency: float, bandwidth: float) -> Band:
             f"The band around {frequency:g} Hz reaches above half the sample rate of "
             f"{sample_rate:g} Hz; give a frequency below {sample_rate / 2 - half_width:g} Hz."
         )
-    # Loaded at the first band: it takes twice as long as the start of a node.
+    # It takes longer to load than a whole node to start: see load_filter_design.
     from scipy.signal import firwin, kaiserord
 
     n_taps, shape = kaiserord(_STOP_BAND_DB, _TRANSITION * bandwidth / (sample_rate / 2))
     taps = firwin(n_taps | 1, bandwidth / 2, window=("kaiser", shape), fs=sample_rate)
     return Band(frequency, bandwidth, int(sample_rate // bandwidth), taps)
+
+
+def load_filter_design() -> None:
+    """Load the design of filters now, so that the first band need not wait for it."""
+    design_band(sample_rate=1000.0, frequency=100.0, bandwidth=10.0)
 
 
 class Demodulator:

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sonar_tracking.errors import Notice
+from sonar_tracking.filtering.assignment import load_solver
 from sonar_tracking.passive.lines.line_analysis import LineAnalysis
 from sonar_tracking.passive.lines.line_tracker_configuration import (
     LineTrackerConfiguration,
@@ -81,6 +82,10 @@ class LineTrackerStage:
         check_line_tracker(self._configuration)
         self._lines = LineTracks(self._configuration)
         self.reset()
+
+    def warm_up(self) -> None:
+        """Load the solver of assignments before the first data need it."""
+        load_solver()
 
     def reset(self) -> None:
         """Forget all data and lines; identifiers go on."""

@@ -8,7 +8,7 @@ be a source only if it exceeds what the strongest one could have spread, with a 
     lambda / sigma^2 > (1 + 2 p)(1 + c / (2 p)),  c = M / N  (for 2 p < sqrt(c) MDL sees no spread),
 
 the right-hand side being where N snapshots show an eigenvalue 1 + 2 p. Where p exceeds a half,
-nothing is told: strong sources are counted on few snapshots
+nothing is given: strong sources are counted on few snapshots
 (:mod:`sonar_tracking.passive.sources.moving_source_counting`), and their echoes are not sought
 here.
 

@@ -13,44 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.passive.subspaces.block_past import BlockPast
-from sonar_tracking.passive.subspaces.exponential_covariance import ExponentialCovariance
-from sonar_tracking.passive.subspaces.orthonormal_past import OrthonormalPast
-from sonar_tracking.passive.subspaces.past import Past
 from sonar_tracking.passive.subspaces.sample_schedule import BlockTiming
 from sonar_tracking.passive.subspaces.subspace_method import SubspaceMethod
 from sonar_tracking.records.arrays import ComplexArray
-
-
-def make_method(name: str, forgetting_factor: float, step: int) -> SubspaceMethod[Any]:
-    """Return a subspace method by its name.
-
-    Parameters
-    ----------
-    name : {"past", "opast", "block_past", "covariance"}
-        Method.
-    forgetting_factor : float
-        beta, per snapshot.
-    step : int
-        Snapshots of one step of block PAST; one step of one snapshot is PAST itself.
-
-    Raises
-    ------
-    ConfigurationError
-        On another name.
-    """
-    if name == "past" or (name == "block_past" and step == 1):
-        return Past(forgetting_factor)
-    if name == "opast":
-        return OrthonormalPast(forgetting_factor)
-    if name == "block_past":
-        return BlockPast(forgetting_factor, step)
-    if name == "covariance":
-        return ExponentialCovariance(forgetting_factor)
-    raise ConfigurationError(
-        f"method is {name!r}; it must be one of past, opast, block_past, covariance."
-    )
 
 
 @dataclass(frozen=True)

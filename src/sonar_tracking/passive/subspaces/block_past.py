@@ -17,6 +17,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sonar_tracking.passive.subspaces.past import Past
+from sonar_tracking.passive.subspaces.subspace_configuration import SubspaceConfiguration
 from sonar_tracking.passive.subspaces.subspace_method import identity_basis
 from sonar_tracking.records.arrays import ComplexArray
 
@@ -51,6 +53,13 @@ class BlockPast:
 
     forgetting_factor: float
     update_snapshots: int
+
+    @classmethod
+    def configured(cls, configuration: SubspaceConfiguration) -> BlockPast | Past:
+        """Return the method with the parameters of the stage; a step of one snapshot is PAST."""
+        if configuration.step == 1:
+            return Past(configuration.forgetting_factor)
+        return cls(configuration.forgetting_factor, configuration.step)
 
     def start(self, n_elements: int, n_columns: int, batch: tuple[int, ...] = ()) -> BlockPastState:
         """Return W = I(:, 1:N) and R = I."""

@@ -151,7 +151,7 @@ def starting_columns(configuration: SubspaceConfiguration, memory: EstimationMem
     summary = _summary(configuration, memory, memory.timing.last_index)
     positions = memory.header.element_positions
     count = summary.source_count if is_uniform_line(positions) else summary.rank
-    if count == 0 and configuration.method == "covariance":
+    if count == 0 and configuration.entry.of_covariance:
         # The whole array sees weaker sources than the smoothed count does.
         count = summary.rank
     return min(max(count, 0), len(positions) - 1)
@@ -171,7 +171,7 @@ def _summary(
     stop = max(end + 1 - begin_of_history, 0)
     start = max(stop - configuration.covariance_snapshots, 0)
     # The columns of the covariance method are no limit to what is in a covariance of its own.
-    counted = configuration.method == "covariance" and configuration.source_count == 0
+    counted = configuration.entry.of_covariance and configuration.source_count == 0
     return summarise_covariance(
         memory.used_history[..., start:stop, :],
         0 if counted else memory.n_columns,

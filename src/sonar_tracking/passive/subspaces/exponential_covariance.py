@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sonar_tracking.passive.subspaces.subspace_configuration import SubspaceConfiguration
 from sonar_tracking.records.arrays import ComplexArray
 
 
@@ -42,6 +43,11 @@ class ExponentialCovariance:
     """
 
     forgetting_factor: float
+
+    @classmethod
+    def configured(cls, configuration: SubspaceConfiguration) -> ExponentialCovariance:
+        """Return the method with the parameters of the stage."""
+        return cls(configuration.forgetting_factor)
 
     @property
     def update_snapshots(self) -> int:

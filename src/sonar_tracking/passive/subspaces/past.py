@@ -19,6 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sonar_tracking.passive.subspaces.subspace_configuration import SubspaceConfiguration
 from sonar_tracking.passive.subspaces.subspace_method import identity_basis
 from sonar_tracking.records.arrays import ComplexArray
 
@@ -50,6 +51,11 @@ class Past:
     """
 
     forgetting_factor: float
+
+    @classmethod
+    def configured(cls, configuration: SubspaceConfiguration) -> Past:
+        """Return the method with the parameters of the stage."""
+        return cls(configuration.forgetting_factor)
 
     @property
     def update_snapshots(self) -> int:

@@ -6,6 +6,10 @@ from dataclasses import dataclass
 
 from sonar_tracking.configuration import parameter
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.passive.subspaces.subspace_method_registry import (
+    SUBSPACE_METHODS,
+    SubspaceMethodEntry,
+)
 
 
 @dataclass(frozen=True)
@@ -15,7 +19,7 @@ class SubspaceConfiguration:
     method: str = parameter(
         "covariance",
         "How the signal subspace is followed",
-        choices=("past", "opast", "block_past", "covariance"),
+        methods=SUBSPACE_METHODS,
     )
     forgetting_factor: float = parameter(
         0.97, "Weight beta of the past, per snapshot", minimum=0.01, maximum=0.99999
@@ -35,7 +39,7 @@ class SubspaceConfiguration:
     )
     update_snapshots: int = parameter(
         10,
-        "Snapshots L between adjacent subspaces (block_past, covariance; 1 for past, opast)",
+        "Snapshots L between adjacent subspaces; 1 where a method takes a step each snapshot",
         minimum=1,
     )
     covariance_snapshots: int = parameter(
@@ -62,9 +66,14 @@ class SubspaceConfiguration:
     )
 
     @property
+    def entry(self) -> SubspaceMethodEntry:
+        """What is known of the method."""
+        return SUBSPACE_METHODS[self.method]
+
+    @property
     def step(self) -> int:
         """Snapshots between adjacent subspaces."""
-        return 1 if self.method in ("past", "opast") else self.update_snapshots
+        return 1 if self.entry.snapshot_by_snapshot else self.update_snapshots
 
     @property
     def covariance_lookahead(self) -> int:

@@ -1,22 +1,22 @@
 """Snapshots of an array -> signal subspaces around each sample time.
 
-A recursive method (PAST, OPAST, block PAST or the eigenvectors of an exponentially weighted
-covariance) follows the signal subspace through all snapshots. Around each sample time k T the stage
-publishes P adjacent subspaces (Ryu, Park, Choi 2003, eq. 7) and the sample covariance of the
-snapshots before or around it. The first estimate belongs to the first sample time whose window is
-complete. Bad elements are left out (:mod:`sonar_tracking.passive.subspaces.channel_monitor`): the
-subspace is then started again on the others, from the snapshots that are kept for the covariance.
+A recursive method (:mod:`sonar_tracking.passive.subspaces.subspace_method_registry`) follows the
+signal subspace through all snapshots. Around each sample time k T the stage publishes P adjacent
+subspaces (Ryu, Park, Choi 2003, eq. 7) and the sample covariance of the snapshots before or around
+it. The first estimate belongs to the first sample time whose window is complete. Bad elements are
+left out (:mod:`sonar_tracking.passive.subspaces.channel_monitor`): the subspace is then started
+again on the others, from the snapshots that are kept for the covariance.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from sonar_tracking.errors import InputError, Notice, Severity
 from sonar_tracking.passive.subspaces.basis_sampling import (
-    make_method,
     noise_factors,
     start_sampler,
 )
@@ -42,6 +42,7 @@ from sonar_tracking.passive.subspaces.subspace_configuration import (
     SubspaceConfiguration,
     check_configuration,
 )
+from sonar_tracking.passive.subspaces.subspace_method import SubspaceMethod
 from sonar_tracking.records.bearings import ArraySnapshots, SubspaceEstimates
 from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS
 
@@ -93,9 +94,7 @@ class SubspaceStage:
     def __init__(self, configuration: SubspaceConfiguration) -> None:
         check_configuration(configuration)
         self.configuration = configuration
-        self._method = make_method(
-            configuration.method, configuration.forgetting_factor, configuration.step
-        )
+        self._method: SubspaceMethod[Any] = configuration.entry.make(configuration)
         self._schedule = SampleSchedule(
             period_in_nanoseconds(configuration.period),
             configuration.n_subspaces,

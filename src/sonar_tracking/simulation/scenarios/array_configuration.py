@@ -76,7 +76,18 @@ class NoiseConfiguration:
     )
 
     def covariance(self, n_elements: int) -> FloatArray | None:
-        """Return the covariance, shape (n_elements, n_elements), trace n_elements; None = white."""
+        """Return the covariance of the noise.
+
+        Parameters
+        ----------
+        n_elements : int
+            Of the array.
+
+        Returns
+        -------
+        ndarray, shape (n_elements, n_elements), or None
+            Pure numbers with trace n_elements; None = white.
+        """
         if self.correlation == 0.0:
             return None
         index = np.arange(n_elements)

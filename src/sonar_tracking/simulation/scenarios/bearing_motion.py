@@ -20,7 +20,20 @@ class TargetMotion(Protocol):
     """How the sound of a target arrives at the array."""
 
     def arrival(self, times: FloatArray, receiver: Receiver) -> tuple[FloatArray, FloatArray]:
-        """Return the arrival angle (rad) and its rate (rad/s) at reception times (s)."""
+        """Return the arrival angle at the array and its rate.
+
+        Parameters
+        ----------
+        times : ndarray, shape (...)
+            Of reception, s.
+        receiver : Receiver
+            The array.
+
+        Returns
+        -------
+        angle, rate : ndarray, shape (...)
+            rad from broadside, rad/s.
+        """
 
 
 @dataclass(frozen=True)
@@ -39,7 +52,7 @@ class ArctangentMotion:
     )
 
     def arrival(self, times: FloatArray, receiver: Receiver) -> tuple[FloatArray, FloatArray]:
-        """Return the arrival angle (rad) and its rate (rad/s) at reception times (s)."""
+        """Return angle and rate of arrival, rad and rad/s, at times, shape (...), s."""
         rate = np.radians(self.rate_deg)
         argument = rate * (times - self.crossing_time)
         angle = np.radians(self.offset_deg) + np.arctan(argument)
@@ -58,7 +71,7 @@ class LinearMotion:
     reference_time: float = parameter(0.0, "when the bearing is offset_deg", unit="s")
 
     def arrival(self, times: FloatArray, receiver: Receiver) -> tuple[FloatArray, FloatArray]:
-        """Return the arrival angle (rad) and its rate (rad/s) at reception times (s)."""
+        """Return angle and rate of arrival, rad and rad/s, at times, shape (...), s."""
         rate = np.radians(self.rate_deg)
         angle = np.radians(self.offset_deg) + rate * (times - self.reference_time)
         return angle, np.full_like(times, rate)
@@ -77,7 +90,7 @@ class SinusoidalMotion:
     phase_deg: float = parameter(0.0, "phase of the cycle at scenario time 0", unit="deg")
 
     def arrival(self, times: FloatArray, receiver: Receiver) -> tuple[FloatArray, FloatArray]:
-        """Return the arrival angle (rad) and its rate (rad/s) at reception times (s)."""
+        """Return angle and rate of arrival, rad and rad/s, at times, shape (...), s."""
         frequency = 2.0 * np.pi / self.period
         phase = frequency * times + np.radians(self.phase_deg)
         amplitude = np.radians(self.amplitude_deg)
@@ -96,7 +109,7 @@ class TableMotion:
     )
 
     def arrival(self, times: FloatArray, receiver: Receiver) -> tuple[FloatArray, FloatArray]:
-        """Return the arrival angle (rad) and its rate (rad/s) at reception times (s)."""
+        """Return angle and rate of arrival, rad and rad/s, at times, shape (...), s."""
         knots = np.array(self.times)
         bearings = np.radians(self.bearings_deg)
         slopes = np.concatenate([[0.0], np.diff(bearings) / np.diff(knots), [0.0]])

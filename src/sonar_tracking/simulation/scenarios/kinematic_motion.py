@@ -55,7 +55,20 @@ class KinematicMotion:
         return WanderingPath(planned, self.acceleration, self.acceleration_seed)
 
     def arrival(self, times: FloatArray, receiver: Receiver) -> tuple[FloatArray, FloatArray]:
-        """Return the arrival angle (rad) and its rate (rad/s) at reception times (s)."""
+        """Return the arrival angle at the array and its rate.
+
+        Parameters
+        ----------
+        times : ndarray, shape (...)
+            Of reception, s.
+        receiver : Receiver
+            The array.
+
+        Returns
+        -------
+        angle, rate : ndarray, shape (...)
+            rad from broadside, rad/s.
+        """
         array = receiver.trajectory.state(times)
         emitted = emission_times(self.trajectory, array.position, times, receiver.sound_speed)
         source = self.trajectory.state(emitted)

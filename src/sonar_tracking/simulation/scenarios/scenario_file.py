@@ -8,8 +8,7 @@ from typing import Any
 
 import yaml
 
-from sonar_tracking.configuration import unknown_name_text
-from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.errors import ConfigurationError, unknown_name_text
 from sonar_tracking.resources import find_resource
 
 SCENARIO_FOLDER = "config/scenarios"

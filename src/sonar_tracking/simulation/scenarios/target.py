@@ -40,7 +40,7 @@ class LineConfiguration:
     )
 
     def is_present(self, times: ArrayLike) -> BoolArray:
-        """Return at which times (s) the line is there; intervals are half open."""
+        """Return at which times, shape (...), s, the line is there; intervals are half open."""
         return within(self.present, times)
 
 
@@ -81,7 +81,7 @@ class TargetConfiguration:
     motion: TargetMotion = field(default_factory=ArctangentMotion, metadata=SECTION)
 
     def is_present(self, times: ArrayLike) -> BoolArray:
-        """Return at which reception times (s) the target is heard; intervals are half open."""
+        """Return at which times of reception, shape (...), s, it is heard."""
         return within(self.present, times)
 
 
@@ -94,6 +94,11 @@ def within(schedule: tuple[float, ...], times: ArrayLike) -> BoolArray:
         Ascending, s.
     times : array_like, shape (...)
         s.
+
+    Returns
+    -------
+    ndarray of bool, shape (...)
+        True inside.
     """
     if not schedule:
         return np.ones(np.shape(times), dtype=bool)

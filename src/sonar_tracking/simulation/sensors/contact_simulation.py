@@ -207,7 +207,7 @@ class ContactSimulation:
     def _contacts(self, time: float, rows: FloatArray, amplitudes: FloatArray) -> Contacts:
         """Return the record, contacts in the order of their range: it tells nothing.
 
-        A level that depends on the range is not told, since no single ratio is right.
+        A level that depends on the range is left unknown, since no single ratio is right.
         """
         sensor = self._configuration
         order = np.argsort(rows[:, 0], kind="stable")

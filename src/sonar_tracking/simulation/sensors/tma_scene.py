@@ -138,12 +138,12 @@ def true_states(scene: TmaScene, normal: FloatArray) -> FloatArray:
     scene : TmaScene
         The motion.
     normal : ndarray, shape (n_frames, 2)
-        Row k acts between frame k and the next.
+        Pure numbers; row k acts between frame k and the next.
 
     Returns
     -------
     ndarray, shape (n_frames, 4)
-        x, y, vx, vy.
+        x, y, vx, vy, m and m/s.
     """
     intervals = np.diff(scene.times)[:, None]
     change = scene.acceleration * normal[:-1] * intervals + scene.commanded[:-1]

@@ -53,6 +53,11 @@ class BroadbandWaveform:
         ----------
         times : ndarray, shape (...)
             s; the earliest not before the earliest of the call before.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            Linear amplitude, variance 1.
         """
         steps = times * self._rate
         index = np.floor(steps).astype(np.int64)

@@ -18,7 +18,7 @@ STEERING_ENTRIES = 1 << 19
 
 
 def circular_gaussian(generator: np.random.Generator, shape: tuple[int, ...]) -> ComplexArray:
-    """Return independent circular complex Gaussian numbers of power 1."""
+    """Return independent circular complex Gaussian numbers of power 1 (linear), in any shape."""
     pairs = generator.standard_normal((*shape, 2))
     pairs *= np.sqrt(0.5)
     return pairs.view(np.complex128)[..., 0]
@@ -42,14 +42,14 @@ def synthesize_snapshots(
     arrival_angles : ndarray, shape (n_snapshots, n_sources)
         At each snapshot, rad from broadside; the same for all batch entries.
     signals : ndarray, shape (..., n_snapshots, n_sources), complex
-        Source signals at the first element.
+        Source signals at the first element, linear amplitude.
     noise : ndarray, shape (..., n_snapshots, n_elements), complex
-        Added to the sum; leading dimensions as in ``signals``.
+        Added to the sum, linear amplitude; leading dimensions as in ``signals``.
 
     Returns
     -------
     ndarray, shape (..., n_snapshots, n_elements), complex
-        Snapshots.
+        Snapshots, linear amplitude.
     """
     n_snapshots, n_sources = arrival_angles.shape
     if signals.shape[-2:] != (n_snapshots, n_sources):
@@ -68,5 +68,5 @@ def synthesize_snapshots(
 
 
 def rounded_to_single(data: ComplexArray) -> ComplexArray:
-    """Return the data as they are after a passage through single precision messages."""
+    """Return data, shape (...) and any unit, as they are after single precision messages."""
     return data.astype(np.complex64).astype(np.complex128)

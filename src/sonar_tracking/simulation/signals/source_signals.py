@@ -46,12 +46,12 @@ class SourceSignals:
         times : ndarray, shape (n_snapshots,)
             s.
         waveforms : ndarray, shape (..., n_snapshots, n_waveforms), complex
-            Of power 1.
+            Of power 1 (linear).
 
         Returns
         -------
         ndarray, shape (..., n_snapshots, n_targets), complex
-            Source signals at the first element.
+            Source signals at the first element, linear amplitude.
         """
         factors = np.empty((len(times), len(self._targets)), dtype=np.complex128)
         for index, target in enumerate(self._targets):

@@ -7,15 +7,10 @@ frame, and know no second station.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, Protocol
-
 import numpy as np
 
 from sonar_tracking.errors import InputError
-from sonar_tracking.tma.estimators.chan_summed_lines import SummedLines
-from sonar_tracking.tma.estimators.cheong_fused_line import FusedLine
-from sonar_tracking.tma.estimators.jauffret_stacked_lines import StackedLines
+from sonar_tracking.tma.estimators.estimator import Estimator
 from sonar_tracking.tma.estimators.sensor_frame import TmaEstimate, TmaMeasurement
 from sonar_tracking.tma.targets.measurement_log import MeasurementLog
 from sonar_tracking.tma.targets.observability import OBSERVABLE
@@ -26,27 +21,7 @@ from sonar_tracking.tma.targets.target_records import (
     check_observation,
 )
 from sonar_tracking.tma.targets.target_solver import LEFT, RIGHT, SINGLE
-from sonar_tracking.tma.targets.tma_tracker_configuration import (
-    FUSED_LINE,
-    STACKED_LINES,
-    STACKED_LINES_RESTARTED,
-    SUMMED_LINES,
-    TmaTrackerConfiguration,
-)
-
-
-class _Filter(Protocol):
-    def update(self, measurement: TmaMeasurement) -> TmaEstimate:
-        """Take one measurement in and return where the target is."""
-
-
-_METHODS: dict[str, Callable[[Any], _Filter]] = {
-    FUSED_LINE: FusedLine,
-    SUMMED_LINES: SummedLines,
-    STACKED_LINES: StackedLines,
-    STACKED_LINES_RESTARTED: StackedLines,
-}
-_ONE_STATE_PER_LINE = (STACKED_LINES, STACKED_LINES_RESTARTED)
+from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
 
 
 class BaselineSolver:
@@ -60,7 +35,7 @@ class BaselineSolver:
 
     def __init__(self, configuration: TmaTrackerConfiguration) -> None:
         self._configuration = configuration
-        self._filters: dict[str, _Filter] = {}
+        self._estimators: dict[str, Estimator] = {}
         self._column_of: dict[tuple[str, int], int] = {}
         self._received = np.ones(MAXIMUM_LINES)
         self._log: MeasurementLog
@@ -89,12 +64,12 @@ class BaselineSolver:
         if not observation.azimuths:
             return ()
         measurements = [self._measurement(observation, azimuth) for azimuth in observation.azimuths]
-        if not self._filters:
+        if not self._estimators:
             self._begin(measurements)
         self._log.append(measurements[0])
         self._last_stamp = observation.stamp
         solutions = []
-        for index, (side, one) in enumerate(self._filters.items()):
+        for index, (side, one) in enumerate(self._estimators.items()):
             measurement = measurements[min(index, len(measurements) - 1)]
             solutions.append(self._solution(side, one.update(measurement)))
         return tuple(solutions)
@@ -105,9 +80,8 @@ class BaselineSolver:
 
     def _begin(self, measurements: list[TmaMeasurement]) -> None:
         sides = (LEFT, RIGHT) if len(measurements) == 2 else (SINGLE,)
-        method = _METHODS[self._configuration.method]
-        parameters = self._configuration.single_filter()
-        self._filters = {side: method(parameters) for side in sides}
+        method, configuration = self._configuration.entry, self._configuration
+        self._estimators = {side: method.make(configuration) for side in sides}
         self._log = MeasurementLog(measurements[0])
 
     def _measurement(self, observation: TargetObservation, azimuth: float) -> TmaMeasurement:
@@ -146,12 +120,12 @@ class BaselineSolver:
             int(side == RIGHT),
         )
         lines: list[tuple[str, int]] = []
-        if self._configuration.method in _ONE_STATE_PER_LINE:
+        if self._configuration.entry.names_lines:
             lines = list(self._column_of)[:MAXIMUM_LINES]
         return TargetSolution(
             stamp=estimate.stamp,
             side=side,
-            probability=1.0 / len(self._filters),
+            probability=1.0 / len(self._estimators),
             mean=estimate.mean,
             covariance=estimate.covariance,
             observability=figure,

@@ -135,7 +135,7 @@ def lines_of(lines: FrequencyLines, tracks: list[int]) -> tuple[dict[int, list[H
     if bad:
         problems.append(f"line {bad[0]} has an impossible frequency or standard deviation")
     if repeated:
-        problems.append(f"line {repeated[0]} is told twice")
+        problems.append(f"line {repeated[0]} appears twice")
     best = {track: _best(list(own.values())) for track, own in heard.items()}
     return best, " and ".join(problems)
 

@@ -13,7 +13,7 @@ from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
 from sonar_tracking.tma.targets.baseline_solver import BaselineSolver
 from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
 from sonar_tracking.tma.targets.target_solver import SIDE_PROBABILITY, TargetSolver
-from sonar_tracking.tma.targets.tma_tracker_configuration import RANGE_BANK, TmaTrackerConfiguration
+from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
 
 
 @dataclass(eq=False)
@@ -107,7 +107,7 @@ class FollowedTarget:
 
 def new_solver(configuration: TmaTrackerConfiguration) -> TargetSolver | BaselineSolver:
     """Return a solver of the method that is configured."""
-    if configuration.method == RANGE_BANK:
+    if configuration.entry.weighs_hypotheses:
         return TargetSolver(configuration)
     return BaselineSolver(configuration)
 

@@ -7,7 +7,7 @@ of both. The evidence that they are one is
 
 summed innovation by innovation; the first bearing of a target alone comes from anywhere. What is
 taken to be one is the most likely assignment, once it beats every other one by the stated odds.
-Bearings that cross where nobody is (ghosts) fall behind as the stations or the targets move.
+Bearings that cross where no target is (ghosts) fall behind as the stations or the targets move.
 """
 
 from __future__ import annotations

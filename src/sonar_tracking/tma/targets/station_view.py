@@ -89,11 +89,11 @@ def station_view(
     Parameters
     ----------
     sensor : Sensor
-        From the data; NaN = not told.
+        From the data; NaN = unknown.
     own_ship : KinematicState or None
         At the stamp of the data.
     configuration : TmaTrackerConfiguration
-        Mounting of an array whose pose is not told.
+        Mounting of an array whose pose is unknown.
 
     Raises
     ------
@@ -136,7 +136,7 @@ def station_view(
 
 
 def _yaw(sensor: Sensor) -> float:
-    """Return the azimuth of the x axis of a sensor's frame, rad; NaN = not told."""
+    """Return the azimuth of the x axis of a sensor's frame, rad; NaN = unknown."""
     x, y, z, w = sensor.orientation
     if not any((x, y, z, w)):
         return math.nan

@@ -8,17 +8,8 @@ import numpy as np
 
 from sonar_tracking.configuration import parameter
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.tma.estimators.jauffret_stacked_lines import (
-    FULL,
-    NEVER,
-    SingleFilterConfiguration,
-)
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
-
-RANGE_BANK = "range_bank"
-FUSED_LINE, SUMMED_LINES = "fused_line", "summed_lines"
-STACKED_LINES, STACKED_LINES_RESTARTED = "stacked_lines", "stacked_lines_restarted"
-BASELINES = (FUSED_LINE, SUMMED_LINES, STACKED_LINES, STACKED_LINES_RESTARTED)
+from sonar_tracking.tma.targets.tma_method_registry import TMA_METHODS, TmaMethodEntry
 
 
 @dataclass(frozen=True)
@@ -26,11 +17,9 @@ class TmaTrackerConfiguration(RangeBankConfiguration):
     """Parameters of target motion analysis: its filter, its stations, its track list."""
 
     method: str = parameter(
-        RANGE_BANK,
-        "range_bank: stacked lines in a bank of range hypotheses, never restarted; the others are "
-        "for comparison: fused_line (Cheong 2011), summed_lines (Chan), stacked_lines, and "
-        "stacked_lines_restarted when a line appears (Jauffret)",
-        choices=(RANGE_BANK, *BASELINES),
+        "range_bank",
+        "how the motion of a target is estimated",
+        methods=TMA_METHODS,
     )
     sound_speed: float = parameter(1500.0, "in the water", unit="m/s", minimum=1.0, maximum=1e5)
     travel_time: bool = parameter(
@@ -84,6 +73,11 @@ class TmaTrackerConfiguration(RangeBankConfiguration):
     first_id: int = parameter(1, "first track identifier", minimum=1)
 
     @property
+    def entry(self) -> TmaMethodEntry:
+        """What is known of the method."""
+        return TMA_METHODS[self.method]
+
+    @property
     def propagation_speed(self) -> float:
         """Of what is heard, m/s; inf = at once."""
         return self.sound_speed if self.travel_time else np.inf
@@ -102,16 +96,6 @@ class TmaTrackerConfiguration(RangeBankConfiguration):
     def mounting_yaw(self) -> float:
         """In rad."""
         return float(np.radians(self.mounting_yaw_deg))
-
-    def single_filter(self) -> SingleFilterConfiguration:
-        """Return the parameters of a method for comparison."""
-        restarted = self.method == STACKED_LINES_RESTARTED
-        return SingleFilterConfiguration(
-            maximum_range=self.maximum_range,
-            maximum_speed=self.maximum_speed,
-            acceleration=self.acceleration,
-            restart=FULL if restarted else NEVER,
-        )
 
 
 def check_tma_tracker(configuration: TmaTrackerConfiguration) -> None:

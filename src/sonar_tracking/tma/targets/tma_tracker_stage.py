@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sonar_tracking.errors import InputError, Notice, Severity
+from sonar_tracking.filtering.assignment import load_solver
 from sonar_tracking.motion import KinematicState
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
 from sonar_tracking.records.lines import FrequencyLines
@@ -31,7 +32,6 @@ from sonar_tracking.tma.targets.station_pairing import Pair, StationPairing
 from sonar_tracking.tma.targets.station_view import StationView, station_view
 from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
 from sonar_tracking.tma.targets.tma_tracker_configuration import (
-    RANGE_BANK,
     TmaTrackerConfiguration,
     check_tma_tracker,
 )
@@ -84,6 +84,11 @@ class TmaTrackerStage:
         self._n_stations = n_stations
         self._next_id = self._configuration.first_id
         self.reset()
+
+    def warm_up(self) -> None:
+        """Load what joins bearings of several stations before the first data need it."""
+        if self._n_stations > 1:
+            load_solver()
 
     def reset(self) -> None:
         """Forget all targets; identifiers go on."""
@@ -165,7 +170,7 @@ class TmaTrackerStage:
             if problem:
                 notices.append(left_out(sensor, problem))
             if key in observed:
-                notices.append(left_out(sensor, f"track {key[1]} is told twice"))
+                notices.append(left_out(sensor, f"track {key[1]} appears twice"))
                 continue
             if key in self._target_of:
                 self._target_of[key].existence_probability = float(
@@ -246,7 +251,7 @@ class TmaTrackerStage:
             updated=self._stamp,
             bearing_track_id=key[1],
         )
-        if self._configuration.method == RANGE_BANK:
+        if self._configuration.entry.weighs_hypotheses:
             self._pairing.begin(target, self._targets)
         self._targets.append(target)
         self._target_of[key] = target
@@ -308,7 +313,7 @@ class TmaTrackerStage:
                     target.misfits = {}
 
     def picture(self) -> PositionTracks:
-        """Return the complete picture at the stamp of the last frame; ended rows are told once."""
+        """Return the complete picture at the stamp of the last frame; an ended row appears once."""
         rows = []
         for target in self._targets:
             for solution in target.solutions:

@@ -117,7 +117,7 @@ def test_an_identity_keeps_the_target_it_was_first_confirmed_on() -> None:
     assert angles[1:, 0] == pytest.approx([11.0, 12.0])
 
 
-def test_an_extra_track_belongs_to_nobody() -> None:
+def test_an_extra_track_belongs_to_no_target() -> None:
     truth = np.radians([[0.0, 10.0]])
     (matched,) = matched_to_targets([track_list([1, 2, 3], [0.1, 5.0, 10.1])], truth)
     assert np.degrees(matched.arrival_angle) == pytest.approx([0.1, 10.1])

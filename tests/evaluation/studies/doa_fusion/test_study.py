@@ -98,7 +98,7 @@ def test_joint_filter_stays_near_the_bound(
 
 
 def test_default_process_noise_keeps_all_targets(study: Study) -> None:
-    # It is told nothing of the turns, so that its errors are larger than with the process noise
+    # It knows nothing of the turns, so that its errors are larger than with the process noise
     # of this scenario, but no target is lost.
     for level in LEVELS_DB:
         assert metric(study, DEFAULT, level) < 0.5 * metric(study, PROPOSED, level)

@@ -1,4 +1,4 @@
-"""Protects: the chain told nothing finds, holds and drops targets that come and go."""
+"""Protects: the chain given nothing finds, follows and drops targets that come and go."""
 
 from __future__ import annotations
 

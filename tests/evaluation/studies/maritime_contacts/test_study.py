@@ -1,4 +1,4 @@
-"""Protects: boats in recorded radar scans are held, and the contacts trail them by one scan."""
+"""Protects: boats in recorded radar scans are tracked, and the contacts trail them by one scan."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from sonar_tracking.evaluation.studies.maritime_contacts.scenarios import (
 )
 from sonar_tracking.evaluation.studies.study_catalogue import run_study
 from sonar_tracking.records.arrays import FloatArray
+from tests.recorded_data import recorded_data
 
-DATA = Path("../shared/data/maritime_contacts")
 LATENCY = 1.5
 
 
@@ -57,10 +57,9 @@ def test_nearest_contacts_are_as_good_as_their_errors() -> None:
     assert metrics["gospa_m"] >= metrics["ospa_m"]
 
 
+@pytest.mark.data
 def test_recorded_boats_are_held(tmp_path: Path) -> None:
-    if not DATA.is_dir():
-        pytest.skip(f"{DATA} is not there")
-    (scenario,) = read_scenarios(DATA / "scenario05.npz")
+    (scenario,) = read_scenarios(recorded_data("maritime_contacts/scenario05.npz"))
     assert 1.0 < estimated_latency([scenario]) < 3.0
     metrics = study.track_scenario("a", study.CONFIGURATION, scenario, 1.7).metrics
     assert metrics["held_share"] > 0.85 and metrics["identity_swaps"] == 0.0
@@ -79,10 +78,9 @@ def test_data_that_are_not_there_are_refused(tmp_path: Path) -> None:
         run_study(study.MARITIME_CONTACTS)
 
 
+@pytest.mark.data
 def test_study_draws_a_chart_of_each_scenario(tmp_path: Path) -> None:
-    if not DATA.is_dir():
-        pytest.skip(f"{DATA} is not there")
-    definition = study.maritime_contacts(DATA / "scenario16.npz")
+    definition = study.maritime_contacts(recorded_data("maritime_contacts/scenario16.npz"))
     (task,) = definition.tasks(1, 1)
     results = [task.function(task.argument)]
     rows = definition.rows(results)

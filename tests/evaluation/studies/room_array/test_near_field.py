@@ -20,8 +20,9 @@ from sonar_tracking.evaluation.studies.room_array.near_field_rows import (
     near_field_rows,
 )
 from tests.evaluation.free_field import write_free_field
+from tests.recorded_data import recorded_data
 
-MEASURED = Path("../shared/data/ula32_room_responses/rir_sources_1_2_3_4_5_8_9.npz")
+MEASURED = "ula32_room_responses/rir_sources_1_2_3_4_5_8_9.npz"
 
 
 def located(file: Path, cases: tuple[tuple[int, ...], ...]) -> tuple[NearFieldResult, ...]:
@@ -65,10 +66,9 @@ def test_rows_and_picture(tmp_path: Path) -> None:
     assert image.read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.data
 def test_measured_near_sources_are_where_the_onsets_locate_them() -> None:
-    if not MEASURED.is_file():
-        pytest.skip(f"{MEASURED} is not there")
-    results = located(MEASURED, ((2,), (9,)))
+    results = located(recorded_data(MEASURED), ((2,), (9,)))
     for result in (r for r in results if r.n_elements == 32):
         error = np.abs(result.found - result.located)[0, 0]
         if result.method == PLANE:

@@ -20,8 +20,9 @@ from sonar_tracking.evaluation.studies.room_array.study import (
     track_recordings,
 )
 from tests.evaluation.free_field import write_free_field
+from tests.recorded_data import recorded_data
 
-MEASURED = Path("../shared/data/ula32_room_responses/rir_sources_1_2_3_4_5_8_9.npz")
+MEASURED = "ula32_room_responses/rir_sources_1_2_3_4_5_8_9.npz"
 DISTANT = ((30.0, 20.0), (30.0, -4.0))
 
 
@@ -56,10 +57,11 @@ def test_without_reflections_the_tracks_are_where_the_survey_says(tmp_path: Path
         assert (result.miscount == 0).all()
 
 
+@pytest.mark.data
 def test_the_measured_array_finds_two_sources() -> None:
-    if not MEASURED.is_file():
-        pytest.skip(f"{MEASURED} is not there")
-    task = RoomTask(str(MEASURED), 5000.0, np.random.SeedSequence(1), ((4, 9),), (TOLD,))
+    task = RoomTask(
+        str(recorded_data(MEASURED)), 5000.0, np.random.SeedSequence(1), ((4, 9),), (TOLD,)
+    )
     (result,) = track_recordings(task)
     assert result.apart.all()
     assert np.isfinite(result.errors_deg).all(), "both sources found at every sub-array"

@@ -25,8 +25,8 @@ from sonar_tracking.evaluation.studies.ship_bearings.tracks import (
     SMOOTHED,
 )
 from sonar_tracking.evaluation.studies.study_catalogue import run_study
+from tests.recorded_data import recorded_data
 
-REAL = Path("../shared/data/harp_ship_bearings")
 DEPTH = 1300.0
 N_SECONDS = 200
 
@@ -123,6 +123,7 @@ def test_pictures_are_drawn(made_up: Path, tmp_path: Path) -> None:
     assert all(picture.stat().st_size > 5_000 for picture in pictures)
 
 
+@pytest.mark.data
 @pytest.mark.parametrize(
     ("file", "published"),
     [
@@ -141,19 +142,16 @@ def test_pictures_are_drawn(made_up: Path, tmp_path: Path) -> None:
 def test_the_real_ship_is_found_better_than_by_single_seconds(
     file: str, published: dict[tuple[str, str], float]
 ) -> None:
-    path = REAL / f"{file}.npz"
-    if not path.is_file():
-        pytest.skip(f"{path} is not there")
+    path = recorded_data(f"harp_ship_bearings/{file}.npz")
     rows = {(row.system, row.condition): row.metrics for row in ship_rows([locate(path)])}
     for (way, arrays), median in published.items():
         assert rows[SMOOTHED + way, arrays]["median_m"] < median
         assert 0.3 < rows[SMOOTHED + way, arrays]["median_nees"] < 2.0
 
 
+@pytest.mark.data
 def test_real_bearings_without_labels_go_to_their_ships() -> None:
-    path = REAL / "two_arrays_A.npz"
-    if not path.is_file():
-        pytest.skip(f"{path} is not there")
+    path = recorded_data("harp_ship_bearings/two_arrays_A.npz")
     (row,) = ship_rows([pair(PairingPart(path, 1))])
     assert row.metrics["right_percent"] > 99.0
     assert row.metrics["real_median_m"] < 25.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import cycle
 from pathlib import Path
 
 import numpy as np
@@ -13,10 +14,8 @@ from sonar_tracking.active.detection.detection_threshold import (
     linear_from_decibel,
 )
 from sonar_tracking.active.detection.information_reduction import optimal_false_alarm_probability
+from sonar_tracking.evaluation.monte_carlo.plot_styles import PALETTE, styles_of
 from sonar_tracking.records.arrays import FloatArray
-
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00")
-"""Okabe and Ito's palette: told apart by colour-blind readers, too."""
 
 LIMITS = FalseAlarmLimits(1e-12, 1.0)
 
@@ -36,7 +35,7 @@ def draw_optima(path: Path, levels_db: Sequence[float]) -> Path:
     figure = Figure(figsize=(7.0, 4.5), layout="constrained")
     axes = figure.add_subplot()
     cells = np.geomspace(2.0, 1000.0, 40)
-    for colour, level in zip(COLOURS, levels_db, strict=False):
+    for colour, level in zip(cycle(PALETTE), levels_db):
         ratio = float(linear_from_decibel(level))
         closed = closed_form_false_alarm_probability(cells, ratio, LIMITS)
         exact = [optimal_false_alarm_probability(float(n), ratio, LIMITS) for n in cells]
@@ -68,9 +67,10 @@ def draw_errors(path: Path, errors: Mapping[str, FloatArray], condition: str) ->
 
     figure = Figure(figsize=(7.0, 4.5), layout="constrained")
     axes = figure.add_subplot()
-    for colour, (name, error) in zip(COLOURS, errors.items(), strict=False):
-        scans = np.arange(1, error.shape[1] + 1)
-        axes.semilogy(scans, np.median(error, axis=0), color=colour, label=name)
+    for name, style in styles_of(errors).items():
+        scans = np.arange(1, errors[name].shape[1] + 1)
+        median = np.median(errors[name], axis=0)
+        axes.semilogy(scans, median, style.line, color=style.colour, label=name)
     axes.set_xlabel("scan")
     axes.set_ylabel("median position error (m)")
     axes.set_title(f"One target in clutter, {condition}")

@@ -1,7 +1,7 @@
 """Runs of the doa-coherent study: every tracker on the same blocks, and the bound of each run.
 
 RYU takes the ordinary eigenvectors of the block covariance, as many as there are targets. PROPOSED
-and the joint filter take the generalised eigenvectors, as many as the rank, which both are told.
+and the joint filter take the generalised eigenvectors, as many as the rank, which both are given.
 All start from the truth, as in the paper, and are the stages that the nodes run.
 """
 
@@ -14,6 +14,7 @@ import numpy as np
 
 from sonar_tracking.evaluation.monte_carlo.batch_runner import RunBatch
 from sonar_tracking.evaluation.monte_carlo.bearing_histories import BearingHistories
+from sonar_tracking.evaluation.monte_carlo.compared_methods import compared_methods
 from sonar_tracking.evaluation.monte_carlo.run_synthesis import true_bearings
 from sonar_tracking.evaluation.monte_carlo.tracking_bound import tracking_bound
 from sonar_tracking.evaluation.studies.doa_coherent.scenes import (
@@ -27,6 +28,7 @@ from sonar_tracking.evaluation.studies.doa_coherent.scenes import (
 )
 from sonar_tracking.evaluation.studies.doa_fusion.runs import histories_of
 from sonar_tracking.filtering.constant_velocity import process_noise_matrix, transition_matrix
+from sonar_tracking.passive.bearings.bearing_method_registry import BEARING_METHODS
 from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
     BearingTrackerConfiguration,
 )
@@ -47,8 +49,11 @@ RYU = "RYU"
 PROPOSED = "PROPOSED"
 JOINT = "joint MAP"
 
-METHODS = {RYU: "ryu", PROPOSED: "coherent", JOINT: "joint_map"}
-"""Method of each tracker, by its name."""
+METHODS = compared_methods(
+    [entry for entry in BEARING_METHODS if entry.needs_covariance],
+    {RYU: "ryu", PROPOSED: "coherent", JOINT: "joint_map"},
+)
+"""Method of each tracker, by its name: RYU and all that measure in the block covariance."""
 
 
 @dataclass(frozen=True)

@@ -114,7 +114,13 @@ class Condition:
         return 1 if self.kind == COHERENT else self.n_targets
 
     def noise_covariance(self) -> ComplexArray | None:
-        """Return the spatial covariance of the noise, None = white."""
+        """Return the spatial covariance of the noise.
+
+        Returns
+        -------
+        ndarray, shape (n_elements, n_elements), complex, or None
+            Pure numbers with trace n_elements; None = white.
+        """
         if self.kind != COLOURED:
             return None
         element = np.arange(self.scenario().array.n_elements)
@@ -155,7 +161,7 @@ class Sources:
     weights: ComplexArray
 
     def covariances(self) -> ComplexArray:
-        """Return the source covariance of each run, shape (n_runs, n_targets, n_targets)."""
+        """Return each run's source covariance, (n_runs, n_targets, n_targets), linear power."""
         return np.swapaxes(self.weights, -1, -2) @ self.weights.conj()
 
 

@@ -68,7 +68,7 @@ _NOTE = (
     "MSE: deg², over successful runs (every error below 3 deg in the last 5 steps; success in %). "
     "median: of the MSE over all runs. / bound: root of the MSE over that of the tracking bound. "
     "NEES: per dimension, of the median run; 1 = the claimed covariance is right. RYU, PROPOSED: "
-    "R 0.05 deg²; joint MAP takes its variance from the data. All are told rank and first bearings."
+    "R 0.05 deg²; joint MAP takes its variance from the data. Rank and first bearings are given."
 )
 
 LAYOUTS = (

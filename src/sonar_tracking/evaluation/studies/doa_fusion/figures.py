@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,7 @@ from sonar_tracking.evaluation.monte_carlo.bearing_histories import (
     mean_square_error_deg2,
     successful,
 )
+from sonar_tracking.evaluation.monte_carlo.plot_styles import Style, styles_of
 from sonar_tracking.evaluation.monte_carlo.study import StudyRow
 from sonar_tracking.records.arrays import FloatArray
 
@@ -24,17 +26,20 @@ TARGET_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00")
 """Okabe and Ito's palette: told apart by colour-blind readers, too."""
 
 SYSTEM_STYLES = {
-    "RYU": ("#D55E00", "o"),
-    "average only": ("#E69F00", "v"),
-    "R/7 only": ("#CC79A7", "^"),
-    "PROPOSED": ("#0072B2", "s"),
-    "automatic start": ("#56B4E9", "D"),
-    "joint MAP, causal": ("#009E73", "P"),
-    "joint MAP, centred": ("#000000", "X"),
-    "joint MAP, default q": ("#882255", "D"),
-    "tracking bound": ("#555555", ""),
+    "RYU": Style("#D55E00", "o"),
+    "average only": Style("#E69F00", "v"),
+    "R/7 only": Style("#CC79A7", "^"),
+    "PROPOSED": Style("#0072B2", "s"),
+    "automatic start": Style("#56B4E9", "D"),
+    "joint MAP, causal": Style("#009E73", "P"),
+    "joint MAP, centred": Style("#000000", "X"),
+    "joint MAP, default q": Style("#882255", "D"),
+    "tracking bound": Style("#555555"),
 }
-"""Colour and marker of each system drawn against the level."""
+"""Of the systems of the study; others get the next free ones."""
+
+NOT_DRAWN = ("correlated variance",)
+"""PROPOSED with another belief about its variance, which the table tells."""
 
 
 def typical_run(angles: Sequence[FloatArray], truth: FloatArray) -> int:
@@ -144,9 +149,11 @@ def draw_levels(path: Path, rows: Sequence[StudyRow], levels_db: Sequence[int]) 
     import matplotlib.pyplot as plt
 
     figure, (errors, successes) = plt.subplots(1, 2, figsize=(11, 4.6), layout="constrained")
-    for system, (colour, marker) in SYSTEM_STYLES.items():
+    conditions = {f"SNR {level} dB" for level in levels_db}
+    drawn = [r.system for r in rows if r.condition in conditions and r.system not in NOT_DRAWN]
+    for system, style in styles_of(drawn, SYSTEM_STYLES).items():
         for axis, metric in ((errors, "mse_deg2"), (successes, "success_percent")):
-            _draw_against_level(axis, rows, levels_db, system, metric, colour, marker)
+            _draw_against_level(axis, rows, levels_db, system, metric, style)
     errors.set_yscale("log")
     ticks = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
     errors.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
@@ -179,7 +186,7 @@ def draw_fused_variance(path: Path, rows: Sequence[StudyRow]) -> Path:
     figure, axis = plt.subplots(figsize=(6.4, 4.6), layout="constrained")
     checked = [row for row in rows if "variance_ratio" in row.metrics]
     conditions = list(dict.fromkeys(row.condition for row in checked))
-    for condition, marker, colour in zip(conditions, "so^", TARGET_COLOURS, strict=False):
+    for condition, marker, colour in zip(conditions, cycle("so^"), cycle(TARGET_COLOURS)):
         own = [row.metrics for row in checked if row.condition == condition]
         factors = [metrics["forgetting_factor"] for metrics in own]
         ratios = [metrics["variance_ratio"] for metrics in own]
@@ -232,21 +239,21 @@ def _draw_against_level(
     levels_db: Sequence[int],
     system: str,
     metric: str,
-    colour: str,
-    marker: str,
+    style: Style,
 ) -> None:
     own = {row.condition: row for row in rows if row.system == system}
     at_level = [own.get(f"SNR {level} dB") for level in levels_db]
     measured = [row.metrics.get(metric, np.nan) if row else np.nan for row in at_level]
     published = [row.published.get(metric, np.nan) if row else np.nan for row in at_level]
     if np.any(np.isfinite(measured)):
-        axis.plot(levels_db, measured, marker + "-", color=colour, label=system, linewidth=1.2)
+        line = style.marker + style.line
+        axis.plot(levels_db, measured, line, color=style.colour, label=system, linewidth=1.2)
     if np.any(np.isfinite(published)):
         axis.plot(
             levels_db,
             published,
-            marker + ":",
-            color=colour,
+            style.marker + ":",
+            color=style.colour,
             markerfacecolor="white",
             markersize=9,
             markeredgewidth=1.5,

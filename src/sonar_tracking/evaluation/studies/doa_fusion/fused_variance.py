@@ -113,8 +113,8 @@ def fused_variance_rows(results: Sequence[FloatArray]) -> tuple[StudyRow, ...]:
 
     Parameters
     ----------
-    results : sequence of ndarray
-        What :func:`measure_batch` returned for each batch.
+    results : sequence of ndarray, shape (n_factors, n_levels, n_runs, ...)
+        What :func:`measure_batch` returned for each batch, rad.
     """
     innovations = np.concatenate(results, axis=2)
     period = 1.0 / static_scenario().array.snapshot_rate

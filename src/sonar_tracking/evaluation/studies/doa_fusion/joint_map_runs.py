@@ -3,7 +3,7 @@
 Causal: the last 200 snapshots up to the sample time, which tell where the targets were half a
 block before. Centred: the 199 snapshots around it, half a second late. The process noise is what
 the targets really do, or the default, which finds out when they turn. The number of sources and the
-first bearings are told, as to the published trackers.
+first bearings are given, as to the published trackers.
 """
 
 from __future__ import annotations

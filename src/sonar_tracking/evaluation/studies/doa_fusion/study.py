@@ -97,9 +97,9 @@ LAYOUTS = (
         "successful runs; 1 = the claimed covariance is right, less = pessimistic. average only: "
         "the mean of 7 subspaces, believed no better than one. R/7 only: one subspace, believed as "
         "good as 7. correlated variance: PROPOSED, believing what the second table confirms. "
-        "automatic start: PROPOSED, not told the first bearings. joint MAP: one filter over all "
+        "automatic start: PROPOSED, not given the first bearings. joint MAP: one filter over all "
         "targets, q 0.01 deg²/s³; causal: of the last 200 snapshots; centred: of 199 around the "
-        "sample time, half a second late; default q: causal, not told that these targets turn. "
+        "sample time, half a second late; default q: causal, not knowing that these targets turn. "
         "/ bound: root of the MSE over that of the bound.",
         condition="SNR",
     ),

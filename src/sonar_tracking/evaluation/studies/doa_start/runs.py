@@ -1,4 +1,4 @@
-"""Runs of the doa-start study: the whole passive chain, told nothing, on targets that come and go.
+"""Runs of the doa-start study: the whole passive chain, given nothing, on targets that come and go.
 
 The scenario ``appearing_targets`` with other levels and arrays; each run has its own seed. The
 stages are those that the nodes run.

@@ -47,7 +47,7 @@ LAYOUTS = (
             Column("targets_never_held", "missed", ".2f"),
             Column("false_tracks_per_hour", "false/h", ".1f"),
             Column("lasting_swaps", "swaps", ".2f"),
-            Column("name_kept_percent", "name kept", ".1f"),
+            Column("name_kept_percent", "identity maintained", ".1f"),
             Column("gospa_deg", "GOSPA", ".2f"),
             Column("rmse_deg", "RMSE", ".2f"),
         ),
@@ -55,8 +55,8 @@ LAYOUTS = (
         "right in % of the periods. delay: from the appearance of a target to the end of the "
         "period of its confirmed track, s; worst: of the slowest target in any run. missed: "
         "targets without a track, a run. swaps: exchanges of identity for 2.5 s or longer, a run, "
-        "there and back counted both. name kept: share of its life that a target has its "
-        "longest-held identity, %. GOSPA: deg, cut-off 5 deg, order 2; a track that coasts after "
+        "there and back counted both. identity maintained: share of its life that a target has its "
+        "longest identity, %. GOSPA: deg, cut-off 5 deg, order 2; a track that coasts after "
         "its target has left counts against it.",
     ),
 )

@@ -74,7 +74,18 @@ class MaritimeScenario:
         return np.asarray(self.own_ship[scan] + self.range[scan][:, None] * direction)
 
     def true_states(self, latency: float) -> FloatArray:
-        """Return the states of the targets a latency before the stamps, (n_scans, n_targets, 4)."""
+        """Return the states of the targets a latency before the stamps.
+
+        Parameters
+        ----------
+        latency : float
+            s.
+
+        Returns
+        -------
+        ndarray, shape (n_scans, n_targets, 4)
+            x, y, vx, vy, m and m/s.
+        """
         flat = self.truth.reshape(len(self.times), -1)
         position, velocity = interpolated(self.times, flat, self.times - latency)
         shape = self.truth.shape

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from sonar_tracking.active.contact_tracker import make_contact_tracker
+from sonar_tracking.active.contacts.contact_method_registry import CONTACT_METHODS
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.evaluation.metrics.position_score import PositionScore, score_position_tracks
 from sonar_tracking.evaluation.monte_carlo.batch_runner import Task
@@ -41,7 +42,7 @@ from sonar_tracking.records.positions import PositionTracks
 
 MARITIME_CONTACTS = "maritime-contacts"
 
-INTEGRATED = "integrated"
+INTEGRATED = CONTACT_METHODS["integrated"].label
 AS_STAMPED = "integrated, as stamped"
 DEFAULTS = "integrated, defaults"
 NEAREST = "nearest contacts"
@@ -60,13 +61,8 @@ CONFIGURATION = ContactTrackerConfiguration(
 """Of all scenarios: small boats, a scan every 1.7 s, clutter that comes in clumps."""
 
 SYSTEMS: Mapping[str, ContactTrackerConfiguration] = {
-    INTEGRATED: CONFIGURATION,
-    "HPDA, Kalman": replace(CONFIGURATION, method="hpda_kalman"),
-    "HPDA, particles": replace(CONFIGURATION, method="hpda_particle"),
-    "clustering": replace(CONFIGURATION, method="roi_clustering"),
-    "SMC-PHD": replace(CONFIGURATION, method="smc_phd"),
-    DEFAULTS: ContactTrackerConfiguration(sound_speed=0.0),
-}
+    entry.label: replace(CONFIGURATION, method=entry.name) for entry in CONTACT_METHODS
+} | {DEFAULTS: ContactTrackerConfiguration(sound_speed=0.0)}
 """Trackers by name; the times of their scans are corrected for the latency."""
 
 LAYOUTS = (
@@ -76,7 +72,7 @@ LAYOUTS = (
             Column("ospa_m", "OSPA", ".1f"),
             Column("gospa_m", "GOSPA", ".1f"),
             Column("rmse_m", "RMSE", ".1f"),
-            Column("held_share", "held", ".2f"),
+            Column("held_share", "maintained", ".2f"),
             Column("continuity", "contin.", ".2f"),
             Column("identity_swaps", "swaps", ".1f"),
             Column("false_tracks_per_hour", "false/h", ".0f"),
@@ -93,7 +89,7 @@ LAYOUTS = (
             Column("ospa_m", "OSPA", ".1f"),
             Column("gospa_m", "GOSPA", ".1f"),
             Column("rmse_m", "RMSE", ".1f"),
-            Column("held_share", "held", ".2f"),
+            Column("held_share", "maintained", ".2f"),
             Column("continuity", "contin.", ".2f"),
             Column("false_tracks_per_hour", "false/h", ".0f"),
         ),

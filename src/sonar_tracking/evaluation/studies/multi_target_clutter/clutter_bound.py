@@ -30,6 +30,7 @@ from sonar_tracking.evaluation.studies.multi_target_clutter.scene import (
     turning,
 )
 from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.time import NANOSECONDS
 from sonar_tracking.simulation.sensors.contact_simulation import SimulatedPing
 
 INITIAL_SPEED_DEVIATION = 1.5
@@ -71,7 +72,10 @@ def position_bound(
             matrix = turn_matrices(np.array(rate), PING_INTERVAL)
             noise = white_acceleration_noise(ACCELERATION_DEVIATION, PING_INTERVAL)
             covariance = _updated(matrix @ covariance @ matrix.T + noise, ping, now)
-            if ping.contacts.stamp - path[0][1].contacts.stamp >= settled * PING_INTERVAL * 1e9:
+            if (
+                ping.contacts.stamp - path[0][1].contacts.stamp
+                >= settled * PING_INTERVAL * NANOSECONDS
+            ):
                 bounds.append(covariance[0, 0] + covariance[1, 1])
     return np.array(bounds)
 

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sonar_tracking.evaluation.monte_carlo.plot_styles import Style, styles_of
 from sonar_tracking.evaluation.studies.multi_target_clutter.runs import ClutterRun
 from sonar_tracking.evaluation.studies.multi_target_clutter.scene import PING_INTERVAL
+from sonar_tracking.evaluation.studies.multi_target_clutter.systems import HPDA_KALMAN
 from sonar_tracking.records.arrays import FloatArray
 
 if TYPE_CHECKING:
@@ -20,8 +23,8 @@ if TYPE_CHECKING:
 COLOURS = ("#0072B2", "#56B4E9", "#D55E00", "#E69F00", "#009E73", "#CC79A7", "#999999")
 """Okabe and Ito's palette: told apart by colour-blind readers, too."""
 
-CURVE_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#000000")
-"""Of curves in one panel; from the same palette."""
+SYSTEM_STYLES = {HPDA_KALMAN: Style("#000000")}
+"""The others get the next free ones, panel by panel."""
 
 
 def draw_scene(path: Path, truth: Sequence[FloatArray]) -> Path:
@@ -32,7 +35,7 @@ def draw_scene(path: Path, truth: Sequence[FloatArray]) -> Path:
     path : Path
         Picture to write; missing directories are made.
     truth : sequence of ndarray, shape (n_targets, 3)
-        Identity, x and y at each ping.
+        Identity, x and y at each ping, m.
     """
     figure, axes = _tactical("Paths of the targets")
     _draw_truth(axes, truth, 1.5)
@@ -91,11 +94,12 @@ def _draw_numbers(axes: Axes, runs: Sequence[ClutterRun], names: Sequence[str]) 
     times = PING_INTERVAL * np.arange(len(runs[0].true_count))
     truth = runs[0].true_count
     axes.plot(times, truth, color="0.75", linewidth=5.0, drawstyle="steps-post", label="truth")
-    for index, (colour, name) in enumerate(zip(CURVE_COLOURS, names, strict=False)):
+    styles = styles_of(names, SYSTEM_STYLES)
+    for index, name in enumerate(names):
         count = np.mean([run.systems[name].count for run in runs], axis=0)
         # Narrower from one to the next: curves on top of one another are all seen.
-        width = 0.7 * (len(names) - index)
-        axes.plot(times, count, color=colour, linewidth=width, label=name)
+        width, style = 0.7 * (len(names) - index), styles[name]
+        axes.plot(times, count, style.line, color=style.colour, linewidth=width, label=name)
     axes.set_ylabel("number of targets")
     axes.set_ylim(bottom=0.0)
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
@@ -119,7 +123,7 @@ def _tactical(title: str) -> tuple[Figure, Axes]:
 
 def _draw_truth(axes: Axes, truth: Sequence[FloatArray], width: float) -> None:
     points = np.concatenate(truth)
-    for colour, identity in zip(COLOURS, np.unique(points[:, 0]), strict=False):
+    for colour, identity in zip(cycle(COLOURS), np.unique(points[:, 0])):
         own = points[points[:, 0] == identity]
         label = f"target {identity:.0f}"
         axes.plot(own[:, 1], own[:, 2], color=colour, linewidth=width, alpha=0.8, label=label)

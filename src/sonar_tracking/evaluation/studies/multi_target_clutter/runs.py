@@ -28,6 +28,7 @@ from sonar_tracking.evaluation.studies.multi_target_clutter.scene import (
 from sonar_tracking.records.arrays import BoolArray, FloatArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.contacts import ContactTrackerUpdate
+from sonar_tracking.records.time import seconds
 from sonar_tracking.simulation.sensors.contact_simulation import SimulatedPing
 
 CUTOFF = 200.0
@@ -175,7 +176,7 @@ class _Scored:
         shown = np.isin(tracks.status, (TrackStatus.CONFIRMED, TrackStatus.COASTED))
         identity, state = tracks.id[shown], tracks.state[shown]
         # Stamps in seconds are rounded to a fraction of a microsecond; pings are whole numbers.
-        age = np.round((tracks.stamp * 1e-9 - tracks.initiated[shown]) / PING_INTERVAL, 3)
+        age = np.round((seconds(tracks.stamp) - tracks.initiated[shown]) / PING_INTERVAL, 3)
         separation = ping.state[:, None, :2] - state[None, :, :2]
         distance = np.hypot(separation[..., 0], separation[..., 1])
         assignment = assign(distance, CUTOFF, ORDER)

@@ -90,7 +90,7 @@ class SampledPath:
         self._samples = samples
 
     def state(self, times: ArrayLike) -> KinematicState:
-        """Return the state at the given times, s."""
+        """Return the state at the given times, shape (...), s."""
         place = (np.asarray(times, dtype=np.float64) - self._first_time) / PING_INTERVAL
         row = np.clip(np.floor(place + 1e-9), 0, len(self._samples) - 1).astype(int)
         elapsed = (place - row) * PING_INTERVAL

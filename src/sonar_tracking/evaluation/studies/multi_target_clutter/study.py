@@ -47,10 +47,12 @@ from sonar_tracking.evaluation.studies.multi_target_clutter.systems import (
 )
 from sonar_tracking.records.arrays import FloatArray
 
-PANELS = (
+_PAIRED = (
     (INTEGRATED, INTEGRATED_STRAIGHT, HPDA_PARTICLE, HPDA_KALMAN),
     (CLUSTERING, CLUSTERING_LITERAL, PHD),
 )
+_OTHERS = tuple(name for name in PAPER_SYSTEMS if not any(name in panel for panel in _PAIRED))
+PANELS = (*_PAIRED, _OTHERS) if _OTHERS else _PAIRED
 """Trackers drawn together in the pictures of the number of targets."""
 
 BOUND = "Cramer-Rao bound"
@@ -88,7 +90,7 @@ LAYOUTS = (
         (
             Column("rmse_m", "RMSE", ".1f"),
             Column("settled_rmse_m", "settled", ".2f"),
-            Column("held_share", "held", ".3f"),
+            Column("held_share", "maintained", ".3f"),
             Column("continuity", "continuity", ".3f"),
             Column("identity_swaps", "swaps", ".1f"),
             Column("false_tracks_per_hour", "false/h", ".2f"),

@@ -11,7 +11,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+from sonar_tracking.active.contacts.contact_method_registry import CONTACT_METHODS
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.evaluation.monte_carlo.compared_methods import compared_methods
 
 INTEGRATED = "integrated"
 INTEGRATED_STRAIGHT = "integrated, no turns"
@@ -34,7 +36,7 @@ _KALMAN = replace(
     _COMMON, method="hpda_kalman", acceleration_deviation=KALMAN_ACCELERATION_DEVIATION
 )
 
-PAPER_SYSTEMS: Mapping[str, ContactTrackerConfiguration] = {
+_NAMED: Mapping[str, ContactTrackerConfiguration] = {
     INTEGRATED: _COMMON,
     INTEGRATED_STRAIGHT: _STRAIGHT,
     HPDA_PARTICLE: replace(_COMMON, method="hpda_particle"),
@@ -42,6 +44,12 @@ PAPER_SYSTEMS: Mapping[str, ContactTrackerConfiguration] = {
     CLUSTERING: replace(_COMMON, method="roi_clustering"),
     CLUSTERING_LITERAL: replace(_COMMON, method="roi_clustering", roi_distance=1.0),
     PHD: replace(_COMMON, method="smc_phd"),
+}
+_METHODS = {name: configuration.method for name, configuration in _NAMED.items()}
+
+PAPER_SYSTEMS: Mapping[str, ContactTrackerConfiguration] = {
+    name: _NAMED.get(name, replace(_COMMON, method=method))
+    for name, method in compared_methods(CONTACT_METHODS, _METHODS).items()
 }
 """For environments 1 and 2."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -47,7 +48,7 @@ def draw_room_array(
     Returns
     -------
     tuple of Path
-        One picture for what the chain is told, one for the near sources.
+        One picture for what the chain is given, one for the near sources.
     """
     flat = [result for task in results for result in task]
     recordings = [result for result in flat if isinstance(result, RoomResult)]
@@ -68,7 +69,7 @@ def _draw_system(recordings: Sequence[RoomResult], path: Path) -> Path:
     from matplotlib.figure import Figure
 
     cases = sorted({result.sources for result in recordings}, key=lambda case: (len(case), case))
-    markers = dict(zip(sorted({r.frequency for r in recordings}), _MARKERS, strict=False))
+    markers = dict(zip(sorted({r.frequency for r in recordings}), cycle(_MARKERS), strict=False))
     n_columns = min(4, len(cases))
     n_rows = -(-len(cases) // n_columns)
     figure = Figure(figsize=(2.0 + 3.2 * n_columns, 1.4 + 2.8 * n_rows), layout="constrained")
@@ -121,7 +122,7 @@ def _draw_case(axes: Axes, recordings: Sequence[RoomResult], markers: dict[float
             color=_SHADE, step="mid", linewidth=0.0,
         )  # fmt: skip
     for column, source in enumerate(sources):
-        colour = COLOURS[column]
+        colour = COLOURS[column % len(COLOURS)]
         axes.plot(np.degrees(recordings[0].truth[:, column]), color=colour, linewidth=1)
         for recording in recordings:
             axes.plot(

@@ -1,4 +1,4 @@
-"""Near sources of the recorded array: plane against spherical waves, told how many there are.
+"""Near sources of the recorded array: plane against spherical waves, given how many there are.
 
 Sources 1 to 3 are a quarter of a metre from an array of 0.93 m: even for eight elements plane waves
 hold only beyond 1.3 m. All 32 elements hear at once, so that bearing and range are found at every
@@ -128,6 +128,7 @@ def whole_array_snapshots(
     Returns
     -------
     ndarray, shape (n_snapshots, n_elements), complex
+        Linear amplitude.
     """
     responses = room.responses[room.source_ids.index(source)]
     n_samples = round(DURATION * room.sample_rate) + responses.shape[1] - 1

@@ -8,16 +8,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sonar_tracking.evaluation.monte_carlo.plot_styles import Style, styles_of
 from sonar_tracking.evaluation.studies.room_array.near_field_rows import (
     PLANE,
     SPHERICAL,
+    SPHERICAL_MUSIC,
     NearFieldResult,
 )
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_COLOURS = {PLANE: "#D55E00", SPHERICAL: "#0072B2"}
+_STYLES = {PLANE: Style("#D55E00"), SPHERICAL: Style("#0072B2")}
+_NOT_DRAWN = (SPHERICAL_MUSIC,)
+"""The table compares it with the spherical fit."""
 
 
 def draw_near_field(results: Sequence[NearFieldResult], path: Path) -> Path:
@@ -38,7 +42,7 @@ def draw_near_field(results: Sequence[NearFieldResult], path: Path) -> Path:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    alone = [r for r in results if len(r.sources) == 1 and r.method in _COLOURS]
+    alone = [r for r in results if len(r.sources) == 1 and r.method not in _NOT_DRAWN]
     largest = max(r.n_elements for r in alone)
     moving = [r for r in alone if r.n_elements < largest]
     sources = sorted({r.sources[0] for r in moving})
@@ -74,13 +78,13 @@ def _draw_map(axes: Axes, whole: Sequence[NearFieldResult]) -> None:
         )  # fmt: skip
     points = np.concatenate([_places(r.found) for r in whole if r.method == SPHERICAL])
     axes.plot(
-        points[:, 0], points[:, 1], ".", color=_COLOURS[SPHERICAL], label=f"{SPHERICAL} waves"
+        points[:, 0], points[:, 1], ".", color=_STYLES[SPHERICAL].colour, label=f"{SPHERICAL} waves"
     )
     plane = [r.found[0, 0, 0] for r in whole if r.method == PLANE]
     for index, angle in enumerate(plane):
         end = 0.35 * np.array([np.sin(angle), np.cos(angle)])
         axes.plot(
-            [0.0, end[0]], [0.0, end[1]], color=_COLOURS[PLANE], linewidth=0.6, alpha=0.7,
+            [0.0, end[0]], [0.0, end[1]], color=_STYLES[PLANE].colour, linewidth=0.6, alpha=0.7,
             label=f"bearings by {PLANE} waves" if index == 0 else None,
         )  # fmt: skip
     for source, (x, y) in {r.sources[0]: _places(r.located)[0] for r in whole}.items():
@@ -100,11 +104,11 @@ def _places(polar: np.ndarray) -> np.ndarray:
 
 
 def _draw_errors(axes: Axes, results: Sequence[NearFieldResult]) -> None:
-    for method, colour in _COLOURS.items():
+    for method, style in styles_of([r.method for r in results], _STYLES).items():
         for result in [r for r in results if r.method == method]:
             error = np.degrees(result.found - result.located)[:, 0, 0]
-            axes.plot(error, ".", color=colour, markersize=4)
-        axes.plot([], [], ".", color=colour, label=f"{method} waves")
+            axes.plot(error, ".", color=style.colour, markersize=4)
+        axes.plot([], [], ".", color=style.colour, label=f"{method} waves")
     first = results[0]
     survey = np.degrees(first.surveyed - first.located)[:, 0, 0]
     axes.plot(survey, color="0.4", linewidth=1, label="survey")

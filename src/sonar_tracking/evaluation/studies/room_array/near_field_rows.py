@@ -36,7 +36,7 @@ class NearFieldResult:
         Range beyond which plane waves hold for it, m.
     surveyed, located, found : ndarray, shape (n_positions, n_sources, 2)
         Angle (rad) and range (m) at the centre of each sub-array: of the surveyed positions, of
-        those by the onsets of the responses, and as found; NaN = fewer than told.
+        those by the onsets of the responses, and as found; NaN = fewer than given.
     """
 
     method: str
@@ -111,7 +111,7 @@ def _median(values: FloatArray) -> float:
 
 NEAR_FIELD_LAYOUTS = (
     TableLayout(
-        "Near sources, told how many: plane against spherical waves",
+        "Near sources, given how many: plane against spherical waves",
         (
             Column("near_range_m", "range m", ".2f"),
             Column("near_found_percent", "found %", ".0f"),

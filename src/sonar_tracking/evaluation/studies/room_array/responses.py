@@ -139,6 +139,7 @@ def source_noise(
     Returns
     -------
     ndarray, shape (n_samples,)
+        Linear amplitude.
     """
     edges = [frequency - _SOURCE_BANDWIDTH / 2, frequency + _SOURCE_BANDWIDTH / 2]
     band = firwin(1025, edges, pass_zero=False, fs=sample_rate)
@@ -164,7 +165,7 @@ def received_signal(
     Returns
     -------
     ndarray, shape (n_samples, SUB_ARRAY_ELEMENTS)
-        Samples at the rate of the responses.
+        Samples at the rate of the responses, linear amplitude.
     """
     responses = room.responses[room.source_ids.index(source)]
     history = responses.shape[1] - 1
@@ -196,7 +197,7 @@ def write_recording(
     sources : tuple of int
         Numbers of the sources.
     signals : list of ndarray, shape (n_samples, SUB_ARRAY_ELEMENTS)
-        What is received of each.
+        What is received of each, linear amplitude.
     snapshot_bandwidth : float
         Band in which the noise is SIGNAL_TO_NOISE_DB below each source, Hz.
     generator : numpy.random.Generator

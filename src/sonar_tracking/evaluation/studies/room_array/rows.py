@@ -11,7 +11,7 @@ from sonar_tracking.evaluation.monte_carlo.study import StudyRow
 from sonar_tracking.evaluation.monte_carlo.study_definition import Column, TableLayout
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 
-TOLD, FROM_NOTHING = "told their number", "from nothing"
+TOLD, FROM_NOTHING = "given their number", "from nothing"
 """What the chain knows beforehand."""
 
 FOUND_DEG = 10.0

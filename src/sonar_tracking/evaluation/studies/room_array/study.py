@@ -3,7 +3,7 @@
 Recordings made from measured responses (see
 :mod:`sonar_tracking.evaluation.studies.room_array.responses`) of one and of two sources at three
 frequencies are imported as WAV files and tracked with automatic start, one set of parameters for
-all of them: by one filter a target, told how many sources there are, and by the default tracker
+all of them: by one filter a target, given how many sources there are, and by the default tracker
 from nothing. Reflections are signals too and would be counted: to the latter the array is told to
 have steering vectors as wrong as the reflections make them. Sources too near for plane waves are
 located apart, with spherical ones.
@@ -213,7 +213,7 @@ def track_recordings(task: RoomTask) -> tuple[RoomResult, ...]:
 
 
 def node_parameters(n_sources: int) -> dict[str, dict[str, Any]]:
-    """Return the parameters of the nodes for a recording of some sources, 0 = not told."""
+    """Return the parameters of the nodes for a recording of some sources, 0 = not given."""
     if n_sources == 0:
         return {
             "subspace_estimator": dict(NOTHING_ESTIMATOR_PARAMETERS),

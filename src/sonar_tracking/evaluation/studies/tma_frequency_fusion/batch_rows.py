@@ -83,7 +83,8 @@ def batch_rows(parts: Sequence[BatchHistories], bound: FloatArray) -> tuple[Stud
     parts : sequence of BatchHistories
         All batches.
     bound : ndarray, shape (n_frames, 4)
-        Of S1 with random accelerations.
+        Of S1 with random accelerations: root of the bounds on range, azimuth, course and
+        speed, m, deg, deg, m/s.
     """
     still = replace(scenario("S1"), acceleration=0.0)
     alone = RunBatch(0, (np.random.SeedSequence(0),))

@@ -98,8 +98,9 @@ def case_rows(
     ----------
     histories : mapping
         By scenario or case, then by estimator.
-    bounds : mapping of str to ndarray
-        By scenario or case.
+    bounds : mapping of str to ndarray, shape (n_frames, 4)
+        By scenario or case: root of the bounds on range, azimuth, course and speed, m, deg,
+        deg, m/s.
     """
     rows = []
     for name, case in CASES.items():

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sonar_tracking.evaluation.monte_carlo.plot_styles import Style, styles_of
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.histories import TmaHistories
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import scenario
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.systems import (
@@ -24,15 +25,16 @@ from sonar_tracking.simulation.sensors.tma_scene import true_states
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SYSTEM_COLOURS = {
-    PROPOSED: "#0072B2",
-    CHAN: "#D55E00",
-    JAUFFRET: "#E69F00",
-    STACKED: "#56B4E9",
-    RANGE_BANK: "#009E73",
-    BEARINGS_ONLY: "#CC79A7",
+SYSTEM_STYLES = {
+    PROPOSED: Style("#0072B2"),
+    CHAN: Style("#D55E00"),
+    JAUFFRET: Style("#E69F00"),
+    STACKED: Style("#56B4E9"),
+    RANGE_BANK: Style("#009E73"),
+    # The twin lies on the default where turns do it all: dotted, so that both are seen.
+    BEARINGS_ONLY: Style("#CC79A7", line=":"),
 }
-"""Okabe and Ito's palette: told apart by colour-blind readers, too."""
+"""Of the estimators of the study; others get the next free ones."""
 
 QUANTITIES = ("range error, m", "bearing error, deg", "course error, deg", "speed error, m/s")
 
@@ -88,18 +90,17 @@ def draw_errors(
     histories : mapping of str to TmaHistories
         By name of the estimator.
     bound : ndarray, shape (n_frames, 4)
-        Root of the bounds on the four errors.
+        Root of the bounds on range, azimuth, course and speed, m, deg, deg, m/s.
     """
     import matplotlib.pyplot as plt
 
+    styles = styles_of(histories, SYSTEM_STYLES)
     figure, axes = plt.subplots(2, 2, figsize=(11, 7.5), sharex=True, layout="constrained")
     figure.suptitle(title)
     for index, (axis, quantity) in enumerate(zip(axes.flat, QUANTITIES, strict=True)):
-        for system, one in histories.items():
-            rms = np.sqrt(np.mean(one.error[..., index] ** 2, axis=0))
-            # The twin lies on the default where turns do it all: dotted, so that both are seen.
-            style = ":" if system == BEARINGS_ONLY else "-"
-            axis.semilogy(rms, style, color=SYSTEM_COLOURS[system], linewidth=1.2, label=system)
+        for system, style in styles.items():
+            rms = np.sqrt(np.mean(histories[system].error[..., index] ** 2, axis=0))
+            axis.semilogy(rms, style.line, color=style.colour, linewidth=1.2, label=system)
         axis.semilogy(bound[:, index], color="black", linestyle="--", label="bound")
         axis.set_ylabel(f"RMS {quantity}")
         axis.grid(alpha=0.3, which="both")

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import polar
-from sonar_tracking.evaluation.studies.tma_frequency_fusion.systems import Estimator
 from sonar_tracking.filtering.consistency import normalised_squared
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import BoolArray, FloatArray
 from sonar_tracking.simulation.sensors.tma_scene import TmaRuns
+from sonar_tracking.tma.estimators.estimator import Estimator
 
 LOST_BOUNDS = 5.0
 """A run whose range error exceeds so many bounds is lost."""
@@ -62,14 +62,19 @@ def history_of(estimator: Estimator, runs: TmaRuns) -> TmaHistories:
 
 
 def polar_errors(mean: FloatArray, truth: FloatArray, sensor_position: FloatArray) -> FloatArray:
-    """Return errors in range (m), azimuth (deg), course (deg) and speed (m/s).
+    """Return the errors in range, azimuth, course and speed.
 
     Parameters
     ----------
     mean, truth : ndarray, shape (..., 4)
-        States.
+        States x, y, vx, vy, m and m/s.
     sensor_position : ndarray, shape (..., 2)
         m.
+
+    Returns
+    -------
+    ndarray, shape (..., 4)
+        m, deg, deg, m/s.
     """
     error = polar(mean, sensor_position) - polar(truth, sensor_position)
     error[..., 1:3] = np.degrees(wrap_angle(error[..., 1:3]))

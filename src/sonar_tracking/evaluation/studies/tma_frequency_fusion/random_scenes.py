@@ -1,8 +1,8 @@
 """Random scenes of the tma-frequency-fusion study: the default outside its three scenarios.
 
 Own ship on two to four legs of any course, a target at 2 to 12 km on any course, lines on and off
-at random. Scenes whose bound on the range is above a tenth of the range are left out: nobody can do
-anything there.
+at random. Scenes whose bound on the range is above a tenth of the range are left out: no
+estimator can do anything there.
 """
 
 from __future__ import annotations

@@ -96,7 +96,7 @@ def bound_of(part: SceneBatch) -> SceneBound:
 
 
 def scene_bound(scene: TmaScene, batch: RunBatch, maximum_range: float = 20_000.0) -> FloatArray:
-    """Return the root of the bound on the four errors, shape (n_frames, 4), as SceneBound.
+    """Return the root of the bounds on the four errors.
 
     Parameters
     ----------
@@ -106,6 +106,11 @@ def scene_bound(scene: TmaScene, batch: RunBatch, maximum_range: float = 20_000.
         Runs whose true paths are used.
     maximum_range : float
         Of the prior, m.
+
+    Returns
+    -------
+    ndarray, shape (n_frames, 4)
+        On range, azimuth, course and speed, m, deg, deg, m/s.
     """
     runs = simulate_runs(scene, batch.seeds)
     true_azimuth = np.arctan2(*(scene.target[:2] - scene.sensor_position[0])[::-1])

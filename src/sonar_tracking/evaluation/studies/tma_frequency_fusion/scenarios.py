@@ -90,9 +90,9 @@ def polar(states: FloatArray, sensor_position: FloatArray) -> FloatArray:
     Parameters
     ----------
     states : ndarray, shape (..., 4)
-        x, y, vx, vy.
+        x, y, vx, vy, m and m/s.
     sensor_position : ndarray, shape (..., 2)
-        Where range and azimuth are seen from.
+        Where range and azimuth are seen from, m.
 
     Returns
     -------

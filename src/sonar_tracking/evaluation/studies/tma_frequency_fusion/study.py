@@ -106,7 +106,7 @@ LAYOUTS = (
         ),
         "RMSE in m, deg, deg, m/s. median: of the range error. /bound: range RMSE over the root of "
         "the posterior bound. NEES: per dimension, 1 = the claimed covariance is right. lost: "
-        "range error beyond 5 bounds. bearings only: the default without ears for lines; where it "
+        "range error beyond 5 bounds. bearings only: the default given no lines; where it "
         "does as well, Doppler added nothing.",
         condition="S",
     ),

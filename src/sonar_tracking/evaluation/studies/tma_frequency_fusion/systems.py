@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Protocol
+from functools import partial
 
-from sonar_tracking.tma.estimators.chan_summed_lines import SummedLines
-from sonar_tracking.tma.estimators.cheong_fused_line import FusedLine
-from sonar_tracking.tma.estimators.jauffret_stacked_lines import (
-    FULL,
-    SingleFilterConfiguration,
-    StackedLines,
-)
+from sonar_tracking.evaluation.monte_carlo.compared_methods import compared_methods
+from sonar_tracking.tma.estimators.estimator import Estimator
 from sonar_tracking.tma.estimators.range_bank import RangeBank
 from sonar_tracking.tma.estimators.sensor_frame import TmaEstimate, TmaMeasurement
+from sonar_tracking.tma.targets.tma_method_registry import TMA_METHODS
+from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
 
 PROPOSED = "PROPOSED"
 CHAN = "CHAN"
@@ -24,15 +21,8 @@ RANGE_BANK = "range bank (default)"
 BEARINGS_ONLY = "range bank, bearings only"
 
 
-class Estimator(Protocol):
-    """What all estimators have in common."""
-
-    def update(self, measurement: TmaMeasurement) -> TmaEstimate:
-        """Take one measurement in and return where the target is."""
-
-
 class BearingsOnly:
-    """The default estimator without ears for lines: what the bearings alone would have done."""
+    """The default estimator with bearings only: what the bearings alone would have done."""
 
     def __init__(self) -> None:
         self._bank = RangeBank()
@@ -47,12 +37,20 @@ class BearingsOnly:
         return self._bank.update(deaf)
 
 
+METHODS = compared_methods(
+    TMA_METHODS,
+    {
+        PROPOSED: "fused_line",
+        CHAN: "summed_lines",
+        JAUFFRET: "stacked_lines_restarted",
+        STACKED: "stacked_lines",
+        RANGE_BANK: "range_bank",
+    },
+)
+"""Method of each estimator, by its name."""
+
 SYSTEMS: dict[str, Callable[[], Estimator]] = {
-    PROPOSED: FusedLine,
-    CHAN: SummedLines,
-    JAUFFRET: lambda: StackedLines(SingleFilterConfiguration(restart=FULL)),
-    STACKED: StackedLines,
-    RANGE_BANK: RangeBank,
-    BEARINGS_ONLY: BearingsOnly,
-}
+    name: partial(TMA_METHODS[method].make, TmaTrackerConfiguration())
+    for name, method in METHODS.items()
+} | {BEARINGS_ONLY: BearingsOnly}
 """How each is made, in the order of the report."""

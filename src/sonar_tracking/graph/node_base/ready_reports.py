@@ -1,0 +1,81 @@
+"""What a node says until data flow: whether it has found its neighbours, as soon as it has.
+
+Whoever starts the graph waits for these reports, so they come with every new connection. Once a
+node is connected it has time until the first data: what takes long at its first use is done then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+
+from sonar_tracking.graph.catalogue.topics import DIAGNOSTICS_TOPIC
+from sonar_tracking.graph.node_base.diagnostics import Diagnostics
+
+LOOK_PERIOD = 0.05
+"""Between looks at the connections, s of steady time."""
+
+LOOKS_PER_REPORT = 4
+"""So many looks later a report is repeated, if nothing has changed."""
+
+PATIENCE_LOOKS = 100
+"""After so many looks a node no longer waits for connections that may never come."""
+
+
+class ReadyReports:
+    """Publishes the state of a node whenever its connections change, until data flow.
+
+    Parameters
+    ----------
+    node : Node
+        The node.
+    diagnostics : Diagnostics
+        Where its state is told.
+    connections : callable
+        Returns the number of matched remote endpoints by topic.
+    data_flow : callable
+        Tells whether the first message has been received or published.
+    warm_up : callable
+        Called once, when every topic is connected, or is not after a while.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        diagnostics: Diagnostics,
+        connections: Callable[[], Mapping[str, object]],
+        data_flow: Callable[[], bool],
+        warm_up: Callable[[], None] = lambda: None,
+    ) -> None:
+        self._node = node
+        self._diagnostics = diagnostics
+        self._connections = connections
+        self._data_flow = data_flow
+        self._warm_up = warm_up
+        self._warm = False
+        self._looks = 0
+        self._told: dict[str, object] = {}
+        self._timer = node.create_timer(
+            LOOK_PERIOD, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        )
+
+    def _look(self) -> None:
+        if self._data_flow():
+            self._timer.cancel()
+            self._diagnostics.publish()
+            return
+        connections = {**self._connections(), DIAGNOSTICS_TOPIC: self._listeners()}
+        if connections != self._told or self._looks % LOOKS_PER_REPORT == 0:
+            self._told = connections
+            self._diagnostics.publish()
+        self._looks += 1
+        if not self._warm and (all(connections.values()) or self._looks > PATIENCE_LOOKS):
+            self._warm = True
+            self._warm_up()
+
+    def _listeners(self) -> int:
+        """Return how many hear what this node says of itself."""
+        reports = [p for p in self._node.publishers if p.topic_name == DIAGNOSTICS_TOPIC]
+        return sum(publisher.get_subscription_count() for publisher in reports)

@@ -1,0 +1,60 @@
+"""Which tests are of which kind, and how they are shared out among processes.
+
+``./scripts/test.sh`` runs as many workers of pytest-xdist as there are processors. A file of tests
+stays with one worker, since its tests share fixtures; the tests of ``tests/system`` are shared out
+singly. The long ones come first, so that all workers end at about the same time.
+"""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from xdist.scheduler import LoadScopeScheduling
+
+for _variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_variable, "1")  # as in the nodes; the workers share the processors
+os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+
+MARKS = {
+    "tests/system/": pytest.mark.system,
+    "tests/graph/nodes/": pytest.mark.graph,
+    "tests/evaluation/studies/": pytest.mark.slow,
+}
+"""Marks of all tests below a directory; single files and tests carry theirs themselves."""
+
+LONGEST_FIRST = ("system", "graph", "slow")
+SHARED_OUT_SINGLY = "tests/system/"
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Mark tests by their directory, and let workers begin with the long ones."""
+    for item in items:
+        for directory, mark in MARKS.items():
+            if item.nodeid.startswith(directory):
+                item.add_marker(mark)
+    if hasattr(config, "workerinput"):
+        items.sort(key=_rank)
+
+
+def _rank(item: pytest.Item) -> int:
+    marks = {mark.name for mark in item.iter_markers()}
+    ranks = [rank for rank, name in enumerate(LONGEST_FIRST) if name in marks]
+    return min(ranks, default=len(LONGEST_FIRST))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> LoadScopeScheduling:
+    """Return what hands out the tests: whole files, and those of ``tests/system`` singly."""
+    from xdist.scheduler import LoadScopeScheduling
+
+    class FilesAndSingleTests(LoadScopeScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            file = nodeid.partition("::")[0]
+            return nodeid if file.startswith(SHARED_OUT_SINGLY) else file
+
+    config.option.loadscopereorder = False  # the order of the tests is meant as it is
+    return FilesAndSingleTests(config, log)
