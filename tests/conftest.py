@@ -1,8 +1,8 @@
 """Which tests are of which kind, and how they are shared out among processes.
 
 ``./scripts/test.sh`` runs as many workers of pytest-xdist as there are processors. A file of tests
-stays with one worker, since its tests share fixtures; the tests of ``tests/system`` are shared out
-singly. The long ones come first, so that all workers end at about the same time.
+stays with one worker, since its tests share fixtures; those of ``tests/system`` and the tutorials
+are shared out singly. The long ones come first, so that all workers end at about the same time.
 """
 
 from __future__ import annotations
@@ -21,13 +21,15 @@ os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
 
 MARKS = {
     "tests/system/": pytest.mark.system,
+    "tests/docs/test_tutorials.py": pytest.mark.system,
+    "tests/docs/test_build.py": pytest.mark.slow,
     "tests/graph/nodes/": pytest.mark.graph,
     "tests/evaluation/studies/": pytest.mark.slow,
 }
 """Marks of all tests below a directory; single files and tests carry theirs themselves."""
 
 LONGEST_FIRST = ("system", "graph", "slow")
-SHARED_OUT_SINGLY = "tests/system/"
+SHARED_OUT_SINGLY = ("tests/system/", "tests/docs/test_tutorials.py")
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
@@ -48,7 +50,7 @@ def _rank(item: pytest.Item) -> int:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> LoadScopeScheduling:
-    """Return what hands out the tests: whole files, and those of ``tests/system`` singly."""
+    """Return what hands out the tests: whole files, but long tests singly."""
     from xdist.scheduler import LoadScopeScheduling
 
     class FilesAndSingleTests(LoadScopeScheduling):

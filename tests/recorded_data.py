@@ -43,6 +43,6 @@ def recorded_data(file: str) -> Path:
             return folder / file
     address = PUBLISHED[file.partition("/")[0]]
     pytest.skip(
-        f"needs {file}, an extract of {address} (see docs/studies): put it into the folder data/ "
-        f"of the project, or name the folder of all data sets with {FOLDER_VARIABLE}"
+        f"needs {file}, an extract of {address} (see docs/reference/data_sets.md): put it into the "
+        f"folder data/ of the project, or name the folder of all data sets with {FOLDER_VARIABLE}"
     )

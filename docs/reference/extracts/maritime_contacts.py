@@ -20,13 +20,12 @@ TARGETS = (1, 2)
 def extract(folder: Path) -> dict[str, Any]:
     """Return the radar scans of a scenario with the true positions of both boats.
 
-    Detections and truth have one entry a scan, in the same order. A scan is a list of north and
-    east, one after the other, relative to own ship.
+    Detections and truth have one entry a scan, in the same order, nearly that of time, and times
+    count from the first one. A scan lists all norths, then all easts, relative to own ship.
     """
     scans = _scans(folder / f"{folder.name}_detections.json")
     truths = json.loads((folder / f"{folder.name}_groundTruth.json").read_text())
-    start = min(scan["time"] for scan in scans)
-    # Scans are sorted by time, those of one time stay in the order of the file.
+    start = scans[0]["time"]
     order = sorted(
         (index for index, scan in enumerate(scans) if scan["sensorID"] == RADAR),
         key=lambda index: scans[index]["time"],

@@ -1,4 +1,4 @@
-"""Make the directions of a ship that the study ship-bearings reads, from the data of Where's Whaledo.
+"""Make the directions that the study ship-bearings reads, from the data of Where's Whaledo.
 
 python ship_bearings.py wheresWhaledo/receiverPositionInversion two_arrays.npz EE,EW 2512 5800
 python ship_bearings.py wheresWhaledo/receiverPositionInversion later_passes.npz EW 8420 12880
