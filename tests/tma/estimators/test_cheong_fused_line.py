@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sonar_tracking.tma.estimators.cheong_fused_line import (
-    FusedLine,
+    CheongFusedLine,
     LineReferences,
     add_references,
     first_references,
@@ -62,7 +62,7 @@ def test_without_any_known_line_the_filter_bridges() -> None:
 
 
 def test_lines_may_all_vanish_and_first_come_late() -> None:
-    estimator = FusedLine()
+    estimator = CheongFusedLine()
     for second, lines in enumerate([(NAN,) * 3, (NAN, 300.0, NAN), (NAN,) * 3, (200.0, NAN, NAN)]):
         frame = measurement(*lines, stamp=1 + second * 10**9)
         estimate = estimator.update(frame)
@@ -78,7 +78,7 @@ def test_it_takes_a_batch_of_runs() -> None:
         frequency=np.array([[200.0, 300.0, NAN], [NAN, 300.0, 400.0]]),
         frequency_deviation=np.tile(frame.frequency_deviation, (2, 1)),
     )
-    alone, together = FusedLine().update(frame), FusedLine().update(batch)
+    alone, together = CheongFusedLine().update(frame), CheongFusedLine().update(batch)
     np.testing.assert_allclose(together.mean[0], alone.mean, rtol=1e-12)
 
 

@@ -28,7 +28,7 @@ def single(frame: TmaMeasurement) -> TmaMeasurement:
 def logged(scene: TmaScene) -> tuple[TmaRuns, MeasurementLog]:
     runs = simulate_runs(replace(scene, acceleration=0.0), np.random.SeedSequence(1).spawn(1))
     frames = [single(frame) for frame in runs.frames()]
-    log = MeasurementLog(frames[0])
+    log = MeasurementLog(frames[0], 20_000.0, 20.0)
     for frame in frames:
         log.append(frame)
     return runs, log

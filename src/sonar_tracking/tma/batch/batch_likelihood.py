@@ -95,15 +95,15 @@ def estimate_batch_likelihood(
         Parameters of the search.
     """
     parameters = configuration or BatchConfiguration()
-    data = _stacked(measurements)
+    data = _stack(measurements)
     best: tuple[FloatArray, _Point] | None = None
     for start_range in parameters.start_ranges:
-        motion, point = _descended(_start(data, start_range), data, parameters)
+        motion, point = _descend(_start(data, start_range), data, parameters)
         if best is None:
             best = motion, point
             continue
         better = point.cost < best[1].cost
-        best = _chosen(better, motion, best[0]), _chosen_point(better, point, best[1])
+        best = _choose(better, motion, best[0]), _choose_point(better, point, best[1])
     assert best is not None
     motion, point = best
     heard = np.any(np.isfinite(data.frequency), axis=1)
@@ -111,7 +111,7 @@ def estimate_batch_likelihood(
     return BatchEstimate(motion, covariance, np.where(heard, point.source, np.nan), point.cost)
 
 
-def _stacked(measurements: Sequence[TmaMeasurement]) -> _Data:
+def _stack(measurements: Sequence[TmaMeasurement]) -> _Data:
     last = measurements[-1].stamp
     shape = measurements[0].frequency.shape
     azimuth = np.stack([one.azimuth[..., 0] for one in measurements], axis=1)
@@ -143,7 +143,7 @@ def _start(data: _Data, start_range: float) -> FloatArray:
     return np.concatenate([ends[1], velocity], axis=-1)
 
 
-def _descended(
+def _descend(
     motion: FloatArray, data: _Data, parameters: BatchConfiguration
 ) -> tuple[FloatArray, _Point]:
     point = _point(motion, data, parameters.huber)
@@ -155,9 +155,9 @@ def _descended(
         trial = motion + step
         there = _point(trial, data, parameters.huber)
         better = there.cost < point.cost
-        motion = _chosen(better, trial, motion)
+        motion = _choose(better, trial, motion)
         gain = np.max((point.cost - there.cost)[better], initial=0.0)
-        point = _chosen_point(better, there, point)
+        point = _choose_point(better, there, point)
         damping = np.where(better, damping * DAMPING_DOWN, damping * DAMPING_UP)
         if gain < 1e-6 and np.all(better | (damping > 1e3)):
             break
@@ -243,14 +243,14 @@ def _on_motion(by_position: FloatArray, by_velocity: FloatArray, before: FloatAr
     return np.concatenate([by_position, by_position * before[:, None] + by_velocity], axis=-1)
 
 
-def _chosen(which: BoolArray, one: FloatArray, other: FloatArray) -> FloatArray:
+def _choose(which: BoolArray, one: FloatArray, other: FloatArray) -> FloatArray:
     return np.where(which.reshape(-1, *(1,) * (one.ndim - 1)), one, other)
 
 
-def _chosen_point(which: BoolArray, one: _Point, other: _Point) -> _Point:
+def _choose_point(which: BoolArray, one: _Point, other: _Point) -> _Point:
     return _Point(
-        _chosen(which, one.cost, other.cost),
-        _chosen(which, one.gradient, other.gradient),
-        _chosen(which, one.normal, other.normal),
-        _chosen(which, one.source, other.source),
+        _choose(which, one.cost, other.cost),
+        _choose(which, one.gradient, other.gradient),
+        _choose(which, one.normal, other.normal),
+        _choose(which, one.source, other.source),
     )

@@ -24,10 +24,10 @@ from sonar_tracking.tma.estimators.hypothesis_bank import (
     predict_bank,
     update_bank,
 )
-from sonar_tracking.tma.estimators.jauffret_stacked_lines import SingleFilterConfiguration
 from sonar_tracking.tma.estimators.measurement_model import linearise
 from sonar_tracking.tma.estimators.recursion import elapsed
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, TmaMeasurement
+from sonar_tracking.tma.estimators.single_filter_configuration import SingleFilterConfiguration
 
 ITERATIONS = 8
 SETTLED = 0.1

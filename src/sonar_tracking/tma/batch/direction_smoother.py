@@ -136,7 +136,7 @@ def smooth_directions(
         # What was measured, referred to positions instead of to errors of the last path.
         measured = residual + np.einsum("nai,ni->na", rows.derivative, path)
         gradient = np.einsum("na,nai->ni", weight * measured, rows.derivative)
-        mean, covariance = _smoothed(history.times, information, gradient, path[0], parameters)
+        mean, covariance = _smooth(history.times, information, gradient, path[0], parameters)
         path = mean[:, :2]
     systematic = float(np.radians(parameters.systematic_deviation_deg))
     covariance[:, :2, :2] += systematic_covariance(history, path, systematic)
@@ -198,7 +198,7 @@ def _rows(history: DirectionHistory, path: FloatArray) -> _Rows:
     return _Rows(np.stack([across, up], axis=1), derivative)
 
 
-def _smoothed(
+def _smooth(
     times: FloatArray,
     information: FloatArray,
     gradient: FloatArray,

@@ -2,35 +2,32 @@
 
 from __future__ import annotations
 
-from sonar_tracking.tma.estimators.chan_summed_lines import SummedLines
-from sonar_tracking.tma.estimators.cheong_fused_line import FusedLine
-from sonar_tracking.tma.estimators.jauffret_stacked_lines import (
-    FULL,
-    NEVER,
-    SingleFilterConfiguration,
-    StackedLines,
-)
+from sonar_tracking.tma.estimators.bank_restart import FULL, NEVER
+from sonar_tracking.tma.estimators.chan_summed_lines import ChanSummedLines
+from sonar_tracking.tma.estimators.cheong_fused_line import CheongFusedLine
+from sonar_tracking.tma.estimators.jauffret_stacked_lines import JauffretStackedLines
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
+from sonar_tracking.tma.estimators.single_filter_configuration import SingleFilterConfiguration
 
 
-def fused_line(configuration: RangeBankConfiguration) -> FusedLine:
+def fused_line(configuration: RangeBankConfiguration) -> CheongFusedLine:
     """Return Cheong's filter: all lines fused into one."""
-    return FusedLine(_single_filter(configuration))
+    return CheongFusedLine(_single_filter(configuration))
 
 
-def summed_lines(configuration: RangeBankConfiguration) -> SummedLines:
+def summed_lines(configuration: RangeBankConfiguration) -> ChanSummedLines:
     """Return Chan's filter: the sum of all lines, restarted when their set changes."""
-    return SummedLines(_single_filter(configuration))
+    return ChanSummedLines(_single_filter(configuration))
 
 
-def stacked_lines(configuration: RangeBankConfiguration) -> StackedLines:
+def stacked_lines(configuration: RangeBankConfiguration) -> JauffretStackedLines:
     """Return Jauffret's filter without its restarts: every line a row."""
-    return StackedLines(_single_filter(configuration))
+    return JauffretStackedLines(_single_filter(configuration))
 
 
-def restarted_stacked_lines(configuration: RangeBankConfiguration) -> StackedLines:
+def restarted_stacked_lines(configuration: RangeBankConfiguration) -> JauffretStackedLines:
     """Return Jauffret's filter, restarted when a line appears."""
-    return StackedLines(_single_filter(configuration, FULL))
+    return JauffretStackedLines(_single_filter(configuration, FULL))
 
 
 def _single_filter(

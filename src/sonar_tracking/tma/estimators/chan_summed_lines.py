@@ -1,11 +1,12 @@
-"""Summed lines: the sum of all lines present is one line, restarted when their set changes.
+"""Chan's summed lines: the sum of all lines present is one line, restarted when their set changes.
 
 The sum of frequencies obeys the Doppler equation with the sum of the source frequencies, which
 means something else whenever a line comes or goes; hence the restarts.
 
 References
 ----------
-Cheong (2011), eqs. 14-16, after Y. T. Chan.
+Cheong (2011), "A robust target motion analysis algorithm for discontinuous frequency
+measurements" (in Korean), eqs. 14-16, after Y. T. Chan.
 """
 
 from __future__ import annotations
@@ -15,17 +16,14 @@ from dataclasses import replace
 import numpy as np
 
 from sonar_tracking.records.arrays import BoolArray
+from sonar_tracking.tma.estimators.bank_restart import FULL, restart_bank
 from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank
-from sonar_tracking.tma.estimators.jauffret_stacked_lines import (
-    FULL,
-    SingleFilterConfiguration,
-    restarted,
-)
 from sonar_tracking.tma.estimators.recursion import elapsed, estimate_of, extended_step
 from sonar_tracking.tma.estimators.sensor_frame import TmaEstimate, TmaMeasurement
+from sonar_tracking.tma.estimators.single_filter_configuration import SingleFilterConfiguration
 
 
-class SummedLines:
+class ChanSummedLines:
     """Chan's filter: one line that is the sum, a full restart at any change of the set.
 
     Parameters
@@ -54,7 +52,7 @@ class SummedLines:
             self._bank, self._stamp = self._configuration.start(summed), measurement.stamp
         else:
             changed = np.any(heard != self._heard, axis=-1)
-            self._bank = restarted(self._bank, self._configuration.start(summed), changed, FULL)
+            self._bank = restart_bank(self._bank, self._configuration.start(summed), changed, FULL)
         self._heard = heard
         interval = elapsed(self._stamp, measurement.stamp)
         self._bank = extended_step(self._bank, summed, interval, self._configuration.acceleration)

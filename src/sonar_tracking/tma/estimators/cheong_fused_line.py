@@ -1,4 +1,4 @@
-"""The paper's method: all lines normalised to one virtual line, which never stops.
+"""Cheong's fused line: all lines normalised to one virtual line, which never stops.
 
 Each line is scaled by its own frequency in the first frame (18) and the scaled lines are averaged
 with weights 1 / sigma (19). A line first heard later is scaled by what the virtual line was then
@@ -8,7 +8,8 @@ term of the variance accounts for it, so that the filter is overconfident.
 
 References
 ----------
-Cheong (2011), eqs. 17-25.
+Cheong (2011), "A robust target motion analysis algorithm for discontinuous frequency
+measurements" (in Korean), eqs. 17-25.
 """
 
 from __future__ import annotations
@@ -20,10 +21,10 @@ import numpy as np
 
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank, predict_bank
-from sonar_tracking.tma.estimators.jauffret_stacked_lines import SingleFilterConfiguration
 from sonar_tracking.tma.estimators.measurement_model import range_rate
 from sonar_tracking.tma.estimators.recursion import elapsed, estimate_of, extended_step
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, TmaEstimate, TmaMeasurement
+from sonar_tracking.tma.estimators.single_filter_configuration import SingleFilterConfiguration
 
 
 @dataclass(frozen=True)
@@ -42,8 +43,8 @@ class LineReferences:
     reference: FloatArray
 
 
-class FusedLine:
-    """The paper's filter on azimuth and one fused line.
+class CheongFusedLine:
+    """Cheong's filter on azimuth and one fused line.
 
     Parameters
     ----------
@@ -71,14 +72,14 @@ class FusedLine:
         if self._bank is None:
             self._bank, self._stamp = self._configuration.start(fused), measurement.stamp
         interval = elapsed(self._stamp, measurement.stamp)
-        predicted = self._predicted_line(self._bank, fused, interval)
+        predicted = self._predict_line(self._bank, fused, interval)
         self._references = add_references(measurement, self._references, fused, predicted)
         acceleration = self._configuration.acceleration
         self._bank = extended_step(self._bank, fused, interval, acceleration)
         self._stamp = measurement.stamp
         return estimate_of(self._bank, fused)
 
-    def _predicted_line(
+    def _predict_line(
         self, bank: HypothesisBank, measurement: TmaMeasurement, interval: float
     ) -> FloatArray:
         """Return the virtual line the filter expects: the only bridge when every line is gone."""
@@ -89,7 +90,7 @@ class FusedLine:
 
 
 def fused_frames(measurements: Sequence[TmaMeasurement]) -> list[TmaMeasurement]:
-    """Return frames with the paper's one line instead of their own, for a batch estimator.
+    """Return frames with Cheong's one line instead of their own, for a batch estimator.
 
     Parameters
     ----------
@@ -160,7 +161,7 @@ def add_references(
     fused : TmaMeasurement
         Its fused line, for the ratio.
     predicted : ndarray, shape (...)
-        The fused line the filter expects, used when no known line is present.
+        The fused line the filter expects, Hz; used when no known line is present.
     """
     virtual = np.where(np.isfinite(references.virtual), references.virtual, _leading(measurement))
     current = np.where(np.isfinite(fused.frequency[..., 0]), fused.frequency[..., 0], predicted)

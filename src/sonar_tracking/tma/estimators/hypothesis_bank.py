@@ -32,9 +32,9 @@ class HypothesisBank:
     Attributes
     ----------
     mean : ndarray, shape (..., n_components, 4 + n_lines)
-        Component means; the frequency of a line never heard is 0.
+        Component means, m, m/s and Hz; the frequency of a line never heard is 0.
     covariance : ndarray, shape (..., n_components, 4 + n_lines, 4 + n_lines)
-        Component covariances.
+        Component covariances, in the same units squared.
     log_weight : ndarray, shape (..., n_components)
         Normalised.
     known : ndarray of bool, shape (..., n_lines)
@@ -73,7 +73,8 @@ def start_bank(
     direction = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
     normal = np.stack([-direction[..., 1], direction[..., 0]], axis=-1)
     across = distance**2 * measurement.azimuth_variance[..., None]
-    size = KINEMATIC + measurement.n_lines
+    n_lines = measurement.n_lines
+    size = KINEMATIC + n_lines
     mean = np.zeros((*azimuth.shape, size))
     mean[..., :2] = measurement.position[..., None, :] + distance[:, None] * direction
     covariance = np.zeros((*azimuth.shape, size, size))
@@ -82,7 +83,7 @@ def start_bank(
     ) + across[..., None, None] * _outer(normal)
     covariance[..., 2, 2] = covariance[..., 3, 3] = maximum_speed**2 / 3.0
     weight = np.full(azimuth.shape, -np.log(n_components))
-    known = np.zeros((*azimuth.shape[:-1], measurement.n_lines), dtype=bool)
+    known = np.zeros((*azimuth.shape[:-1], n_lines), dtype=bool)
     return HypothesisBank(mean, covariance, weight, known)
 
 
@@ -146,7 +147,20 @@ def seed_lines(
 
 
 def innovation_covariance(bank: HypothesisBank, rows: LinearisedRows) -> FloatArray:
-    """Return H P H^T + R of each component, shape (..., n_components, n_rows, n_rows)."""
+    """Return H P H^T + R of each component.
+
+    Parameters
+    ----------
+    bank : HypothesisBank
+        Prediction.
+    rows : LinearisedRows
+        Linearised at the components' means.
+
+    Returns
+    -------
+    ndarray, shape (..., n_components, n_rows, n_rows)
+        In units of the rows: rad and Hz.
+    """
     spread = rows.derivative @ bank.covariance @ np.swapaxes(rows.derivative, -1, -2)
     index = np.arange(rows.variance.shape[-1])
     spread[..., index, index] += rows.variance
@@ -194,7 +208,15 @@ def update_bank(
 
 
 def mixture_moments(bank: HypothesisBank) -> tuple[FloatArray, FloatArray]:
-    """Return mean and covariance of the mixture, with the spread of the means."""
+    """Return mean and covariance of the mixture, with the spread of the means.
+
+    Returns
+    -------
+    mean : ndarray, shape (..., 4 + n_lines)
+        m, m/s and Hz.
+    covariance : ndarray, shape (..., 4 + n_lines, 4 + n_lines)
+        In the same units squared.
+    """
     weight = np.exp(bank.log_weight)
     mean = np.einsum("...c,...cn->...n", weight, bank.mean)
     deviation = bank.mean - mean[..., None, :]

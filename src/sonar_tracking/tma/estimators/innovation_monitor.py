@@ -82,13 +82,13 @@ def extend_windows(
     windows : InnovationWindows
         Before.
     normalised : ndarray, shape (..., 1 + n_lines)
-        Innovations over their standard deviations: azimuth, then lines.
+        Innovations over their standard deviations, pure numbers: azimuth, then lines.
     present : ndarray of bool, shape (..., 1 + n_lines)
         Which of them there are.
     """
     return InnovationWindows(
-        _pushed(windows.lines, normalised[..., 1:], present[..., 1:]),
-        _pushed(windows.azimuth, normalised[..., 0], present[..., 0]),
+        _push(windows.lines, normalised[..., 1:], present[..., 1:]),
+        _push(windows.azimuth, normalised[..., 0], present[..., 0]),
     )
 
 
@@ -145,6 +145,6 @@ def _others(
     return (np.sum(moving, axis=-1, keepdims=True) - moving) / np.sqrt(count), moving
 
 
-def _pushed(window: FloatArray, newest: FloatArray, present: BoolArray) -> FloatArray:
+def _push(window: FloatArray, newest: FloatArray, present: BoolArray) -> FloatArray:
     longer = np.concatenate([window[..., 1:], newest[..., None]], axis=-1)
     return np.where(present[..., None], longer, window)

@@ -40,11 +40,11 @@ class LinearisedRows:
     Attributes
     ----------
     innovation : ndarray, shape (..., n_rows)
-        Measured minus predicted; angles wrapped.
+        Measured minus predicted, rad (wrapped) and Hz.
     derivative : ndarray, shape (..., n_rows, 4 + n_lines)
         Of the prediction, by the state.
     variance : ndarray, shape (..., n_rows)
-        Of the measurement.
+        Of the measurement, rad^2 and Hz^2.
     present : ndarray of bool, shape (..., n_rows)
         Which rows are there.
     """
@@ -56,19 +56,19 @@ class LinearisedRows:
 
 
 def range_rate(mean: FloatArray, measurement: TmaMeasurement) -> FloatArray:
-    """Return the range rate seen by the sensor, m/s.
+    """Return the range rate seen by the sensor.
 
     Parameters
     ----------
     mean : ndarray, shape (..., n_components, at least 4)
-        States.
+        States x, y, vx, vy, m and m/s.
     measurement : TmaMeasurement
         Whose sensor.
 
     Returns
     -------
     ndarray, shape (..., n_components)
-        Positive when the range grows.
+        m/s, positive when the range grows.
     """
     _, direction, relative, _ = _relative(mean, measurement)
     return np.sum(direction * relative, axis=-1)
@@ -82,7 +82,7 @@ def linearise(
     Parameters
     ----------
     mean : ndarray, shape (..., n_components, 4 + n_lines)
-        States to linearise at.
+        States to linearise at, m, m/s and Hz.
     measurement : TmaMeasurement
         What was measured.
     known : ndarray of bool, shape (..., n_lines)
@@ -152,7 +152,7 @@ def offset_seen(
     Parameters
     ----------
     mean : ndarray, shape (..., at least 4)
-        States.
+        States x, y, vx, vy, m and m/s.
     position : ndarray, shape (..., 2) or (2,)
         Of the sensor, m.
     propagation_speed : float

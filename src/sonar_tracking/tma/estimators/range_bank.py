@@ -16,6 +16,7 @@ import numpy as np
 
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 from sonar_tracking.records.time import nanoseconds
+from sonar_tracking.tma.estimators.bank_restart import FULL, restart_bank
 from sonar_tracking.tma.estimators.hypothesis_bank import (
     HypothesisBank,
     predict_bank,
@@ -31,7 +32,6 @@ from sonar_tracking.tma.estimators.innovation_monitor import (
     extend_windows,
     judge,
 )
-from sonar_tracking.tma.estimators.jauffret_stacked_lines import FULL, restarted
 from sonar_tracking.tma.estimators.measurement_model import LinearisedRows
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.recursion import (
@@ -105,15 +105,15 @@ class RangeBank:
             At the stamp of the measurement.
         """
         new = self.state is None
-        state = self.state if self.state is not None else self._started(measurement)
+        state = self.state if self.state is not None else self._start(measurement)
         lost = (state.refused >= REFUSED_AZIMUTHS) & np.isfinite(measurement.azimuth[..., 0])
-        state = self._started_again(state, measurement, lost)
-        predicted = self._predicted(state, measurement)
+        state = self._restart_lost(state, measurement, lost)
+        predicted = self._predict(state, measurement)
         rows = rows_of(predicted, measurement)
         variance = innovation_variance(predicted, rows)
-        windows, changes = _watched(state.windows, predicted, rows, variance)
+        windows, changes = _watch(state.windows, predicted, rows, variance)
         if np.any(changes.manoeuvre) or np.any(changes.reborn):
-            predicted = self._loosened(predicted, changes.manoeuvre)
+            predicted = self._loosen(predicted, changes.manoeuvre)
             predicted = seed_lines(predicted, measurement, changes.reborn)
             rows = rows_of(predicted, measurement)
             variance = innovation_variance(predicted, rows)
@@ -131,7 +131,7 @@ class RangeBank:
         self.state = RangeBankState(measurement.stamp, bank, windows, until, count)
         return estimate_of(bank, measurement, changes.reborn, changes.manoeuvre, lost)
 
-    def _started(self, measurement: TmaMeasurement) -> RangeBankState:
+    def _start(self, measurement: TmaMeasurement) -> RangeBankState:
         parameters = self._configuration
         bank = start_bank(measurement, parameters.range_edges(), parameters.maximum_speed)
         batch = bank.known.shape[:-1]
@@ -139,25 +139,25 @@ class RangeBank:
         nothing = np.zeros(batch, dtype=np.int64)
         return RangeBankState(measurement.stamp, bank, windows, nothing, nothing)
 
-    def _started_again(
+    def _restart_lost(
         self, state: RangeBankState, measurement: TmaMeasurement, lost: BoolArray
     ) -> RangeBankState:
         """Start anew where no hypothesis accepts the azimuths: the first one was an outlier."""
         if not np.any(lost):
             return state
-        fresh = self._started(measurement)
+        fresh = self._start(measurement)
         if fresh.bank.log_weight.shape != state.bank.log_weight.shape:
             return fresh  # a single run whose array now has another number of sides
         everything = Changes(np.zeros(state.bank.known.shape, dtype=bool), lost)
         return RangeBankState(
             state.stamp,
-            restarted(state.bank, fresh.bank, lost, FULL),
+            restart_bank(state.bank, fresh.bank, lost, FULL),
             clear_windows(state.windows, everything),
             np.where(lost, 0, state.manoeuvre_until),
             np.where(lost, 0, state.refused),
         )
 
-    def _predicted(self, state: RangeBankState, measurement: TmaMeasurement) -> HypothesisBank:
+    def _predict(self, state: RangeBankState, measurement: TmaMeasurement) -> HypothesisBank:
         parameters = self._configuration
         acceleration = np.where(
             measurement.stamp <= state.manoeuvre_until,
@@ -168,7 +168,7 @@ class RangeBank:
         predicted = predict_bank(state.bank, interval, acceleration)
         return seed_lines(predicted, measurement, measurement.heard & ~predicted.known)
 
-    def _loosened(self, bank: HypothesisBank, manoeuvre: BoolArray) -> HypothesisBank:
+    def _loosen(self, bank: HypothesisBank, manoeuvre: BoolArray) -> HypothesisBank:
         """Let the motion go where a manoeuvre is found: it began some time ago."""
         lag = self._configuration.manoeuvre_lag
         variance = np.where(manoeuvre, self._configuration.manoeuvre_speed**2, 0.0)[..., None]
@@ -181,7 +181,7 @@ class RangeBank:
         return replace(bank, covariance=covariance)
 
 
-def _watched(
+def _watch(
     windows: InnovationWindows,
     bank: HypothesisBank,
     rows: LinearisedRows,

@@ -60,7 +60,7 @@ def gate_rows(
     rows : LinearisedRows
         All rows.
     variance : ndarray, shape (..., n_components, n_rows)
-        Of the innovations.
+        Of the innovations, rad^2 and Hz^2.
     gate : float
         Standard deviations.
 
@@ -99,7 +99,20 @@ def extended_step(
 
 
 def innovation_variance(bank: HypothesisBank, rows: LinearisedRows) -> FloatArray:
-    """Return the variance of each innovation, shape (..., n_components, n_rows)."""
+    """Return the variance of each innovation.
+
+    Parameters
+    ----------
+    bank : HypothesisBank
+        Prediction.
+    rows : LinearisedRows
+        Linearised at the components' means.
+
+    Returns
+    -------
+    ndarray, shape (..., n_components, n_rows)
+        rad^2 and Hz^2.
+    """
     spread = rows.derivative @ bank.covariance
     return np.einsum("...rn,...rn->...r", spread, rows.derivative) + rows.variance
 
@@ -119,7 +132,9 @@ def estimate_of(
         Posterior.
     measurement : TmaMeasurement
         The frame.
-    reborn, manoeuvre, restarted : ndarray of bool, optional
+    reborn : ndarray of bool, shape (..., n_lines), optional
+        Lines that were started anew; none if not given.
+    manoeuvre, restarted : ndarray of bool, shape (...), optional
         As in :class:`TmaEstimate`; none if not given.
     """
     mean, covariance = mixture_moments(bank)

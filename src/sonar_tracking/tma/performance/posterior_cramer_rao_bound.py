@@ -33,13 +33,14 @@ def fisher_information(states: FloatArray, measurement: TmaMeasurement) -> Float
     Parameters
     ----------
     states : ndarray, shape (n_paths, 4 + n_lines)
-        True states with the source frequencies.
+        True states with the source frequencies, m, m/s and Hz.
     measurement : TmaMeasurement
         Which rows there are and how good: of one path or of all.
 
     Returns
     -------
     ndarray, shape (4 + n_lines, 4 + n_lines)
+        In units of the state to the power -2.
     """
     rows = linearise(
         states[:, None, :], measurement, measurement.heard, measurement.azimuth[..., :1]
@@ -61,20 +62,20 @@ def posterior_bound(
     Parameters
     ----------
     paths : ndarray, shape (n_paths, n_frames, 4)
-        True motions, drawn from the motion model.
+        True motions x, y, vx, vy, drawn from the motion model, m and m/s.
     source_frequency : ndarray, shape (n_lines,)
         True, Hz.
     frames : iterable of TmaMeasurement
         One a frame, of the same paths (their values are not used, only which there are).
     prior : ndarray, shape (4, 4)
-        Covariance of the motion before the first frame.
+        Covariance of the motion before the first frame, m^2, m^2/s, m^2/s^2.
     acceleration : float
         Process noise of the motion model, m/s^2.
 
     Yields
     ------
     ndarray, shape (4 + n_lines, 4 + n_lines)
-        Lines not heard yet have a diffuse variance.
+        In units of the state squared; lines not heard yet have a diffuse variance.
     """
     n_lines = len(source_frequency)
     size = KINEMATIC + n_lines
@@ -107,10 +108,10 @@ def polar_bound(bound: FloatArray, state: FloatArray, position: FloatArray) -> F
     Parameters
     ----------
     bound : ndarray, shape (at least 4, at least 4)
-        On the state.
+        On the state, m^2, m^2/s, m^2/s^2.
     state : ndarray, shape (4,)
-        Mean true state: averaging over directions would turn some of the error along the line of
-        sight into error across it.
+        Mean true state, m and m/s: averaging over directions would turn some of the error
+        along the line of sight into error across it.
     position : ndarray, shape (2,)
         Of the sensor, m.
 

@@ -82,7 +82,9 @@ class BaselineSolver:
         sides = (LEFT, RIGHT) if len(measurements) == 2 else (SINGLE,)
         method, configuration = self._configuration.entry, self._configuration
         self._estimators = {side: method.make(configuration) for side in sides}
-        self._log = MeasurementLog(measurements[0])
+        self._log = MeasurementLog(
+            measurements[0], configuration.maximum_range, configuration.maximum_speed
+        )
 
     def _measurement(self, observation: TargetObservation, azimuth: float) -> TmaMeasurement:
         frequency = np.full(MAXIMUM_LINES, np.nan)
@@ -114,10 +116,7 @@ class BaselineSolver:
     def _solution(self, side: str, estimate: TmaEstimate) -> TargetSolution:
         # Received and source frequencies differ by v/c: the figure does not feel it.
         figure = self._log.observability(
-            np.concatenate([estimate.mean, self._received]),
-            self._configuration.maximum_range,
-            self._configuration.maximum_speed,
-            int(side == RIGHT),
+            np.concatenate([estimate.mean, self._received]), int(side == RIGHT)
         )
         lines: list[tuple[str, int]] = []
         if self._configuration.entry.names_lines:

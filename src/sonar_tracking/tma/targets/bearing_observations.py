@@ -73,32 +73,38 @@ def observation_of(
         propagation_speed=configuration.propagation_speed,
         height=configuration.target_height,
     )
-    name = f"track {int(bearings.id[row])}"
     angle, variance = float(bearings.measurement[row]), float(bearings.measurement_variance[row])
-    if not math.isfinite(angle):
-        lost = bearings.status[row] == TrackStatus.CONFIRMED and math.isinf(angle)
-        return empty, f"{name} has the angle {angle}" if lost else ""
-    if abs(angle) > 2.0 * math.pi:
-        return empty, f"{name} has the angle {angle:g} rad, more than a full turn"
     if math.isnan(variance) and configuration.azimuth_deviation > 0.0:
         variance = configuration.azimuth_deviation**2
-    if not 0.0 < variance < VAGUEST:
-        allowed = f"which must be positive and below {VAGUEST:g}"
-        return empty, f"{name} has the variance {variance:g} rad^2, {allowed}"
+    problem = _problem_of(bearings, row, angle, variance)
+    if problem or not math.isfinite(angle):
+        return empty, problem
     variance = max(variance, configuration.minimum_azimuth_deviation**2)
     variance += (view.turn_rate * configuration.array_lag) ** 2
     elevation, elevation_variance = _elevation(bearings, row, configuration)
     azimuths = view.azimuths(angle, bearings.angle_kind, bool(bearings.ambiguous[row]))
-    return (
-        replace(
-            empty,
-            azimuths=azimuths,
-            azimuth_variance=variance,
-            elevation=elevation,
-            elevation_variance=elevation_variance,
-        ),
-        "",
+    observation = replace(
+        empty,
+        azimuths=azimuths,
+        azimuth_variance=variance,
+        elevation=elevation,
+        elevation_variance=elevation_variance,
     )
+    return observation, ""
+
+
+def _problem_of(bearings: BearingTracks, row: int, angle: float, variance: float) -> str:
+    """Return why a measurement, rad and rad^2, cannot be used; empty = it can, or there is none."""
+    name = f"track {int(bearings.id[row])}"
+    if not math.isfinite(angle):
+        lost = bearings.status[row] == TrackStatus.CONFIRMED and math.isinf(angle)
+        return f"{name} has the angle {angle}" if lost else ""
+    if abs(angle) > 2.0 * math.pi:
+        return f"{name} has the angle {angle:g} rad, more than a full turn"
+    if not 0.0 < variance < VAGUEST:
+        allowed = f"which must be positive and below {VAGUEST:g}"
+        return f"{name} has the variance {variance:g} rad^2, {allowed}"
+    return ""
 
 
 def lines_of(lines: FrequencyLines, tracks: list[int]) -> tuple[dict[int, list[HeardLine]], str]:

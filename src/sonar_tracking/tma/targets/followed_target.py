@@ -6,10 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.time import NANOSECONDS
-from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
 from sonar_tracking.tma.targets.baseline_solver import BaselineSolver
 from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
 from sonar_tracking.tma.targets.target_solver import SIDE_PROBABILITY, TargetSolver
@@ -110,28 +108,3 @@ def new_solver(configuration: TmaTrackerConfiguration) -> TargetSolver | Baselin
     if configuration.entry.weighs_hypotheses:
         return TargetSolver(configuration)
     return BaselineSolver(configuration)
-
-
-def predicted(
-    solution: TargetSolution, stamp: int, acceleration: float
-) -> tuple[FloatArray, FloatArray]:
-    """Return mean and covariance of a solution at a later stamp.
-
-    Parameters
-    ----------
-    solution : TargetSolution
-        At its own stamp.
-    stamp : int
-        Not before it, ns.
-    acceleration : float
-        Process noise, as of the filter, m/s^2.
-    """
-    interval = (stamp - solution.stamp) / NANOSECONDS
-    if interval <= 0.0:
-        return solution.mean, solution.covariance
-    transition = np.eye(KINEMATIC)
-    transition[0, 2] = transition[1, 3] = interval
-    along = np.array([[interval**3 / 3.0, interval**2 / 2.0], [interval**2 / 2.0, interval]])
-    noise = acceleration**2 * np.kron(along, np.eye(2))
-    covariance = transition @ solution.covariance @ transition.T + noise
-    return transition @ solution.mean, covariance

@@ -87,14 +87,14 @@ class LineAttribution:
             key = (sensor, int(line))
             distances = _distances(float(angle), float(variance), tracks)
             before = self._records.get(key, _Record({}, 0, 0))
-            scores = self._extended(before.scores, distances)
+            scores = self._extend_scores(before.scores, distances)
             self._records[key] = _Record(scores, min(before.frames + 1, FRAMES), lines.stamp)
             chosen.append(self._best(self._records[key], distances))
         oldest = lines.stamp - FORGOTTEN_AFTER
         self._records = {key: one for key, one in self._records.items() if one.stamp >= oldest}
         return chosen
 
-    def _extended(
+    def _extend_scores(
         self, before: Mapping[int, float], distances: Mapping[int, tuple[float, float]]
     ) -> dict[int, float]:
         scores = {}

@@ -8,8 +8,8 @@ import numpy as np
 
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.time import seconds
-from sonar_tracking.tma.estimators.jauffret_stacked_lines import SingleFilterConfiguration
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, TmaMeasurement
+from sonar_tracking.tma.estimators.single_filter_configuration import SingleFilterConfiguration
 from sonar_tracking.tma.targets.observability import MeasurementHistory, observability
 
 LOG_FRAMES = 1000
@@ -27,17 +27,25 @@ class MeasurementLog:
     ----------
     first : TmaMeasurement
         The one that made the prior; it is appended like all others.
+    maximum_range, maximum_speed : float
+        Of the prior, m and m/s.
     """
 
-    def __init__(self, first: TmaMeasurement) -> None:
-        self.first = first
+    def __init__(self, first: TmaMeasurement, maximum_range: float, maximum_speed: float) -> None:
+        configuration = SingleFilterConfiguration(maximum_range, maximum_speed)
+        self._priors = [
+            _prior(configuration, replace(first, azimuth=first.azimuth[side : side + 1]))
+            for side in range(len(first.azimuth))
+        ]
+        self._first_stamp = first.stamp
         self._sound_speed = first.sound_speed
         self._count = 0
         self._table = np.zeros((64, LINES + first.n_lines))
 
     def append(self, measurement: TmaMeasurement) -> None:
         """Log a measurement; it may have more columns of lines than those before."""
-        added = LINES + measurement.n_lines - self._table.shape[1]
+        n_lines = measurement.n_lines
+        added = LINES + n_lines - self._table.shape[1]
         if self._count == len(self._table) and self._count < LOG_FRAMES:
             grown = min(LOG_FRAMES, 2 * self._count) - self._count
             self._table = np.pad(self._table, ((0, grown), (0, max(added, 0))))
@@ -48,13 +56,13 @@ class MeasurementLog:
             self._count -= 1
         row = self._table[self._count]
         row[:] = 0.0
-        row[TIME] = seconds(measurement.stamp - self.first.stamp)
+        row[TIME] = seconds(measurement.stamp - self._first_stamp)
         row[POSITION], row[VELOCITY] = measurement.position, measurement.velocity
         row[AZIMUTH] = _information(measurement.azimuth[0], measurement.azimuth_variance)
         row[ELEVATION] = _information(measurement.elevation, measurement.elevation_variance)
         row[HEIGHT] = measurement.height
         variance = measurement.frequency_deviation**2
-        row[LINES : LINES + measurement.n_lines] = _information(measurement.frequency, variance)
+        row[LINES : LINES + n_lines] = _information(measurement.frequency, variance)
         self._count += 1
         self._sound_speed = measurement.sound_speed
 
@@ -63,24 +71,18 @@ class MeasurementLog:
         for column in columns:
             self._table[:, LINES + column] = 0.0
 
-    def observability(
-        self, mean: FloatArray, maximum_range: float, maximum_speed: float, side: int = 0
-    ) -> float:
+    def observability(self, mean: FloatArray, side: int = 0) -> float:
         """Return the observability figure of an estimate, 0 to 1.
 
         Parameters
         ----------
         mean : ndarray, shape (4 + n_lines,)
-            Motion at the last logged measurement, then the source frequencies.
-        maximum_range, maximum_speed : float
-            Of the prior, m and m/s.
+            Motion at the last logged measurement, then the source frequencies, m, m/s
+            and Hz.
         side : int
             Which of the first azimuths the estimate goes back to; the last one if there are fewer.
         """
-        side = min(side, len(self.first.azimuth) - 1)
-        first = replace(self.first, azimuth=self.first.azimuth[side : side + 1])
-        start = SingleFilterConfiguration(maximum_range, maximum_speed).start(first)
-        prior = start.covariance[0, :KINEMATIC, :KINEMATIC]
+        prior = self._priors[min(side, len(self._priors) - 1)]
         return observability(mean[:KINEMATIC], mean[KINEMATIC:], self.history(), prior)
 
     def history(self) -> MeasurementHistory:
@@ -96,6 +98,11 @@ class MeasurementLog:
             line_information=table[:, LINES:],
             sound_speed=self._sound_speed,
         )
+
+
+def _prior(configuration: SingleFilterConfiguration, first: TmaMeasurement) -> FloatArray:
+    """Return the covariance of the motion at the first measurement, from one of its sides."""
+    return configuration.start(first).covariance[0, :KINEMATIC, :KINEMATIC]
 
 
 def _information(value: FloatArray, variance: FloatArray) -> FloatArray:

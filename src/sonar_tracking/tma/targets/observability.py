@@ -58,13 +58,14 @@ def observability(
     Parameters
     ----------
     mean : ndarray, shape (4,)
-        Estimated motion at the last time of the history; the track is prolonged backwards.
+        Estimated motion at the last time of the history, m and m/s; the track is prolonged
+        backwards.
     source_frequency : ndarray, shape (n_lines,)
         Hz; of lines with information only.
     history : MeasurementHistory
         All measurements.
     prior : ndarray, shape (4, 4)
-        Covariance of the motion at the first time.
+        Covariance of the motion at the first time, m^2, m^2/s, m^2/s^2.
     """
     information = motion_information(mean, source_frequency, history)
     values, vectors = np.linalg.eigh(prior)
@@ -76,12 +77,21 @@ def observability(
 def motion_information(
     mean: FloatArray, source_frequency: FloatArray, history: MeasurementHistory
 ) -> FloatArray:
-    """Return the information on the motion at the first time, shape (4, 4), f_S eliminated.
+    """Return the information on the motion at the first time, source frequencies eliminated.
 
     Parameters
     ----------
-    mean, source_frequency, history
-        As in :func:`observability`.
+    mean : ndarray, shape (4,)
+        Estimated motion at the last time of the history, m and m/s.
+    source_frequency : ndarray, shape (n_lines,)
+        Hz; of lines with information only.
+    history : MeasurementHistory
+        All measurements.
+
+    Returns
+    -------
+    ndarray, shape (4, 4)
+        1/m^2, s/m^2, s^2/m^2.
     """
     before = (history.times - history.times[-1])[:, None]
     offset = mean[:2] + mean[2:] * before - history.position

@@ -123,8 +123,9 @@ def associate(log_likelihood: FloatArray, chance_density: float = CHANCE_DENSITY
     Parameters
     ----------
     log_likelihood : ndarray, shape (n_targets, n_bearings)
-        Of one scan, or summed over scans of bearings that keep their identity; then less
-        ``(n_scans - 1) * log(chance_density)``. -inf = forbidden.
+        Logs of densities, rad^-1 or rad^-2: of one scan, or summed over scans of bearings
+        that keep their identity; then less ``(n_scans - 1) * log(chance_density)``. -inf =
+        forbidden.
     chance_density : float
         Of a bearing of no target, in the units of the likelihood.
 

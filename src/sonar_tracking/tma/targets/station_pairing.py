@@ -100,7 +100,7 @@ class StationPairing:
             if observation.azimuths:
                 trial.solver.expect(observation)
                 own = _log_density(target, observation) if own is None else own
-                trial.evidence += _of(trial.solver, observation) - own
+                trial.evidence += _log_density_of(trial.solver, observation) - own
             try:
                 trial.solutions = trial.solver.update(observation) or trial.solutions
             except InputError:
@@ -151,10 +151,10 @@ def _log_density(target: FollowedTarget, observation: TargetObservation) -> floa
     if not target.solutions:
         return _chance(observation)
     assert isinstance(target.solver, TargetSolver)
-    return _of(target.solver, observation)
+    return _log_density_of(target.solver, observation)
 
 
-def _of(solver: TargetSolver, observation: TargetObservation) -> float:
+def _log_density_of(solver: TargetSolver, observation: TargetObservation) -> float:
     likely = np.log1p(-WILD_SHARE) + solver.log_likelihood(observation)
     return float(np.logaddexp(likely, np.log(WILD_SHARE) + _chance(observation)))
 

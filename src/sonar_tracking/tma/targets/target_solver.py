@@ -93,7 +93,7 @@ class TargetSolver:
         estimate = self._bank.update(measurement)
         if new or bool(estimate.restarted):
             self._begin(observation)
-            self._log = MeasurementLog(measurement)
+            self._log = self._new_log(measurement)
         self._log.append(measurement)
         self._progress.last_stamp_of[observation.sensor_id] = observation.stamp
         self._decide_side(observation)
@@ -216,7 +216,7 @@ class TargetSolver:
         for index, (side, probability) in enumerate(zip(sides, weights, strict=True)):
             mean, covariance = mixture_moments(_side_of(state.bank, index, len(sides)))
             lines = np.arange(KINEMATIC, len(mean))
-            figure = self._observability(mean, side)
+            figure = self._log.observability(mean, int(side == RIGHT))
             solutions.append(
                 TargetSolution(
                     stamp=measurement.stamp,
@@ -234,11 +234,9 @@ class TargetSolver:
             )
         return tuple(solutions)
 
-    def _observability(self, mean: FloatArray, side: str) -> float:
+    def _new_log(self, first: TmaMeasurement) -> MeasurementLog:
         parameters = self._configuration
-        return self._log.observability(
-            mean, parameters.maximum_range, parameters.maximum_speed, int(side == RIGHT)
-        )
+        return MeasurementLog(first, parameters.maximum_range, parameters.maximum_speed)
 
 
 def _course(observation: TargetObservation) -> float:

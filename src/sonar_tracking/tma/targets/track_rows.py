@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +12,8 @@ from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks, TrackHypothesis, TrackSource
 from sonar_tracking.records.time import NANOSECONDS
-from sonar_tracking.tma.targets.followed_target import FollowedTarget, predicted
+from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
+from sonar_tracking.tma.targets.followed_target import FollowedTarget
 from sonar_tracking.tma.targets.target_records import TargetSolution
 from sonar_tracking.tma.targets.target_solver import LEFT, RIGHT, SINGLE
 
@@ -59,7 +61,7 @@ def track_row(
     acceleration: float,
 ) -> TrackRow:
     """Return the row of a solution at the stamp of the list."""
-    state, covariance = predicted(solution, stamp, acceleration)
+    state, covariance = _predict(solution, stamp, acceleration)
     return TrackRow(
         id=target.row_of[solution.side],
         status=status,
@@ -81,6 +83,40 @@ def track_list(rows: Sequence[TrackRow], stamp: int, next_stamp: int) -> Positio
     stamp, next_stamp : int
         Of the list, ns.
     """
+    return PositionTracks(
+        stamp=stamp,
+        id=np.array([row.id for row in rows], np.uint64),
+        status=np.array([row.status for row in rows], np.uint8),
+        source=np.full(len(rows), TrackSource.TMA, np.uint8),
+        state=np.array([row.state for row in rows]).reshape(-1, 4),
+        covariance=np.array([row.covariance for row in rows]).reshape(-1, 4, 4),
+        next_stamp=next_stamp,
+        **_target_columns([row.target for row in rows]),
+        **_solution_columns([row.solution for row in rows]),
+        **_line_columns(rows),
+        **_contributor_columns(rows),
+    )
+
+
+def _target_columns(targets: Sequence[FollowedTarget]) -> dict[str, Any]:
+    return {
+        "existence_probability": np.array([one.existence_probability for one in targets]),
+        "initiated": np.array([one.initiated / NANOSECONDS for one in targets]),
+        "updated": np.array([one.updated / NANOSECONDS for one in targets]),
+        "bearing_track_id": np.array([one.bearing_track_id for one in targets], np.uint64),
+    }
+
+
+def _solution_columns(solutions: Sequence[TargetSolution]) -> dict[str, Any]:
+    return {
+        "observability": np.array([one.observability for one in solutions]),
+        "hypothesis": np.array([HYPOTHESES[one.side] for one in solutions], np.uint8),
+        "hypothesis_probability": np.array([one.probability for one in solutions]),
+    }
+
+
+def _line_columns(rows: Sequence[TrackRow]) -> dict[str, Any]:
+    """Return the lines that were ever heard, of all rows."""
     lines = [
         (index, number, frequency, deviation)
         for index, row in enumerate(rows)
@@ -92,30 +128,34 @@ def track_list(rows: Sequence[TrackRow], stamp: int, next_stamp: int) -> Positio
         )
         if frequency > 0.0
     ]
+    return {
+        "line_track": np.array([line[0] for line in lines], np.uint32),
+        "line_id": np.array([line[1] for line in lines], np.uint64),
+        "line_frequency": np.array([line[2] for line in lines]),
+        "line_frequency_standard_deviation": np.array([line[3] for line in lines]),
+    }
+
+
+def _contributor_columns(rows: Sequence[TrackRow]) -> dict[str, Any]:
     contributors = [(index, *one) for index, row in enumerate(rows) for one in row.members]
-    targets = [row.target for row in rows]
-    solutions = [row.solution for row in rows]
-    return PositionTracks(
-        stamp=stamp,
-        id=np.array([row.id for row in rows], np.uint64),
-        status=np.array([row.status for row in rows], np.uint8),
-        source=np.full(len(rows), TrackSource.TMA, np.uint8),
-        state=np.array([row.state for row in rows]).reshape(-1, 4),
-        covariance=np.array([row.covariance for row in rows]).reshape(-1, 4, 4),
-        existence_probability=np.array([one.existence_probability for one in targets]),
-        initiated=np.array([one.initiated / NANOSECONDS for one in targets]),
-        updated=np.array([one.updated / NANOSECONDS for one in targets]),
-        observability=np.array([one.observability for one in solutions]),
-        hypothesis=np.array([HYPOTHESES[one.side] for one in solutions], np.uint8),
-        hypothesis_probability=np.array([one.probability for one in solutions]),
-        bearing_track_id=np.array([one.bearing_track_id for one in targets], np.uint64),
-        line_track=np.array([line[0] for line in lines], np.uint32),
-        line_id=np.array([line[1] for line in lines], np.uint64),
-        line_frequency=np.array([line[2] for line in lines]),
-        line_frequency_standard_deviation=np.array([line[3] for line in lines]),
-        contributor_track=np.array([one[0] for one in contributors], np.uint32),
-        contributor_source=np.full(len(contributors), TrackSource.TMA, np.uint8),
-        contributor_id=np.array([one[2] for one in contributors], np.uint64),
-        contributor_sensor=tuple(one[1] for one in contributors),
-        next_stamp=next_stamp,
-    )
+    return {
+        "contributor_track": np.array([one[0] for one in contributors], np.uint32),
+        "contributor_source": np.full(len(contributors), TrackSource.TMA, np.uint8),
+        "contributor_id": np.array([one[2] for one in contributors], np.uint64),
+        "contributor_sensor": tuple(one[1] for one in contributors),
+    }
+
+
+def _predict(
+    solution: TargetSolution, stamp: int, acceleration: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return mean and covariance of a solution at a stamp not before its own."""
+    interval = (stamp - solution.stamp) / NANOSECONDS
+    if interval <= 0.0:
+        return solution.mean, solution.covariance
+    transition = np.eye(KINEMATIC)
+    transition[0, 2] = transition[1, 3] = interval
+    along = np.array([[interval**3 / 3.0, interval**2 / 2.0], [interval**2 / 2.0, interval]])
+    noise = acceleration**2 * np.kron(along, np.eye(2))
+    covariance = transition @ solution.covariance @ transition.T + noise
+    return transition @ solution.mean, covariance

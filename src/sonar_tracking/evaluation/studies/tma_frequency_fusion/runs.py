@@ -15,7 +15,7 @@ from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import sce
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.systems import SYSTEMS
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.simulation.sensors.tma_scene import TmaScene, simulate_runs
-from sonar_tracking.tma.estimators.jauffret_stacked_lines import SingleFilterConfiguration
+from sonar_tracking.tma.estimators.single_filter_configuration import SingleFilterConfiguration
 from sonar_tracking.tma.performance.posterior_cramer_rao_bound import polar_bound, posterior_bound
 
 BOUND_PATHS = 400
