@@ -66,7 +66,7 @@ def run(
 
 @app.command()
 def replay(
-    bag: Annotated[Path, typer.Argument(help="rosbag2 directory, .mcap or .db3 file.")],
+    bag: Annotated[Path, typer.Argument(help="rosbag2 directory, .mcap or .db3 file, or .zstd.")],
     rate: RateOption = "1",
     record: RecordOption = None,
     parameters: Annotated[

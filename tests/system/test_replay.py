@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
+import yaml
 
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.bags.storage.writer import BagWriter
@@ -94,6 +97,41 @@ def test_a_foreign_bag_needs_parameters(recorded_run: RecordedRun, tmp_path: Pat
     report = report_of(json)
     assert report["topics"]["/passive/bearing_tracks"]["messages"] > 60
     assert "score" in report and report["score"] == {}
+
+
+def test_a_bag_converted_to_sqlite3_and_back_replays_identically(
+    recorded_run: RecordedRun, tmp_path: Path
+) -> None:
+    for source, target, storage in (
+        (recorded_run.bag, tmp_path / "base", "sqlite3"),
+        (tmp_path / "base", tmp_path / "back", "mcap"),
+    ):
+        subprocess.run(
+            [
+                sys.executable, "-m", "rosbags.convert", "--src", source, "--dst", target,
+                "--dst-storage", storage, "--compress", "zstd", "--compress-mode", "file",
+            ],
+            check=True, capture_output=True,
+        )  # fmt: skip
+    # Converters drop what a recorder has said of its making.
+    recording = read_bag(recorded_run.bag).recording
+    assert recording is not None
+    given = {
+        name: {key: value for key, value in values.items() if value != []}
+        for name, values in recording.node_parameters.items()
+        if not name.endswith("_simulator")
+    }
+    parameters, json = tmp_path / "parameters.yaml", tmp_path / "report.json"
+    parameters.write_text(yaml.safe_dump(given))
+    done = run_command(
+        tmp_path, "replay", tmp_path / "back", "--parameters", parameters, "--rate", "max",
+        "--json", json,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout
+    report = report_of(json)
+    assert set(report["comparison"]) == set(OUTPUTS)
+    assert all(phrase.startswith("identical: ") for phrase in report["comparison"].values())
+    assert report["score"] == recorded_run.report["score"]
 
 
 def test_a_bag_without_inputs_is_refused(recorded_run: RecordedRun, tmp_path: Path) -> None:

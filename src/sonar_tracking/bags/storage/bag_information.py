@@ -34,6 +34,10 @@ class BagInformation:
         Names of all files of the bag, without directories, in order of recording.
     custom_data : mapping of str to str
         Names and texts of the application.
+    compression_mode : str
+        ``"FILE"``, ``"MESSAGE"`` or, where nothing is compressed, empty.
+    compression_format : str
+        E.g. ``"zstd"``.
     wrapped : bool
         Whether the mapping stood below :data:`WRAPPING_KEY`.
     """
@@ -41,6 +45,8 @@ class BagInformation:
     message_count: int | None = None
     file_names: tuple[str, ...] = ()
     custom_data: Mapping[str, str] = field(default_factory=dict)
+    compression_mode: str = ""
+    compression_format: str = ""
     wrapped: bool = False
 
 
@@ -67,10 +73,13 @@ def information_from_text(text: str) -> BagInformation | None:
     if not isinstance(values, dict):
         return None
     custom_data = values.get("custom_data")
+    mode = str(values.get("compression_mode") or "").upper()
     return BagInformation(
         message_count=_count(values.get("message_count")),
         file_names=_file_names(values.get("relative_file_paths")),
         custom_data=_texts(custom_data) if isinstance(custom_data, dict) else {},
+        compression_mode="" if mode in ("NONE", "STORAGE") else mode,
+        compression_format=str(values.get("compression_format") or "").lower(),
         wrapped=wrapped,
     )
 

@@ -19,12 +19,20 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Channel, Metadata, Schema
 
+from sonar_tracking.bags.storage.decompression import (
+    LARGEST_CHUNK,
+    DamagedDataError,
+    TooLargeError,
+    decompressed,
+)
 from sonar_tracking.bags.storage.mcap_writer import MAGIC, MESSAGE_HEAD
-from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.bags.storage.storage_file import UnreadableFileError
 
 _RECORD_HEAD = struct.Struct("<BQ")
 _CHUNK_HEAD = struct.Struct("<QQQI")
 _FIRST_PRIVATE_OPCODE = 0x80
+_LOOSE_MESSAGES = 1000
+"""Most messages outside of chunks that are put in order at once."""
 _MESSAGE_FIELDS = MESSAGE_HEAD.size - _RECORD_HEAD.size
 
 Buffer = bytes | mmap.mmap
@@ -35,21 +43,50 @@ class MessagePlace(NamedTuple):
 
     Attributes
     ----------
-    channel : int
-        Channel number.
     log_time : int
         ns.
+    channel : int
+        Channel number.
     start, length : int
         Bytes of the message, in the file or in the decompressed chunk.
-    chunk : int
-        Index into ``compressed_chunks`` of the scan; -1 = in the file itself.
     """
 
-    channel: int
     log_time: int
+    channel: int
     start: int
     length: int
+
+
+@dataclass
+class MessageRun:
+    """Messages that follow one another: those of a chunk, or some outside of chunks.
+
+    Attributes
+    ----------
+    chunk : int
+        Index into ``compressed_chunks`` of the scan; -1 = in the file itself.
+    start, end : int
+        Their records, in the file or in the decompressed chunk, bytes.
+    first : int
+        Earliest log time, ns.
+    counts : dict
+        Number of messages by channel number.
+    """
+
     chunk: int
+    start: int
+    end: int
+    first: int = 0
+    counts: dict[int, int] = field(default_factory=dict)
+
+
+class CompressedChunk(NamedTuple):
+    """Records of a compressed chunk: compression, place in the file, and their size once whole."""
+
+    compression: str
+    start: int
+    length: int
+    size: int
 
 
 @dataclass
@@ -58,28 +95,31 @@ class McapScan:
 
     Attributes
     ----------
+    name : str
+        Name of the file, for errors.
     data : bytes or mmap
-        The file.
+        What is in it.
     schemas, channels : dict
         By number.
     metadata : dict
         Metadata records by name.
-    places : list of MessagePlace
+    runs : list of MessageRun
         All whole messages, in file order.
-    compressed_chunks : list of tuple
-        Compression, first byte and length of the records.
+    compressed_chunks : list of CompressedChunk
+        Where the records of each are.
     complete : bool
         True where the file ends as it should.
     damage : str
         Why the scan stopped early; empty where it did not.
     """
 
+    name: str
     data: Buffer
     schemas: dict[int, Schema] = field(default_factory=dict)
     channels: dict[int, Channel] = field(default_factory=dict)
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
-    places: list[MessagePlace] = field(default_factory=list)
-    compressed_chunks: list[tuple[str, int, int]] = field(default_factory=list)
+    runs: list[MessageRun] = field(default_factory=list)
+    compressed_chunks: list[CompressedChunk] = field(default_factory=list)
     complete: bool = False
     damage: str = ""
 
@@ -88,27 +128,36 @@ class _DamageError(Exception):
     """The scan cannot go on; the text says why."""
 
 
-def scan_mcap(path: Path) -> McapScan:
+def scan_mcap(path: Path, name: str) -> McapScan:
     """Read the structure of an MCAP file; the messages stay on the disk.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    name : str
+        What to call it in errors.
 
     Raises
     ------
-    ConfigurationError
+    UnreadableFileError
         If the file cannot be opened or does not begin as an MCAP file.
+    ConfigurationError
+        If it is compressed and cannot be decompressed here.
     """
     try:
         with path.open("rb") as file:
             size = file.seek(0, io.SEEK_END)
             data: Buffer = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) if size else b""
     except OSError as error:
-        raise ConfigurationError(f"{path} cannot be read ({error.strerror}).") from error
+        raise UnreadableFileError(f"{name} cannot be read ({error.strerror}).") from error
     if not size:
-        raise ConfigurationError(f"{path} is empty; nothing was recorded.")
+        raise UnreadableFileError(f"{name} is empty; nothing was recorded.")
     if data[: len(MAGIC)] != MAGIC[:size]:
-        raise ConfigurationError(
-            f"{path} is not an MCAP file; give a rosbag2 directory or a file that ends in .mcap."
+        raise UnreadableFileError(
+            f"{name} is not an MCAP file; give a rosbag2 directory or a file that ends in .mcap."
         )
-    scan = McapScan(data)
+    scan = McapScan(name, data)
     try:
         _scan_records(scan)
     except _DamageError as reason:
@@ -116,35 +165,49 @@ def scan_mcap(path: Path) -> McapScan:
     return scan
 
 
-def decompressed(scan: McapScan, chunk: int) -> bytes:
-    """Return the records of a compressed chunk.
+def places_of(scan: McapScan, run: MessageRun) -> tuple[Buffer, list[MessagePlace]]:
+    """Return the messages of a run in log order, and the data they lie in.
+
+    Messages of equal log time are in the order of recording.
 
     Raises
     ------
     ConfigurationError
-        If the library that decompresses it is not installed or the data are damaged.
+        If the library that decompresses them is not installed.
     """
-    compression, start, length = scan.compressed_chunks[chunk]
-    data = scan.data[start : start + length]
+    data = scan.data if run.chunk < 0 else _chunk_records(scan, scan.compressed_chunks[run.chunk])
+    places, position = [], run.start
+    while position < run.end:
+        opcode, length = _RECORD_HEAD.unpack_from(data, position)
+        if opcode == Opcode.MESSAGE and length >= _MESSAGE_FIELDS:
+            _, _, channel, _, log_time, _ = MESSAGE_HEAD.unpack_from(data, position)
+            start = position + MESSAGE_HEAD.size
+            places.append(MessagePlace(log_time, channel, start, length - _MESSAGE_FIELDS))
+        position += _RECORD_HEAD.size + length
+    places.sort(key=lambda place: place.log_time)
+    return data, places
+
+
+def _chunk_records(scan: McapScan, chunk: CompressedChunk) -> bytes:
+    """Return the records of a compressed chunk."""
+    data = scan.data[chunk.start : chunk.start + chunk.length]
+    what = f"a chunk of {scan.name}"
+    if chunk.size > LARGEST_CHUNK:
+        raise TooLargeError(
+            f"{what} would decompress to {chunk.size >> 20} MiB, more than "
+            f"{LARGEST_CHUNK >> 20} MiB; record it again with smaller chunks."
+        )
     try:
-        if compression == "lz4":
-            import lz4.frame  # type: ignore[import-untyped]
-
-            return bytes(lz4.frame.decompress(data))
-        from backports import zstd
-
-        return zstd.decompress(data)
-    except ImportError as error:
-        raise ConfigurationError(
-            f"The bag is compressed with {compression}; "
-            f"pip install {'lz4' if compression == 'lz4' else 'backports.zstd'}."
+        return decompressed(data, chunk.compression, chunk.size, what)
+    except (DamagedDataError, TooLargeError) as error:
+        raise _DamageError(
+            f"a compressed chunk at byte {chunk.start} cannot be decompressed"
         ) from error
-    except Exception as error:
-        raise _DamageError(f"a compressed chunk at byte {start} cannot be decompressed") from error
 
 
 def _scan_records(scan: McapScan) -> None:
     data, position, size = scan.data, len(MAGIC), len(scan.data)
+    loose: MessageRun | None = None
     while True:
         if size - position < _RECORD_HEAD.size:
             raise _DamageError(f"it ends at byte {size} without its closing part")
@@ -152,11 +215,14 @@ def _scan_records(scan: McapScan) -> None:
         body = position + _RECORD_HEAD.size
         end = body + length
         if opcode == Opcode.CHUNK:
+            loose = None
             _scan_chunk(scan, body, length)
         elif end > size:
             raise _DamageError(f"it ends at byte {size} in the middle of a record")
         elif opcode == Opcode.MESSAGE:
-            _scan_messages(scan, data, position, end, -1)
+            if loose is None or sum(loose.counts.values()) >= _LOOSE_MESSAGES:
+                loose = MessageRun(-1, position, position)
+            _scan_messages(scan, data, position, end, loose)
         else:
             _scan_small_record(scan, opcode, data[body:end], position)
         if opcode == Opcode.FOOTER:
@@ -194,7 +260,7 @@ def _scan_chunk(scan: McapScan, body: int, length: int) -> None:
     cut_off = _DamageError(f"it ends at byte {size} in the middle of a chunk")
     if size - body < _CHUNK_HEAD.size + 4:
         raise cut_off
-    _, _, _, checksum = _CHUNK_HEAD.unpack_from(data, body)
+    _, _, whole_size, checksum = _CHUNK_HEAD.unpack_from(data, body)
     (name_length,) = struct.unpack_from("<I", data, body + _CHUNK_HEAD.size)
     name_start = body + _CHUNK_HEAD.size + 4
     start = name_start + name_length + 8
@@ -209,22 +275,23 @@ def _scan_chunk(scan: McapScan, body: int, length: int) -> None:
         whole = end <= size
         if whole and checksum and zlib.crc32(memoryview(data)[start:end]) != checksum:
             raise _DamageError(f"the chunk at byte {body - _RECORD_HEAD.size} is damaged")
-        _scan_messages(scan, data, start, min(end, size), -1)
+        _scan_messages(scan, data, start, min(end, size), MessageRun(-1, start, start))
         if not whole:
             raise cut_off
         return
     if end > size:
         raise cut_off
-    scan.compressed_chunks.append((compression, start, records_length))
-    number = len(scan.compressed_chunks) - 1
-    records = decompressed(scan, number)
+    chunk = CompressedChunk(compression, start, records_length, whole_size)
+    records = _chunk_records(scan, chunk)
     if checksum and zlib.crc32(records) != checksum:
         raise _DamageError(f"the chunk at byte {body - _RECORD_HEAD.size} is damaged")
-    _scan_messages(scan, records, 0, len(records), number)
+    scan.compressed_chunks.append(chunk)
+    run = MessageRun(len(scan.compressed_chunks) - 1, 0, 0)
+    _scan_messages(scan, records, 0, len(records), run)
 
 
-def _scan_messages(scan: McapScan, data: Buffer, start: int, end: int, chunk: int) -> None:
-    """Scan the records of a chunk that lie wholly before ``end``."""
+def _scan_messages(scan: McapScan, data: Buffer, start: int, end: int, run: MessageRun) -> None:
+    """Add the messages that lie wholly before ``end`` to a run."""
     position = start
     while end - position >= _RECORD_HEAD.size:
         opcode, length = _RECORD_HEAD.unpack_from(data, position)
@@ -235,11 +302,12 @@ def _scan_messages(scan: McapScan, data: Buffer, start: int, end: int, chunk: in
             _, _, channel, _, log_time, _ = MESSAGE_HEAD.unpack_from(data, position)
             if channel not in scan.channels:
                 raise _DamageError(f"a message at byte {position} belongs to no topic")
-            scan.places.append(
-                MessagePlace(
-                    channel, log_time, body + _MESSAGE_FIELDS, length - _MESSAGE_FIELDS, chunk
-                )
-            )
+            if not run.counts:
+                run.first = log_time
+                scan.runs.append(run)
+            run.first = min(run.first, log_time)
+            run.counts[channel] = run.counts.get(channel, 0) + 1
+            run.end = body + length
         elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
             _scan_small_record(scan, opcode, data[body : body + length], position)
         position = body + length

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Collection, Iterator
 from pathlib import Path
 
@@ -11,13 +10,11 @@ from sonar_tracking.bags.storage.bag_information import (
     RECORD_NAME,
     information_from_text,
 )
-from sonar_tracking.bags.storage.mcap_scan import MessagePlace, decompressed, scan_mcap
+from sonar_tracking.bags.storage.mcap_scan import MessageRun, places_of, scan_mcap
 from sonar_tracking.bags.storage.message_definitions import MessageDefinition
 from sonar_tracking.bags.storage.metadata import quality_from_text
 from sonar_tracking.bags.storage.recording_information import CUSTOM_DATA_KEY
-from sonar_tracking.bags.storage.storage_file import BagMessage, StoredTopic
-
-_CHUNKS_KEPT = 16
+from sonar_tracking.bags.storage.storage_file import BagMessage, Part, StoredTopic
 
 
 class McapStorage:
@@ -27,43 +24,42 @@ class McapStorage:
     ----------
     path : Path
         The file.
+    name : str
+        What to call it in errors.
 
     Raises
     ------
-    ConfigurationError
+    UnreadableFileError
         If it cannot be read or is no MCAP file.
     """
 
-    def __init__(self, path: Path) -> None:
-        self._scan = scan_mcap(path)
+    def __init__(self, path: Path, name: str) -> None:
+        self._scan = scan_mcap(path, name)
         self.damage = self._scan.damage
         record = self._scan.metadata.get(RECORD_NAME, {})
         self.information = information_from_text(record.get(RECORD_KEY, ""))
         self.custom_data = dict(self._scan.metadata.get(CUSTOM_DATA_KEY, {}))
         counts = dict.fromkeys(self._scan.channels, 0)
-        for place in self._scan.places:
-            counts[place.channel] += 1
+        for run in self._scan.runs:
+            for channel, count in run.counts.items():
+                counts[channel] += count
         self.topics = [self._topic(number, count) for number, count in counts.items()]
-        # Stable, so that messages of equal log time stay in the order of recording.
-        self._places = sorted(self._scan.places, key=lambda place: place.log_time)
-        self._chunk = functools.lru_cache(_CHUNKS_KEPT)(
-            lambda number: decompressed(self._scan, number)
-        )
+        self.parts = [self._part(run) for run in self._scan.runs]
 
-    def messages(self, topics: Collection[str]) -> Iterator[BagMessage]:
-        """Yield the messages of some topics in log order."""
+    def _part(self, run: MessageRun) -> Part:
+        names = frozenset(self._scan.channels[number].topic for number in run.counts)
+        return Part(run.first, names, lambda topics: self._messages(run, topics))
+
+    def _messages(self, run: MessageRun, topics: Collection[str]) -> Iterator[BagMessage]:
         names = {
-            number: channel.topic
-            for number, channel in self._scan.channels.items()
-            if channel.topic in topics
+            number: self._scan.channels[number].topic
+            for number in run.counts
+            if self._scan.channels[number].topic in topics
         }
-        for place in self._places:
-            if place.channel in names:
-                yield BagMessage(names[place.channel], place.log_time, self._bytes(place))
-
-    def _bytes(self, place: MessagePlace) -> bytes:
-        data = self._scan.data if place.chunk < 0 else self._chunk(place.chunk)
-        return data[place.start : place.start + place.length]
+        data, places = places_of(self._scan, run)
+        for log_time, channel, start, length in places:
+            if channel in names:
+                yield BagMessage(names[channel], log_time, data[start : start + length])
 
     def _topic(self, number: int, count: int) -> StoredTopic:
         channel = self._scan.channels[number]

@@ -11,15 +11,17 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from sonar_tracking.bags.storage.bag_files import files_of
 from sonar_tracking.bags.storage.bag_information import (
-    FILE_NAME,
     RECORD_NAME,
     WRAPPING_KEY,
     BagInformation,
     read_metadata_file,
 )
 from sonar_tracking.bags.storage.message_definitions import MessageDefinition
+from sonar_tracking.bags.storage.message_merge import merged_messages
 from sonar_tracking.bags.storage.metadata import OfferedQuality
+from sonar_tracking.bags.storage.opened_files import OpenedFiles, opened_files, recovery_sentence
 from sonar_tracking.bags.storage.recording_information import (
     CUSTOM_DATA_KEY,
     RecordingInformation,
@@ -77,11 +79,10 @@ class Bag:
         A sentence that says why other tools cannot open the bag, whole or not; None = they can.
     """
 
-    def __init__(
-        self, path: Path, storages: list[Storage], metadata: BagInformation | None
-    ) -> None:
+    def __init__(self, path: Path, files: OpenedFiles, metadata: BagInformation | None) -> None:
+        storages = files.storages
         self.path = path
-        self.recovery = _recovery(path, storages, metadata)
+        self.recovery = recovery_sentence(path, files, metadata)
         self.outdated = _outdated(path, storages)
         self._storages = storages
         self.custom_data = _custom_data(storages, metadata)
@@ -96,14 +97,16 @@ class Bag:
     def messages(self, topics: Collection[str] | None = None) -> Iterator[BagMessage]:
         """Yield messages in log order; equal log times keep the order of recording.
 
+        Files are read side by side where they overlap in time, each as far as it is needed.
+
         Parameters
         ----------
         topics : collection of str, optional
             Only these topics; default: all.
         """
         wanted = self.topics.keys() if topics is None else topics
-        for storage in self._storages:
-            yield from storage.messages(wanted)
+        parts = [part for storage in self._storages for part in storage.parts]
+        return merged_messages(parts, frozenset(wanted))
 
     def _recording_information(self) -> RecordingInformation | None:
         text = self.custom_data.get(CUSTOM_DATA_KEY)
@@ -136,7 +139,7 @@ def read_bag(path: Path | str) -> Bag:
     Parameters
     ----------
     path : Path or str
-        rosbag2 directory, ``.mcap`` or ``.db3`` file.
+        rosbag2 directory, ``.mcap`` or ``.db3`` file, compressed by zstd or not.
 
     Raises
     ------
@@ -145,8 +148,8 @@ def read_bag(path: Path | str) -> Bag:
     """
     path = Path(path)
     metadata = read_metadata_file(path)
-    files = _storage_files(path, metadata)
-    bag = Bag(path, [_opened(file) for file in files], metadata)
+    files = files_of(path, metadata)
+    bag = Bag(path, opened_files(files), metadata)
     if not bag.topics:
         reason = f" ({bag.recovery})" if bag.recovery else ""
         raise ConfigurationError(f"{path} holds no topics; nothing was recorded{reason}.")
@@ -157,66 +160,6 @@ def read_bag(path: Path | str) -> Bag:
             "give a bag with a topic of the package sonar_tracking_msgs."
         )
     return bag
-
-
-def _storage_files(path: Path, metadata: BagInformation | None) -> list[Path]:
-    if not path.exists():
-        raise ConfigurationError(f"{path} does not exist; give a bag directory.")
-    if path.is_file():
-        if path.suffix not in (".mcap", ".db3"):
-            raise ConfigurationError(
-                f"{path} is not a bag; give a rosbag2 directory, a .mcap or a .db3 file."
-            )
-        return [path]
-    files = [path / name for name in metadata.file_names] if metadata else []
-    files = [file for file in files if file.is_file()]
-    found = files or sorted([*path.glob("*.mcap"), *path.glob("*.db3")])
-    if not found:
-        there = ", ".join(sorted(entry.name for entry in path.iterdir())[:5]) or "nothing"
-        raise ConfigurationError(
-            f"{path} is not a bag: it holds no .mcap or .db3 file, but {there}."
-        )
-    return found
-
-
-def _opened(file: Path) -> Storage:
-    if file.suffix == ".db3":
-        from sonar_tracking.bags.storage.sqlite_storage import SqliteStorage
-
-        return SqliteStorage(file)
-    from sonar_tracking.bags.storage.mcap_storage import McapStorage
-
-    return McapStorage(file)
-
-
-def _recovery(path: Path, storages: list[Storage], metadata: BagInformation | None) -> str | None:
-    """Return the sentence on what is missing, or None."""
-    count = sum(topic.message_count for storage in storages for topic in storage.topics)
-    reasons = [storage.damage for storage in storages if storage.damage]
-    stated = metadata.message_count if metadata else _count_of_records(path, storages)
-    source = FILE_NAME if metadata else "metadata record"
-    if path.is_dir() and metadata is None:
-        reasons.append(f"its {FILE_NAME} is missing or damaged")
-    elif not reasons and stated is not None and stated != count:
-        reasons.append(f"its {source} speaks of {stated} messages")
-    if not reasons:
-        return None
-    of_all = f" of {stated}" if stated and stated > count else ""
-    return f"{path} is not whole ({'; '.join(reasons)}); {count}{of_all} messages were recovered."
-
-
-def _count_of_records(path: Path, storages: list[Storage]) -> int | None:
-    """Return the number of messages the files themselves state for the whole bag, None = unknown.
-
-    The file closed last knows of all files. A file that was never closed, or of which others were
-    to follow, states no number that is final.
-    """
-    stated = [storage.information for storage in storages if storage.information]
-    if not stated:
-        return None
-    last = max(stated, key=lambda information: len(information.file_names))
-    alone = path.is_file() and len(last.file_names) > 1
-    return None if alone else last.message_count or None
 
 
 def _outdated(path: Path, storages: list[Storage]) -> str | None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
 from sonar_tracking.bags.storage.bag_information import BagInformation
 from sonar_tracking.bags.storage.message_definitions import MessageDefinition
 from sonar_tracking.bags.storage.metadata import OfferedQuality
+from sonar_tracking.errors import ConfigurationError
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,34 @@ class StoredTopic:
     role: str = ""
 
 
+@dataclass(frozen=True)
+class Part:
+    """Some messages that follow one another in a file.
+
+    Attributes
+    ----------
+    first : int
+        No message has an earlier log time, ns.
+    topics : frozenset of str
+        Topics of its messages.
+    open : callable
+        Takes the topics wanted and gives their messages in log order; equal log times in the order
+        of recording.
+    """
+
+    first: int
+    topics: frozenset[str]
+    open: Callable[[Collection[str]], Iterator[BagMessage]]
+
+    def holds(self, topics: Collection[str]) -> bool:
+        """Return whether there are messages of any of these topics."""
+        return any(topic in topics for topic in self.topics)
+
+
+class UnreadableFileError(ConfigurationError):
+    """Nothing in a file can be read; other files of the same bag may be whole."""
+
+
 class Storage(Protocol):
     """One file of a bag.
 
@@ -44,13 +73,12 @@ class Storage(Protocol):
         Names and texts of the application that stand apart from that.
     damage : str
         Why not all of it can be read; empty where it can.
+    parts : list of Part
+        All its messages, in order of recording.
     """
 
     topics: list[StoredTopic]
     information: BagInformation | None
     custom_data: dict[str, str]
     damage: str
-
-    def messages(self, topics: Collection[str]) -> Iterator[BagMessage]:
-        """Yield the messages of some topics in log order."""
-        ...
+    parts: list[Part]
