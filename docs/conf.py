@@ -35,7 +35,7 @@ suppress_warnings = ["myst.header"]  # pieces that are included begin below thei
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # types and shapes are in the docstrings
-autosummary_generate = True
+autosummary_generate = False  # each package is one page
 numpydoc_show_class_members = False
 numpydoc_xref_param_type = False
 
@@ -54,7 +54,9 @@ html_theme_options: dict[str, Any] = {
     "navigation_with_keys": False,
     "footer_start": ["copyright"],
     "footer_end": [],
-    "header_links_before_dropdown": 6,
+    "header_links_before_dropdown": 7,
+    "navbar_align": "left",
+    "navbar_persistent": ["search-button"],
     "show_nav_level": 2,
 }
 copybutton_prompt_text = r"\$ "

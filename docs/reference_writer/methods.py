@@ -2,24 +2,39 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from docs.reference_writer.tables import sentence, table
-from sonar_tracking.configuration import ParameterDescription
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
+from sonar_tracking.method_registry import MethodRegistry
 
 
 def methods() -> str:
     """Return a section for every node that has a choice, with a table for every parameter."""
     sections = []
     for node in NODES.values():
-        if tables := [_table(entry) for entry in node.parameters if entry.methods is not None]:
+        tables = [
+            methods_table(f"`{entry.name}`", entry.methods)
+            for entry in node.parameters
+            if entry.methods is not None
+        ]
+        if tables:
             sections.append("\n\n".join([f"## {node.name}", *tables]))
     return "\n\n".join(sections)
 
 
-def _table(entry: ParameterDescription) -> str:
-    assert entry.methods is not None
+def methods_table(heading: str, registry: MethodRegistry[Any]) -> str:
+    """Return the methods of a registry, one a row.
+
+    Parameters
+    ----------
+    heading : str
+        Of the column of names.
+    registry : MethodRegistry
+        The methods.
+    """
     rows = [
         (f"`{row.name}`", sentence(row.description), sentence(row.traits), row.paper)
-        for row in entry.methods.table()
+        for row in registry.table()
     ]
-    return table((f"`{entry.name}`", "what it does", "what goes with it", "paper"), rows)
+    return table((heading, "what it does", "what goes with it", "paper"), rows)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
+from docs.reference_writer.api import PACKAGES, package
 from docs.reference_writer.command_line import command_line
 from docs.reference_writer.messages import conventions, messages
 from docs.reference_writer.methods import methods
@@ -21,6 +23,7 @@ FRAGMENTS: dict[str, Callable[[], str]] = {
     "scenario_keys": scenario_keys,
     "scenarios": scenarios,
     "topics": topics,
+    **{f"api_{name}": partial(package, name) for name in PACKAGES},
 }
 
 

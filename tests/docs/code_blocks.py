@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -50,7 +49,8 @@ class CodeBlock:
         """Lines of a console block without comments."""
         if self.language != "console":
             return []
-        lines = (shlex.join(shlex.split(line, comments=True)) for line in self.text.splitlines())
+        text = self.text.replace("\\\n", " ")  # a command that goes on in the next line
+        lines = (re.sub(r"(^|\s)#.*", "", line).strip() for line in text.splitlines())
         return [line for line in lines if line]
 
 

@@ -1,0 +1,85 @@
+"""The Python interface: everything that the packages of the stages export, one page a package."""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib
+import inspect
+from types import ModuleType
+
+from docs.reference_writer.methods import methods_table
+from docs.reference_writer.tables import parameter_cells, table
+from sonar_tracking.configuration import describe
+from sonar_tracking.method_registry import MethodRegistry
+
+PACKAGES = (
+    "records",
+    "passive",
+    "tma",
+    "active",
+    "filtering",
+    "simulation",
+    "bags",
+    "evaluation",
+)
+
+
+def package(name: str) -> str:
+    """Return what a package is for, a table of what it exports, and each export in full.
+
+    Parameters
+    ----------
+    name : str
+        One of :data:`PACKAGES`.
+    """
+    module = importlib.import_module(f"sonar_tracking.{name}")
+    exports = exports_of(module)
+    parts = [
+        _directive(f".. automodule:: {module.__name__}"),
+        _directive(
+            f".. currentmodule:: {module.__name__}",
+            "",
+            ".. autosummary::",
+            "   :nosignatures:",
+            "",
+            *(f"   {export}" for export in exports),
+        ),
+    ]
+    for export in exports:
+        parts += [f"## {export}", _entry(f"{module.__name__}.{export}", getattr(module, export))]
+    return "\n\n".join(parts)
+
+
+def exports_of(module: ModuleType) -> list[str]:
+    """Return the names that a package exports: constants, classes, functions, in their order."""
+    return sorted(getattr(module, "__all__", ()))
+
+
+def _entry(path: str, value: object) -> str:
+    if isinstance(value, MethodRegistry):
+        names = _directive(f".. py:data:: {path}", "", "   A registry: the methods by name.")
+        return f"{names}\n\n{methods_table(f'`{value.parameter}`', value)}"
+    if inspect.isclass(value):
+        parts = [_class(path, value)]
+        if dataclasses.is_dataclass(value) and path.endswith("Configuration"):
+            rows = [(f"`{entry.name}`", *parameter_cells(entry)) for entry in describe(value)]
+            parts.append(table(("field", "default", "unit", "allowed", "what it does"), rows))
+        return "\n\n".join(parts)
+    if inspect.isroutine(value):
+        return _directive(f".. autofunction:: {path}")
+    return _directive(f".. autodata:: {path}", "   :no-value:")
+
+
+def _class(path: str, value: type) -> str:
+    members = [
+        name
+        for name, member in vars(value).items()
+        if not name.startswith("_")
+        and (inspect.isfunction(member) or isinstance(member, classmethod | staticmethod))
+    ]
+    options = [f"   :members: {', '.join(members)}"] if members else []
+    return _directive(f".. autoclass:: {path}", *options)
+
+
+def _directive(*lines: str) -> str:
+    return "\n".join(["```{eval-rst}", *lines, "```"])
