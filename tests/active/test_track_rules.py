@@ -15,7 +15,7 @@ from sonar_tracking.active.tracks.contact_gating import GatePairs, SensorGeometr
 from sonar_tracking.active.tracks.gate_thresholds import apply_thresholds
 from sonar_tracking.active.tracks.motion_modes import MotionModes
 from sonar_tracking.active.tracks.track_bank import TrackBank, predict_bank
-from sonar_tracking.active.tracks.track_management import duplicates, start_candidates, surviving
+from sonar_tracking.active.tracks.track_management import duplicates, start_candidates, survivors
 from sonar_tracking.records.bearings import TrackStatus
 from tests.active.contact_scene import WITH_EXISTENCE, ping, start
 from tests.active.test_association import bank_of, contacts_at
@@ -138,9 +138,9 @@ def test_a_candidate_outlives_two_misses_and_a_half() -> None:
         existence=np.array([3e-5, 3e-6, 0.61, 0.59]),
         confirmed=np.array([False, False, True, True]),
     )
-    alive = surviving(bank, np.zeros(4), 1e4, 0.9, CONFIGURATION)
+    alive = survivors(bank, np.zeros(4), 1e4, 0.9, CONFIGURATION)
     assert alive.tolist() == [True, False, True, False]
-    far = surviving(bank, np.array([11_999.0, 0.0, 12_001.0, 0.0]), 1e4, 0.9, CONFIGURATION)
+    far = survivors(bank, np.array([11_999.0, 0.0, 12_001.0, 0.0]), 1e4, 0.9, CONFIGURATION)
     assert far.tolist() == [True, False, False, False]
 
 

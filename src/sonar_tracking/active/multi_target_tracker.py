@@ -63,10 +63,10 @@ from sonar_tracking.active.tracks.track_bank import TrackBank, empty_bank, predi
 from sonar_tracking.active.tracks.track_management import (
     ListedTracks,
     duplicates,
-    limited,
+    limit_tracks,
     list_tracks,
     start_candidates,
-    surviving,
+    survivors,
 )
 from sonar_tracking.errors import Notice
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
@@ -82,12 +82,23 @@ class _Ping:
     """Contacts of a ping and all that is known before they are associated."""
 
     stamp: int
+    next_stamp: int
     placed: PlacedContacts
     amplitudes: FloatArray
     model: DetectionModel
     sensor: SensorGeometry
     reach: float
     """Beyond which a track is out of range, m."""
+
+
+@dataclass(frozen=True)
+class _Gating:
+    """Contacts of a ping in the gates of the predicted tracks."""
+
+    gates: TrackGates
+    thresholds: AppliedThresholds
+    pairs: GatePairs
+    updates: PairUpdates
 
 
 class MultiTargetTracker:
@@ -144,31 +155,19 @@ class MultiTargetTracker:
             If the ping cannot be used; the state is then unchanged.
         """
         contacts, notices = check_ping(contacts, self._last)
-        model, guessed = make_detection_model(contacts, self._configuration)
-        check_thresholds(model, self._configuration)
-        n_confirmed = int(np.count_nonzero(self._bank.confirmed))
-        self._clutter = self._clutter.after(len(contacts.range), n_confirmed, model)
-        ping = self._placed(contacts, self._clutter.corrected(model))
-        bank = self._predicted(ping.stamp)
-        gates = predict_gates(bank, ping.sensor)
-        stamps = contacts.stamp, contacts.next_stamp
-        applied = apply_thresholds(bank, gates, ping.model, self._configuration, *stamps)
-        pairs = self._pairs(bank, gates, ping, applied)
-        updates = update_pairs(bank, ping.placed, pairs)
-        if self._particles.used:
-            updates = self._particles.pair_densities(bank, pairs, updates, ping.placed, ping.sensor)
-        association = self._associate(bank, gates, pairs, updates, ping, applied)
-        bank = mix_updates(association.bank, pairs, updates, association.weights)
-        if self._particles.used:
-            bank = self._particles.update(bank, pairs, association.weights[:, 0])
-        listed = self._managed(bank, pairs, association, ping)
-        candidates = self._candidates(ping, applied, association.claimed)
-        listed, candidates = limited(listed, candidates, self._configuration.maximum_tracks)
-        self._bank = listed.bank.selected(listed.alive).followed_by(candidates)
+        ping, guesses = self._place(contacts)
+        bank = self._predict(ping.stamp)
+        gating = self._gate(bank, ping)
+        association = self._associate(bank, gating, ping)
+        bank = self._update_states(association, gating)
+        listed = self._confirm_and_end(bank, association, gating, ping)
+        candidates = self._start_candidates(association, gating, ping)
+        listed, candidates = limit_tracks(listed, candidates, self._configuration.maximum_tracks)
+        self._bank = listed.bank.select(listed.alive).append(candidates)
         self._last = origin_of(contacts)
         self._particles.keep(self._bank)
-        notices = (*notices, *guessed, *self._clutter.notices())
-        return self._update(listed, applied.published, notices)
+        notices = (*notices, *guesses, *self._clutter.notices())
+        return self._report(listed, gating.thresholds.published, notices)
 
     def coast(self, stamp: int, next_stamp: int) -> ContactTrackerUpdate:
         """Return the tracks predicted to a ping of which nothing else is known.
@@ -184,85 +183,91 @@ class MultiTargetTracker:
             If the stamp is not later than that of the ping before.
         """
         check_order(stamp, self._last)
-        bank = self._predicted(stamp)
+        bank = self._predict(stamp)
         model = self._configuration
         nowhere = np.zeros(len(bank))
-        alive = surviving(bank, nowhere, np.inf, model.detection_probability, model)
+        alive = survivors(bank, nowhere, np.inf, model.detection_probability, model)
         listed = ListedTracks(bank, alive, self._was_shown(bank), detected=nowhere)
-        self._bank = bank.selected(alive)
+        self._bank = bank.select(alive)
         self._last = self._last and self._last.moved_to(stamp)
         self._particles.keep(self._bank)
-        return self._update(listed, thresholds_without_gates(stamp, next_stamp), ())
+        return self._report(listed, thresholds_without_gates(stamp, next_stamp), ())
 
-    def _update(
-        self, listed: ListedTracks, thresholds: GateThresholds, notices: tuple[Notice, ...]
-    ) -> ContactTrackerUpdate:
-        rows = list_tracks(listed, self._configuration.tentative_probability)
-        self._shown = rows.id[rows.status != int(TrackStatus.TERMINATED)]
-        return ContactTrackerUpdate(
-            tracks=shown_tracks(rows, thresholds.stamp, thresholds.next_stamp),
-            target_count=float(np.count_nonzero(self._bank.confirmed)),
-            thresholds=thresholds,
-            notices=notices,
-        )
-
-    def _placed(self, contacts: Contacts, model: DetectionModel) -> _Ping:
+    def _place(self, contacts: Contacts) -> tuple[_Ping, tuple[Notice, ...]]:
+        """Bring the contacts into ``map`` and find out how dense false ones are."""
+        model, guesses = make_detection_model(contacts, self._configuration)
+        check_thresholds(model, self._configuration)
+        n_confirmed = int(np.count_nonzero(self._bank.confirmed))
+        self._clutter = self._clutter.after(len(contacts.range), n_confirmed, model)
         sound_speed = self._configuration.sound_speed
         measured = len(contacts.amplitude) > 0
-        return _Ping(
+        ping = _Ping(
             stamp=contacts.stamp,
+            next_stamp=contacts.next_stamp,
             placed=place_contacts(contacts, sound_speed),
             amplitudes=contacts.amplitude if measured else np.full(len(contacts.range), np.nan),
-            model=model,
+            model=self._clutter.corrected(model),
             sensor=sensor_geometry(contacts, sound_speed),
             # A sensor that has jumped may be back at the next ping: no track ends for its place.
             reach=np.inf if sensor_jump(contacts, self._last) else model.maximum_range,
         )
+        return ping, guesses
 
-    def _predicted(self, stamp: int) -> TrackBank:
+    def _predict(self, stamp: int) -> TrackBank:
+        """Move all tracks to the transmit time of a ping."""
         interval = 0.0 if self._last is None else self._last.interval(stamp)
         survival = self._configuration.survival_probability
         bank = predict_bank(self._bank, self._modes, interval, survival)
         return self._particles.predict(bank, interval) if self._particles.used else bank
 
-    def _pairs(
-        self, bank: TrackBank, gates: TrackGates, ping: _Ping, applied: AppliedThresholds
-    ) -> GatePairs:
+    def _gate(self, bank: TrackBank, ping: _Ping) -> _Gating:
+        """Pair the tracks with the contacts in their gates that pass the thresholds."""
+        gates = predict_gates(bank, ping.sensor)
+        thresholds = apply_thresholds(
+            bank, gates, ping.model, self._configuration, ping.stamp, ping.next_stamp
+        )
         pairs = find_pairs(bank, gates, ping.placed)
         # Written so that an amplitude or a threshold that is not known lets the contact pass.
-        below = ping.amplitudes[pairs.contact] < applied.threshold[pairs.track]
-        return pairs.kept(~below)
+        below = ping.amplitudes[pairs.contact] < thresholds.threshold[pairs.track]
+        pairs = pairs.keep(~below)
+        updates = update_pairs(bank, ping.placed, pairs)
+        if self._particles.used:
+            updates = self._particles.pair_densities(bank, pairs, updates, ping.placed, ping.sensor)
+        return _Gating(gates, thresholds, pairs, updates)
 
-    def _associate(
-        self,
-        bank: TrackBank,
-        gates: TrackGates,
-        pairs: GatePairs,
-        updates: PairUpdates,
-        ping: _Ping,
-        applied: AppliedThresholds,
-    ) -> BankAssociation:
+    def _associate(self, bank: TrackBank, gating: _Gating, ping: _Ping) -> BankAssociation:
+        """Give each track its contacts, its motion mode and its probability of existence."""
+        pairs, thresholds = gating.pairs, gating.thresholds
         density = ping.model.clutter_density(ping.placed.distance)[pairs.contact]
         evidence = PairEvidence(
-            density=updates.density,
+            density=gating.updates.density,
             amplitude_ratio=ping.model.amplitude_ratio(
-                ping.amplitudes[pairs.contact], applied.threshold[pairs.track]
+                ping.amplitudes[pairs.contact], thresholds.threshold[pairs.track]
             ),
-            clutter_density=density * applied.clutter_share[pairs.track],
+            clutter_density=density * thresholds.clutter_share[pairs.track],
         )
         gated = GatedPing(
             pairs,
             evidence,
             ping.amplitudes,
-            gates.volume,
-            applied.detection_probability,
+            gating.gates.volume,
+            thresholds.detection_probability,
             ping.model.signal_to_noise_ratio_linear,
         )
         return self._rule.associate(bank, gated)
 
-    def _managed(
-        self, bank: TrackBank, pairs: GatePairs, association: BankAssociation, ping: _Ping
+    def _update_states(self, association: BankAssociation, gating: _Gating) -> TrackBank:
+        """Update all tracks by their contacts, confirmed ones with particles if there are any."""
+        weights = association.weights
+        bank = mix_updates(association.bank, gating.pairs, gating.updates, weights)
+        if self._particles.used:
+            bank = self._particles.update(bank, gating.pairs, weights[:, 0])
+        return bank
+
+    def _confirm_and_end(
+        self, bank: TrackBank, association: BankAssociation, gating: _Gating, ping: _Ping
     ) -> ListedTracks:
+        """Confirm tracks that exist, and find out which go on."""
         detected = association.detected
         bank = replace(
             bank,
@@ -274,8 +279,8 @@ class MultiTargetTracker:
         separation = mean[:, :2] - ping.sensor.position
         distance = np.hypot(separation[:, 0], separation[:, 1])
         detection = ping.model.detection_probability
-        alive = surviving(bank, distance, ping.reach, detection, self._configuration)
-        alive &= ~duplicates(bank, pairs, association.weights)
+        alive = survivors(bank, distance, ping.reach, detection, self._configuration)
+        alive &= ~duplicates(bank, gating.pairs, association.weights)
         return ListedTracks(bank, alive, self._was_shown(bank), detected)
 
     def _was_shown(self, bank: TrackBank) -> BoolArray:
@@ -283,14 +288,17 @@ class MultiTargetTracker:
         shown[bank.id.searchsorted(self._shown)] = True
         return shown
 
-    def _candidates(
-        self, ping: _Ping, applied: AppliedThresholds, claimed: FloatArray
+    def _start_candidates(
+        self, association: BankAssociation, gating: _Gating, ping: _Ping
     ) -> TrackBank:
-        below = ping.amplitudes < applied.search_threshold
-        rows = np.flatnonzero((claimed <= LARGEST_CLAIM_OF_A_NEW_CONTACT) & ~below)
+        """Start a candidate at each contact that no track explains."""
+        threshold = gating.thresholds.search_threshold
+        below = ping.amplitudes < threshold
+        free = association.claimed <= LARGEST_CLAIM_OF_A_NEW_CONTACT
+        rows = np.flatnonzero(free & ~below)
         candidates = start_candidates(
-            ping.placed.selected(rows),
-            self._initial_existence(ping, rows, applied.search_threshold),
+            ping.placed.select(rows),
+            self._initial_existence(ping, rows, threshold),
             ping.stamp,
             self._next_id,
             self._modes.mode_prior,
@@ -307,6 +315,18 @@ class MultiTargetTracker:
         ratio = ping.model.amplitude_ratio(amplitudes, np.full(len(rows), threshold))
         odds = initial / (1.0 - initial) * ratio
         return np.minimum(odds / (1.0 + odds), 0.5 * self._configuration.confirmation_probability)
+
+    def _report(
+        self, listed: ListedTracks, thresholds: GateThresholds, notices: tuple[Notice, ...]
+    ) -> ContactTrackerUpdate:
+        rows = list_tracks(listed, self._configuration.tentative_probability)
+        self._shown = rows.id[rows.status != int(TrackStatus.TERMINATED)]
+        return ContactTrackerUpdate(
+            tracks=shown_tracks(rows, thresholds.stamp, thresholds.next_stamp),
+            target_count=float(np.count_nonzero(self._bank.confirmed)),
+            thresholds=thresholds,
+            notices=notices,
+        )
 
 
 def integrated_tracker(configuration: ContactTrackerConfiguration) -> MultiTargetTracker:

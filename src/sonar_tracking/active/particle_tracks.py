@@ -82,7 +82,7 @@ class ParticleTracks:
             cloud = self._clouds[int(bank.id[row])]
             single = particle_densities(
                 cloud.state,
-                contacts.selected(pairs.contact[own]),
+                contacts.select(pairs.contact[own]),
                 sensor,
             )
             self._densities[int(bank.id[row])] = single

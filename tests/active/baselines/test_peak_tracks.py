@@ -41,7 +41,7 @@ def test_a_peak_keeps_its_name_as_it_moves() -> None:
     tracks = later(tracks, peaks_at([-50.0, 300.0, -5.0, 0.0], [52.0, 1.0, 5.0, 0.0]))
     assert tracks.id.tolist() == [1, 2]
     assert tracks.state[:, 0].tolist() == [52.0, -50.0]
-    assert np.all(tracks.listed().status == TrackStatus.CONFIRMED)
+    assert np.all(tracks.rows().status == TrackStatus.CONFIRMED)
 
 
 def test_the_sum_of_distances_decides_not_who_comes_first() -> None:
@@ -54,7 +54,7 @@ def test_the_sum_of_distances_decides_not_who_comes_first() -> None:
 def test_a_far_peak_is_another_target() -> None:
     tracks = later(tracks_at([0.0, 0.0, 0.0, 0.0]), peaks_at([5000.0, 0.0, 0.0, 0.0]))
     assert tracks.id.tolist() == [1, 2]
-    assert tracks.listed().status.tolist() == [TrackStatus.TENTATIVE, TrackStatus.CONFIRMED]
+    assert tracks.rows().status.tolist() == [TrackStatus.TENTATIVE, TrackStatus.CONFIRMED]
 
 
 def test_a_missing_peak_is_predicted_and_its_end_is_told_once() -> None:
@@ -65,7 +65,7 @@ def test_a_missing_peak_is_predicted_and_its_end_is_told_once() -> None:
         if len(tracks):
             assert tracks.state[0, :2] == pytest.approx([20.0 * (number + 1), -10.0 * (number + 1)])
             assert tracks.existence[0] == 0.0
-        states += tracks.listed().status.tolist()
+        states += tracks.rows().status.tolist()
     assert states == [TrackStatus.TENTATIVE] * LONGEST_ABSENCE + [TrackStatus.TERMINATED]
 
 
@@ -73,7 +73,7 @@ def test_a_peak_that_comes_back_in_time_is_the_same() -> None:
     tracks = later(tracks_at([0.0, 0.0, 1.0, 0.0]), peaks_at())
     tracks = later(tracks, peaks_at([20.0, 0.0, 1.0, 0.0]))
     assert tracks.id.tolist() == [1]
-    assert tracks.listed().status.tolist() == [TrackStatus.CONFIRMED]
+    assert tracks.rows().status.tolist() == [TrackStatus.CONFIRMED]
 
 
 def test_existence_is_the_weight_of_the_peak() -> None:

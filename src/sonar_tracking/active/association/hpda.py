@@ -1,4 +1,4 @@
-"""HPDA for all tracks: each takes the one contact of greatest probability by rank and distance.
+"""HPDA, highest probability data association: one contact a track, best by rank and distance.
 
 Contacts are used by one track only: confirmed tracks choose first, then candidates by existence
 probability. A contact taken by a confirmed track, or by a candidate that is more sure than not, is
@@ -6,7 +6,7 @@ not offered again.
 
 References
 ----------
-Kim, Song (2007), equations 11-19; the rule of exclusive use is left open there.
+Kim, Song (2007), equations 11-19, in Korean; the rule of exclusive use is left open there.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ import numpy as np
 from sonar_tracking.active.association.lm_ipda import (
     BankAssociation,
     PairEvidence,
-    summed,
-    updated_existence,
+    sum_by_row,
+    update_existence,
 )
 from sonar_tracking.active.detection.gate_association import (
     PROBABILITY_IN_GATE,
@@ -80,10 +80,10 @@ def associate_ranked(
         if bank.confirmed[row] or outcome.probabilities[selected] > 0.5:
             free[pairs.contact[own[selected]]] = False
     return BankAssociation(
-        bank=replace(bank, existence=updated_existence(bank.existence, likelihood)),
+        bank=replace(bank, existence=update_existence(bank.existence, likelihood)),
         weights=weights[:, None],
         claimed=np.where(free, 0.0, 1.0),
-        detected=summed(pairs.track, weights, len(bank)),
+        detected=sum_by_row(pairs.track, weights, len(bank)),
     )
 
 

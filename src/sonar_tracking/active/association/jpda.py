@@ -1,4 +1,4 @@
-"""Joint probabilistic data association by enumeration of all joint events.
+"""JPDA, joint probabilistic data association, by enumeration of all joint events.
 
 An event assigns each track at most one contact and each contact to at most one track. Its weight
 is the product of 1 - P_D P_G over tracks without and P_D l_tj / lambda over tracks with a contact.
@@ -7,7 +7,10 @@ its own; a cluster with too many events falls back to independent PDA.
 
 References
 ----------
-Fortmann, Bar-Shalom, Scheffe (1983); Ng, Li, Godsill, Vermaak (2005).
+T. E. Fortmann, Y. Bar-Shalom, M. Scheffe, "Sonar tracking of multiple targets using joint
+probabilistic data association", IEEE J. Oceanic Engineering 8(3), 1983; W. Ng, J. Li, S. Godsill,
+J. Vermaak, "A hybrid approach for online joint detection and tracking for multiple targets", IEEE
+Aerospace Conference, 2005.
 """
 
 from __future__ import annotations
@@ -28,14 +31,14 @@ def associate_jointly(ratios: FloatArray, missed: float) -> FloatArray:
     Parameters
     ----------
     ratios : ndarray, shape (n_tracks, n_contacts)
-        P_D l_tj / lambda; 0 outside the gate.
+        P_D l_tj / lambda, pure numbers; 0 outside the gate.
     missed : float
         1 - P_D P_G.
 
     Returns
     -------
     ndarray, shape (n_tracks, n_contacts)
-        Rows sum to the probability of detection given the contacts.
+        Probabilities; rows sum to the probability of detection given the contacts.
     """
     n_tracks, n_contacts = ratios.shape
     probabilities = np.zeros_like(ratios)

@@ -1,7 +1,8 @@
-"""Association of all tracks at once that sees the other tracks as moving clutter.
+"""LM-IPDA: linear multi-target integrated probabilistic data association.
 
-Linear multi-target integrated PDA with amplitudes (LM-IPDA) over interacting motion modes. For
-track t, contact j, with the density N of the innovation and the amplitude likelihood ratio e,
+All tracks are associated at once; each sees the others as moving clutter. With amplitudes, and
+over interacting motion modes. For track t, contact j, with the density N of the innovation and the
+amplitude likelihood ratio e,
 
     A_tj = N_tj e_j / P_G,        P_tj = P_D P_G p_t A_tj / sum_l A_tl,
     omega_tj = lambda + sum_{s != t} A_sj P_sj / (1 - P_sj),
@@ -12,7 +13,9 @@ The cost is linear in the number of pairs, where joint association is exponentia
 
 References
 ----------
-Musicki, La Scala (2008); Musicki, Evans, Stankovic (1994) for the existence recursion.
+D. Musicki, B. La Scala, "Multi-target tracking in clutter without measurement assignment", IEEE
+Trans. AES 44(3), 2008; D. Musicki, R. Evans, S. Stankovic, "Integrated probabilistic data
+association", IEEE Trans. AC 39(6), 1994, for the existence recursion.
 """
 
 from __future__ import annotations
@@ -92,7 +95,7 @@ def associate_integrated(
     evidence : PairEvidence
         Of the pairs.
     detection_probability : ndarray, shape (n,)
-        P_D of each track.
+        P_D of each track, probabilities.
     n_contacts : int
         Contacts in the ping.
     """
@@ -101,37 +104,65 @@ def associate_integrated(
     in_gate = detection_probability * PROBABILITY_IN_GATE
     modal = evidence.density * (evidence.amplitude_ratio / PROBABILITY_IN_GATE)[:, None]
     merged = (bank.mode_probability[track] * modal).sum(axis=1)
-    total = summed(track, merged, n_tracks)
+    total = sum_by_row(track, merged, n_tracks)
     share = merged / np.maximum(total[track], 1e-300)
     claim = np.minimum(LARGEST_CLAIM, (in_gate * bank.existence)[track] * share)
     strength = merged * claim / (1.0 - claim)
-    others = summed(contact, strength, n_contacts)[contact] - strength
+    others = sum_by_row(contact, strength, n_contacts)[contact] - strength
     scaled = in_gate[track][:, None] * modal
     scaled = scaled / (evidence.clutter_density + np.maximum(others, 0.0))[:, None]
     n_modes = bank.mean.shape[1]
     cell = (track[:, None] * n_modes + np.arange(n_modes)).ravel()
-    explained = summed(cell, scaled.ravel(), n_tracks * n_modes).reshape(n_tracks, n_modes)
+    explained = sum_by_row(cell, scaled.ravel(), n_tracks * n_modes).reshape(n_tracks, n_modes)
     ratio = (1.0 - in_gate)[:, None] + explained
     weights = scaled / ratio[track]
     mode_weight = bank.mode_probability * ratio
     likelihood = mode_weight.sum(axis=1)
     mode_probability = mode_weight / likelihood[:, None]
-    existence = updated_existence(bank.existence, likelihood)
+    existence = update_existence(bank.existence, likelihood)
     beta = (mode_probability[track] * weights).sum(axis=1)
     return BankAssociation(
         bank=replace(bank, existence=existence, mode_probability=mode_probability),
         weights=weights,
-        claimed=summed(contact, beta * existence[track], n_contacts),
-        detected=summed(track, beta, n_tracks),
+        claimed=sum_by_row(contact, beta * existence[track], n_contacts),
+        detected=sum_by_row(track, beta, n_tracks),
     )
 
 
-def summed(rows: IndexArray, values: FloatArray, count: int) -> FloatArray:
-    """Return the sums of the values that belong to each of ``count`` rows."""
+def sum_by_row(rows: IndexArray, values: FloatArray, count: int) -> FloatArray:
+    """Return the sums of the values that belong to each of ``count`` rows.
+
+    Parameters
+    ----------
+    rows : ndarray of int, shape (n_values,)
+        Row of each value.
+    values : ndarray, shape (n_values,)
+        In any unit.
+    count : int
+        Rows.
+
+    Returns
+    -------
+    ndarray, shape (count,)
+        In units of the values.
+    """
     return np.asarray(np.bincount(rows, values, count), dtype=np.float64)
 
 
-def updated_existence(existence: FloatArray, likelihood_ratio: FloatArray) -> FloatArray:
-    """Return Lambda p / (1 - p + Lambda p), kept off 0 and 1."""
+def update_existence(existence: FloatArray, likelihood_ratio: FloatArray) -> FloatArray:
+    """Return Lambda p / (1 - p + Lambda p), kept off 0 and 1.
+
+    Parameters
+    ----------
+    existence : ndarray, shape (n,)
+        p, probabilities.
+    likelihood_ratio : ndarray, shape (n,)
+        Lambda, pure numbers.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Probabilities.
+    """
     weighted = likelihood_ratio * existence
     return (weighted / (1.0 - existence + weighted)).clip(*EXISTENCE_LIMITS)

@@ -58,7 +58,7 @@ class PeakTracks:
     def __len__(self) -> int:
         return len(self.id)
 
-    def listed(self) -> TrackRows:
+    def rows(self) -> TrackRows:
         """Return what is shown: found, missing, and ended tracks."""
         status = np.full(len(self), int(TrackStatus.CONFIRMED), dtype=np.int64)
         status[self.absent > 0] = TrackStatus.TENTATIVE
@@ -145,7 +145,7 @@ def follow_peaks(
         updated=updated,
     )
     new = np.setdiff1d(np.arange(len(peaks.mass)), found)
-    return _joined(followed, _started(peaks, new, stamp, first_id))
+    return _join(followed, _start(peaks, new, stamp, first_id))
 
 
 def nearest_peaks(tracks: PeakTracks, peaks: Peaks) -> tuple[IndexArray, IndexArray]:
@@ -157,6 +157,11 @@ def nearest_peaks(tracks: PeakTracks, peaks: Peaks) -> tuple[IndexArray, IndexAr
         Predicted.
     peaks : Peaks
         Of the ping.
+
+    Returns
+    -------
+    tracks, peaks : ndarray of int, shape (n_pairs,)
+        Rows of both.
     """
     difference = peaks.state[None, :, :2] - tracks.state[:, None, :2]
     spread = tracks.covariance[:, None, :2, :2] + peaks.covariance[None, :, :2, :2]
@@ -181,7 +186,7 @@ def _mass_near(tracks: PeakTracks, rows: IndexArray, cloud: ParticleCloud) -> Fl
     return mass
 
 
-def _started(peaks: Peaks, rows: IndexArray, stamp: int, first_id: int) -> PeakTracks:
+def _start(peaks: Peaks, rows: IndexArray, stamp: int, first_id: int) -> PeakTracks:
     stamps = np.full(len(rows), stamp, dtype=np.int64)
     return PeakTracks(
         id=first_id + np.arange(len(rows), dtype=np.int64),
@@ -194,6 +199,6 @@ def _started(peaks: Peaks, rows: IndexArray, stamp: int, first_id: int) -> PeakT
     )
 
 
-def _joined(first: PeakTracks, second: PeakTracks) -> PeakTracks:
+def _join(first: PeakTracks, second: PeakTracks) -> PeakTracks:
     names = [field.name for field in fields(PeakTracks)]
     return PeakTracks(*[np.concatenate((getattr(first, n), getattr(second, n))) for n in names])

@@ -128,12 +128,12 @@ class RegionTracker:
             self._configuration.roi_distance,
             model.detection_probability,
         )
-        free = self._attributed(regions, sensor)
+        free = self._attribute(regions, sensor)
         ended = [track for track in self._tracks if track.misses >= DEATH_COUNT]
         self._tracks = [track for track in self._tracks if track.misses < DEATH_COUNT]
         self._start(free, sensor, contacts.stamp)
         return ContactTrackerUpdate(
-            tracks=shown_tracks(self._listed(ended), contacts.stamp, contacts.next_stamp),
+            tracks=shown_tracks(self._rows(ended), contacts.stamp, contacts.next_stamp),
             target_count=float(len(self._tracks)),
             thresholds=thresholds_without_gates(contacts.stamp, contacts.next_stamp, model),
             notices=(*notices, *guessed, *self._notices()),
@@ -150,7 +150,7 @@ class RegionTracker:
         check_order(stamp, self._last)
         self._predict(stamp)
         self._last = self._last and self._last.moved_to(stamp)
-        rows = self._listed([])
+        rows = self._rows([])
         coasted = np.full(len(rows.id), int(TrackStatus.COASTED), dtype=np.int64)
         return ContactTrackerUpdate(
             tracks=shown_tracks(replace(rows, status=coasted), stamp, next_stamp),
@@ -187,7 +187,7 @@ class RegionTracker:
         clouds = [track.cloud for track in self._tracks]
         gates = [np.flatnonzero(_inside_gate(cloud, placed)) for cloud in clouds]
         densities = [
-            particle_densities(cloud.state, placed.selected(columns), sensor)
+            particle_densities(cloud.state, placed.select(columns), sensor)
             for cloud, columns in zip(clouds, gates, strict=True)
         ]
         means = [
@@ -212,7 +212,7 @@ class RegionTracker:
                 updated=updated,
             )
 
-    def _attributed(self, regions: FloatArray, sensor: SensorGeometry) -> FloatArray:
+    def _attribute(self, regions: FloatArray, sensor: SensorGeometry) -> FloatArray:
         """Count misses of the tracks and return the regions that belong to none."""
         noise = _region_covariances(regions, sensor)
         free = np.ones(len(regions), dtype=bool)
@@ -244,10 +244,10 @@ class RegionTracker:
                 positions.append(region)
                 numbers.append(count)
             elif len(self._tracks) < self._most_tracks:
-                self._tracks.append(self._born(region, sensor, stamp))
+                self._tracks.append(self._new_track(region, sensor, stamp))
         self._pending = (np.array(positions).reshape(-1, 2), np.array(numbers, dtype=np.int64))
 
-    def _born(self, region: FloatArray, sensor: SensorGeometry, stamp: int) -> _RegionTrack:
+    def _new_track(self, region: FloatArray, sensor: SensorGeometry, stamp: int) -> _RegionTrack:
         covariance = np.zeros((4, 4))
         covariance[:2, :2] = _region_covariances(region[None], sensor)[0]
         covariance[2:, 2:] = self._configuration.initial_speed_deviation**2 * np.eye(2)
@@ -257,7 +257,7 @@ class RegionTracker:
         self._next_id += 1
         return track
 
-    def _listed(self, ended: list[_RegionTrack]) -> TrackRows:
+    def _rows(self, ended: list[_RegionTrack]) -> TrackRows:
         tracks = [*self._tracks, *ended]
         status = [
             TrackStatus.CONFIRMED if track.misses == 0 else TrackStatus.COASTED

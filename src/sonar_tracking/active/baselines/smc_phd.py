@@ -1,13 +1,14 @@
-"""Baseline: the probability hypothesis density of all targets as one cloud (SMC-PHD).
+"""SMC-PHD: the probability hypothesis density of all targets by sequential Monte Carlo.
 
-The weights of the cloud integrate to the expected number of targets. Targets have no identities in
-the published method: here its peaks are joined from ping to ping (``peak_tracks``). Births are
-drawn around the contacts of the ping before: at the present ones the contacts would be used twice
-and the count run away.
+A baseline. The weights of the cloud of particles integrate to the expected number of targets.
+Targets have no identities in the published method: here its peaks are joined from ping to ping
+(``peak_tracks``). Births are drawn around the contacts of the ping before: at the present ones the
+contacts would be used twice and the count run away.
 
 References
 ----------
-Vo, Singh, Doucet (2005), as compared with in Kim, Song (2007).
+B.-N. Vo, S. Singh, A. Doucet, "Sequential Monte Carlo methods for multitarget filtering with random
+finite sets", IEEE Trans. AES 41(4), 2005, as compared with in Kim, Song (2007).
 """
 
 from __future__ import annotations
@@ -101,13 +102,14 @@ class DensityTracker:
         placed = place_contacts(contacts, self._configuration.sound_speed)
         sensor = sensor_geometry(contacts, self._configuration.sound_speed)
         interval = self._interval(contacts.stamp)
-        cloud = self._weighed(self._predicted(interval, model, sensor), placed, sensor, model)
+        cloud = self._predict(interval, model, sensor)
+        cloud = self._weigh(cloud, placed, sensor, model)
         mass = float(np.sum(cloud.weight))
-        self._followed(cloud, mass, interval, contacts.stamp)
-        self._cloud = self._resampled(cloud, mass)
+        self._follow(cloud, mass, interval, contacts.stamp)
+        self._cloud = self._resample(cloud, mass)
         self._before, self._last = placed, origin_of(contacts)
         return ContactTrackerUpdate(
-            tracks=shown_tracks(self._tracks.listed(), contacts.stamp, contacts.next_stamp),
+            tracks=shown_tracks(self._tracks.rows(), contacts.stamp, contacts.next_stamp),
             target_count=mass,
             thresholds=thresholds_without_gates(contacts.stamp, contacts.next_stamp, model),
             notices=(*notices, *guessed, *_crowd_notices(mass)),
@@ -126,9 +128,9 @@ class DensityTracker:
         self._cloud = predict_cloud(self._cloud, self._motion, interval, self._generator)
         self._last = self._last and self._last.moved_to(stamp)
         mass = float(np.sum(self._cloud.weight))
-        self._followed(self._cloud, mass, interval, stamp)
+        self._follow(self._cloud, mass, interval, stamp)
         return ContactTrackerUpdate(
-            tracks=shown_tracks(self._tracks.listed(), stamp, next_stamp),
+            tracks=shown_tracks(self._tracks.rows(), stamp, next_stamp),
             target_count=mass,
             thresholds=thresholds_without_gates(stamp, next_stamp),
         )
@@ -136,7 +138,7 @@ class DensityTracker:
     def _interval(self, stamp: int) -> float:
         return 0.0 if self._last is None else self._last.interval(stamp)
 
-    def _predicted(
+    def _predict(
         self, interval: float, model: DetectionModel, sensor: SensorGeometry
     ) -> ParticleCloud:
         moved = predict_cloud(self._cloud, self._motion, interval, self._generator)
@@ -174,7 +176,7 @@ class DensityTracker:
         state[:, :2] += interval * state[:, 2:]
         return state
 
-    def _weighed(
+    def _weigh(
         self,
         cloud: ParticleCloud,
         placed: PlacedContacts,
@@ -186,12 +188,12 @@ class DensityTracker:
         at_once = max(1, PAIRS_AT_ONCE // len(cloud.weight))
         for first in range(0, len(clutter), at_once):
             columns = np.arange(first, min(first + at_once, len(clutter)))
-            density = particle_densities(cloud.state, placed.selected(columns), sensor)
+            density = particle_densities(cloud.state, placed.select(columns), sensor)
             detected = model.detection_probability * density
             factor += detected @ (1.0 / (clutter[columns] + cloud.weight @ detected))
         return ParticleCloud(cloud.state, cloud.mode, cloud.weight * factor)
 
-    def _resampled(self, cloud: ParticleCloud, mass: float) -> ParticleCloud:
+    def _resample(self, cloud: ParticleCloud, mass: float) -> ParticleCloud:
         count = self._configuration.n_particles * max(1, _told_apart(mass))
         rows = systematic_rows(cloud.weight, count, self._generator)
         noise = ROUGHENING * self._generator.standard_normal((count, 4))
@@ -199,7 +201,7 @@ class DensityTracker:
             cloud.state[rows] + noise, cloud.mode[rows], np.full(count, mass / count)
         )
 
-    def _followed(self, cloud: ParticleCloud, mass: float, interval: float, stamp: int) -> None:
+    def _follow(self, cloud: ParticleCloud, mass: float, interval: float, stamp: int) -> None:
         """Find the peaks of a ping and go on with the tracks of those before."""
         peaks = extract_states(cloud, _told_apart(mass), self._generator)
         before = predict_peaks(self._tracks, interval, TURNS_COVERED_BY)

@@ -42,8 +42,8 @@ class PlacedContacts:
     distance: FloatArray
     delay: FloatArray
 
-    def selected(self, rows: IndexArray) -> PlacedContacts:
-        """Return some of the contacts."""
+    def select(self, rows: IndexArray) -> PlacedContacts:
+        """Return some of the contacts, by their rows, shape (n_kept,)."""
         return PlacedContacts(
             self.position[rows], self.covariance[rows], self.distance[rows], self.delay[rows]
         )

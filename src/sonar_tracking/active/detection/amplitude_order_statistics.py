@@ -58,6 +58,11 @@ def rank_probabilities_of(
         Linear powers; empty or NaN where not measured: all ranks are then equally likely.
     signal_to_noise_ratio_linear : float
         SNR as a power ratio, not in dB.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        Probabilities, sum 1.
     """
     count = len(amplitudes)
     if not np.all(np.isfinite(amplitudes)):

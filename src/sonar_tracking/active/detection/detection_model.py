@@ -83,7 +83,18 @@ class DetectionModel:
         return float(self.false_alarm_probability * cells)
 
     def clutter_density(self, distance: FloatArray) -> FloatArray:
-        """Return lambda at distances (m) from the sensor, 1/m^2, at the detector's threshold."""
+        """Return lambda at the threshold of the detector.
+
+        Parameters
+        ----------
+        distance : ndarray, shape (n,)
+            From the sensor, m.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            1/m^2.
+        """
         if math.isfinite(self.uniform_density):
             uniform = max(self.clutter_factor * self.uniform_density, SMALLEST_CLUTTER_DENSITY)
             return np.full(len(distance), uniform)
@@ -92,7 +103,18 @@ class DetectionModel:
         return np.maximum(density, SMALLEST_CLUTTER_DENSITY)
 
     def amplitude_ratio(self, amplitudes: FloatArray, thresholds: FloatArray) -> FloatArray:
-        """Return e(a) of amplitudes above thresholds, 1 where either is not known."""
+        """Return e(a) of amplitudes above thresholds.
+
+        Parameters
+        ----------
+        amplitudes, thresholds : ndarray, shape (n,)
+            Linear powers, noise mean 1; NaN = not known.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            Likelihood ratios, pure numbers; 1 where either is not known.
+        """
         excess = amplitudes - thresholds
         if self.averaged:
             levels = linear_from_decibel(AVERAGED_LEVELS_DB)

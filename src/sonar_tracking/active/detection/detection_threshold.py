@@ -61,19 +61,43 @@ class FalseAlarmLimits:
 
 
 def linear_from_decibel(level_db: ArrayLike) -> FloatArray:
-    """Return a power ratio from its level in dB: 10 dB is 10, 5 dB is 3.162."""
+    """Return a power ratio from its level in dB, shape (...): 10 dB is 10, 5 dB is 3.162."""
     return np.asarray(10.0 ** (np.asarray(level_db, dtype=np.float64) / 10.0))
 
 
 def detection_threshold(false_alarm_probability: ArrayLike) -> FloatArray:
-    """Return tau = -ln P_F, linear power with noise mean 1 (equation 2)."""
+    """Return tau = -ln P_F (equation 2).
+
+    Parameters
+    ----------
+    false_alarm_probability : array_like, shape (...)
+        P_F, probabilities.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        Linear power, noise mean 1.
+    """
     return -np.log(np.asarray(false_alarm_probability, dtype=np.float64))
 
 
 def detection_probability(
     false_alarm_probability: ArrayLike, signal_to_noise_ratio_linear: ArrayLike
 ) -> FloatArray:
-    """Return P_D = P_F^(1 / (1 + SNR)) (equations 2 and 3)."""
+    """Return P_D = P_F^(1 / (1 + SNR)) (equations 2 and 3).
+
+    Parameters
+    ----------
+    false_alarm_probability : array_like, shape (...)
+        P_F, probabilities.
+    signal_to_noise_ratio_linear : array_like, shape (...)
+        SNR as a power ratio, not in dB.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        Probabilities.
+    """
     exponent = 1.0 / (1.0 + np.asarray(signal_to_noise_ratio_linear, dtype=np.float64))
     return np.asarray(np.asarray(false_alarm_probability, dtype=np.float64) ** exponent)
 
@@ -87,12 +111,17 @@ def approximate_information_reduction(
 
     Parameters
     ----------
-    false_alarm_probability : array_like
-        P_F per resolution cell.
-    resolution_cells : array_like
-        n, cells in the gate; a real number.
-    signal_to_noise_ratio_linear : array_like
+    false_alarm_probability : array_like, shape (...)
+        P_F per resolution cell, probabilities.
+    resolution_cells : array_like, shape (...)
+        n, cells in the gate; real, pure numbers.
+    signal_to_noise_ratio_linear : array_like, shape (...)
         SNR as a power ratio, not in dB.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        Pure numbers between 0 and 1.
     """
     probability = np.asarray(false_alarm_probability, dtype=np.float64)
     detection = detection_probability(probability, signal_to_noise_ratio_linear)
@@ -109,12 +138,17 @@ def closed_form_false_alarm_probability(
 
     Parameters
     ----------
-    resolution_cells : array_like
-        n, cells in the gate; positive real numbers.
+    resolution_cells : array_like, shape (...)
+        n, cells in the gate; positive, pure numbers.
     signal_to_noise_ratio_linear : float
         SNR as a power ratio, not in dB. At 1.57 and below the result is the upper limit.
     limits : FalseAlarmLimits
         What the result is clamped to.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        Probabilities.
 
     Raises
     ------
@@ -135,6 +169,20 @@ def checked_gate(
     resolution_cells: ArrayLike, signal_to_noise_ratio_linear: float
 ) -> tuple[FloatArray, float]:
     """Return cells and ratio as floats.
+
+    Parameters
+    ----------
+    resolution_cells : array_like, shape (...)
+        n, cells in the gate; pure numbers.
+    signal_to_noise_ratio_linear : float
+        SNR as a power ratio, not in dB.
+
+    Returns
+    -------
+    cells : ndarray, shape (...)
+        Pure numbers.
+    ratio : float
+        Linear.
 
     Raises
     ------

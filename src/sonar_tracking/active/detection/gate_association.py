@@ -72,6 +72,11 @@ def amplitude_likelihood_ratio(
         tau, linear.
     signal_to_noise_ratio_linear : float
         SNR as a power ratio, not in dB.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        Pure numbers.
     """
     ratio = signal_to_noise_ratio_linear
     excess = ((amplitudes - threshold) * ratio / (1.0 + ratio)).clip(0.0, 300.0)

@@ -49,7 +49,7 @@ def exact_information_reduction(
     Parameters
     ----------
     false_alarm_probability : array_like, shape (...)
-        P_F per resolution cell.
+        P_F per resolution cell, probabilities.
     resolution_cells : float
         n, cells in the gate.
     signal_to_noise_ratio_linear : float
@@ -58,7 +58,7 @@ def exact_information_reduction(
     Returns
     -------
     ndarray, shape (...)
-        Between 0 and 1.
+        Pure numbers between 0 and 1.
     """
     probability = np.asarray(false_alarm_probability, dtype=np.float64)
     detection = detection_probability(probability, signal_to_noise_ratio_linear)
@@ -73,9 +73,14 @@ def information_reduction(
     Parameters
     ----------
     detection_probability : array_like, shape (...)
-        P_D.
+        P_D, probabilities.
     expected_clutter : array_like, shape (...)
-        rho V.
+        rho V, mean counts.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        Pure numbers between 0 and 1.
     """
     detection = np.asarray(detection_probability, dtype=np.float64)
     clutter = np.asarray(expected_clutter, dtype=np.float64)

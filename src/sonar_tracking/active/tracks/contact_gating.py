@@ -108,12 +108,12 @@ class GatePairs:
     track: IndexArray
     contact: IndexArray
 
-    def kept(self, mask: BoolArray) -> GatePairs:
-        """Return some of the pairs."""
+    def keep(self, mask: BoolArray) -> GatePairs:
+        """Return some of the pairs, by a mask, shape (n_pairs,)."""
         return GatePairs(self.track[mask], self.contact[mask])
 
     def first_of_each_track(self) -> IndexArray:
-        """Return the rows of the pairs at which another track begins."""
+        """Return the rows of the pairs at which another track begins, shape (n_tracks,)."""
         begins = np.ones(len(self.track), dtype=bool)
         np.not_equal(self.track[1:], self.track[:-1], out=begins[1:])
         return np.flatnonzero(begins)
@@ -163,8 +163,8 @@ def find_pairs(bank: TrackBank, gates: TrackGates, contacts: PlacedContacts) -> 
         pairs = _near_of_few(gates, order, contacts)
         square = _squared_distances(mean, spread, contacts, pairs)
         inside = square < GATE_SIZE**2
-        pairs = pairs.kept(inside)
-        return pairs.kept(nearest_in_gates(pairs.track, square[inside]))
+        pairs = pairs.keep(inside)
+        return pairs.keep(nearest_in_gates(pairs.track, square[inside]))
     sorted_x = contacts.position[order, 0]
     low, high = _boxed(gates, sorted_x, bank.confirmed)
     before = (high - low).cumsum()
@@ -177,7 +177,7 @@ def find_pairs(bank: TrackBank, gates: TrackGates, contacts: PlacedContacts) -> 
         pairs = _near(rows, low[rows], high[rows], gates, order, contacts)
         square = _squared_distances(mean, spread, contacts, pairs)
         inside = square < GATE_SIZE**2
-        pairs, square = pairs.kept(inside), square[inside]
+        pairs, square = pairs.keep(inside), square[inside]
         kept = nearest_in_gates(pairs.track, square)
         tracks.append(pairs.track[kept])
         columns.append(pairs.contact[kept])
@@ -187,7 +187,7 @@ def find_pairs(bank: TrackBank, gates: TrackGates, contacts: PlacedContacts) -> 
         nothing = np.zeros(0, dtype=np.intp)
         return GatePairs(nothing, nothing)
     found = GatePairs(np.concatenate(tracks), np.concatenate(columns))
-    return found.kept(few_enough(found.track, np.concatenate(squares), bank.confirmed))
+    return found.keep(few_enough(found.track, np.concatenate(squares), bank.confirmed))
 
 
 def delayed_position_covariance(covariance: FloatArray, delay: FloatArray) -> FloatArray:
@@ -196,9 +196,14 @@ def delayed_position_covariance(covariance: FloatArray, delay: FloatArray) -> Fl
     Parameters
     ----------
     covariance : ndarray, shape (..., 4, 4)
-        Of x, y, vx, vy.
+        Of x, y, vx, vy, m^2, m^2/s, m^2/s^2.
     delay : ndarray, shape (...)
         s.
+
+    Returns
+    -------
+    ndarray, shape (..., 2, 2)
+        m^2.
     """
     step = delay[..., None, None]
     crossed = covariance[..., :2, 2:]
@@ -208,16 +213,39 @@ def delayed_position_covariance(covariance: FloatArray, delay: FloatArray) -> Fl
 
 
 def determinant(matrix: FloatArray) -> FloatArray:
-    """Return the determinants of covariances, shape (..., 2, 2), in closed form.
+    """Return the determinants of covariances in closed form.
 
     Of an ellipse thinner than rounding it is what rounding leaves, so that it stays positive.
+
+    Parameters
+    ----------
+    matrix : ndarray, shape (..., 2, 2)
+        m^2.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        m^4.
     """
     product = matrix[..., 0, 0] * matrix[..., 1, 1]
     return np.asarray(np.maximum(product - matrix[..., 0, 1] ** 2, SMALLEST_SHARE * product))
 
 
 def inverse(matrix: FloatArray, area: FloatArray) -> FloatArray:
-    """Return the inverses of symmetric matrices, shape (..., 2, 2), of known determinants."""
+    """Return the inverses of symmetric matrices.
+
+    Parameters
+    ----------
+    matrix : ndarray, shape (..., 2, 2)
+        m^2.
+    area : ndarray, shape (...)
+        Their determinants, m^4.
+
+    Returns
+    -------
+    ndarray, shape (..., 2, 2)
+        1/m^2.
+    """
     result = -matrix
     result[..., 0, 0] = matrix[..., 1, 1]
     result[..., 1, 1] = matrix[..., 0, 0]

@@ -53,7 +53,7 @@ class MotionModes:
 
     @cached_property
     def mode_transition(self) -> FloatArray:
-        """Return Pi, row = mode before, shape (n_modes, n_modes)."""
+        """Return Pi, row = mode before, shape (n_modes, n_modes), probabilities."""
         if self.n_modes == 1:
             return np.ones((1, 1))
         turn, stay = self.turn_probability, self.stay_probability
@@ -71,12 +71,17 @@ class MotionModes:
         return np.asarray(weights / np.sum(weights))
 
     def turn_rates(self, velocity: FloatArray) -> FloatArray:
-        """Return Omega of each mode, rad/s.
+        """Return Omega of each mode.
 
         Parameters
         ----------
         velocity : ndarray, shape (..., n_modes, 2)
             m/s.
+
+        Returns
+        -------
+        ndarray, shape (..., n_modes)
+            rad/s.
         """
         speed = np.hypot(velocity[..., 0], velocity[..., 1])
         rate = self.lateral_acceleration / np.maximum(speed, SMALLEST_SPEED)
@@ -86,7 +91,22 @@ class MotionModes:
 def turn_coefficients(
     rates: FloatArray, interval: float
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return sin(W T)/W, (1 - cos(W T))/W, cos(W T), sin(W T), with their limits at W = 0."""
+    """Return what the transition of a turn is made of, with the limits at W = 0.
+
+    Parameters
+    ----------
+    rates : ndarray, shape (...)
+        W, rad/s.
+    interval : float
+        T, s.
+
+    Returns
+    -------
+    sine_over, versine_over : ndarray, shape (...)
+        sin(W T)/W and (1 - cos(W T))/W, s.
+    cosine, sine : ndarray, shape (...)
+        cos(W T) and sin(W T), pure numbers.
+    """
     whole_and_half = np.multiply.outer((1.0, 0.5), rates * interval)
     # As numpy.sinc, without the search for the type's precision, which takes longer than the sine.
     scaled = np.pi * (whole_and_half / np.pi)
@@ -97,7 +117,20 @@ def turn_coefficients(
 
 
 def turn_matrices(rates: FloatArray, interval: float) -> FloatArray:
-    """Return F for each turn rate, shape (..., 4, 4); state x, y, vx, vy."""
+    """Return F for each turn rate.
+
+    Parameters
+    ----------
+    rates : ndarray, shape (...)
+        rad/s.
+    interval : float
+        s.
+
+    Returns
+    -------
+    ndarray, shape (..., 4, 4)
+        For the state x, y, vx, vy; pure numbers, s and 1/s.
+    """
     sine_over, versine_over, cosine, sine = turn_coefficients(rates, interval)
     matrix = np.zeros((*np.shape(rates), 4, 4))
     matrix[..., 0, 0] = matrix[..., 1, 1] = 1.0
@@ -112,7 +145,20 @@ def turn_matrices(rates: FloatArray, interval: float) -> FloatArray:
 
 @lru_cache(maxsize=16)
 def white_acceleration_noise(acceleration_deviation: float, interval: float) -> FloatArray:
-    """Return Q = sigma^2 G G^T, shape (4, 4); read only, since it is kept."""
+    """Return Q = sigma^2 G G^T; read only, since it is kept.
+
+    Parameters
+    ----------
+    acceleration_deviation : float
+        sigma, m/s^2.
+    interval : float
+        s.
+
+    Returns
+    -------
+    ndarray, shape (4, 4)
+        m^2, m^2/s, m^2/s^2.
+    """
     gain = np.kron(np.array([[0.5 * interval**2], [interval]]), np.eye(2))
     noise = np.asarray(acceleration_deviation**2 * gain @ gain.T)
     noise.setflags(write=False)

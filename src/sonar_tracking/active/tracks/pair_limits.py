@@ -28,6 +28,11 @@ def half_widths(counts: IndexArray, confirmed: BoolArray) -> IndexArray:
         Contacts in the boxes.
     confirmed : ndarray of bool, shape (n_tracks,)
         Boxes of confirmed tracks are looked at as a whole.
+
+    Returns
+    -------
+    ndarray of int, shape (n_tracks,)
+        Counts.
     """
     if counts.sum() <= MAXIMUM_BOXED:
         return counts
@@ -45,13 +50,15 @@ def nearest_in_gates(
     track : ndarray of int, shape (n_pairs,)
         Row of the track, ascending.
     square : ndarray, shape (n_pairs,)
-        Squared distance of the contact from the centre of the gate.
+        Squared distance of the contact from the centre of the gate, pure numbers
+        (variances).
     limits : int or ndarray of int, shape (n_tracks,)
         Largest number of each gate.
 
     Returns
     -------
     ndarray of bool, shape (n_pairs,)
+        True = among the nearest.
     """
     counts = np.bincount(track)
     largest = np.asarray(limits)
@@ -68,14 +75,17 @@ def few_enough(track: IndexArray, square: FloatArray, confirmed: BoolArray) -> B
 
     Parameters
     ----------
-    track, square : ndarray, shape (n_pairs,)
-        As in :func:`nearest_in_gates`.
+    track : ndarray of int, shape (n_pairs,)
+        Row of the track, ascending.
+    square : ndarray, shape (n_pairs,)
+        Squared distance of the contact from the centre of the gate, pure numbers (variances).
     confirmed : ndarray of bool, shape (n_tracks,)
         Gates of confirmed tracks keep the largest number whatever the others do.
 
     Returns
     -------
     ndarray of bool, shape (n_pairs,)
+        True = kept.
     """
     if len(track) <= MAXIMUM_PAIRS:
         return np.ones(len(track), dtype=bool)

@@ -79,7 +79,15 @@ class ParticleCloud:
     weight: FloatArray
 
     def moments(self) -> tuple[FloatArray, FloatArray]:
-        """Return mean (4,) and covariance (4, 4)."""
+        """Return mean and covariance of the particles.
+
+        Returns
+        -------
+        mean : ndarray, shape (4,)
+            m and m/s.
+        covariance : ndarray, shape (4, 4)
+            m^2, m^2/s, m^2/s^2.
+        """
         share = self.weight / np.sum(self.weight)
         mean = share @ self.state
         deviation = self.state - mean
@@ -89,7 +97,19 @@ class ParticleCloud:
 def gaussian_cloud(
     mean: FloatArray, covariance: FloatArray, count: int, generator: np.random.Generator
 ) -> ParticleCloud:
-    """Return particles of a Gaussian, all modes equally likely."""
+    """Return particles of a Gaussian, all modes equally likely.
+
+    Parameters
+    ----------
+    mean : ndarray, shape (4,)
+        x, y, vx, vy, m and m/s.
+    covariance : ndarray, shape (4, 4)
+        m^2, m^2/s, m^2/s^2.
+    count : int
+        Particles.
+    generator : numpy.random.Generator
+        Source of randomness.
+    """
     root = _root(covariance + 1e-9 * np.eye(4))
     state = mean + generator.standard_normal((count, 4)) @ root.T
     mode = generator.integers(0, len(TURN_DIRECTIONS), count)
@@ -123,12 +143,12 @@ def particle_densities(
     contacts: PlacedContacts,
     sensor: SensorGeometry,
 ) -> FloatArray:
-    """Return p(z_j | x_i) per square metre: the polar Gaussian divided by the range.
+    """Return p(z_j | x_i): the polar Gaussian divided by the range.
 
     Parameters
     ----------
     state : ndarray, shape (n, 4)
-        Particles.
+        Particles x, y, vx, vy, m and m/s.
     contacts : PlacedContacts
         m contacts.
     sensor : SensorGeometry
@@ -161,7 +181,22 @@ def particle_densities(
 
 
 def systematic_rows(weight: FloatArray, count: int, generator: np.random.Generator) -> IndexArray:
-    """Return the rows of ``count`` particles drawn in proportion to their weights."""
+    """Return the rows of particles drawn in proportion to their weights.
+
+    Parameters
+    ----------
+    weight : ndarray, shape (n,)
+        Pure numbers, not negative.
+    count : int
+        How many to draw.
+    generator : numpy.random.Generator
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of int, shape (count,)
+        Ascending.
+    """
     edges = np.cumsum(weight)
     points = (np.arange(count) + generator.random()) / count * edges[-1]
     return np.minimum(np.searchsorted(edges, points), len(weight) - 1)

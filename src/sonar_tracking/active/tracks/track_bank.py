@@ -40,9 +40,9 @@ class TrackBank:
     initiated, updated : ndarray of int, shape (n,)
         Stamps of the first and the last contact, ns.
     mean : ndarray, shape (n, n_modes, 4)
-        x, y, vx, vy in each mode.
+        x, y, vx, vy in each mode, m and m/s.
     covariance : ndarray, shape (n, n_modes, 4, 4)
-        In each mode.
+        In each mode, m^2, m^2/s, m^2/s^2.
     mode_probability : ndarray, shape (n, n_modes)
         Sum 1.
     """
@@ -59,18 +59,26 @@ class TrackBank:
     def __len__(self) -> int:
         return len(self.id)
 
-    def selected(self, rows: BoolArray | IntArray) -> TrackBank:
-        """Return some of the tracks."""
+    def select(self, rows: BoolArray | IntArray) -> TrackBank:
+        """Return some of the tracks, by a mask, shape (n,), or by their rows, shape (n_kept,)."""
         return TrackBank(*[getattr(self, name)[rows] for name in COLUMNS])
 
-    def followed_by(self, other: TrackBank) -> TrackBank:
-        """Return both lists as one."""
+    def append(self, other: TrackBank) -> TrackBank:
+        """Return the tracks with others after them."""
         return TrackBank(
             *[np.concatenate((getattr(self, name), getattr(other, name))) for name in COLUMNS]
         )
 
     def moments(self) -> tuple[FloatArray, FloatArray]:
-        """Return mean (n, 4) and covariance (n, 4, 4) of the mixture over the modes."""
+        """Return mean and covariance of the mixture over the modes.
+
+        Returns
+        -------
+        mean : ndarray, shape (n, 4)
+            m and m/s.
+        covariance : ndarray, shape (n, 4, 4)
+            m^2, m^2/s, m^2/s^2.
+        """
         return self._moments
 
     @cached_property
@@ -118,7 +126,7 @@ def predict_bank(
     survival_probability : float
         Pi_11 of the existence recursion.
     """
-    mixed, spread, probability = _mixed(bank, modes)
+    mixed, spread, probability = _mix(bank, modes)
     matrices = turn_matrices(modes.turn_rates(mixed[..., 2:]), interval)
     noise = white_acceleration_noise(modes.acceleration_deviation, interval)
     covariance = np.matmul(np.matmul(matrices, spread), matrices.swapaxes(-1, -2)) + noise
@@ -134,7 +142,7 @@ def predict_bank(
     )
 
 
-def _mixed(bank: TrackBank, modes: MotionModes) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _mix(bank: TrackBank, modes: MotionModes) -> tuple[FloatArray, FloatArray, FloatArray]:
     if modes.n_modes == 1:
         return bank.mean, bank.covariance, bank.mode_probability
     joint = bank.mode_probability[:, :, None] * modes.mode_transition

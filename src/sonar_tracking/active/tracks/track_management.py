@@ -36,7 +36,7 @@ RANGE_MARGIN = 1.2
 """A track ends so far beyond the largest range."""
 
 
-def surviving(
+def survivors(
     bank: TrackBank,
     distance: FloatArray,
     maximum_range: float,
@@ -57,6 +57,11 @@ def surviving(
         P_D of candidates.
     configuration : ContactTrackerConfiguration
         Limits.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+        True = goes on.
     """
     missed = (1.0 - detection_probability) ** MISSES_OF_A_CANDIDATE
     least = np.where(
@@ -85,6 +90,11 @@ def duplicates(bank: TrackBank, pairs: GatePairs, weights: FloatArray) -> BoolAr
         Contacts in the gates of this ping.
     weights : ndarray, shape (n_pairs, n_modes)
         Probabilities of association in each mode.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+        True = ends as a duplicate.
     """
     repeated = np.zeros(len(bank), dtype=bool)
     if not len(pairs.contact) or np.bincount(pairs.contact).max() < 2:
@@ -175,7 +185,7 @@ class ListedTracks:
     detected: FloatArray
 
 
-def limited(
+def limit_tracks(
     listed: ListedTracks, candidates: TrackBank, maximum_tracks: int
 ) -> tuple[ListedTracks, TrackBank]:
     """Return tracks and candidates of which the least probable end if there are too many.
@@ -199,7 +209,7 @@ def limited(
     stays[np.argsort(worth, kind="stable")[:excess]] = False
     alive = listed.alive.copy()
     alive[rows] = stays[: len(rows)]
-    return replace(listed, alive=alive), candidates.selected(stays[len(rows) :])
+    return replace(listed, alive=alive), candidates.select(stays[len(rows) :])
 
 
 def list_tracks(listed: ListedTracks, tentative_probability: float) -> TrackRows:

@@ -1,4 +1,4 @@
-"""Distances between two sets, here of truths and estimates: OSPA and GOSPA.
+"""OSPA and GOSPA: the optimal subpattern assignment distance of two sets, and its generalisation.
 
 With d_c = min(d, c), n truths, m estimates and k assigned pairs (d < c):
 
@@ -6,8 +6,13 @@ With d_c = min(d, c), n truths, m estimates and k assigned pairs (d < c):
     GOSPA^p = min over assignments of sum d^p + (c^p / 2) (n + m - 2 k)          (alpha = 2)
 
 A pair at or beyond the cut-off costs GOSPA as much as a miss and a false estimate, so that the
-assignment of least sum of d_c^p is the best one for both. Schuhmacher, Vo, Vo 2008; Rahmathullah,
-Garcia-Fernandez, Svensson 2017.
+assignment of least sum of d_c^p is the best one for both.
+
+References
+----------
+D. Schuhmacher, B.-T. Vo, B.-N. Vo, "A consistent metric for performance evaluation of multi-object
+filters", IEEE Trans. Signal Processing 56(8), 2008; A. S. Rahmathullah, A. F. Garcia-Fernandez,
+L. Svensson, "Generalized optimal sub-pattern assignment metric", FUSION, 2017.
 """
 
 from __future__ import annotations

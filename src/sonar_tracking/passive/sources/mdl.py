@@ -1,4 +1,4 @@
-"""How many sources: minimum description length on the raw and on the smoothed covariance.
+"""MDL, minimum description length: how many sources, by the raw and by the smoothed covariance.
 
 The raw covariance tells the rank (coherent sources count as one), the forward-backward smoothed
 one the number of sources, coherent or not.
