@@ -27,7 +27,7 @@ NODES = (
 )
 
 node_executables = [f"{node} = {PACKAGE}.graph.nodes.{node}:main" for node in NODES]
-command = ["sonar-tracking = sonar_tracking.cli:main"]
+command = ["sonar-tracking = sonar_tracking.__main__:main"]
 
 # colcon puts console scripts where `ros2 run` looks for them, lib/sonar_tracking (setup.cfg). pip
 # would put them into bin/, where nodes do not belong: there scripts/set_up.py makes them, from the

@@ -7,7 +7,7 @@ The same as ``sonar-tracking run``; try ``--help``.
 import sys
 
 try:
-    from sonar_tracking.cli import main
+    from sonar_tracking.__main__ import main
 except ImportError as error:
     if error.name != "sonar_tracking":
         raise

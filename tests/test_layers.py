@@ -15,6 +15,7 @@ SOURCE = Path(__file__).resolve().parents[1] / "src"
 PACKAGE = "sonar_tracking"
 
 ROOMS = (
+    "stop_signals",
     "errors",
     "resources",
     "lazy_imports",

@@ -11,6 +11,7 @@ from typing import Annotated
 
 from sonar_tracking.errors import ConfigurationError, SonarTrackingError
 from sonar_tracking.evaluation.metrics.cutoff import CUTOFF_M
+from sonar_tracking.stop_signals import end_as_usual
 
 try:
     import typer
@@ -60,7 +61,7 @@ def run(
     cutoff: CutoffOption = CUTOFF_M,
 ) -> None:
     """Run a scenario through the live graph: every node a process of its own."""
-    module = _needs("sonar_tracking.graph.verbs.run_command")
+    module = _load("sonar_tracking.graph.verbs.run_command")
     raise typer.Exit(module.run(scenario, duration, rate, record, not no_display, json, cutoff))
 
 
@@ -81,7 +82,7 @@ def replay(
     cutoff: CutoffOption = CUTOFF_M,
 ) -> None:
     """Replay a recording through the live graph and compare with what was recorded."""
-    module = _needs("sonar_tracking.graph.verbs.run_command")
+    module = _load("sonar_tracking.graph.verbs.run_command")
     raise typer.Exit(
         module.replay(bag, rate, record, parameters, repair, not no_display, json, cutoff)
     )
@@ -220,7 +221,14 @@ def bench(json: JsonOption = None) -> None:
 
 
 def _needs(module: str) -> ModuleType:
-    """Import the module that does the work of a verb."""
+    """Import the module that does the work of a verb; from then on it can be interrupted."""
+    loaded = _load(module)
+    end_as_usual()
+    return loaded
+
+
+def _load(module: str) -> ModuleType:
+    """Import the module of a verb that sees to stop signals itself."""
     # Results are bit-identical only with one linear algebra thread, set before numpy loads.
     for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ[variable] = "1"

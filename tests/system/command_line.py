@@ -14,7 +14,7 @@ from typing import Any
 
 from tests.ros_domain import ros_domain
 
-COMMAND = [sys.executable, "-m", "sonar_tracking.cli"]
+COMMAND = [sys.executable, "-m", "sonar_tracking"]
 PATIENCE = 90.0
 """Longest wait for anything, s: generous, because machines may be busy."""
 

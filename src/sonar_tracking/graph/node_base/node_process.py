@@ -12,10 +12,10 @@ from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from sonar_tracking.stop_signals import STOP_SIGNALS, never_end
+
 PATIENCE = 0.2
 """Longest wait for an event before a stop request is noticed, s."""
-
-STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 def run_node(make_node: Callable[[], Node]) -> int:
@@ -49,7 +49,5 @@ def run_node(make_node: Callable[[], Node]) -> int:
         if node is not None:
             node.destroy_node()
         rclpy.try_shutdown()
-        # The interpreter restores its own handlers before it is gone: a late signal would kill it.
-        for number in STOP_SIGNALS:
-            signal.signal(number, signal.SIG_IGN)
+        never_end()
     return 0

@@ -24,6 +24,7 @@ from sonar_tracking.graph.orchestration.process_supervisor import (
     SupervisedProcess,
 )
 from sonar_tracking.graph.orchestration.run_report import NodeReport, RunReport, TopicReport
+from sonar_tracking.stop_signals import STOP_SIGNALS
 
 if TYPE_CHECKING:
     from sonar_tracking.graph.orchestration.control_node import ControlNode
@@ -71,7 +72,6 @@ class Orchestration:
         self._stall_told = 0.0
         self._flow_started: float | None = None
         self._flow_ended: float | None = None
-        self._handlers: dict[int, object] = {}
         self._notices: dict[str, str] = {}
         self._errors: set[str] = set()
         self.supervisor = ProcessSupervisor(log_directory)
@@ -93,9 +93,9 @@ class Orchestration:
         return (self._flow_ended or time.monotonic()) - self._flow_started
 
     def start_processes(self) -> None:
-        """Start every node; from here on SIGINT and SIGTERM end the run in order."""
-        for number in (signal.SIGINT, signal.SIGTERM):
-            self._handlers[number] = signal.signal(number, self._stop_requested)
+        """Start every node; from here on stop signals are counted, and end the run in order."""
+        for number in STOP_SIGNALS:
+            signal.signal(number, self._stop_requested)
         for warning in self.warnings:
             self._display.say(f"warning: {warning}")
         for node in self._plan.nodes:
@@ -121,8 +121,6 @@ class Orchestration:
         """Stop every node in bounded time; a second Ctrl-C kills them at once."""
         names = self.supervisor.running()
         self.supervisor.stop(names, hurry=lambda: self._stops > 1)
-        for number, handler in self._handlers.items():
-            signal.signal(number, handler)  # type: ignore[arg-type]
         # Told to stop while it was starting, a node may end by the signal itself.
         for name in names if self._flow_started is not None else ():
             process = self.supervisor.processes[name]

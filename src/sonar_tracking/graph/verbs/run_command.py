@@ -14,6 +14,7 @@ from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.orchestration.domain_lock import domain_lock
 from sonar_tracking.graph.orchestration.run_report import RunReport
 from sonar_tracking.graph.verbs.run_options import RunOptions, make_log_directory, rate_from_text
+from sonar_tracking.stop_signals import interruptible
 
 Work = Callable[[RunDisplay, Path], RunReport]
 
@@ -74,6 +75,12 @@ def _shown(display: bool, json: Path | None, work: Work) -> int:
         # Told before any process is started, which could only fail for the same reason.
         if find_spec(package) is None:
             raise ModuleNotFoundError(package, name=package)
+    with interruptible():
+        return _reported(display, json, work)
+
+
+def _reported(display: bool, json: Path | None, work: Work) -> int:
+    """Do the work, print its report, return the exit code; interrupted before it began, 0."""
     console = Console()
     log_directory = make_log_directory()
     live = display and console.is_terminal
@@ -83,6 +90,10 @@ def _shown(display: bool, json: Path | None, work: Work) -> int:
     except ConfigurationError:
         shutil.rmtree(log_directory)
         raise
+    except KeyboardInterrupt:
+        # From the first process on, the orchestration counts signals instead.
+        shutil.rmtree(log_directory)
+        return 0
     for line in report.lines():
         console.print(line, highlight=False, markup=False, soft_wrap=True)
     console.print(f"logs in {log_directory}", highlight=False, markup=False, soft_wrap=True)
