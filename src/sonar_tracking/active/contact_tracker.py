@@ -33,6 +33,9 @@ class ContactTracker(Protocol):
             If the stamp is not later than that of the ping before.
         """
 
+    def warm_up(self) -> None:
+        """Load what the first ping needs, so that it need not wait for it."""
+
     @property
     def next_id(self) -> int:
         """Identifier the next track will get."""

@@ -141,6 +141,10 @@ class MultiTargetTracker:
         """Identifier the next track will get."""
         return self._next_id
 
+    def warm_up(self) -> None:
+        """Load what the first ping needs."""
+        self._rule.warm_up()
+
     def update(self, contacts: Contacts) -> ContactTrackerUpdate:
         """Return the tracks after one ping.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from sonar_tracking.active.association.hpda import associate_ranked
 from sonar_tracking.active.association.lm_ipda import (
@@ -11,6 +11,7 @@ from sonar_tracking.active.association.lm_ipda import (
     PairEvidence,
     associate_integrated,
 )
+from sonar_tracking.active.detection.amplitude_order_statistics import load_rank_probabilities
 from sonar_tracking.active.tracks.contact_gating import GatePairs
 from sonar_tracking.active.tracks.track_bank import TrackBank
 from sonar_tracking.records.arrays import FloatArray
@@ -56,12 +57,15 @@ class AssociationRule:
         A contact's amplitude counts in the existence of the candidate it starts.
     has_particles : bool
         Confirmed tracks are followed with particles.
+    warm_up : callable
+        Loads what the first association needs.
     """
 
     associate: Callable[[TrackBank, GatedPing], BankAssociation]
     has_motion_modes: bool = False
     weighs_amplitudes: bool = False
     has_particles: bool = False
+    warm_up: Callable[[], None] = lambda: None
 
 
 def _integrated(bank: TrackBank, ping: GatedPing) -> BankAssociation:
@@ -82,5 +86,5 @@ def _ranked(bank: TrackBank, ping: GatedPing) -> BankAssociation:
 
 
 LM_IPDA = AssociationRule(_integrated, has_motion_modes=True, weighs_amplitudes=True)
-HPDA = AssociationRule(_ranked)
-HPDA_WITH_PARTICLES = AssociationRule(_ranked, has_particles=True)
+HPDA = AssociationRule(_ranked, warm_up=load_rank_probabilities)
+HPDA_WITH_PARTICLES = replace(HPDA, has_particles=True)

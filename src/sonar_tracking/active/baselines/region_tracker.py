@@ -104,6 +104,9 @@ class RegionTracker:
         """Identifier the next track will get."""
         return self._next_id
 
+    def warm_up(self) -> None:
+        """Load nothing: what a ping needs is there from the start."""
+
     def update(self, contacts: Contacts) -> ContactTrackerUpdate:
         """Return the tracks after one ping.
 

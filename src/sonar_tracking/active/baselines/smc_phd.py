@@ -39,6 +39,7 @@ from sonar_tracking.active.tracks.particle_cloud import (
     systematic_rows,
 )
 from sonar_tracking.errors import Notice, Severity
+from sonar_tracking.filtering.assignment import load_solver
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
 
@@ -88,6 +89,10 @@ class DensityTracker:
     def next_id(self) -> int:
         """Identifier the next track will get."""
         return self._next_id
+
+    def warm_up(self) -> None:
+        """Load what joins the first peaks."""
+        load_solver()
 
     def update(self, contacts: Contacts) -> ContactTrackerUpdate:
         """Return number and states after one ping; peaks keep their identities.

@@ -37,7 +37,7 @@ def rank_probabilities(count: int, signal_to_noise_ratio_linear: float) -> Float
     ndarray, shape (count,)
         Entry l - 1 belongs to the l-th strongest; the sum is 1.
     """
-    # Loaded at the first gate: it takes as long as half the start of a node.
+    # It takes half as long to load as a whole node to start: see load_rank_probabilities.
     from scipy.special import betaln, gammaln
 
     shape = 1.0 / (1.0 + signal_to_noise_ratio_linear)
@@ -45,6 +45,11 @@ def rank_probabilities(count: int, signal_to_noise_ratio_linear: float) -> Float
     logarithm = np.log(shape) + betaln(shape, count)
     logarithm = logarithm + gammaln(rank - 1 + shape) - gammaln(shape) - gammaln(rank)
     return np.asarray(np.exp(logarithm))
+
+
+def load_rank_probabilities() -> None:
+    """Load the special functions now, so that the first gate need not wait for them."""
+    rank_probabilities(1, 1.0)
 
 
 def rank_probabilities_of(

@@ -79,6 +79,10 @@ class HpdaTracker(SonarNode):
         if rejected.source.topic is CONTACTS:
             self._publish(self._tracker.coast(rejected.stamp, rejected.next_stamp))
 
+    def warm_up(self) -> None:
+        """Let the tracker load what the first ping needs."""
+        self._tracker.warm_up()
+
     def reset(self) -> None:
         """Forget all tracks; identifiers go on."""
         first_id = self._tracker.next_id
