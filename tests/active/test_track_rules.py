@@ -18,7 +18,7 @@ from sonar_tracking.active.tracks.track_bank import TrackBank, predict_bank
 from sonar_tracking.active.tracks.track_management import duplicates, start_candidates, survivors
 from sonar_tracking.records.bearings import TrackStatus
 from tests.active.contact_scene import WITH_EXISTENCE, ping, start
-from tests.active.test_association import bank_of, contacts_at
+from tests.active.track_scene import bank_of, contacts_at
 
 MODEL = DetectionModel(
     detection_probability=0.9,

@@ -52,7 +52,7 @@ class TrackHistory:
         return np.degrees(self.angles)
 
     def degrees_with_gaps(self) -> FloatArray:
-        """Return the degrees, shape (n_rows,), NaN where a line would jump across the axis."""
+        """Return the angles, shape (n_rows,), deg; NaN where a line would jump across the axis."""
         degrees = self.degrees
         widest = 180.0 if self.kind == AngleKind.AZIMUTH else 90.0
         jumps = np.flatnonzero(np.abs(np.diff(degrees)) > widest)

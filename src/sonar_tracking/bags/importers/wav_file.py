@@ -52,7 +52,7 @@ class WavFile:
     missing_samples: int = 0
 
     def samples(self, start: int, stop: int) -> FloatArray:
-        """Return samples ``start`` to ``stop``, shape (n, n_channels), full scale 1."""
+        """Return samples ``start`` to ``stop``, shape (n, n_channels), linear, full scale 1."""
         frame = self.n_channels * self.sample_bits // 8
         values = _decoded(self.data[start * frame : stop * frame], self.sample_bits, self.is_float)
         return values.reshape(-1, self.n_channels)

@@ -31,7 +31,7 @@ def tracking_bound(
     information : ndarray, shape (n_times, n_targets, n_targets)
         Fisher information of the bearings from the data of each sample time, rad^-2.
     transition : ndarray, shape (2, 2)
-        Of angle and rate over one sample period.
+        Of angle and rate over one sample period; pure numbers, s.
     process_noise : ndarray, shape (2, 2)
         Of angle and rate over one sample period, rad^2, rad^2/s, rad^2/s^2.
     initial_covariance : ndarray, shape (2, 2)

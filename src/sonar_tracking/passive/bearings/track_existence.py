@@ -73,7 +73,7 @@ class Evidence:
         Returns
         -------
         ndarray, shape (n_tracks,)
-            Between ``FLOOR`` and ``CEILING``; as before where the covariance cannot tell.
+            Probabilities between ``FLOOR`` and ``CEILING``; as before where it cannot tell.
         """
         silent = np.exp(-interval / silence_time)
         ratio = silent + (1.0 - silent) * np.exp(np.minimum(self.log_ratio, 20.0))

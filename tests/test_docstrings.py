@@ -1,0 +1,113 @@
+"""Protects: every public function that takes or returns arrays states their shapes and units.
+
+A parameter is looked up by its name under Parameters, a result under Returns or Yields; what has
+no entry of its own must be found in the summary. Yes-or-no and index arrays need no unit.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import sonar_tracking
+
+ARRAYS = re.compile(r"\b(Float|Complex|Bool|Int|Index|Id|Code|Row|ND)Array\b|\bArrayLike\b")
+NUMBERS = re.compile(r"\b(Float|Complex)Array\b|\bNDArray\[(Any|np\.float)|\bArrayLike\b")
+SHAPE = re.compile(r"\bshape\b|\((\.\.\.|\*?\w[\w ]*),[^)]*\)")
+UNIT = re.compile(
+    r"(?<![\w.])(rad|m|s|ns|Hz|dB|deg)(\^-?\d)?(?![\w'])|[1m]/|\bPa\b|[Pp]ure numbers?|[Ll]inear"
+    r"|[Rr]adians|[Pp]robabilit|\b[Uu]nits?\b|in bins|[Cc]ounts?\b|[Ii]dentifiers?"
+    r"|[Ll]og[ -]likelihood|\bdecibel"
+)
+PLAIN = "summary"
+
+
+def public_functions(node: ast.AST) -> Iterator[ast.FunctionDef]:
+    """Yield the public functions of a module and the public methods of its public classes."""
+    for child in ast.iter_child_nodes(node):
+        if not isinstance(child, ast.FunctionDef | ast.ClassDef) or child.name.startswith("_"):
+            continue
+        if isinstance(child, ast.ClassDef):
+            yield from public_functions(child)
+        elif not any(ast.unparse(each).endswith("overload") for each in child.decorator_list):
+            yield child
+
+
+def sections(docstring: str) -> dict[str, str]:
+    """Return the numpydoc sections of a docstring by their headings."""
+    parts = re.split(r"^(\w[\w ]*)\n-{3,}\n", docstring, flags=re.MULTILINE)
+    return dict(zip([PLAIN, *parts[1::2]], parts[::2], strict=True))
+
+
+def entry(section: str, name: str) -> str:
+    """Return the entry of a parameter, without its name; empty if there is none."""
+    for text in re.split(r"\n(?=\S)", section):
+        names, _, rest = text.partition(" : ")
+        if name in re.split(r"[\s,*]+", names):
+            return rest
+    return ""
+
+
+def missing(function: ast.FunctionDef) -> Iterator[str]:
+    """Yield what the docstring of a function does not say of its arrays."""
+    parts = sections(ast.get_docstring(function) or "")
+    arguments = [*function.args.posonlyargs, *function.args.args, *function.args.kwonlyargs]
+    said = {
+        each.arg: (each.annotation, entry(parts.get("Parameters", ""), each.arg))
+        for each in arguments
+    }
+    said["its result"] = function.returns, parts.get("Returns", parts.get("Yields", ""))
+    for name, (annotation, text) in said.items():
+        kind = ast.unparse(annotation) if annotation else ""
+        if not ARRAYS.search(kind) or "Callable" in kind:
+            continue
+        text = text or parts[PLAIN]
+        if not SHAPE.search(text):
+            yield f"{function.name}: the shape of {name}"
+        if NUMBERS.search(kind) and not UNIT.search(text):
+            yield f"{function.name}: the unit of {name}"
+
+
+def test_arrays_have_shapes_and_units() -> None:
+    package = Path(inspect.getfile(sonar_tracking)).parent
+    unsaid = [
+        f"{path.relative_to(package)}: {what}"
+        for path in sorted(package.rglob("*.py"))
+        for function in public_functions(ast.parse(path.read_text()))
+        for what in missing(function)
+    ]
+    assert not unsaid, "\n".join(unsaid)
+
+
+SECTIONS = """Return x.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        m.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Of each.
+    """
+
+
+@pytest.mark.parametrize(
+    ("docstring", "expected"),
+    [
+        ("Return x.", ["shape of x", "unit of x", "shape of its", "unit of its"]),
+        ("Return x, shape (n,), rad.", []),
+        (SECTIONS, ["unit of its"]),
+    ],
+)
+def test_what_is_not_said_is_found(docstring: str, expected: list[str]) -> None:
+    source = f'def f(x: FloatArray) -> FloatArray:\n    """{docstring}"""\n'
+    (function,) = public_functions(ast.parse(source))
+    found = [what.split("the ")[1] for what in missing(function)]
+    assert [what.removesuffix(" result") for what in found] == expected
