@@ -8,12 +8,14 @@ set -euo pipefail
 project="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)"
 source "$project/scripts/set_up.sh"
 
+kind=test
 selection=()
 if [[ "${1:-}" == "--quick" ]]; then
     shift
+    kind=quick
     selection=(-m "not graph and not system and not slow and not data")
 fi
-set_up test
+set_up "$kind"
 cd "$project"
 failed=()
 check() { # NAME COMMAND...: run one check; the others run even if it fails
