@@ -98,6 +98,7 @@ setup(
         (f"share/{PACKAGE}", ["package.xml"]),
         *files_below("config"),
         *files_below("launch"),
+        *files_below("msg_defs/msg"),
     ],
     zip_safe=False,
     entry_points={

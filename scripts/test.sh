@@ -2,7 +2,7 @@
 # Checks everything: lint, format, types, all tests, on all processors.
 #
 #   ./scripts/test.sh                        everything
-#   ./scripts/test.sh --quick                in a minute: no ROS graph, no Monte Carlo runs
+#   ./scripts/test.sh --quick                in a minute: no ROS, so no compiler; no Monte Carlo runs
 #   ./scripts/test.sh tests/passive -k past  arguments go to pytest; -n 0 keeps to one process
 set -euo pipefail
 project="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)"

@@ -12,6 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from tests.without_ros import (  # noqa: F401  (hooks)
+    pytest_make_collect_report,
+    pytest_runtest_makereport,
+)
+
 if TYPE_CHECKING:
     from xdist.scheduler import LoadScopeScheduling
 

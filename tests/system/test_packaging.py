@@ -138,7 +138,7 @@ def test_colcon_leaves_dependencies_to_rosdep(
 
 def test_wheel_works_outside_of_the_tree(tmp_path: Path) -> None:
     """A copy, since setuptools leaves its files in the tree, and takes old ones from there."""
-    for folder in ("src", "config", "launch", "resource", "requirements"):
+    for folder in ("src", "config", "launch", "msg_defs", "resource", "requirements"):
         no_rests = shutil.ignore_patterns("*.egg-info", "__pycache__")
         shutil.copytree(PROJECT / folder, tmp_path / "tree" / folder, ignore=no_rests)
     for file in ("setup.py", "setup.cfg", "pyproject.toml", "package.xml", "LICENSE"):
@@ -157,7 +157,7 @@ def test_wheel_works_outside_of_the_tree(tmp_path: Path) -> None:
     find = (
         "import sonar_tracking; from sonar_tracking.resources import find_resource;"
         "print(sonar_tracking.__version__, find_resource('config/scenarios/tma.yaml'),"
-        " find_resource('launch/pipeline.launch.py'))"
+        " find_resource('launch/pipeline.launch.py'), find_resource('msg_defs/msg/Tracks.msg'))"
     )
     share = tmp_path / "prefix" / "share" / "sonar_tracking"
     found = run_python("-c", find, PYTHONPATH=str(packages)).stdout.split()
@@ -165,6 +165,7 @@ def test_wheel_works_outside_of_the_tree(tmp_path: Path) -> None:
         sonar_tracking.__version__,
         str(share / "config" / "scenarios" / "tma.yaml"),
         str(share / "launch" / "pipeline.launch.py"),
+        str(share / "msg_defs" / "msg" / "Tracks.msg"),
     ]
 
 

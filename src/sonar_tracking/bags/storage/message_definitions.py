@@ -2,7 +2,8 @@
 
 Bags carry the definition of every type they hold, so that any tool can decode them. The texts and
 type hashes are those of the interface packages that are installed (``share/<package>/msg``); no
-ROS library is needed to read them.
+ROS library is needed to read them. Where ROS is not installed, our own definitions are those this
+package brings, and the standard ones those that rosbags knows (without comments).
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.resources import find_resource
 
 if TYPE_CHECKING:
     from rosbags.interfaces.typing import FieldDesc, Typesdict
@@ -130,7 +132,7 @@ def _texts_with_dependencies(type_name: str) -> dict[str, str]:
         name = waiting.pop()
         if name in texts:
             continue
-        texts[name] = _message_file(name).read_text(encoding="utf-8")
+        texts[name] = _message_text(name)
         fields = _parsed(texts[name], name)[name][1]
         waiting.extend(reversed([used for _, kind in fields for used in _used_types(kind)]))
     return texts
@@ -151,7 +153,7 @@ def _parsed(text: str, type_name: str) -> Typesdict:
     return get_types_from_msg(text, type_name)
 
 
-def _message_file(type_name: str) -> Path:
+def _message_text(type_name: str) -> str:
     parts = type_name.split("/")
     if len(parts) != 3 or parts[1] != "msg":
         raise ConfigurationError(
@@ -162,8 +164,26 @@ def _message_file(type_name: str) -> Path:
     for prefix in [*prefixes, sys.prefix]:
         path = Path(prefix) / "share" / package / "msg" / f"{short}.msg"
         if path.is_file():
-            return path
-    raise ConfigurationError(
-        f"The message type {type_name} is not installed; install the package {package} "
-        "(or source its setup file) and try again."
-    )
+            return path.read_text(encoding="utf-8")
+    text = _known_text(package, short)
+    if text is None:
+        raise ConfigurationError(
+            f"The message type {type_name} is not installed; install the package {package} "
+            "(or source its setup file) and try again."
+        )
+    return text
+
+
+def _known_text(package: str, short: str) -> str | None:
+    """Return the definition of a message that is ours or of ROS 2 Jazzy, or nothing."""
+    from rosbags.typesys import Stores, get_typestore
+
+    if package == "sonar_tracking_msgs":
+        definitions = find_resource("msg_defs/msg")
+        ours = definitions / f"{short}.msg"
+        return ours.read_text(encoding="utf-8") if ours.is_file() else None
+    standard = get_typestore(Stores.ROS2_JAZZY)
+    name = f"{package}/msg/{short}"
+    if name not in standard.types:
+        return None
+    return standard.generate_msgdef(name, ros_version=2)[0].partition(SEPARATOR)[0]
