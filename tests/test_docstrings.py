@@ -1,7 +1,8 @@
-"""Protects: every public function that takes or returns arrays states their shapes and units.
+"""Protects: whatever takes, returns or holds arrays in public states their shapes and units.
 
-A parameter is looked up by its name under Parameters, a result under Returns or Yields; what has
-no entry of its own must be found in the summary. Yes-or-no and index arrays need no unit.
+A parameter is looked up by its name under Parameters, a field of a class under Attributes, a result
+under Returns or Yields; a parameter or result without an entry must be described in the summary.
+Yes-or-no and index arrays need no unit.
 """
 
 from __future__ import annotations
@@ -27,15 +28,15 @@ UNIT = re.compile(
 PLAIN = "summary"
 
 
-def public_functions(node: ast.AST) -> Iterator[ast.FunctionDef]:
-    """Yield the public functions of a module and the public methods of its public classes."""
+def public_definitions(node: ast.AST) -> Iterator[ast.FunctionDef | ast.ClassDef]:
+    """Yield the public functions and classes of a module, and the public methods of these."""
     for child in ast.iter_child_nodes(node):
         if not isinstance(child, ast.FunctionDef | ast.ClassDef) or child.name.startswith("_"):
             continue
-        if isinstance(child, ast.ClassDef):
-            yield from public_functions(child)
-        elif not any(ast.unparse(each).endswith("overload") for each in child.decorator_list):
+        if not any(ast.unparse(each).endswith("overload") for each in child.decorator_list):
             yield child
+        if isinstance(child, ast.ClassDef):
+            yield from public_definitions(child)
 
 
 def sections(docstring: str) -> dict[str, str]:
@@ -53,24 +54,36 @@ def entry(section: str, name: str) -> str:
     return ""
 
 
-def missing(function: ast.FunctionDef) -> Iterator[str]:
-    """Yield what the docstring of a function does not say of its arrays."""
+def said_of_function(function: ast.FunctionDef) -> Iterator[tuple[str, ast.expr | None, str]]:
+    """Yield name, annotation and description of each parameter and of the result."""
     parts = sections(ast.get_docstring(function) or "")
     arguments = [*function.args.posonlyargs, *function.args.args, *function.args.kwonlyargs]
-    said = {
-        each.arg: (each.annotation, entry(parts.get("Parameters", ""), each.arg))
-        for each in arguments
-    }
-    said["its result"] = function.returns, parts.get("Returns", parts.get("Yields", ""))
-    for name, (annotation, text) in said.items():
+    for each in arguments:
+        text = entry(parts.get("Parameters", ""), each.arg)
+        yield each.arg, each.annotation, text or parts[PLAIN]
+    result = parts.get("Returns", parts.get("Yields", parts[PLAIN]))
+    yield "its result", function.returns, result
+
+
+def said_of_class(node: ast.ClassDef) -> Iterator[tuple[str, ast.expr | None, str]]:
+    """Yield name, annotation and description of each field."""
+    attributes = sections(ast.get_docstring(node) or "").get("Attributes", "")
+    for each in node.body:
+        if isinstance(each, ast.AnnAssign) and isinstance(each.target, ast.Name):
+            yield each.target.id, each.annotation, entry(attributes, each.target.id)
+
+
+def missing(node: ast.FunctionDef | ast.ClassDef) -> Iterator[str]:
+    """Yield what a docstring does not say of arrays."""
+    said = said_of_class(node) if isinstance(node, ast.ClassDef) else said_of_function(node)
+    for name, annotation, text in said:
         kind = ast.unparse(annotation) if annotation else ""
         if not ARRAYS.search(kind) or "Callable" in kind:
             continue
-        text = text or parts[PLAIN]
         if not SHAPE.search(text):
-            yield f"{function.name}: the shape of {name}"
+            yield f"{node.name}: the shape of {name}"
         if NUMBERS.search(kind) and not UNIT.search(text):
-            yield f"{function.name}: the unit of {name}"
+            yield f"{node.name}: the unit of {name}"
 
 
 def test_arrays_have_shapes_and_units() -> None:
@@ -78,8 +91,8 @@ def test_arrays_have_shapes_and_units() -> None:
     unsaid = [
         f"{path.relative_to(package)}: {what}"
         for path in sorted(package.rglob("*.py"))
-        for function in public_functions(ast.parse(path.read_text()))
-        for what in missing(function)
+        for node in public_definitions(ast.parse(path.read_text()))
+        for what in missing(node)
     ]
     assert not unsaid, "\n".join(unsaid)
 
@@ -108,6 +121,6 @@ SECTIONS = """Return x.
 )
 def test_what_is_not_said_is_found(docstring: str, expected: list[str]) -> None:
     source = f'def f(x: FloatArray) -> FloatArray:\n    """{docstring}"""\n'
-    (function,) = public_functions(ast.parse(source))
+    (function,) = public_definitions(ast.parse(source))
     found = [what.split("the ")[1] for what in missing(function)]
     assert [what.removesuffix(" result") for what in found] == expected

@@ -50,7 +50,7 @@ class BeamPicture:
     angles : ndarray, shape (N_BEAMS,)
         rad.
     levels_db : ndarray, shape (n_lines, N_BEAMS)
-        Relative to the strongest beam of the line.
+        dB, relative to the strongest beam of the line.
     """
 
     stamps: IntArray

@@ -46,7 +46,7 @@ class BeamGram:
     frequencies : ndarray, shape (n_bins,)
         Hz.
     levels_db : ndarray, shape (n_rows, n_bins)
-        Over the background.
+        dB over the background.
     """
 
     track_id: int

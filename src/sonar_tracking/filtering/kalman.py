@@ -21,9 +21,9 @@ class KalmanState:
     Attributes
     ----------
     mean : ndarray, shape (..., n)
-        State mean.
+        State mean, in any units.
     covariance : ndarray, shape (..., n, n)
-        State covariance.
+        State covariance, in the same units squared.
     """
 
     mean: FloatArray
@@ -39,9 +39,9 @@ class KalmanUpdate:
     state : KalmanState
         Updated state.
     innovation : ndarray, shape (..., m)
-        Measurement minus its prediction.
+        Measurement minus its prediction, in units of the measurement.
     innovation_covariance : ndarray, shape (..., m, m)
-        What the filter claims the innovation's covariance to be.
+        What the filter claims the innovation's covariance to be, in the same units squared.
     """
 
     state: KalmanState

@@ -15,7 +15,7 @@ BoolArray = NDArray[np.bool_]
 """Yes or no an entry."""
 
 IntArray = NDArray[np.int64]
-"""Whole numbers: counts and stamps."""
+"""Whole numbers: counts, stamps, identifiers of tracks in memory."""
 
 IndexArray = NDArray[np.intp]
 """Positions in another array."""

@@ -68,7 +68,7 @@ class ArraySnapshots:
     stamp : int
         Instant of the first snapshot, ns.
     data : ndarray, shape (..., n_snapshots, n_elements), complex
-        Complex baseband samples.
+        Complex baseband samples, linear amplitude.
     element_positions : ndarray, shape (n_elements, 3)
         In the sensor frame, m; order = data columns.
     sample_period : float
@@ -78,7 +78,7 @@ class ArraySnapshots:
     sound_speed : float
         m/s.
     noise_covariance : ndarray, shape (n_elements, n_elements), complex, or None
-        Spatial noise covariance with trace n_elements; None = white.
+        Spatial noise covariance with trace n_elements, pure numbers; None = white.
     next_stamp : int
         Watermark, ns.
     sensor : Sensor
@@ -108,26 +108,32 @@ class SubspaceEstimates:
     method : str
         How they were followed, a name of ``SUBSPACE_METHODS``.
     basis : ndarray, shape (..., n_subspaces, n_elements, n_columns), complex
-        One basis a subspace; columns need not be orthonormal. n_subspaces 0 = none available.
+        One basis a subspace, pure numbers; columns need not be orthonormal. n_subspaces 0 =
+        none available.
     time_offsets : ndarray, shape (n_subspaces,)
         Time of each subspace relative to the stamp, s, ascending.
-    element_positions, sample_period, center_frequency, bandwidth, sound_speed
+    element_positions : ndarray, shape (n_elements, 3)
+        In the sensor frame, m; order = rows of the bases.
+    sample_period, center_frequency, bandwidth, sound_speed
         As in :class:`ArraySnapshots`.
     effective_snapshots : float
         Independent snapshots one subspace stands for, (1 + beta) / (1 - beta).
     rank, source_count : int
         MDL on the raw and on the smoothed covariance; -1 = not estimated.
     covariance : ndarray, shape (..., n_elements, n_elements), complex, or None
-        Sample covariance of ``covariance_snapshots`` snapshots, with the floor of steering errors.
+        Sample covariance of ``covariance_snapshots`` snapshots, with the floor of steering
+        errors, linear power.
     covariance_snapshots : int
         Snapshots in it; 0 = none.
     covariance_time_offset : float
         Middle of those snapshots relative to the stamp, s; NaN = none.
     eigenvalues : ndarray, shape (..., n_elements), or empty
-        Of ``covariance``, descending.
+        Of ``covariance``, linear power, descending.
     noise_power : ndarray, shape (...)
         Linear power per element; NaN = not estimated.
-    noise_covariance, next_stamp, sensor
+    noise_covariance : ndarray, shape (n_elements, n_elements), complex, or None
+        Spatial noise covariance with trace n_elements, pure numbers; None = white.
+    next_stamp, sensor
         As in :class:`ArraySnapshots`.
     """
 
@@ -181,7 +187,7 @@ class BearingTracks:
     signal_to_noise_ratio : ndarray, shape (..., n_tracks)
         Linear, per element; NaN = not estimated.
     existence_probability : ndarray, shape (..., n_tracks)
-        NaN = not estimated.
+        Probabilities; NaN = not estimated.
     ambiguous : ndarray of bool, shape (n_tracks,)
         True where the sides of a line array cannot be told apart.
     next_stamp, sensor

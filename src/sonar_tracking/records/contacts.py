@@ -113,7 +113,7 @@ class GateThresholds:
     search_false_alarm_probability, search_threshold : float
         Outside the gates; NaN = unknown.
     signal_to_noise_ratio_linear : ndarray, shape (n,)
-        Power ratio the thresholds were computed for.
+        Linear power ratio the thresholds were computed for.
     method : str
         How they were computed: a value of the parameter ``gate_threshold``.
     next_stamp : int

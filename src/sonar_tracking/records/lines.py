@@ -92,7 +92,7 @@ class LofarRows:
     first_frequency, bin_width : float
         Of the columns, Hz.
     level_db : ndarray of float32, shape (n_beams, n_bins)
-        Power over background.
+        Power over background, dB.
     frame_id : str
         Frame of the array.
     """

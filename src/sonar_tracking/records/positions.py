@@ -120,15 +120,15 @@ class PositionTracks:
     covariance : ndarray, shape (n, 4, 4)
         Of the state, m^2, m^2/s and m^2/s^2; NaN = unknown.
     existence_probability : ndarray, shape (n,)
-        0 to 1; NaN = not estimated.
+        A probability; NaN = not estimated.
     initiated, updated : ndarray, shape (n,)
         Stamp time the track was started, and of its last measurement, s; NaN = unknown.
     observability : ndarray, shape (n,)
-        0 to 1; NaN = not applicable.
+        A pure number from 0 to 1; NaN = not applicable.
     hypothesis : ndarray of uint8, shape (n,)
         Values of :class:`TrackHypothesis`.
     hypothesis_probability : ndarray, shape (n,)
-        0 to 1; NaN = not estimated.
+        A probability; NaN = not estimated.
     bearing_track_id : ndarray of uint64, shape (n,)
         Bearing track the row was made from; 0 = none.
     line_track : ndarray of uint32, shape (n_lines,)

@@ -21,7 +21,7 @@ class ArraySamples:
     stamp : int
         Instant of the first sample, ns.
     data : ndarray, shape (n_samples, n_elements)
-        Values as single precision carries them.
+        Linear amplitude, values as single precision carries them.
     element_positions : ndarray, shape (n_elements, 3)
         In the sensor frame, m; order = data columns.
     sample_rate : float

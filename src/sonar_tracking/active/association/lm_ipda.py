@@ -67,7 +67,7 @@ class PairEvidence:
     density : ndarray, shape (n_pairs, n_modes)
         N(nu; 0, S), 1/m^2.
     amplitude_ratio : ndarray, shape (n_pairs,)
-        Of target to noise; 1 where not measured.
+        Of target to noise, pure numbers; 1 where not measured.
     clutter_density : ndarray, shape (n_pairs,)
         1/m^2.
     """

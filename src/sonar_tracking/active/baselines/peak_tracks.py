@@ -38,9 +38,9 @@ class PeakTracks:
     id : ndarray of int, shape (n,)
         Ascending.
     state, covariance : ndarray, shape (n, 4) and (n, 4, 4)
-        x, y, vx, vy in ``map``.
+        x, y, vx, vy in ``map``, m and m/s; m^2, m^2/s, m^2/s^2.
     existence : ndarray, shape (n,)
-        Weight of the peak, at most 1.
+        Weight of the peak, a probability, at most 1.
     absent : ndarray of int, shape (n,)
         Pings since the peak was found last.
     initiated, updated : ndarray of int, shape (n,)

@@ -24,11 +24,11 @@ class Peaks:
     Attributes
     ----------
     state : ndarray, shape (n, 4)
-        Their weighted medians.
+        x, y, vx, vy, their weighted medians, m and m/s.
     covariance : ndarray, shape (n, 4, 4)
-        Of their particles.
+        Of their particles, m^2, m^2/s, m^2/s^2.
     mass : ndarray, shape (n,)
-        Sum of their weights: the number of targets there.
+        Sum of their weights: the count of targets there.
     """
 
     state: FloatArray

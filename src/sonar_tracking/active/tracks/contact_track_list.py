@@ -27,7 +27,7 @@ class TrackRows:
     existence : ndarray, shape (n,)
         Probabilities; NaN = not estimated.
     state, covariance : ndarray, shape (n, 4) and (n, 4, 4)
-        x, y, vx, vy in ``map``.
+        x, y, vx, vy in ``map``, m and m/s; m^2, m^2/s, m^2/s^2.
     initiated, updated : ndarray of int, shape (n,)
         Stamps of the first and the last contact, ns.
     """

@@ -48,7 +48,7 @@ class AppliedThresholds:
     threshold, detection_probability : ndarray, shape (n,)
         tau (linear; NaN = unknown) and P_D of each track.
     clutter_share : ndarray, shape (n,)
-        False contacts above the threshold relative to those of the detector.
+        False contacts above the threshold relative to those of the detector, pure numbers.
     search_threshold, search_share : float
         The same for contacts outside the gates.
     published : GateThresholds

@@ -31,9 +31,9 @@ class PairUpdates:
     density : ndarray, shape (n_pairs, n_modes)
         N(nu; 0, S), 1/m^2.
     correction : ndarray, shape (n_pairs, n_modes, 4)
-        K nu.
+        K nu, m and m/s.
     reduction : ndarray, shape (n_pairs, n_modes, 4, 4)
-        K S K^T.
+        K S K^T, m^2, m^2/s, m^2/s^2.
     """
 
     density: FloatArray

@@ -67,11 +67,11 @@ class ParticleCloud:
     Attributes
     ----------
     state : ndarray, shape (n, 4)
-        x, y, vx, vy.
+        x, y, vx, vy, m and m/s.
     mode : ndarray of int, shape (n,)
         0 straight, 1 left, 2 right.
     weight : ndarray, shape (n,)
-        Not negative.
+        Pure numbers, not negative.
     """
 
     state: FloatArray

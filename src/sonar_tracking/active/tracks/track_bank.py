@@ -44,7 +44,7 @@ class TrackBank:
     covariance : ndarray, shape (n, n_modes, 4, 4)
         In each mode, m^2, m^2/s, m^2/s^2.
     mode_probability : ndarray, shape (n, n_modes)
-        Sum 1.
+        Probabilities, sum 1.
     """
 
     id: IntArray

@@ -27,7 +27,7 @@ class NumberTable:
     path : Path
         Where they come from.
     numbers : mapping of str to ndarray, shape (n_rows,)
-        Columns by name; an empty cell, or an infinite one, is NaN.
+        Columns by name, in units of the file; an empty cell, or an infinite one, is NaN.
     names : mapping of str to tuple of str
         Columns of names instead of numbers.
     rows : ndarray of int, shape (n_rows,)

@@ -36,7 +36,7 @@ class WavFile:
         Floating-point samples, which may be NaN.
     sample_bits : int
         Bits per sample.
-    data : ndarray of uint8
+    data : ndarray of uint8, shape (n_bytes,)
         The sample bytes, mapped.
     missing_samples : int
         Samples per channel that the file announces and does not hold.

@@ -32,9 +32,10 @@ class BearingHistories:
     angle : ndarray, shape (..., n_runs, n_steps, n_targets)
         Filtered bearings, rad; NaN where there was no track.
     nis, nees : ndarray, shape (..., n_runs, n_steps, n_targets)
-        Normalised innovation and error squared per dimension; NaN where undefined.
+        Normalised innovation and error squared per dimension, pure numbers; NaN where
+        undefined.
     swaps : ndarray, shape (..., n_runs)
-        Lasting identity swaps.
+        Count of lasting identity swaps.
     """
 
     angle: FloatArray

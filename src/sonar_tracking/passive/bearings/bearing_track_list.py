@@ -33,7 +33,7 @@ class TrackRows:
     signal_to_noise_ratio : ndarray, shape (..., n_rows)
         Linear; NaN = not known.
     existence_probability : ndarray, shape (..., n_rows)
-        NaN = not known.
+        Probabilities; NaN = not known.
     """
 
     ids: tuple[int, ...]

@@ -41,7 +41,7 @@ class ProjectionProblem:
     Attributes
     ----------
     combinations : ndarray, shape (..., n_elements, rank), complex
-        b_m = C_v e_m with e_m^H C_v e_m = 1.
+        b_m = C_v e_m with e_m^H C_v e_m = 1, pure numbers.
     positions : ndarray, shape (n_elements, 3)
         Element positions, m.
     wavenumber : float

@@ -33,13 +33,14 @@ class SignalSubspace:
     Attributes
     ----------
     vectors : ndarray, shape (..., n_elements, rank), complex
-        Orthonormal eigenvectors v of the whitened covariance, largest eigenvalue first.
+        Orthonormal eigenvectors v of the whitened covariance, largest eigenvalue first;
+        pure numbers.
     eigenvalues : ndarray, shape (..., rank)
-        lambda, descending.
+        lambda, linear power, descending.
     noise_power : ndarray, shape (...)
-        sigma^2, mean of the other eigenvalues.
+        sigma^2, linear power, mean of the other eigenvalues.
     factor : ndarray, shape (n_elements, n_elements), complex, or None
-        Cholesky factor L of the noise covariance; None = white.
+        Cholesky factor L of the noise covariance, pure numbers; None = white.
     """
 
     vectors: ComplexArray

@@ -23,9 +23,10 @@ class SteeringSpan:
     Attributes
     ----------
     orthonormal : ndarray, shape (..., n_elements, n_targets), complex
-        Orthonormal columns that span it; zero columns where S has a lower rank.
+        Orthonormal columns that span it, pure numbers; zero columns where S has a lower
+        rank.
     inverse : ndarray, shape (..., n_targets, n_elements), complex
-        S^+.
+        S^+, pure numbers.
     """
 
     orthonormal: ComplexArray

@@ -36,7 +36,7 @@ class Band:
         Samples per snapshot; the snapshot rate is about the bandwidth, so that snapshots of noise
         are almost independent.
     taps : ndarray, shape (n_taps,)
-        Symmetric low-pass filter of gain 1, n_taps odd.
+        Symmetric low-pass filter of gain 1, n_taps odd; pure numbers.
     """
 
     frequency: float

@@ -57,7 +57,7 @@ class LineTrack:
     state : ndarray, shape (2,)
         Frequency, Hz, and drift, Hz/s.
     covariance : ndarray, shape (2, 2)
-        Of the state.
+        Of the state, Hz^2, Hz^2/s, Hz^2/s^2.
     detections : tuple of bool
         Whether it was heard, in the latest frames.
     confirmed : bool

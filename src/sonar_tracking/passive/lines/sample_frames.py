@@ -34,7 +34,7 @@ class SampleFrame:
     next_stamp : int
         Middle of the next frame, or the end of the data, ns.
     samples : ndarray, shape (n_samples, n_elements), or None
-        None if samples are missing.
+        Linear amplitude; None if samples are missing.
     sensor : Sensor
         The sensor at the stamp.
     """

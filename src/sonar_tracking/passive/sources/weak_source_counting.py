@@ -53,7 +53,7 @@ class WeakSourceCounter:
     middles : tuple of int
         Middle of the snapshots of each, ns.
     covariances : tuple of ndarray, shape (n_elements, n_elements), complex
-        All of as many snapshots.
+        Linear power, all of as many snapshots.
     counted_together : int
         Most of them whose mean is counted on; so are the means of the last 1, 2, 4 and so on below.
     """

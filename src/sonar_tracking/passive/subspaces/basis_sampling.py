@@ -29,7 +29,7 @@ class CapturedSubspace:
     timing : BlockTiming
         Timing of the block the snapshot came in.
     basis : ndarray, shape (..., n_elements, n_columns), complex
-        Basis of the signal subspace.
+        Basis of the signal subspace, pure numbers.
     """
 
     index: int
@@ -48,9 +48,10 @@ class BasisSampler:
     state : object
         Its state.
     pending : ndarray, shape (..., n_pending, n_elements), complex
-        Snapshots that wait for a block step to be complete.
+        Snapshots that wait for a block step to be complete, linear amplitude.
     colouring, whitening : ndarray, shape (n_elements, n_elements), or None
-        Cholesky factor of the noise covariance and its inverse; None = white noise.
+        Cholesky factor of the noise covariance and its inverse, pure numbers; None = white
+        noise.
     """
 
     method: SubspaceMethod[Any]

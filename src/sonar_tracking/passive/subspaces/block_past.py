@@ -30,9 +30,9 @@ class BlockPastState:
     Attributes
     ----------
     basis : ndarray, shape (..., n_elements, n_columns), complex
-        W.
+        W, pure numbers.
     correlation : ndarray, shape (..., n_columns, n_columns), complex
-        R, the weighted correlation of the projected snapshots, Hermitian.
+        R, the weighted correlation of the projected snapshots, Hermitian, linear power.
     """
 
     basis: ComplexArray

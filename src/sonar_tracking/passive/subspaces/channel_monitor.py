@@ -43,9 +43,9 @@ class ChannelMonitor:
     Attributes
     ----------
     power : ndarray, shape (n_elements,)
-        Mean |x|^2 of some fifty snapshots.
+        Mean |x|^2 of some fifty snapshots, linear power.
     amplitudes : ndarray, shape (2, n_elements)
-        Mean |x|^2 and |x|^4 of some two hundred snapshots.
+        Mean |x|^2 and |x|^4 of some two hundred snapshots, linear power and its square.
     good_for : ndarray of int, shape (n_elements,)
         Snapshots since the element was last found bad.
     n_snapshots : int

@@ -26,13 +26,15 @@ class CovarianceSummary:
     Attributes
     ----------
     covariance : ndarray, shape (..., n_elements, n_elements), complex, or None
-        X X^H / n_snapshots and the floor of the steering errors; None = no snapshots.
+        X X^H / n_snapshots and the floor of the steering errors, linear power; None = no
+        snapshots.
     n_snapshots : int
         Snapshots in it.
     eigenvalues : ndarray, shape (..., n_elements), or empty
-        Descending.
+        Linear power, descending.
     noise_power : ndarray, shape (...)
-        Mean of the smallest eigenvalues (of the whitened covariance in coloured noise).
+        Linear, mean of the smallest eigenvalues (of the whitened covariance in coloured
+        noise).
     rank, source_count : int
         MDL on the raw (whitened) and on the smoothed covariance; -1 = not estimated.
     """

@@ -42,11 +42,12 @@ class EstimationMemory:
     next_sample : int
         Number of the first sample time whose window is not open yet.
     history : ndarray, shape (..., n_kept, n_elements), complex
-        Newest contiguous snapshots of all elements, for the sample covariance.
+        Newest contiguous snapshots of all elements, linear amplitude, for the sample
+        covariance.
     used : ndarray of bool, shape (n_elements,)
         Elements that are not left out.
     whitening : ndarray, shape (n_used, n_used), complex, or None
-        Inverse Cholesky factor of their noise covariance; None = white noise.
+        Inverse Cholesky factor of their noise covariance, pure numbers; None = white noise.
     sampler : BasisSampler or None
         Follows the subspace; None before it starts.
     next_count : int

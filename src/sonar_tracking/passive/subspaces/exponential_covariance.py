@@ -23,7 +23,7 @@ class CovarianceState:
     Attributes
     ----------
     covariance : ndarray, shape (..., n_elements, n_elements), complex
-        C; it reaches the level of the data after 1 / (1 - beta) snapshots.
+        C, linear power; it reaches the level of the data after 1 / (1 - beta) snapshots.
     n_columns : int
         Eigenvectors that make the basis.
     """

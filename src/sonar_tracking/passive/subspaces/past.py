@@ -31,9 +31,9 @@ class PastState:
     Attributes
     ----------
     basis : ndarray, shape (..., n_elements, n_columns), complex
-        W; its columns become nearly orthonormal but are not made so.
+        W, pure numbers; its columns become nearly orthonormal but are not made so.
     inverse_correlation : ndarray, shape (..., n_columns, n_columns), complex
-        P, Hermitian.
+        P, Hermitian, 1 over linear power.
     """
 
     basis: ComplexArray

@@ -64,7 +64,7 @@ class SimulatedPing:
     target_id : ndarray of int, shape (n,)
         Who is there.
     state : ndarray, shape (n, 4)
-        x, y, vx, vy at the transmit time.
+        x, y, vx, vy at the transmit time, m and m/s.
     """
 
     contacts: Contacts

@@ -30,7 +30,7 @@ class TmaScene:
     sensor_position, sensor_velocity : ndarray, shape (n_frames, 2)
         m and m/s.
     target : ndarray, shape (4,)
-        x, y, vx, vy in the first frame.
+        x, y, vx, vy in the first frame, m and m/s.
     line_frequency : ndarray, shape (n_lines,)
         At the source, Hz.
     heard : ndarray of bool, shape (n_frames, n_lines)

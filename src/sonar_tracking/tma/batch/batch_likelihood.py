@@ -45,11 +45,11 @@ class BatchEstimate:
     mean : ndarray, shape (n_runs, 4)
         x, y, vx, vy, m and m/s.
     covariance : ndarray, shape (n_runs, 4, 4)
-        Of the mean; of a constant-velocity target.
+        Of the mean, m^2, m^2/s, m^2/s^2; of a constant-velocity target.
     source_frequency : ndarray, shape (n_runs, n_lines)
         Hz; NaN = never heard.
     cost : ndarray, shape (n_runs,)
-        Half the sum of the (robust) normalised squared residuals.
+        Half the sum of the (robust) normalised squared residuals, pure numbers.
     """
 
     mean: FloatArray

@@ -43,7 +43,7 @@ class SmoothedPath:
     mean : ndarray, shape (n_runs, n_frames, 4)
         x, y, vx, vy, m and m/s.
     covariance : ndarray, shape (n_runs, n_frames, 4, 4)
-        Of each.
+        Of each, m^2, m^2/s, m^2/s^2.
     source_frequency : ndarray, shape (n_runs, n_lines)
         Hz; NaN = never heard.
     """

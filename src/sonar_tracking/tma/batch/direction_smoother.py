@@ -89,7 +89,7 @@ class SmoothedTrack:
     mean : ndarray, shape (n, 4)
         x, y, vx, vy, m and m/s.
     covariance : ndarray, shape (n, 4, 4)
-        Of each, systematic errors included.
+        Of each, systematic errors included, m^2, m^2/s, m^2/s^2.
     """
 
     mean: FloatArray

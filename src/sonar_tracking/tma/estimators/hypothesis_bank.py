@@ -36,7 +36,7 @@ class HypothesisBank:
     covariance : ndarray, shape (..., n_components, 4 + n_lines, 4 + n_lines)
         Component covariances, in the same units squared.
     log_weight : ndarray, shape (..., n_components)
-        Normalised.
+        Logs of probabilities, normalised.
     known : ndarray of bool, shape (..., n_lines)
         Lines that have been heard.
     """

@@ -42,9 +42,9 @@ class InnovationWindows:
     Attributes
     ----------
     lines : ndarray, shape (..., n_lines, WINDOW)
-        Of each line, of frames in which it was present.
+        Pure numbers, of each line, of frames in which it was present.
     azimuth : ndarray, shape (..., WINDOW)
-        Of the azimuth.
+        Pure numbers, of the azimuth.
     """
 
     lines: FloatArray

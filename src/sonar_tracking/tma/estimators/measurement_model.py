@@ -42,7 +42,7 @@ class LinearisedRows:
     innovation : ndarray, shape (..., n_rows)
         Measured minus predicted, rad (wrapped) and Hz.
     derivative : ndarray, shape (..., n_rows, 4 + n_lines)
-        Of the prediction, by the state.
+        Of the prediction, by the state: rad and Hz over units of the state.
     variance : ndarray, shape (..., n_rows)
         Of the measurement, rad^2 and Hz^2.
     present : ndarray of bool, shape (..., n_rows)

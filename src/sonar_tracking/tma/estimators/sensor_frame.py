@@ -83,7 +83,7 @@ class TmaEstimate:
     mean : ndarray, shape (..., 4)
         x, y, vx, vy in ``map``, m and m/s.
     covariance : ndarray, shape (..., 4, 4)
-        Of the mean.
+        Of the mean, m^2, m^2/s, m^2/s^2.
     source_frequency, source_frequency_deviation : ndarray, shape (..., n_lines)
         Hz; NaN = line never heard.
     reborn : ndarray of bool, shape (..., n_lines)

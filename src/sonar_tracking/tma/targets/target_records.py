@@ -70,7 +70,7 @@ class TargetSolution:
     mean : ndarray, shape (4,)
         x, y, vx, vy, m and m/s.
     covariance : ndarray, shape (4, 4)
-        Of the mean.
+        Of the mean, m^2, m^2/s, m^2/s^2.
     observability : float
         0 to 1.
     observable : bool

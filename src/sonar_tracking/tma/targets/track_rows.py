@@ -35,7 +35,7 @@ class TrackRow:
     status : TrackStatus
         Its status.
     state, covariance : ndarray, shapes (4,) and (4, 4)
-        At the stamp of the list.
+        At the stamp of the list, m and m/s; m^2, m^2/s, m^2/s^2.
     solution : TargetSolution
         What it shows.
     target : FollowedTarget

@@ -118,7 +118,7 @@ class ThresholdRuns:
     error : ndarray, shape (n_runs, n_scans)
         Distance of estimate and target, m.
     information_reduction : ndarray, shape (n_runs, n_scans)
-        Exact q2 at the thresholds used.
+        Exact q2 at the thresholds used, pure numbers.
     """
 
     error: FloatArray

@@ -153,7 +153,7 @@ class Sources:
     generators : tuple of numpy.random.Generator
         One a run.
     weights : ndarray, shape (n_runs, n_waveforms, n_targets), complex
-        Of each waveform in the signal of each target.
+        Of each waveform in the signal of each target, linear amplitude.
     """
 
     condition: Condition

@@ -70,9 +70,9 @@ class SystemRun:
     Attributes
     ----------
     count : ndarray, shape (n_pings,)
-        Number of targets it believes in; the mass of a density.
+        Count of targets it believes in; the mass of a density.
     n_estimates : ndarray, shape (n_pings,)
-        Confirmed tracks.
+        Count of confirmed tracks.
     ospa, gospa : ndarray, shape (n_pings,)
         m, cut-off 200 m, order 2.
     square_error : ndarray, shape (n_held,)
@@ -84,7 +84,7 @@ class SystemRun:
     seconds : float
         Processor time a ping, s.
     estimates : tuple of ndarray, shape (n_estimates, 3)
-        Identity, x and y at each ping.
+        Identity, x and y at each ping, m.
     """
 
     count: FloatArray
@@ -107,9 +107,9 @@ class ClutterRun:
     condition : str
         Name of the environment.
     true_count : ndarray, shape (n_pings,)
-        Targets present.
+        Count of targets present.
     truth : tuple of ndarray, shape (n_targets, 3)
-        Identity, x and y at each ping.
+        Identity, x and y at each ping, m.
     systems : mapping of str to SystemRun
         By name.
     bound_square_error : ndarray, shape (n_settled,)

@@ -46,7 +46,7 @@ class RoomResponses:
     Attributes
     ----------
     responses : ndarray, shape (n_sources, n_elements, n_samples)
-        Impulse responses.
+        Impulse responses, linear amplitude.
     sample_rate : int
         Hz.
     source_ids : tuple of int

@@ -60,7 +60,7 @@ class ShipTrack:
     position, ship : ndarray, shape (n, 2)
         Located and true, m.
     nees : ndarray, shape (n,)
-        Of the position, per dimension; NaN = no covariance.
+        Of the position, per dimension, pure numbers; NaN = no covariance.
     antenna : float
         How far the antenna is ahead of the noise, fitted to the GPS, m; NaN = not fitted.
     """

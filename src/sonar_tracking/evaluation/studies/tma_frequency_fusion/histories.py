@@ -27,7 +27,7 @@ class TmaHistories:
     error : ndarray, shape (n_runs, n_frames, 4)
         Range (m), azimuth (deg), course (deg), speed (m/s): estimate minus truth.
     nees : ndarray, shape (n_runs, n_frames)
-        Normalised estimation error squared of the state, per dimension.
+        Normalised estimation error squared of the state, per dimension, pure numbers.
     manoeuvre : ndarray of bool, shape (n_runs, n_frames)
         Alarms.
     reborn : ndarray of bool, shape (n_runs, n_frames)

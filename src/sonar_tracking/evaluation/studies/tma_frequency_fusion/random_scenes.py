@@ -47,9 +47,9 @@ class RandomSceneResults:
     Attributes
     ----------
     ratio : dict of str to ndarray, shape (n_runs,)
-        Range error over the bound, by estimator.
+        Range error over the bound, by estimator, pure numbers.
     nees : dict of str to ndarray, shape (n_runs,)
-        Per dimension.
+        Per dimension, pure numbers.
     """
 
     ratio: dict[str, FloatArray]
