@@ -8,6 +8,7 @@ from pathlib import Path
 
 from docs.reference_writer.api import PACKAGES, package
 from docs.reference_writer.command_line import command_line
+from docs.reference_writer.examples import examples
 from docs.reference_writer.messages import conventions, messages
 from docs.reference_writer.methods import methods
 from docs.reference_writer.nodes import nodes
@@ -16,6 +17,7 @@ from docs.reference_writer.topics import topics
 
 FRAGMENTS: dict[str, Callable[[], str]] = {
     "command_line": command_line,
+    "examples": examples,
     "message_conventions": conventions,
     "messages": messages,
     "methods": methods,
