@@ -18,6 +18,7 @@ import pytest
 import setuptools
 import yaml
 from packaging.requirements import Requirement
+from packaging.specifiers import SpecifierSet
 from packaging.utils import canonicalize_name
 
 import sonar_tracking
@@ -122,6 +123,20 @@ def test_versions_the_tests_run_with_are_allowed(monkeypatch: pytest.MonkeyPatch
         (version,) = (specifier.version for specifier in pin.specifier)
         if pin.name != "setuptools":
             assert allowed[canonicalize_name(pin.name)].specifier.contains(version), pin
+
+
+@pytest.mark.parametrize(
+    ("version", "allowed"),
+    [("3.9.18", False), ("3.10.0", True), ("3.13.9", True), ("3.14.0", False)],
+)
+def test_pip_refuses_another_python(
+    monkeypatch: pytest.MonkeyPatch, version: str, allowed: bool
+) -> None:
+    """Its sentence names both versions."""
+    told = setup_arguments(monkeypatch)
+    assert SpecifierSet(told["python_requires"]).contains(version) == allowed
+    messages = (PROJECT / "msg_defs" / "pyproject.toml").read_text()
+    assert f'requires-python = "{told["python_requires"]}"' in messages
 
 
 @pytest.mark.parametrize("command", ["install", "develop"])
