@@ -8,7 +8,9 @@ from sonar_tracking.motion import (
     Turn,
     azimuth_from_compass,
     compass_from_azimuth,
+    compass_from_vector,
     emission_times,
+    vector_from_compass,
     wrap_angle,
 )
 
@@ -92,3 +94,10 @@ def test_emission_times_of_a_receiver_close_by_start_from_those_of_its_neighbour
     near = emission_times(target, receivers + 21.0, times, 1500.0, near=origin)
     exact = emission_times(target, receivers + 21.0, times, 1500.0)
     np.testing.assert_allclose(near, exact, rtol=0, atol=1e-13)
+
+
+def test_a_course_and_its_velocity_belong_together() -> None:
+    velocity = vector_from_compass([0.0, 90.0, 225.0], [2.0, 3.0, 1.0])
+    root = np.sqrt(0.5)
+    np.testing.assert_allclose(velocity, [[0.0, 2.0], [3.0, 0.0], [-root, -root]], atol=1e-12)
+    np.testing.assert_allclose(compass_from_vector(velocity), [0.0, 90.0, 225.0], atol=1e-12)

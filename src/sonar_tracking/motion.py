@@ -61,6 +61,42 @@ def compass_from_azimuth(azimuth: ArrayLike) -> FloatArray:
     return np.mod(90.0 - np.degrees(azimuth), 360.0)
 
 
+def vector_from_compass(compass_deg: ArrayLike, length: ArrayLike) -> FloatArray:
+    """Return the vector of a compass angle, e.g. the velocity of a course and a speed.
+
+    Parameters
+    ----------
+    compass_deg : array_like, shape (...)
+        deg, clockwise from north.
+    length : array_like, shape (...)
+        In any unit.
+
+    Returns
+    -------
+    ndarray, shape (..., 2)
+        East and north, in the unit of the length.
+    """
+    azimuth = azimuth_from_compass(compass_deg)
+    return np.stack([length * np.cos(azimuth), length * np.sin(azimuth)], axis=-1)
+
+
+def compass_from_vector(vector: ArrayLike) -> FloatArray:
+    """Return the compass angle of a vector, e.g. the course of a velocity.
+
+    Parameters
+    ----------
+    vector : array_like, shape (..., 2)
+        East and north, in any unit.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        deg, clockwise from north, in [0, 360).
+    """
+    east, north = np.moveaxis(np.asarray(vector, dtype=np.float64), -1, 0)
+    return compass_from_azimuth(np.arctan2(north, east))
+
+
 @dataclass(frozen=True)
 class Turn:
     """A turn of constant rate to a new heading, the shorter way round.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -30,6 +32,12 @@ def test_columns_left_out_are_unknown() -> None:
     assert tracks.line_frequency.shape == (3,) and np.isnan(tracks.line_frequency).all()
     assert list(tracks.contributor_source) == [0, 0]
     assert len(no_position_tracks(3)) == 0
+
+
+def test_confirmed_and_coasted_tracks_are_established() -> None:
+    tracks = replace(three_tracks(), status=np.array([0, 1, 2], np.uint8))
+    assert tracks.established.tolist() == [False, True, True]
+    assert not replace(tracks, status=np.full(3, 3, np.uint8)).established.any()
 
 
 def test_chosen_rows_keep_their_lines_and_contributors() -> None:

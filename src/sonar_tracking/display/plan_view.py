@@ -14,7 +14,6 @@ import numpy as np
 from rich.text import Text
 
 from sonar_tracking.records.arrays import FloatArray
-from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks
 
 COLUMNS, ROWS = 61, 16
@@ -38,7 +37,7 @@ class PlanView:
         newest = self._newest.get(topic)
         if newest is None or tracks.stamp < newest.stamp:
             self._trails[topic] = deque(maxlen=TRAIL_LENGTH)
-        claims = np.isin(tracks.status, (TrackStatus.CONFIRMED, TrackStatus.COASTED))
+        claims = tracks.established
         placed = np.all(np.isfinite(tracks.state[:, :2]), axis=-1)
         self._newest[topic] = tracks.selected(claims & placed)
         self._trails[topic].append(self._newest[topic].state[:, :2])

@@ -53,8 +53,7 @@ def position_histories(lists: Iterable[PositionTracks]) -> tuple[PositionHistory
         In order of their stamps; of each the tracks count that are confirmed or coast, at a
         position that is known.
     """
-    claims = (TrackStatus.CONFIRMED, TrackStatus.COASTED)
-    return _histories(_placed(picture, np.isin(picture.status, claims)) for picture in lists)
+    return _histories(_placed(picture, picture.established) for picture in lists)
 
 
 def open_histories(lists: Iterable[PositionTracks]) -> tuple[PositionHistory, ...]:

@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.live import Live
 
 from sonar_tracking.display.track_table import GraphState, TrackTable
-from sonar_tracking.records.bearings import BearingTracks, TrackStatus
+from sonar_tracking.records.bearings import BearingTracks
 from sonar_tracking.records.positions import PositionTracks
 
 REFRESH_SECONDS = 0.25
@@ -121,8 +121,7 @@ class LineDisplay:
 
     def position_tracks(self, topic: str, tracks: PositionTracks) -> None:
         """Take the newest position tracks of a topic; tentative and ended ones are not counted."""
-        status = np.isin(tracks.status, (TrackStatus.CONFIRMED, TrackStatus.COASTED))
-        self._counts[f"in {topic}"] = int(np.count_nonzero(status))
+        self._counts[f"in {topic}"] = int(np.count_nonzero(tracks.established))
 
     def due(self, wall: float) -> bool:
         """Return whether a line is due."""

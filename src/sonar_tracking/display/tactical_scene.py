@@ -11,7 +11,7 @@ import numpy as np
 from sonar_tracking.active.contacts.contact_positions import place_contacts
 from sonar_tracking.display.position_history import PositionHistory
 from sonar_tracking.records.arrays import FloatArray
-from sonar_tracking.records.bearings import AngleKind, BearingTracks, Sensor, TrackStatus
+from sonar_tracking.records.bearings import AngleKind, BearingTracks, Sensor
 from sonar_tracking.records.contacts import Contacts
 from sonar_tracking.records.own_ship import OwnShipState
 from sonar_tracking.records.time import seconds
@@ -127,7 +127,7 @@ def bearing_lines(lists: Iterable[BearingTracks], start: int) -> FloatArray:
     for entry in lists:
         time = seconds(entry.stamp - start)
         x, y = entry.sensor.position[:2]
-        shown = np.isin(entry.status, (TrackStatus.CONFIRMED, TrackStatus.COASTED))
+        shown = entry.established
         for angle in entry.arrival_angle[shown & np.isfinite(entry.arrival_angle)]:
             rows += [(time, x, y, azimuth) for azimuth in _azimuths(entry, float(angle))]
     lines = np.array(rows).reshape(-1, 4)

@@ -34,6 +34,22 @@ class TrackStatus(IntEnum):
     TERMINATED = 3
 
 
+def established(status: CodeArray) -> BoolArray:
+    """Return which tracks are confirmed, seen at the last instant or coasted.
+
+    Parameters
+    ----------
+    status : ndarray of uint8, shape (n_tracks,)
+        :class:`TrackStatus` values.
+
+    Returns
+    -------
+    ndarray of bool, shape (n_tracks,)
+        True for confirmed and coasted tracks.
+    """
+    return np.isin(status, (TrackStatus.CONFIRMED, TrackStatus.COASTED))
+
+
 @dataclass(frozen=True)
 class Sensor:
     """The sensor that made the data.
@@ -215,3 +231,8 @@ class BearingTracks:
     angle_kind: AngleKind = AngleKind.CONE
     elevation: FloatArray = field(default_factory=lambda: np.empty(0))
     elevation_variance: FloatArray = field(default_factory=lambda: np.empty(0))
+
+    @property
+    def established(self) -> BoolArray:
+        """Which tracks are confirmed, seen now or coasted; shape (n_tracks,)."""
+        return established(self.status)

@@ -6,12 +6,13 @@ anticlockwise from its +x, amplitudes linear powers with noise mean 1.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from sonar_tracking.errors import Notice
-from sonar_tracking.records.arrays import FloatArray, IntArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 from sonar_tracking.records.positions import MAP_FRAME, PositionTracks
 from sonar_tracking.records.time import UNKNOWN_STAMP
 
@@ -90,6 +91,23 @@ class Contacts:
     sensor_id: str = "sonar"
     frame_id: str = MAP_FRAME
     sensor_yaw: float = np.nan
+
+    def selected(self, keep: BoolArray) -> Contacts:
+        """Return the contacts chosen by a mask, of the same ping.
+
+        Parameters
+        ----------
+        keep : ndarray of bool, shape (n,)
+            Which contacts to keep.
+        """
+        columns = ("range", "azimuth", "range_standard_deviation", "azimuth_standard_deviation")
+        chosen = {name: _rows(getattr(self, name), keep) for name in columns}
+        amplitude = self.amplitude[keep] if len(self.amplitude) else self.amplitude
+        return replace(self, amplitude=amplitude, **chosen)
+
+
+def _rows(values: Any, keep: BoolArray) -> Any:
+    return values[keep] if np.ndim(values) else values
 
 
 @dataclass(frozen=True)

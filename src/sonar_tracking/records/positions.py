@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from sonar_tracking.errors import InputError
 from sonar_tracking.records.arrays import BoolArray, CodeArray, FloatArray, IdArray
+from sonar_tracking.records.bearings import established
 from sonar_tracking.records.time import UNKNOWN_STAMP
 
 RowArray = NDArray[np.uint32]
@@ -206,6 +207,11 @@ class PositionTracks:
     def __len__(self) -> int:
         """Return the number of tracks."""
         return len(self.id)
+
+    @property
+    def established(self) -> BoolArray:
+        """Which tracks are confirmed, seen now or coasted; shape (n_tracks,)."""
+        return established(self.status)
 
     def selected(self, keep: BoolArray) -> PositionTracks:
         """Return the rows chosen by a mask, with their lines and contributors.

@@ -10,13 +10,14 @@ import pytest
 from sonar_tracking.bags.storage.bag_records import (
     BEARING_TRACKS_TYPE,
     bearing_tracks_of,
+    records_of,
     snapshots_of,
     topics_of_type,
 )
 from sonar_tracking.bags.storage.message_definitions import installed_typestore
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.bags.storage.writer import BagWriter
-from sonar_tracking.errors import InputError
+from sonar_tracking.errors import ConfigurationError, InputError
 from tests.bags.bag_fixtures import EPOCH, SECOND, SNAPSHOTS, filled, open_writer, write_messages
 
 
@@ -74,3 +75,19 @@ def test_a_message_that_contradicts_itself_is_named(tmp_path: Path) -> None:
     rejected: list[str] = []
     assert list(snapshots_of(read_bag(tmp_path / "run"), "/array/snapshots", rejected)) == []
     assert len(rejected) == 1
+
+
+def test_records_are_of_the_kind_their_topic_carries(tmp_path: Path) -> None:
+    writer = BagWriter(tmp_path / "run")
+    writer.add_topic("/array/snapshots", SNAPSHOTS)
+    writer.add_topic("/array/notes", "std_msgs/msg/Header")
+    writer.write("/array/snapshots", EPOCH * SECOND, snapshots_message(12))
+    writer.close()
+    bag = read_bag(tmp_path / "run")
+    (block,) = records_of(bag, "/array/snapshots")
+    (same,) = snapshots_of(bag, "/array/snapshots")
+    np.testing.assert_array_equal(block.data, same.data)
+    with pytest.raises(ConfigurationError, match="did you mean /array/snapshots"):
+        records_of(bag, "/array/snapshot")
+    with pytest.raises(ConfigurationError, match=r"no record; ask for one of /array/snapshots\."):
+        records_of(bag, "/array/notes")

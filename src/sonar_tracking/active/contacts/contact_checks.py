@@ -14,7 +14,6 @@ import numpy as np
 
 from sonar_tracking.active.contacts.ping_description import plausible_description
 from sonar_tracking.errors import InputError, Notice, Severity
-from sonar_tracking.records.arrays import BoolArray, FloatArray
 from sonar_tracking.records.contacts import Contacts
 from sonar_tracking.records.time import seconds
 
@@ -178,19 +177,8 @@ def _usable(contacts: Contacts) -> tuple[Contacts, tuple[Notice, ...]]:
             "no finite azimuth or a negative amplitude and are left out; check the detector."
         )
         notices.append(Notice(Severity.WARN, "contacts", text))
-        contacts = replace(
-            contacts,
-            range=contacts.range[good],
-            azimuth=contacts.azimuth[good],
-            amplitude=contacts.amplitude[good] if measured else contacts.amplitude,
-            range_standard_deviation=_kept(contacts.range_standard_deviation, good),
-            azimuth_standard_deviation=_kept(contacts.azimuth_standard_deviation, good),
-        )
+        contacts = contacts.selected(good)
     if not measured and len(contacts.range):
         text = "The contacts have no amplitudes; they are associated by distance alone."
         notices.append(Notice(Severity.WARN, "amplitude", text))
     return contacts, tuple(notices)
-
-
-def _kept(values: float | FloatArray, good: BoolArray) -> float | FloatArray:
-    return values[good] if isinstance(values, np.ndarray) and values.ndim else values

@@ -8,17 +8,24 @@ from typing import Any, TypeVar
 from sonar_tracking.bags.storage.digest import decoded_message
 from sonar_tracking.bags.storage.message_definitions import typestore_of
 from sonar_tracking.bags.storage.reader import Bag
-from sonar_tracking.errors import InputError
+from sonar_tracking.errors import ConfigurationError, InputError, unknown_name_text
 from sonar_tracking.message_reading.array_reading import (
     bearing_tracks_from_message,
     directions_from_message,
     own_ship_from_message,
     snapshots_from_message,
+    subspaces_from_message,
 )
-from sonar_tracking.message_reading.contact_reading import contacts_from_message
+from sonar_tracking.message_reading.contact_reading import (
+    contacts_from_message,
+    thresholds_from_message,
+)
 from sonar_tracking.message_reading.line_reading import frequency_lines_from_message
 from sonar_tracking.message_reading.position_reading import position_tracks_from_message
-from sonar_tracking.message_reading.sample_reading import lofar_rows_from_message
+from sonar_tracking.message_reading.sample_reading import (
+    lofar_rows_from_message,
+    samples_from_message,
+)
 from sonar_tracking.records.bearings import ArraySnapshots, BearingTracks
 from sonar_tracking.records.contacts import Contacts
 from sonar_tracking.records.lines import FrequencyLines, LofarRows
@@ -33,8 +40,23 @@ CONTACTS_TYPE = "sonar_tracking_msgs/msg/Contacts"
 FREQUENCY_LINES_TYPE = "sonar_tracking_msgs/msg/FrequencyLines"
 ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
 IMAGE_TYPE = "sensor_msgs/msg/Image"
+SUBSPACES_TYPE = "sonar_tracking_msgs/msg/SubspaceEstimates"
+THRESHOLDS_TYPE = "sonar_tracking_msgs/msg/DetectionThreshold"
 
 Record = TypeVar("Record")
+
+_CONVERSIONS: dict[str, Callable[[Any], Any]] = {
+    SNAPSHOTS_TYPE: snapshots_from_message,
+    SAMPLES_TYPE: samples_from_message,
+    SUBSPACES_TYPE: subspaces_from_message,
+    BEARING_TRACKS_TYPE: directions_from_message,
+    POSITION_TRACKS_TYPE: position_tracks_from_message,
+    CONTACTS_TYPE: contacts_from_message,
+    THRESHOLDS_TYPE: thresholds_from_message,
+    FREQUENCY_LINES_TYPE: frequency_lines_from_message,
+    ODOMETRY_TYPE: own_ship_from_message,
+    IMAGE_TYPE: lofar_rows_from_message,
+}
 
 
 def topics_of_type(bag: Bag, type_name: str, role: str = "") -> list[str]:
@@ -44,6 +66,42 @@ def topics_of_type(bag: Bag, type_name: str, role: str = "") -> list[str]:
         for name, topic in bag.topics.items()
         if topic.type_name == type_name and topic.message_count and role in ("", topic.role)
     ]
+
+
+def records_of(bag: Bag, topic: str, rejected: list[str] | None = None) -> Iterator[Any]:
+    """Yield the records of a topic in log order, of the kind its type carries.
+
+    Parameters
+    ----------
+    bag : Bag
+        The bag.
+    topic : str
+        Its full name, e.g. ``"/active/tracks"``.
+    rejected : list of str, optional
+        Takes a sentence for each message that does not hold what it says, which is then left out;
+        without it such a message raises.
+
+    Yields
+    ------
+    record
+        One of :mod:`sonar_tracking.records`, e.g. ``Contacts`` or ``PositionTracks``.
+
+    Raises
+    ------
+    ConfigurationError
+        If the bag has no such topic, or its type carries no record of this package.
+    InputError
+        If a message does not hold what it says.
+    """
+    if topic not in bag.topics:
+        raise ConfigurationError(unknown_name_text(f"{bag.path}: topic {topic}", topic, bag.topics))
+    type_name = bag.topics[topic].type_name
+    if type_name not in _CONVERSIONS:
+        raise ConfigurationError(
+            f"{bag.path}: {topic} is of type {type_name}, which carries no record; ask for one of "
+            f"{', '.join(n for n, t in bag.topics.items() if t.type_name in _CONVERSIONS)}."
+        )
+    return _converted(bag, topic, _CONVERSIONS[type_name], rejected)
 
 
 def snapshots_of(

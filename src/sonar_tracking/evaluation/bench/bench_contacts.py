@@ -38,7 +38,6 @@ from sonar_tracking.evaluation.studies.multi_target_clutter.systems import (
     PAPER_SYSTEMS,
 )
 from sonar_tracking.records.arrays import FloatArray
-from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.simulation.sensors.contact_simulation import SimulatedPing
 
 CLUTTER = (10, 50, 500, 2000)
@@ -207,7 +206,7 @@ def _tracked(
         started = time.process_time()
         tracks = tracker.update(ping.contacts).tracks
         seconds.append(time.process_time() - started)
-        shown = np.isin(tracks.status, (TrackStatus.CONFIRMED, TrackStatus.COASTED))
+        shown = tracks.established
         positions.append(tracks.state[shown, :2])
     return np.array(seconds), positions
 

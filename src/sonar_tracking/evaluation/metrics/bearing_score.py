@@ -30,7 +30,7 @@ from sonar_tracking.evaluation.metrics.score_statistics import (
 )
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import FloatArray, IndexArray
-from sonar_tracking.records.bearings import BearingTracks, TrackStatus
+from sonar_tracking.records.bearings import BearingTracks
 
 CUTOFF_DEG = 5.0
 ORDER = 2.0
@@ -137,5 +137,4 @@ def score_bearing_tracks(
 
 
 def _established(entry: BearingTracks) -> IndexArray:
-    status = np.isin(entry.status, (TrackStatus.CONFIRMED, TrackStatus.COASTED))
-    return np.flatnonzero(status & np.isfinite(entry.arrival_angle))
+    return np.flatnonzero(entry.established & np.isfinite(entry.arrival_angle))

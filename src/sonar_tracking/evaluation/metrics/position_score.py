@@ -35,7 +35,6 @@ from sonar_tracking.evaluation.metrics.score_statistics import (
 )
 from sonar_tracking.evaluation.metrics.track_sides import SideChoice, wrong_sides
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
-from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks
 
 ORDER = 2.0
@@ -200,5 +199,5 @@ def _scored(
 
 def _established(entry: PositionTracks) -> IndexArray:
     """Return the rows that claim a target, at a position that is known."""
-    status = np.isin(entry.status, (TrackStatus.CONFIRMED, TrackStatus.COASTED))
-    return np.flatnonzero(status & np.all(np.isfinite(entry.state[:, :2]), axis=-1))
+    known = np.all(np.isfinite(entry.state[:, :2]), axis=-1)
+    return np.flatnonzero(entry.established & known)

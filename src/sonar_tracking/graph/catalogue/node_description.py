@@ -18,7 +18,7 @@ class NodeDescription:
     name : str
         Default name of the node and of its executable.
     module : str
-        Run as ``python -m module``.
+        Run as ``python -m module``; empty = not started by the orchestration.
     description : str
         One line of what it does.
     configurations : tuple of type
@@ -43,11 +43,11 @@ class NodeDescription:
     """
 
     name: str
-    module: str
-    description: str
-    configurations: tuple[type, ...]
-    inputs: tuple[Topic, ...]
-    outputs: tuple[Topic, ...]
+    module: str = ""
+    description: str = ""
+    configurations: tuple[type, ...] = ()
+    inputs: tuple[Topic, ...] = ()
+    outputs: tuple[Topic, ...] = ()
     section: str = ""
     on_request: bool = False
     topic_parameters: Mapping[str, Topic] = field(default_factory=dict)

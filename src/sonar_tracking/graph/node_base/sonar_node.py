@@ -154,8 +154,8 @@ class SonarNode(Node):
         for topic, convert in conversions.items():
             self._subscribe(topic, convert)
 
-    def process(self, item: JoinedItem, records: Mapping[str, Any]) -> Iterable[Notice]:
-        """Feed the stage with one joined input, publish what follows, return its notices.
+    def process(self, item: JoinedItem, records: Mapping[str, Any]) -> Iterable[Notice] | None:
+        """Feed the stage with one joined input, publish what follows, return its notices if any.
 
         A source of data has no inputs and nothing to override.
 
@@ -166,7 +166,7 @@ class SonarNode(Node):
         records : mapping of str to record
             What arrived, by topic name.
         """
-        return ()
+        return None
 
     def substitute(self, rejected: Received) -> None:
         """Publish the one output of an input that could not be used (nothing by default)."""
@@ -272,7 +272,7 @@ class SonarNode(Node):
                     f"{topic}, which is too far behind; check that its publisher is running.",
                 )
             records = {topic: received.record for topic, received in item.items.items()}
-            for notice in self.process(item, records):
+            for notice in self.process(item, records) or ():
                 self.report(notice.culprit, notice.culprit, notice.severity, notice.text)
         except Exception as error:
             self._reject(arrived, error)

@@ -30,7 +30,7 @@ from sonar_tracking.passive.lines.line_tracks import HeardLine, LineTrack, LineT
 from sonar_tracking.passive.lines.sample_frames import SampleFrame, SampleFramer
 from sonar_tracking.passive.lines.usable_elements import element_notices, usable_elements
 from sonar_tracking.records.arrays import BoolArray
-from sonar_tracking.records.bearings import BearingTracks, TrackStatus
+from sonar_tracking.records.bearings import BearingTracks
 from sonar_tracking.records.lines import Beams, FrequencyLines, LofarRows
 from sonar_tracking.records.samples import ArraySamples
 from sonar_tracking.records.time import NANOSECONDS
@@ -155,7 +155,7 @@ class LineTrackerStage:
             return Beams(np.empty(0, np.uint64), np.empty(0), np.empty(0))
         self._pictures = self._pictures[known[-1] :]
         tracks = self._pictures[0]
-        rows = np.isin(tracks.status, (TrackStatus.CONFIRMED, TrackStatus.COASTED))
+        rows = tracks.established
         rows &= np.isfinite(tracks.arrival_angle)
         step = (stamp - tracks.stamp) / NANOSECONDS
         rate = np.nan_to_num(tracks.arrival_angle_rate[rows])

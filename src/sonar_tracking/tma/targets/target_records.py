@@ -95,6 +95,19 @@ class TargetSolution:
     source_frequency_deviation: FloatArray
     manoeuvre: bool
 
+    def range_from(self, position: tuple[float, float]) -> tuple[float, float]:
+        """Return the range of the target from a place and its standard deviation, m.
+
+        Parameters
+        ----------
+        position : tuple of float
+            x and y in ``map``, m.
+        """
+        offset = self.mean[:2] - position
+        distance = float(np.hypot(*offset))
+        sight = offset / distance
+        return distance, float(np.sqrt(sight @ self.covariance[:2, :2] @ sight))
+
 
 def check_observation(observation: TargetObservation) -> None:
     """Refuse an observation that contradicts itself.

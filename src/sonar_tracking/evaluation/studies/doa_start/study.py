@@ -28,7 +28,7 @@ from sonar_tracking.evaluation.studies.doa_start.runs import (
     start_batch,
 )
 from sonar_tracking.records.arrays import FloatArray
-from sonar_tracking.records.bearings import BearingTracks, TrackStatus
+from sonar_tracking.records.bearings import BearingTracks
 from sonar_tracking.records.time import seconds
 
 if TYPE_CHECKING:
@@ -156,11 +156,10 @@ def _points(
     entries: tuple[BearingTracks, ...], first: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return time in s, angle in deg and identifier of all established rows."""
-    established = (TrackStatus.CONFIRMED, TrackStatus.COASTED)
     points = [
         (seconds(entry.stamp - first), np.degrees(entry.arrival_angle[row]), entry.id[row])
         for entry in entries
-        for row in np.flatnonzero(np.isin(entry.status, established))
+        for row in np.flatnonzero(entry.established)
     ]
     times, angles, names = np.array(points, dtype=np.float64).reshape(-1, 3).T
     return times, angles, names

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 
 from sonar_tracking.evaluation.studies.maritime_contacts.scenarios import MaritimeScenario
-from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks
 
 TRUTH_COLOURS = ("#0072B2", "#D55E00")
@@ -64,7 +63,7 @@ def _histories(tracks: Sequence[PositionTracks]) -> list[np.ndarray]:
     """Return the positions of each track while it was confirmed, shape (n, 2)."""
     histories: dict[int, list[np.ndarray]] = {}
     for entry in tracks:
-        shown = np.isin(entry.status, (TrackStatus.CONFIRMED, TrackStatus.COASTED))
+        shown = entry.established
         for identity, state in zip(entry.id[shown], entry.state[shown], strict=True):
             histories.setdefault(int(identity), []).append(state[:2])
     return [np.array(history) for history in histories.values()]

@@ -26,7 +26,6 @@ from sonar_tracking.evaluation.studies.multi_target_clutter.scene import (
     simulate_scene,
 )
 from sonar_tracking.records.arrays import BoolArray, FloatArray
-from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.contacts import ContactTrackerUpdate
 from sonar_tracking.records.time import seconds
 from sonar_tracking.simulation.sensors.contact_simulation import SimulatedPing
@@ -173,7 +172,7 @@ class _Scored:
     @classmethod
     def of(cls, ping: SimulatedPing, update: ContactTrackerUpdate) -> _Scored:
         tracks = update.tracks
-        shown = np.isin(tracks.status, (TrackStatus.CONFIRMED, TrackStatus.COASTED))
+        shown = tracks.established
         identity, state = tracks.id[shown], tracks.state[shown]
         # Stamps in seconds are rounded to a fraction of a microsecond; pings are whole numbers.
         age = np.round((seconds(tracks.stamp) - tracks.initiated[shown]) / PING_INTERVAL, 3)
