@@ -126,7 +126,7 @@ class Orchestration:
             process = self.supervisor.processes[name]
             if process.exit_code != 0:
                 self._fail(
-                    f"{name} {_exit_words(process.exit_code)} when it was told to stop; "
+                    f"{name} {process.end_in_words} when it was told to stop; "
                     f"its log is {process.log}."
                 )
 
@@ -238,7 +238,7 @@ class Orchestration:
 
     def _restart(self, process: SupervisedProcess) -> None:
         name = process.plan.name
-        words = f"{name} {_exit_words(process.exit_code)}"
+        words = f"{name} {process.end_in_words}"
         tail = self.supervisor.log_tail(name)
         self.ledger.leave(name)
         self.edges.forget(name)
@@ -345,9 +345,3 @@ class Orchestration:
     def _fail(self, sentence: str) -> None:
         self.failures.append(sentence)
         self._display.say(f"failed: {sentence}")
-
-
-def _exit_words(exit_code: int | None) -> str:
-    if exit_code is not None and exit_code < 0:
-        return f"was killed by {signal.Signals(-exit_code).name}"
-    return f"ended with exit code {exit_code}"

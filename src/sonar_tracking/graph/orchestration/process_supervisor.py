@@ -76,6 +76,13 @@ class SupervisedProcess:
     cpu_seconds: float = 0.0
     unexpected_exits: int = 0
 
+    @property
+    def end_in_words(self) -> str:
+        """How the last process ended."""
+        if self.exit_code is not None and self.exit_code < 0:
+            return f"was killed by {signal.Signals(-self.exit_code).name}"
+        return f"ended with exit code {self.exit_code}"
+
 
 class ProcessSupervisor:
     """Starts, watches and stops the processes of the graph.

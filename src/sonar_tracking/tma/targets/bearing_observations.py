@@ -36,6 +36,22 @@ class HeardLine:
     deviation: float
 
 
+def bare_observation(
+    stamp: int, view: StationView, configuration: TmaTrackerConfiguration
+) -> TargetObservation:
+    """Return an observation of nothing yet, from a station at a stamp, ns."""
+    return TargetObservation(
+        stamp=stamp,
+        sensor_id=view.sensor_id,
+        position=view.position,
+        velocity=view.velocity,
+        azimuths=(),
+        azimuth_variance=np.nan,
+        sound_speed=configuration.sound_speed,
+        propagation_speed=configuration.propagation_speed,
+    )
+
+
 def observation_of(
     bearings: BearingTracks,
     row: int,
@@ -62,17 +78,8 @@ def observation_of(
     problem : str
         Why a measurement cannot be used; empty = nothing is wrong.
     """
-    empty = TargetObservation(
-        stamp=bearings.stamp,
-        sensor_id=view.sensor_id,
-        position=view.position,
-        velocity=view.velocity,
-        azimuths=(),
-        azimuth_variance=np.nan,
-        sound_speed=configuration.sound_speed,
-        propagation_speed=configuration.propagation_speed,
-        height=configuration.target_height,
-    )
+    empty = bare_observation(bearings.stamp, view, configuration)
+    empty = replace(empty, height=configuration.target_height)
     angle, variance = float(bearings.measurement[row]), float(bearings.measurement_variance[row])
     if math.isnan(variance) and configuration.azimuth_deviation > 0.0:
         variance = configuration.azimuth_deviation**2

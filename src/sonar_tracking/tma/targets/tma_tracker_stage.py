@@ -20,6 +20,7 @@ from sonar_tracking.records.lines import FrequencyLines
 from sonar_tracking.records.positions import PositionTracks
 from sonar_tracking.records.time import UNKNOWN_STAMP, nanoseconds
 from sonar_tracking.tma.targets.bearing_observations import (
+    bare_observation,
     left_out,
     lines_of,
     observation_of,
@@ -212,16 +213,7 @@ class TmaTrackerStage:
                 except InputError as error:
                     notices.append(Notice(Severity.ERROR, f"lines of {sensor}", str(error)))
                     return
-                bare = TargetObservation(
-                    stamp=lines.stamp,
-                    sensor_id=sensor,
-                    position=view.position,
-                    velocity=view.velocity,
-                    azimuths=(),
-                    azimuth_variance=np.nan,
-                    sound_speed=self._configuration.sound_speed,
-                    propagation_speed=self._configuration.propagation_speed,
-                )
+                bare = bare_observation(lines.stamp, view, self._configuration)
                 observed[key] = with_lines(bare, own)
 
     def _observe(
