@@ -10,7 +10,7 @@ import pytest
 
 from sonar_tracking.records.bearings import AngleKind, BearingTracks, TrackStatus
 from sonar_tracking.records.lines import FrequencyLines
-from sonar_tracking.tma.targets.bearing_observations import HeardLine, lines_of, observation_of
+from sonar_tracking.tma.targets.bearing_observations import UsableLine, lines_of, observation_of
 from sonar_tracking.tma.targets.station_view import StationView
 from sonar_tracking.tma.targets.target_records import MAXIMUM_LINES, TargetObservation
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
@@ -171,7 +171,7 @@ def test_impossible_lines_are_left_out_and_named(
 def test_lines_go_to_their_tracks_and_each_once() -> None:
     lines = frequency_lines([3, 4, 3, 3], [300.0, 200.0, 310.0, 320.0], [0.1] * 4)
     heard, problem = lines_of(lines, [7, 0, 8, 7])
-    assert heard == {7: [HeardLine(3, 300.0, 0.1)], 8: [HeardLine(3, 310.0, 0.1)]}
+    assert heard == {7: [UsableLine(3, 300.0, 0.1)], 8: [UsableLine(3, 310.0, 0.1)]}
     assert problem == "line 3 appears twice"
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from sonar_tracking.active.baselines.state_extraction import Peaks
 from sonar_tracking.active.detection.detection_threshold import GATE_SIZE
 from sonar_tracking.active.tracks.contact_gating import determinant, inverse
-from sonar_tracking.active.tracks.contact_track_list import TrackRows
+from sonar_tracking.active.tracks.contact_track_list import ContactTrackRows
 from sonar_tracking.active.tracks.motion_modes import turn_matrices, white_acceleration_noise
 from sonar_tracking.active.tracks.particle_cloud import ParticleCloud
 from sonar_tracking.filtering.assignment import least_cost_pairs
@@ -58,12 +58,12 @@ class PeakTracks:
     def __len__(self) -> int:
         return len(self.id)
 
-    def rows(self) -> TrackRows:
+    def rows(self) -> ContactTrackRows:
         """Return what is shown: found, missing, and ended tracks."""
         status = np.full(len(self), int(TrackStatus.CONFIRMED), dtype=np.int64)
         status[self.absent > 0] = TrackStatus.TENTATIVE
         status[self.absent > LONGEST_ABSENCE] = TrackStatus.TERMINATED
-        return TrackRows(
+        return ContactTrackRows(
             id=self.id,
             status=status,
             existence=self.existence,

@@ -38,7 +38,7 @@ from sonar_tracking.active.detection.detection_threshold import GATE_SIZE
 from sonar_tracking.active.detection.gate_association import PROBABILITY_IN_GATE
 from sonar_tracking.active.tracks.contact_gating import SensorGeometry, sensor_geometry
 from sonar_tracking.active.tracks.contact_track_list import (
-    TrackRows,
+    ContactTrackRows,
     shown_tracks,
     thresholds_without_gates,
 )
@@ -260,14 +260,14 @@ class RegionTracker:
         self._next_id += 1
         return track
 
-    def _rows(self, ended: list[_RegionTrack]) -> TrackRows:
+    def _rows(self, ended: list[_RegionTrack]) -> ContactTrackRows:
         tracks = [*self._tracks, *ended]
         status = [
             TrackStatus.CONFIRMED if track.misses == 0 else TrackStatus.COASTED
             for track in self._tracks
         ]
         moments = [track.cloud.moments() for track in tracks]
-        return TrackRows(
+        return ContactTrackRows(
             id=np.array([track.track_id for track in tracks], dtype=np.int64),
             status=np.array([*status, *[TrackStatus.TERMINATED] * len(ended)], dtype=np.int64),
             existence=np.full(len(tracks), np.nan),

@@ -15,7 +15,7 @@ from sonar_tracking.records.time import NANOSECONDS, UNKNOWN_STAMP
 
 
 @dataclass(frozen=True)
-class TrackRows:
+class ContactTrackRows:
     """Tracks as a tracker of contacts keeps them.
 
     Attributes
@@ -41,12 +41,12 @@ class TrackRows:
     updated: IntArray
 
 
-def shown_tracks(rows: TrackRows, stamp: int, next_stamp: int) -> PositionTracks:
+def shown_tracks(rows: ContactTrackRows, stamp: int, next_stamp: int) -> PositionTracks:
     """Return tracks as the complete picture at a ping.
 
     Parameters
     ----------
-    rows : TrackRows
+    rows : ContactTrackRows
         The tracks to show.
     stamp, next_stamp : int
         Of the ping, ns.

@@ -20,7 +20,7 @@ import numpy as np
 from sonar_tracking.active.contacts.contact_positions import IDENTITY, PlacedContacts
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.active.tracks.contact_gating import GatePairs
-from sonar_tracking.active.tracks.contact_track_list import TrackRows
+from sonar_tracking.active.tracks.contact_track_list import ContactTrackRows
 from sonar_tracking.active.tracks.track_bank import TrackBank
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
 from sonar_tracking.records.bearings import TrackStatus
@@ -212,7 +212,7 @@ def limit_tracks(
     return replace(listed, alive=alive), candidates.select(stays[len(rows) :])
 
 
-def list_tracks(listed: ListedTracks, tentative_probability: float) -> TrackRows:
+def list_tracks(listed: ListedTracks, tentative_probability: float) -> ContactTrackRows:
     """Return the complete picture: confirmed tracks, likely candidates, and what has ended.
 
     What has been shown once is shown until it ends, which is reported once.
@@ -232,7 +232,7 @@ def list_tracks(listed: ListedTracks, tentative_probability: float) -> TrackRows
     status[confirmed & (listed.detected[rows] < 0.5)] = int(TrackStatus.COASTED)
     status[~listed.alive[rows]] = int(TrackStatus.TERMINATED)
     mean, covariance = bank.moments()
-    return TrackRows(
+    return ContactTrackRows(
         id=bank.id[rows],
         status=status,
         existence=bank.existence[rows],

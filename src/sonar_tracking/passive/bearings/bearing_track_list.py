@@ -16,7 +16,7 @@ from sonar_tracking.records.bearings import BearingTracks, SubspaceEstimates, Tr
 
 
 @dataclass(frozen=True)
-class TrackRows:
+class BearingTrackRows:
     """Rows of a track list, angles not folded yet.
 
     Attributes
@@ -45,9 +45,9 @@ class TrackRows:
     signal_to_noise_ratio: FloatArray
     existence_probability: FloatArray
 
-    def append(self, other: TrackRows) -> TrackRows:
+    def append(self, other: BearingTrackRows) -> BearingTrackRows:
         """Return the rows of both, in order."""
-        return TrackRows(
+        return BearingTrackRows(
             self.ids + other.ids,
             self.status + other.status,
             KalmanState(
@@ -69,7 +69,7 @@ def running_rows(
     signal_to_noise_ratio: FloatArray,
     status: tuple[TrackStatus, ...],
     existence_probability: FloatArray | None,
-) -> TrackRows:
+) -> BearingTrackRows:
     """Return the rows of the running tracks and of those that end.
 
     Parameters
@@ -92,7 +92,7 @@ def running_rows(
     if measurement is not None:
         # All angles of the list are those of its stamp; the data are a little older.
         measured = measurement.angle + measurement.age * filters.mean[..., 1]
-    return TrackRows(
+    return BearingTrackRows(
         ids,
         status,
         filters,
@@ -104,12 +104,12 @@ def running_rows(
     )
 
 
-def started_rows(started: tuple[StartedTrack, ...]) -> TrackRows:
+def started_rows(started: tuple[StartedTrack, ...]) -> BearingTrackRows:
     """Return the rows of tracks at their first instant."""
     return _rows(started, TrackStatus.CONFIRMED, np.full(len(started), STARTED))
 
 
-def tentative_rows(tentative: tuple[TentativeTrack, ...], stamp: int) -> TrackRows:
+def tentative_rows(tentative: tuple[TentativeTrack, ...], stamp: int) -> BearingTrackRows:
     """Return the rows of tentative tracks; rates are NaN until two bearings are joined."""
     seen = []
     for track in tentative:
@@ -125,10 +125,10 @@ def tentative_rows(tentative: tuple[TentativeTrack, ...], stamp: int) -> TrackRo
 
 def _rows(
     tracks: tuple[StartedTrack, ...], status: TrackStatus, existence_probability: FloatArray
-) -> TrackRows:
+) -> BearingTrackRows:
     count = len(tracks)
     unknown = np.full(count, np.nan)
-    return TrackRows(
+    return BearingTrackRows(
         tuple(track.id for track in tracks),
         (status,) * count,
         KalmanState(
@@ -174,14 +174,14 @@ def folded_angles(angles: FloatArray, positions: FloatArray) -> tuple[FloatArray
     return folded, np.where(behind, -1.0, 1.0)
 
 
-def bearing_tracks(estimates: SubspaceEstimates, rows: TrackRows) -> BearingTracks:
+def bearing_tracks(estimates: SubspaceEstimates, rows: BearingTrackRows) -> BearingTracks:
     """Return the published list of tracks.
 
     Parameters
     ----------
     estimates : SubspaceEstimates
         What the tracks were updated with.
-    rows : TrackRows
+    rows : BearingTrackRows
         All tracks.
     """
     positions = estimates.element_positions

@@ -23,7 +23,7 @@ from sonar_tracking.passive.bearings.bearing_filters import BearingFilters, Filt
 from sonar_tracking.passive.bearings.bearing_measurement import BearingMeasurement
 from sonar_tracking.passive.bearings.bearing_start import BearingStart
 from sonar_tracking.passive.bearings.bearing_track_list import (
-    TrackRows,
+    BearingTrackRows,
     bearing_tracks,
     folded_angles,
     running_rows,
@@ -295,7 +295,7 @@ class BearingTrackerStage:
 
     def _start_tracks(
         self, estimates: SubspaceEstimates, state: _TrackerState, n_seen: int | None
-    ) -> tuple[_TrackerState, TrackRows]:
+    ) -> tuple[_TrackerState, BearingTrackRows]:
         """Let the automatic start see the estimate; return its rows too."""
         angles = self._filters.targets(state.filters).mean[..., 0]
         folded, _ = folded_angles(angles, estimates.element_positions)

@@ -20,7 +20,7 @@ HIGHEST, SHARPEST = 1e7, 1e-9
 
 
 @dataclass(frozen=True)
-class HeardLine:
+class UsableLine:
     """One line that can be used.
 
     Attributes
@@ -114,7 +114,7 @@ def _problem_of(bearings: BearingTracks, row: int, angle: float, variance: float
     return ""
 
 
-def lines_of(lines: FrequencyLines, tracks: list[int]) -> tuple[dict[int, list[HeardLine]], str]:
+def lines_of(lines: FrequencyLines, tracks: list[int]) -> tuple[dict[int, list[UsableLine]], str]:
     """Return the usable lines of each track, and what is wrong with the others.
 
     Parameters
@@ -126,18 +126,18 @@ def lines_of(lines: FrequencyLines, tracks: list[int]) -> tuple[dict[int, list[H
 
     Returns
     -------
-    heard : dict of int to list of HeardLine
+    heard : dict of int to list of UsableLine
         At most :data:`MAXIMUM_LINES` a track, the best ones.
     problem : str
         Why lines were left out; empty = nothing is wrong.
     """
-    heard: dict[int, dict[int, HeardLine]] = {}
+    heard: dict[int, dict[int, UsableLine]] = {}
     bad, repeated = [], []
     columns = (lines.line_id, lines.frequency, lines.standard_deviation)
     for track, (number, frequency, deviation) in zip(
         tracks, zip(*columns, strict=True), strict=True
     ):
-        line = HeardLine(int(number), float(frequency), float(deviation))
+        line = UsableLine(int(number), float(frequency), float(deviation))
         if not _plausible(line):
             bad.append(line.line_id)
         elif track and line.line_id in heard.setdefault(track, {}):
@@ -153,7 +153,7 @@ def lines_of(lines: FrequencyLines, tracks: list[int]) -> tuple[dict[int, list[H
     return best, " and ".join(problems)
 
 
-def _best(lines: list[HeardLine]) -> list[HeardLine]:
+def _best(lines: list[UsableLine]) -> list[UsableLine]:
     """Return the lines that tell most of the motion, in their order."""
     if len(lines) <= MAXIMUM_LINES:
         return lines
@@ -161,7 +161,7 @@ def _best(lines: list[HeardLine]) -> list[HeardLine]:
     return [line for line in lines if line.deviation / line.frequency <= worst][:MAXIMUM_LINES]
 
 
-def with_lines(observation: TargetObservation, lines: list[HeardLine]) -> TargetObservation:
+def with_lines(observation: TargetObservation, lines: list[UsableLine]) -> TargetObservation:
     """Return an observation with the lines heard beside it."""
     return replace(
         observation,
@@ -190,7 +190,7 @@ def _elevation(
     return (value, variance) if usable else (np.nan, np.nan)
 
 
-def _plausible(line: HeardLine) -> bool:
+def _plausible(line: UsableLine) -> bool:
     if not (0.0 < line.frequency <= HIGHEST):
         return False
     return SHARPEST * line.frequency < line.deviation < line.frequency
