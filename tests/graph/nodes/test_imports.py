@@ -36,7 +36,7 @@ STAGES = {
 """What each node runs."""
 
 WARM = {
-    "sonar_tracking.passive.lines.band_demodulator_stage:BandDemodulatorStage()": "scipy.signal",
+    "sonar_tracking.passive.lines.band_demodulator_stage:BandDemodulatorStage()": "scipy.special",
     "sonar_tracking.passive.lines.line_tracker_stage:LineTrackerStage()": "scipy.optimize",
     "sonar_tracking.passive.bearings.bearing_tracker_stage:"
     "BearingTrackerStage(BearingTrackerConfiguration())": "scipy.optimize",

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.passive.lines.kaiser_low_pass import kaiser_low_pass
 from sonar_tracking.records.arrays import ComplexArray, FloatArray
 
 _STOP_BAND_DB = 60.0
@@ -76,17 +77,8 @@ def design_band(sample_rate: float, frequency: float, bandwidth: float) -> Band:
             f"The band around {frequency:g} Hz reaches above half the sample rate of "
             f"{sample_rate:g} Hz; give a frequency below {sample_rate / 2 - half_width:g} Hz."
         )
-    # It takes longer to load than a whole node to start: see load_filter_design.
-    from scipy.signal import firwin, kaiserord
-
-    n_taps, shape = kaiserord(_STOP_BAND_DB, _TRANSITION * bandwidth / (sample_rate / 2))
-    taps = firwin(n_taps | 1, bandwidth / 2, window=("kaiser", shape), fs=sample_rate)
+    taps = kaiser_low_pass(sample_rate, bandwidth / 2, _TRANSITION * bandwidth, _STOP_BAND_DB)
     return Band(frequency, bandwidth, int(sample_rate // bandwidth), taps)
-
-
-def load_filter_design() -> None:
-    """Load the design of filters now, so that the first band need not wait for it."""
-    design_band(sample_rate=1000.0, frequency=100.0, bandwidth=10.0)
 
 
 class Demodulator:
