@@ -44,7 +44,7 @@ ROS = "ros.txt"
 KINDS = {
     "quick": ("run.txt", "test.txt"),
     "run": (ROS, "run.txt"),
-    "docs": (ROS, "run.txt", "docs.txt"),
+    "docs": ("run.txt", "docs.txt"),
     "test": (ROS, "run.txt", "docs.txt", "test.txt"),
 }
 """The lists of requirements of each kind of use; a kind serves those with fewer lists, too."""

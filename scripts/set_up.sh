@@ -1,8 +1,8 @@
 # Sourced by run.sh, docs.sh and test.sh, with $project set: brings the environment .venv up to date.
 #
-#   set_up KIND    KIND is run, docs, test or quick (the tests that need no ROS and so no compiler);
-#                  returns at once if nothing has changed since the last set-up; otherwise chooses a
-#                  Python and lets it run set_up.py, or says what is missing
+#   set_up KIND    KIND is run or test, or docs or quick (some of the tests), which need no ROS and so
+#                  no compiler; returns at once if nothing has changed since the last set-up, otherwise
+#                  chooses a Python and lets it run set_up.py, or says what is missing
 #
 # The package is installed editable: edits below src/, config/ and launch/ take effect at once, in
 # .venv/bin/python as well, so a developer needs no other set-up than these scripts.
@@ -94,7 +94,7 @@ set_up() { # KIND
     PATH="${PATH//":$project/.venv/bin:"/:}"
     PATH="${PATH#:}"
     PATH="${PATH%:}"
-    [[ "$1" == quick ]] || check_machine
+    [[ "$1" == quick || "$1" == docs ]] || check_machine
     choose_python "$1"
     "$python" -I "$project/scripts/set_up.py" "$1" "$wanted" "${PYTHON:-}"
 }

@@ -5,7 +5,7 @@ from __future__ import annotations
 from docs.reference_writer.tables import parameter_cells, sentence, table
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
-from sonar_tracking.graph.nodes.recorder import PARAMETER_DESCRIPTIONS as RECORDER_PARAMETERS
+from sonar_tracking.graph.catalogue.recorder_parameters import RECORDER_PARAMETERS
 
 
 def nodes() -> str:

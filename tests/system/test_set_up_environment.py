@@ -71,9 +71,12 @@ def test_nothing_has_to_be_compiled_once_there_is_a_wheel(
     assert set_up.problem("run") is None
 
 
-def test_quick_tests_need_no_compiler(set_up: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("kind", ["quick", "docs"])
+def test_quick_tests_and_documentation_need_no_compiler(
+    set_up: ModuleType, monkeypatch: pytest.MonkeyPatch, kind: str
+) -> None:
     monkeypatch.setattr(set_up.shutil, "which", lambda _name: None)
-    assert set_up.problem("quick") is None
+    assert set_up.problem(kind) is None
 
 
 @pytest.mark.parametrize(

@@ -28,6 +28,7 @@ from sonar_tracking.bags.storage.recording_information import (
 )
 from sonar_tracking.bags.storage.writer import FLUSH_PERIOD, BagWriter
 from sonar_tracking.errors import ConfigurationError, Severity
+from sonar_tracking.graph.catalogue.recorder_parameters import RECORDER_PARAMETERS
 from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC, DIAGNOSTICS_TOPIC
 from sonar_tracking.graph.message_writing.field_writing import message_class, time_from_stamp
 from sonar_tracking.graph.node_base import quality_of_service
@@ -40,16 +41,6 @@ from sonar_tracking.graph.node_base.ready_reports import ReadyReports
 NAME = "recorder"
 RECORDING = "recording"
 """Concern: what has been written, and whether it can be."""
-
-PARAMETER_DESCRIPTIONS: dict[str, str] = {
-    "output": "directory of the bag; if it exists, the next free <output>_2, _3, ... is taken",
-    "topics": "resolved names of the topics to record",
-    "types": "their message types, e.g. nav_msgs/msg/Odometry",
-    "roles": "their roles: input, output, truth or other; empty = told from name and type",
-    "recording": "what the bag shall know of its making: JSON text, or path of a JSON file",
-    "flow_depth": "messages kept per topic; at least twice the flow window of the time master",
-}
-"""Parameters of the node and what they are; all are read-only."""
 
 _TRACK_LISTS = ("sonar_tracking_msgs/msg/BearingTracks", "sonar_tracking_msgs/msg/Tracks")
 _ROLES: tuple[Role, ...] = ("input", "output", "truth", "other")
@@ -100,12 +91,12 @@ class Recorder(Node):
         super().destroy_node()
 
     def _declared_parameters(self) -> dict[str, Any]:
-        defaults: dict[str, Any] = dict.fromkeys(PARAMETER_DESCRIPTIONS, "")
+        defaults: dict[str, Any] = dict.fromkeys(RECORDER_PARAMETERS, "")
         # ROS cannot tell the type of an empty list; one empty text stands for it.
         defaults |= {name: [""] for name in ("topics", "types", "roles")}
         defaults["flow_depth"] = quality_of_service.DEFAULT_FLOW_DEPTH
         values = {}
-        for name, text in PARAMETER_DESCRIPTIONS.items():
+        for name, text in RECORDER_PARAMETERS.items():
             descriptor = ParameterDescriptor(description=text, read_only=True)
             value = self.declare_parameter(name, defaults[name], descriptor).value
             values[name] = [v for v in value if v] if isinstance(value, list) else value
