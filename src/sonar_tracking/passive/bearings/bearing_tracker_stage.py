@@ -36,13 +36,13 @@ from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
     check_configuration,
     subspace_methods_of_covariance,
 )
+from sonar_tracking.passive.bearings.estimate_checks import check_estimates
 from sonar_tracking.passive.bearings.track_existence import (
     ENDED,
     Evidence,
     existence_evidence,
     no_evidence,
 )
-from sonar_tracking.passive.directions.signal_subspace import noise_factor
 from sonar_tracking.passive.directions.sources_at_angles import (
     estimated_sources,
     signal_to_noise_ratios,
@@ -106,6 +106,8 @@ class BearingTrackerStage:
     def __init__(self, configuration: BearingTrackerConfiguration) -> None:
         check_configuration(configuration)
         self.configuration = configuration
+        self._ends_tracks = configuration.ends_tracks
+        self._needs_covariance = configuration.needs_covariance
         self._filters: BearingFilters[Any] = configuration.entry.make(configuration)
         self._next_id = configuration.first_id
         self._state: _TrackerState | None = None
@@ -173,7 +175,7 @@ class BearingTrackerStage:
     def _check_method(self, estimates: SubspaceEstimates) -> None:
         configuration = self.configuration
         suitable = SUBSPACE_METHODS.names_with("of_covariance")
-        if configuration.needs_covariance and estimates.method not in suitable:
+        if self._needs_covariance and estimates.method not in suitable:
             names = subspace_methods_of_covariance()
             raise InputError(
                 f"method {configuration.method} needs estimates of method {names}, but these are "
@@ -210,7 +212,7 @@ class BearingTrackerStage:
             process_noise=self.configuration.process_noise_density,
             maximum_rate=float(np.deg2rad(self.configuration.maximum_rate_deg)),
             next_id=first_new,
-            follows_count=self.configuration.needs_covariance,
+            follows_count=self._needs_covariance,
             counter=WeakSourceCounter(counted_together=self.configuration.covariances_counted),
         )
         return _TrackerState(
@@ -277,7 +279,7 @@ class BearingTrackerStage:
     ) -> tuple[TrackStatus, ...]:
         """Return the status of each running track; TERMINATED is reported once."""
         coasted = np.full(len(state.ids), measurement is None and self._state is not None)
-        if not self.configuration.ends_tracks:
+        if not self._ends_tracks:
             return tuple(np.where(coasted, TrackStatus.COASTED, TrackStatus.CONFIRMED).tolist())
         status = np.where(coasted | evidence.unseen, TrackStatus.COASTED, TrackStatus.CONFIRMED)
         status[state.existence < ENDED] = TrackStatus.TERMINATED
@@ -287,7 +289,7 @@ class BearingTrackerStage:
         self, state: _TrackerState, evidence: Evidence
     ) -> tuple[_TrackerState, int | None]:
         """Drop ended tracks; return how many of the others have a source, None = all."""
-        if not self.configuration.ends_tracks:
+        if not self._ends_tracks:
             return state, None
         rows = np.flatnonzero(state.existence >= ENDED)
         n_seen = int(np.count_nonzero(~evidence.unseen[rows]))
@@ -309,40 +311,3 @@ class BearingTrackerStage:
             existence=np.concatenate([state.existence, new.existence_probability]),
         )
         return grown, new.append(tentative_rows(start.tentative, estimates.stamp))
-
-
-def check_estimates(estimates: SubspaceEstimates) -> None:
-    """Reject estimates whose parts do not fit together, are not finite or no covariance of noise.
-
-    Raises
-    ------
-    InputError
-        With one sentence for the first thing that is wrong.
-    """
-    shape, n_elements = estimates.basis.shape, len(estimates.element_positions)
-    if estimates.basis.ndim < 3 or shape[-2] != n_elements:
-        raise InputError(
-            f"The bases have shape {shape} but the array has {n_elements} elements; they must "
-            "be (n_subspaces, n_elements, n_columns)."
-        )
-    if shape[-3] != len(estimates.time_offsets):
-        raise InputError(
-            f"There are {shape[-3]} subspaces but {len(estimates.time_offsets)} time offsets."
-        )
-    if shape[-3] > 0 and not 0 < shape[-1] < n_elements:
-        raise InputError(
-            f"The subspaces have {shape[-1]} columns; an array of {n_elements} elements needs "
-            f"between 1 and {n_elements - 1}."
-        )
-    if not np.isfinite(estimates.basis).all():
-        raise InputError("A subspace holds values that are not finite numbers.")
-    if estimates.covariance is not None and not np.isfinite(estimates.covariance).all():
-        raise InputError("The covariance holds values that are not finite numbers.")
-    noise = estimates.noise_covariance
-    if noise is not None:
-        if noise.shape != (n_elements, n_elements) or not np.isfinite(noise).all():
-            raise InputError(
-                f"The noise covariance has shape {noise.shape} or values that are not finite; it "
-                f"must be {n_elements} by {n_elements} finite numbers."
-            )
-        noise_factor(noise)
