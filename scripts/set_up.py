@@ -333,8 +333,10 @@ def register() -> None:
     for folder in (index, share, programs):
         folder.mkdir(parents=True, exist_ok=True)
     shutil.copy(PROJECT / "resource" / "sonar_tracking", index)
-    for name in ("package.xml", "config", "launch"):
-        (share / name).symlink_to(PROJECT / name)
+    link_file(PROJECT / "package.xml", share / "package.xml")
+    for name in ("config", "launch"):
+        for file in sorted(path for path in (PROJECT / name).rglob("*.*") if path.suffix != ".pyc"):
+            link_file(file, share / file.relative_to(PROJECT))
     (programs / "sonar-tracking").symlink_to(ENVIRONMENT / "bin" / "sonar-tracking")
     libraries = ENVIRONMENT / "lib" / f"python{PYTHON_VERSION}" / "site-packages"
     (package,) = distributions(name="sonar_tracking", path=[str(libraries)])
@@ -346,6 +348,12 @@ def register() -> None:
                 f'#!/bin/sh\nexec {shlex.quote(environment_python())} -m {module} "$@"\n'
             )
             program.chmod(0o755)
+
+
+def link_file(source: Path, link: Path) -> None:
+    """Link one file; folders are made, since ROS 2 tools follow no link to a folder."""
+    link.parent.mkdir(parents=True, exist_ok=True)
+    link.symlink_to(source)
 
 
 if __name__ == "__main__":

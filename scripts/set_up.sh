@@ -29,8 +29,12 @@ fingerprint() {
     (
         cd "$project"
         export LC_ALL=C
-        { echo "$project" && sha256sum requirements/* setup.py setup.cfg package.xml \
-            scripts/set_up.py msg_defs/*.* msg_defs/msg/*; } | sha256sum | cut -d " " -f 1
+        {
+            echo "$project"
+            sha256sum requirements/* setup.py setup.cfg package.xml scripts/set_up.py \
+                msg_defs/*.* msg_defs/msg/*
+            find config launch -name "*.*" ! -name "*.pyc" | sort # each has a link
+        } | sha256sum | cut -d " " -f 1
     )
 }
 

@@ -50,7 +50,11 @@ def test_ros_tools_find_package_files_and_programs() -> None:
     """The ament index, share/ and lib/ are where ros2 run and ros2 launch look."""
     share = Path(get_package_share_directory("sonar_tracking"))
     assert (share / "package.xml").is_file()
-    assert (share / "launch" / "pipeline.launch.py").is_file()
+    # ros2 launch walks the folders without following a link to one.
+    walked = [Path(folder) / name for folder, _, names in os.walk(share) for name in names]
+    for launch_file in (PROJECT / "launch").glob("*.launch.py"):
+        found = [path for path in walked if path.name == launch_file.name]
+        assert [path.read_bytes() for path in found] == [launch_file.read_bytes()]
     assert (share / "config" / "scenarios" / "doa_fusion.yaml").is_file()
     programs = share.parents[1] / "lib" / "sonar_tracking"
     for name in (*NODES, "recorder", "sonar-tracking"):
