@@ -87,7 +87,7 @@ def run_python(*arguments: str, **variables: str) -> subprocess.CompletedProcess
         cwd=PROJECT,
         capture_output=True,
         text=True,
-        timeout=90,
+        timeout=300,
         check=False,
     )
 
