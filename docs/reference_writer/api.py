@@ -21,7 +21,12 @@ PACKAGES = (
     "simulation",
     "bags",
     "evaluation",
+    "geometry",
+    "motion",
+    "message_reading",
+    "graph",
 )
+"""Packages and modules that a user of the library imports from."""
 
 
 def package(name: str) -> str:
@@ -33,7 +38,8 @@ def package(name: str) -> str:
         One of :data:`PACKAGES`.
     """
     module = importlib.import_module(f"sonar_tracking.{name}")
-    exports = exports_of(module)
+    values = {export: _value(module, export) for export in exports_of(module)}
+    exports = [export for export, value in values.items() if value is not None]
     parts = [
         _directive(f".. automodule:: {module.__name__}"),
         _directive(
@@ -45,14 +51,30 @@ def package(name: str) -> str:
             *(f"   {export}" for export in exports),
         ),
     ]
+    if missing := [f"`{export}`" for export, value in values.items() if value is None]:
+        parts.append(f"These pages were built without ROS 2, which {', '.join(missing)} need.")
     for export in exports:
-        parts += [f"## {export}", _entry(f"{module.__name__}.{export}", getattr(module, export))]
+        parts += [f"## {export}", _entry(f"{module.__name__}.{export}", values[export])]
     return "\n\n".join(parts)
 
 
 def exports_of(module: ModuleType) -> list[str]:
-    """Return the names that a package exports: constants, classes, functions, in their order."""
-    return sorted(getattr(module, "__all__", ()))
+    """Return the names that a package exports, or the public ones that a module defines."""
+    defined = (
+        name
+        for name, value in vars(module).items()
+        if not name.startswith("_") and getattr(value, "__module__", "") == module.__name__
+    )
+    return sorted(getattr(module, "__all__", defined))
+
+
+def _value(module: ModuleType, export: str) -> object | None:
+    """Return what is exported; None if it needs a package that is not installed."""
+    try:
+        value: object = getattr(module, export)
+    except ModuleNotFoundError:
+        return None
+    return value
 
 
 def _entry(path: str, value: object) -> str:

@@ -3,7 +3,7 @@
 A platform moves at constant speed along straight legs joined by turns of constant rate, so that
 its state at any instant has a closed form. Azimuths are radians anticlockwise from +x (east).
 
-Sound takes time: what is received at t left the target at the emission time t_e, the root of
+Sound takes time: what is received at t left the target at the emission time t_e, the root of::
 
     c (t - t_e) = |p_receiver(t) - p_target(t_e)|.
 """

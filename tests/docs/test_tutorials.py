@@ -16,6 +16,7 @@ from tests.system.command_line import PATIENCE, environment
 NOT_RUN = {
     r"\./scripts/": "sets an environment up and runs for minutes; tests/system/test_set_up*.py",
     r"pip install": "changes the environment",
+    r"python examples/": "tests/examples runs all of them",
     r"(git clone|for n in|done$|python docs/reference/extracts/)": (
         "needs the data of others; test_extracts.py runs the scripts on files like theirs"
     ),
