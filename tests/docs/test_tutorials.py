@@ -35,16 +35,21 @@ NOT_RUN_PAGES = {
     "README.md": "one screen of the commands that the tutorials run",
     "docs/get_started.md": "the two commands",
 }
-TUTORIALS = [
-    page
-    for page in sorted({block.page for block in all_blocks()} - set(NOT_RUN_PAGES))
-    if any(block.language in {"console", "python"} for block in blocks_of(DOCS.parent / page))
-]
 
 
 def is_run(line: str) -> bool:
     """Whether a line of a console block is run here."""
     return not any(re.match(pattern, line) for pattern in NOT_RUN)
+
+
+TUTORIALS = [
+    page
+    for page in sorted({block.page for block in all_blocks()} - set(NOT_RUN_PAGES))
+    if any(
+        block.language == "python" or any(map(is_run, block.commands))
+        for block in blocks_of(DOCS.parent / page)
+    )
+]
 
 
 def reader_environment(folder: Path) -> dict[str, str]:
