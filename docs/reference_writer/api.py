@@ -10,6 +10,7 @@ from types import ModuleType
 from docs.reference_writer.methods import methods_table
 from docs.reference_writer.tables import parameter_cells, table
 from sonar_tracking.configuration import describe
+from sonar_tracking.graph.catalogue.topics import Topic
 from sonar_tracking.method_registry import MethodRegistry
 
 PACKAGES = (
@@ -87,6 +88,9 @@ def _entry(path: str, value: object) -> str:
             rows = [(f"`{entry.name}`", *parameter_cells(entry)) for entry in describe(value)]
             parts.append(table(("field", "default", "unit", "allowed", "what it does"), rows))
         return "\n\n".join(parts)
+    if isinstance(value, Topic):
+        text = f"   Topic ``{value.name}``, ``{value.message_type}``: {value.description}."
+        return _directive(f".. py:data:: {path}", "", text)
     if inspect.isroutine(value):
         return _directive(f".. autofunction:: {path}")
     return _directive(f".. autodata:: {path}", "   :no-value:")

@@ -59,7 +59,7 @@ def shortened(name: str, duration: float, nodes: Mapping[str, Mapping[str, Any]]
 
 
 def columns(entries: Iterable[Any], *names: str) -> Outputs:
-    """Return fields of a series of records, each as one flat array; of covariances the variances."""
+    """Return fields of records, each as one flat array; of covariances the variances."""
     rows = list(entries)
     found: Outputs = {}
     for name in names:
