@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from sonar_tracking.active import ContactTrackerConfiguration, make_contact_tracker
 from sonar_tracking.evaluation.monte_carlo.batch_runner import RunBatch
 from sonar_tracking.evaluation.offline.offline_bearing_chain import run_offline_chain
 from sonar_tracking.evaluation.offline.offline_contact_chain import run_offline_active_chain
@@ -15,14 +16,25 @@ from sonar_tracking.evaluation.offline.offline_sample_chain import run_offline_s
 from sonar_tracking.evaluation.offline.offline_tma_chain import run_offline_tma_chain
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.runs import SceneBatch, bound_of
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import scenario
-from sonar_tracking.passive import near_field_bound, near_field_information
+from sonar_tracking.passive import (
+    BearingTrackerConfiguration,
+    BearingTrackerStage,
+    SubspaceConfiguration,
+    SubspaceStage,
+    near_field_bound,
+    near_field_information,
+)
 from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.bearings import BearingTracks, SubspaceEstimates
+from sonar_tracking.records.contacts import Contacts
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.scenarios.scenario_mapping import (
     load_scenario,
     scenario_from_mapping,
     scenario_to_mapping,
 )
+from sonar_tracking.simulation.sensors.active_sonar_simulation import ActiveSonarSimulation
+from sonar_tracking.simulation.sensors.array_simulation import ArraySimulation
 from sonar_tracking.simulation.sensors.tma_scene import simulate_runs
 from sonar_tracking.tma import TMA_METHODS
 from sonar_tracking.tma.batch.batch_likelihood import BatchConfiguration, estimate_batch_likelihood
@@ -59,7 +71,7 @@ def shortened(name: str, duration: float, nodes: Mapping[str, Mapping[str, Any]]
 
 
 def columns(entries: Iterable[Any], *names: str) -> Outputs:
-    """Return fields of records, each as one flat array; of covariances the variances."""
+    """Return fields of a series of records, each as one flat array; variances of covariances."""
     rows = list(entries)
     found: Outputs = {}
     for name in names:
@@ -136,6 +148,43 @@ def coloured_noise() -> Outputs:
     return bearings(replace(scene, noise=replace(scene.noise, correlation=0.4)))
 
 
+def faulty_elements() -> Outputs:
+    """Return the default chain with one element silent, one too loud, and lost blocks."""
+    scene = shortened("doa_fusion", 20.0, {})
+    estimator, tracker = (
+        SubspaceStage(SubspaceConfiguration()),
+        BearingTrackerStage(BearingTrackerConfiguration()),
+    )
+    tracks: list[BearingTracks] = []
+    estimates: list[SubspaceEstimates] = []
+    for number, block in enumerate(iter(ArraySimulation(scene).next_block, None)):
+        data = block.snapshots.data.copy()
+        data[:, 3] = 0.0
+        data[:, 9] *= 30.0
+        if number not in (60, 61, 130):
+            made = estimator.update(replace(block.snapshots, data=data)).estimates
+            estimates += made
+            tracks += [tracker.update(one).tracks for one in made]
+    spectrum = columns(estimates, "eigenvalues", "noise_power", "rank", "source_count")
+    return spectrum | columns(tracks, "status", "arrival_angle", "covariance")
+
+
+def bare_contacts() -> Outputs:
+    """Return the default tracker on contacts that tell range, azimuth and their errors only."""
+    tracker = make_contact_tracker(ContactTrackerConfiguration())
+    updates = []
+    for ping in ActiveSonarSimulation(shortened("active", 500.0, {})):
+        bare = Contacts(
+            *(ping.contacts.stamp, ping.contacts.range, ping.contacts.azimuth, np.empty(0)),
+            *(ping.contacts.range_standard_deviation, ping.contacts.azimuth_standard_deviation),
+            sensor_position=ping.contacts.sensor_position,
+            sensor_velocity=ping.contacts.sensor_velocity,
+        )
+        updates.append(tracker.update(bare))
+    tracks = [update.tracks for update in updates]
+    return columns(tracks, "id", "status", "state", "covariance", "existence_probability")
+
+
 def tma_case(method: str) -> Callable[[], Outputs]:
     """Return the case of an estimator of positions through the first turn of own ship."""
     return lambda: positions(shortened("tma", 240.0, {"tma_tracker": {"method": method}}))
@@ -205,6 +254,9 @@ CASES: dict[str, Callable[[], Outputs]] = {
     "coloured_noise": coloured_noise,
     "crossing_targets": lambda: bearings(shortened("crossing_targets", 60.0, {})),
     "cross_fix": lambda: positions(shortened("cross_fix", 300.0, {})),
+    "range_bank": lambda: positions(shortened("tma", 420.0, {})),
+    "faulty_elements": faulty_elements,
+    "bare_contacts": bare_contacts,
     "integrated": contact_case("integrated"),
     "hpda_kalman": contact_case("hpda_kalman"),
     "closed_form": contact_case("hpda_kalman", gate_threshold="closed_form"),
