@@ -8,6 +8,9 @@ set -euo pipefail
 project="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)"
 source "$project/scripts/set_up.sh"
 
+# Every test of a command starts processes: none of them should compile all files once more.
+unset PYTHONDONTWRITEBYTECODE
+
 kind=test
 selection=()
 if [[ "${1:-}" == "--quick" ]]; then
@@ -25,14 +28,27 @@ check() { # NAME COMMAND...: run one check; the others run even if it fails
     "$@" || failed+=("$name")
 }
 
+types_found() { # what the types, checked beside the tests, have come to
+    local code=0
+    wait "$types" || code=$?
+    cat "$types_output" >&2
+    return "$code"
+}
+
 check lint .venv/bin/ruff check .
 check format .venv/bin/ruff format --check .
 if [[ -d .venv/lib/python3.10 ]]; then
     echo "== types are checked with Python 3.11 or newer: the last numpy for 3.10 types less" >&2
 else
-    check types .venv/bin/mypy
+    types_output="$(mktemp)"
+    .venv/bin/mypy >"$types_output" 2>&1 &
+    types=$!
+    trap 'kill "$types" 2>/dev/null || true; rm -f "$types_output"' EXIT
 fi
 check tests .venv/bin/python -m pytest -n "$(nproc)" "${selection[@]}" "$@"
+if [[ -n "${types:-}" ]]; then
+    check types types_found
+fi
 
 if ((${#failed[@]})); then
     echo "Failed: ${failed[*]}." >&2

@@ -29,6 +29,7 @@ MARKS = {
     "tests/docs/test_tutorials.py": pytest.mark.system,
     "tests/docs/test_build.py": pytest.mark.slow,
     "tests/graph/nodes/": pytest.mark.graph,
+    "tests/evaluation/offline/": pytest.mark.slow,
     "tests/evaluation/studies/": pytest.mark.slow,
 }
 """Marks of all tests below a directory; single files and tests carry theirs themselves."""

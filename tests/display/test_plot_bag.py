@@ -80,6 +80,7 @@ PLACES = ("tactical_plot.png",)
 TABLES = ("tracks.txt", "track_table.png")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("topics", "names"),
     [

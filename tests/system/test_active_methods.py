@@ -7,7 +7,10 @@ same pings tracked offline. Both being equal, live, replayed and offline results
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,6 +21,7 @@ from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.evaluation.offline.offline_contact_chain import run_offline_active_chain
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario, scenario_to_yaml
+from tests.made_once import made_once
 from tests.system.command_line import digests, report_of, run_command
 
 TRACKS = "/active/tracks"
@@ -33,38 +37,57 @@ VARIANTS: dict[str, dict[str, str | float]] = {
 }
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Scenario]:
     """Record the beginning of the scenario ``active``."""
-    folder = tmp_path_factory.mktemp("recorded")
     scenario = dataclasses.replace(load_scenario("active"), duration=10.0 * PINGS)
-    file, bag = folder / "scene.yaml", folder / "bag"
-    file.write_text(scenario_to_yaml(scenario))
-    done = run_command(folder, "run", file, "--rate", "max", "--record", bag)
-    assert done.returncode == 0, done.stdout
-    return bag, scenario
+
+    def make(folder: Path) -> None:
+        file = folder / "scene.yaml"
+        file.write_text(scenario_to_yaml(scenario))
+        done = run_command(folder, "run", file, "--rate", "max", "--record", folder / "bag")
+        assert done.returncode == 0, done.stdout
+
+    return made_once(tmp_path_factory, "active_beginning", make) / "bag", scenario
+
+
+def parameters_of(variant: str, scenario: Scenario) -> dict[str, Any]:
+    """Return the parameters of the tracker: those of the scenario, changed."""
+    return dict(scenario.nodes["hpda_tracker"]) | VARIANTS[variant]
+
+
+@pytest.fixture(scope="session")
+def replayed(
+    recorded: tuple[Path, Scenario], tmp_path_factory: pytest.TempPathFactory
+) -> Callable[[str], Path]:
+    """Replay the recording with a variant, once; return the folder of bag and report."""
+    bag, scenario = recorded
+
+    def make(variant: str, folder: Path) -> None:
+        overrides = folder / "parameters.yaml"
+        overrides.write_text(yaml.safe_dump({"hpda_tracker": parameters_of(variant, scenario)}))
+        done = run_command(
+            folder, "replay", bag, "--rate", "max", "--record", folder / "bag",
+            "--parameters", overrides, "--json", folder / "report.json",
+        )  # fmt: skip
+        # The recording was made with other parameters: replay says that the tracks differ.
+        assert "differ" in done.stdout, done.stdout
+
+    return lambda variant: made_once(tmp_path_factory, f"active_{variant}", partial(make, variant))
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_graph_and_offline_chain_give_the_same_bits(
-    variant: str, recorded: tuple[Path, Scenario], tmp_path: Path
+    variant: str, recorded: tuple[Path, Scenario], replayed: Callable[[str], Path]
 ) -> None:
-    bag, scenario = recorded
-    parameters = dict(scenario.nodes["hpda_tracker"]) | VARIANTS[variant]
-    overrides, again = tmp_path / "parameters.yaml", tmp_path / "again"
-    overrides.write_text(yaml.safe_dump({"hpda_tracker": parameters}))
-    done = run_command(
-        tmp_path, "replay", bag, "--rate", "max", "--record", again, "--parameters", overrides
-    )
-    # The recording was made with other parameters: replay says that the tracks differ.
-    assert "differ" in done.stdout, done.stdout
-    replayed = list(position_tracks_of(read_bag(again), TRACKS))
+    scenario = recorded[1]
+    tracks = list(position_tracks_of(read_bag(replayed(variant) / "bag"), TRACKS))
     offline = run_offline_active_chain(
-        dataclasses.replace(scenario, nodes={"hpda_tracker": parameters})
+        dataclasses.replace(scenario, nodes={"hpda_tracker": parameters_of(variant, scenario)})
     )
-    assert len(replayed) == len(offline.updates) == PINGS
-    assert max(len(tracks) for tracks in replayed) >= 2
-    for found, update in zip(replayed, offline.updates, strict=True):
+    assert len(tracks) == len(offline.updates) == PINGS
+    assert max(len(found) for found in tracks) >= 2
+    for found, update in zip(tracks, offline.updates, strict=True):
         for field in dataclasses.fields(found):
             column = getattr(found, field.name)
             if isinstance(column, np.ndarray):
@@ -72,20 +95,11 @@ def test_graph_and_offline_chain_give_the_same_bits(
 
 
 def test_a_replay_with_other_parameters_replays_identically(
-    recorded: tuple[Path, Scenario], tmp_path: Path
+    replayed: Callable[[str], Path], tmp_path: Path
 ) -> None:
-    bag, scenario = recorded
-    parameters = dict(scenario.nodes["hpda_tracker"]) | VARIANTS["hpda_kalman, closed form"]
-    overrides, again = tmp_path / "parameters.yaml", tmp_path / "again"
-    overrides.write_text(yaml.safe_dump({"hpda_tracker": parameters}))
-    run_command(
-        tmp_path, "replay", bag, "--rate", "max", "--record", again,
-        "--parameters", overrides, "--json", tmp_path / "first.json",
-    )  # fmt: skip
-    done = run_command(
-        tmp_path, "replay", again, "--rate", "max", "--json", tmp_path / "second.json"
-    )
+    folder, json = replayed("hpda_kalman, closed form"), tmp_path / "second.json"
+    done = run_command(tmp_path, "replay", folder / "bag", "--rate", "max", "--json", json)
     assert done.returncode == 0, done.stdout
-    first, second = report_of(tmp_path / "first.json"), report_of(tmp_path / "second.json")
+    first, second = report_of(folder / "report.json"), report_of(json)
     assert TRACKS in digests(second) and "/active/threshold" in digests(second)
     assert digests(second).items() <= digests(first).items()

@@ -18,6 +18,7 @@ from rosgraph_msgs.msg import Clock
 
 from sonar_tracking import cli
 from sonar_tracking.bags.storage.reader import read_bag
+from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.evaluation.offline.offline_bearing_chain import run_offline_chain
 from sonar_tracking.graph.orchestration.run_observer import tracks_from_bytes
 from sonar_tracking.graph.verbs import run_command as run_command_module
@@ -42,6 +43,14 @@ def running(tmp_path: Path) -> Iterator[list[RunningCommand]]:
     yield commands
     for command in commands:
         command.clean_up()
+
+
+def recorded_count(bag: Path, topic: str) -> int:
+    """Return how many messages of a topic have reached the file of a running recorder."""
+    try:
+        return sum(1 for _ in read_bag(bag).messages([topic]))
+    except ConfigurationError:  # not begun yet
+        return 0
 
 
 def test_summary_and_report(recorded_run: RecordedRun) -> None:
@@ -112,7 +121,7 @@ def test_ctrl_c_ends_a_healthy_run_in_order(
     command.wait_for_text(FLOWING)
     nodes = command.node_processes()
     assert len(nodes) == 4
-    time.sleep(1.5)
+    command.wait_for(lambda: recorded_count(bag, "/array/snapshots") > 5)
     command.interrupt(number)
     assert command.wait() == 0, command.output
     assert not any((Path("/proc") / str(process)).exists() for process in nodes)
@@ -145,8 +154,7 @@ def test_a_killed_tracker_is_restarted_and_reported(
     arguments = ("run", "--rate", "8", "--record", bag, "--json", json)
     command = RunningCommand(tmp_path, *arguments)
     running.append(command)
-    command.wait_for_text(FLOWING)
-    time.sleep(1.2)
+    command.wait_for(lambda: recorded_count(bag, TRACKS) > 2)
     command.kill_node("bearing_tracker")
     assert command.wait() == 1
     assert "bearing_tracker was killed by SIGKILL; it was started again (1 of 3)" in command.output
@@ -163,11 +171,10 @@ def test_a_killed_tracker_is_restarted_and_reported(
 def test_a_killed_simulator_goes_on_where_it_was(
     recorded_run: RecordedRun, tmp_path: Path, running: list[RunningCommand]
 ) -> None:
-    json = tmp_path / "report.json"
-    command = RunningCommand(tmp_path, "run", "--rate", "8", "--json", json)
+    bag, json = tmp_path / "bag", tmp_path / "report.json"
+    command = RunningCommand(tmp_path, "run", "--rate", "8", "--record", bag, "--json", json)
     running.append(command)
-    command.wait_for_text(FLOWING)
-    time.sleep(1.2)
+    command.wait_for(lambda: recorded_count(bag, TRACKS) > 2)
     command.kill_node("array_simulator")
     assert command.wait() == 1
     report = report_of(json)

@@ -76,7 +76,6 @@ def test_more_sources_than_elements_are_refused() -> None:
         run_offline_chain(scenario)
 
 
-@pytest.mark.slow
 def test_ships_whose_bearings_cross_keep_their_names() -> None:
     """Four ships, own ship alters course, one ship is silent for a while: four tracks, no more."""
     run = run_offline_chain(load_scenario("crossing_targets"))

@@ -61,7 +61,6 @@ def test_a_track_that_has_ended_is_told_once_and_never_again(run: OfflineActiveR
     assert len(set(ended)) == len(ended)
 
 
-@pytest.mark.slow
 def test_the_chain_is_reproducible(run: OfflineActiveRun) -> None:
     again = run_offline_active_chain(scenario())
     assert np.array_equal(again.updates[-1].tracks.state, run.updates[-1].tracks.state)

@@ -19,8 +19,6 @@ from sonar_tracking.simulation.scenarios.kinematic_motion import KinematicMotion
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
 
-pytestmark = pytest.mark.slow
-
 LOCALISED_FROM = 270.0
 """s: the second leg of own ship has lasted long enough."""
 

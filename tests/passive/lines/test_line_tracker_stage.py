@@ -281,6 +281,7 @@ def test_frames_last_one_to_four_seconds(length: float) -> None:
         from_mapping(LineTrackerConfiguration, {"frame_length": length}, "here")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("level_db", [3.0, 10.0, 25.0])
 @pytest.mark.parametrize("drift", [0.0, 0.05])
 def test_claimed_deviations_hold_through_the_whole_stage(level_db: float, drift: float) -> None:

@@ -34,6 +34,7 @@ def test_without_noise_the_frequency_is_exact() -> None:
     np.testing.assert_allclose(found, positions, atol=2e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("snr_db", [6.0, 8.0, 10.0, 12.0, 15.0, 20.0, 30.0, 45.0])
 def test_the_variance_is_what_it_says(snr_db: float) -> None:
     """Mean squared error over claimed variance, from just above the threshold on."""

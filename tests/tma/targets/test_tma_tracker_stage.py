@@ -193,6 +193,7 @@ def test_an_unusable_list_coasts_the_targets() -> None:
     assert np.trace(coasted.covariance[0, 2:, 2:]) > velocity
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "method", [entry.name for entry in TMA_METHODS if not entry.weighs_hypotheses]
 )
@@ -204,6 +205,7 @@ def test_methods_for_comparison_can_be_chosen(method: str) -> None:
     assert np.all(np.isfinite(tracks.state))
 
 
+@pytest.mark.slow
 def test_the_same_data_give_the_same_tracks() -> None:
     frames = frames_of(scene(duration=120.0))
     first, second = (fed(TmaTrackerStage(), frames) for _ in range(2))

@@ -27,8 +27,8 @@ from sonar_tracking.evaluation.studies.doa_coherent.scenes import (
     sources_of,
 )
 from sonar_tracking.evaluation.studies.doa_coherent.study import BOUND
-from sonar_tracking.evaluation.studies.study_catalogue import run_study
 from sonar_tracking.geometry import steering_vectors
+from tests.evaluation.kept_results import KeptStudy, run_and_keep
 
 WAVENUMBER = 2.0 * np.pi / 0.075
 RUNS = 21  # more than one batch
@@ -40,9 +40,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def study(folder: Path) -> Study:
-    (study,) = run_study("doa-coherent", RUNS, 1, 2, plots=folder)
-    return study
+def kept(folder: Path) -> KeptStudy:
+    return run_and_keep("doa-coherent", RUNS, plots=folder)
+
+
+@pytest.fixture(scope="module")
+def study(kept: KeptStudy) -> Study:
+    return kept.study
 
 
 def metric(study: Study, system: str, scene: str, kind: str, name: str = "mse_deg2") -> float:
@@ -151,6 +155,6 @@ def test_published_figures_stand_beside(study: Study) -> None:
     assert not study.row(JOINT, Condition(CROSSING, COHERENT).name).published
 
 
-def test_numbers_do_not_depend_on_the_number_of_workers(study: Study) -> None:
-    (alone,) = run_study("doa-coherent", RUNS, 1, 1)
-    assert alone.rows == study.rows
+def test_numbers_do_not_depend_on_the_number_of_workers(kept: KeptStudy) -> None:
+    kept.assert_same_alone(slice(1, None, 2))  # of each condition, the batch of one run
+    kept.assert_same_alone(slice(2, 3))  # and one of many

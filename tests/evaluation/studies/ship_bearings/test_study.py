@@ -117,7 +117,7 @@ def test_a_wrong_file_is_a_sentence(tmp_path: Path) -> None:
 
 
 def test_pictures_are_drawn(made_up: Path, tmp_path: Path) -> None:
-    tracks = locate(made_up)
+    tracks = locate(made_up)[::5]  # of all ways and arrays some
     pictures = ship_bearings(made_up).draw([tracks], ship_rows([tracks]), tmp_path)
     assert len(pictures) == len(tracks)
     assert all(picture.stat().st_size > 5_000 for picture in pictures)
