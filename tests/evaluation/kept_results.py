@@ -33,7 +33,9 @@ class KeptStudy:
             assert pickle.dumps(one) == pickle.dumps(other)
 
 
-def run_and_keep(name: str, runs: int, **files: Path) -> KeptStudy:
+def run_and_keep(
+    name: str, runs: int, json: Path | None = None, plots: Path | None = None
+) -> KeptStudy:
     """Run a study with two workers.
 
     Parameters
@@ -42,8 +44,8 @@ def run_and_keep(name: str, runs: int, **files: Path) -> KeptStudy:
         Of the study.
     runs : int
         Monte Carlo runs per condition.
-    **files : Path
-        ``json`` and ``plots``, as in :func:`run_study`.
+    json, plots : Path, optional
+        As in :func:`run_study`.
     """
     definition = STUDIES[name]
     kept: list[Any] = []
@@ -54,5 +56,5 @@ def run_and_keep(name: str, runs: int, **files: Path) -> KeptStudy:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(STUDIES, name, replace(definition, rows=rows))
-        (study,) = run_study(name, runs, SEED, 2, **files)
+        (study,) = run_study(name, runs, SEED, 2, json=json, plots=plots)
     return KeptStudy(study, definition.tasks(runs, SEED), kept)
