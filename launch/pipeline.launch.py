@@ -7,6 +7,8 @@ service is a matter of parameters too, e.g. ``qos_overrides./array/subspaces.pub
 Without simulation time the simulator paces itself by the clock of the machine.
 """
 
+from pathlib import Path
+
 from launch import LaunchContext, LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
@@ -14,6 +16,7 @@ from launch_ros.actions import Node
 
 from sonar_tracking.graph.catalogue.scenario_graph import started_nodes, with_published_topics
 from sonar_tracking.graph.catalogue.transport_profile import choose_transport
+from sonar_tracking.simulation.scenarios.scenario_file import read_yaml_mapping
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
 
 # The linear algebra of a node is small: threads of its own cost more than they give, and results
@@ -48,6 +51,9 @@ def start_nodes(context: LaunchContext) -> list[Node]:
     """Describe the processes of the nodes with the parameters of the chosen scenario."""
     name = LaunchConfiguration("scenario").perform(context)
     parameter_file = LaunchConfiguration("parameters").perform(context)
+    if parameter_file:
+        # ROS starts every node and lets each of them fail over a file that is not there.
+        read_yaml_mapping(Path(parameter_file))
     use_sim_time = LaunchConfiguration("use_sim_time").perform(context) == "true"
     scenario = load_scenario(name)
     nodes = started_nodes(scenario, name)

@@ -88,6 +88,10 @@ class NodeProcess:
         self.send_signal(number)
         return self._process.wait(PATIENCE)
 
+    def wait(self) -> int:
+        """Return the exit code of a process that ends by itself."""
+        return self._process.wait(PATIENCE)
+
     def kill(self) -> None:
         """End it whatever it does."""
         if self.is_alive:

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
 
 PROJECT = Path(__file__).resolve().parents[2]
@@ -66,9 +67,22 @@ def test_every_node_gets_the_parameters_of_the_scenario(launched: Any) -> None:
     assert all({"use_sim_time": False} in node.keywords["parameters"] for node in nodes.values())
 
 
-def test_parameter_file_comes_last(launched: Any) -> None:
-    for node in launched(parameters="mine.yaml", use_sim_time="true").values():
-        assert node.keywords["parameters"][1:] == [{"use_sim_time": True}, "mine.yaml"]
+def test_parameter_file_comes_last(launched: Any, tmp_path: Path) -> None:
+    mine = tmp_path / "mine.yaml"
+    mine.write_text("bearing_tracker: {ros__parameters: {method: coherent}}\n")
+    for node in launched(parameters=str(mine), use_sim_time="true").values():
+        assert node.keywords["parameters"][1:] == [{"use_sim_time": True}, str(mine)]
+
+
+@pytest.mark.parametrize("text", [None, "", "bearing_tracker: [1"])
+def test_a_parameter_file_that_cannot_be_read_is_an_error_before_any_node_starts(
+    launched: Any, tmp_path: Path, text: str | None
+) -> None:
+    mine = tmp_path / "mine.yaml"
+    if text is not None:
+        mine.write_text(text)
+    with pytest.raises(ConfigurationError, match="mine.yaml"):
+        launched(parameters=str(mine))
 
 
 @pytest.mark.parametrize("scenario", sorted(path.stem for path in SCENARIOS.glob("*.yaml")))

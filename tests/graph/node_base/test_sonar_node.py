@@ -72,11 +72,7 @@ class Live:
 
     def __init__(self) -> None:
         rclpy.init(
-            args=[
-                "--ros-args",
-                "-p",
-                "qos_overrides./passive/bearing_tracks.subscription.depth:=x",
-            ],
+            args=[],
             domain_id=ros_domain(),
             signal_handler_options=SignalHandlerOptions.NO,
         )
@@ -139,12 +135,6 @@ def live() -> Iterator[Live]:
 
 def test_a_node_joins_reports_and_survives(live: Live) -> None:
     """One story, since a graph takes time to meet: join, notice, failure, recovery."""
-    live.wait(lambda: live.probe.sentences("example: parameters"))
-    assert (
-        "qos_overrides parameter of passive/bearing_tracks"
-        in (live.probe.sentences("example: parameters")[-1])
-    )
-
     live.send_odometry(START, 0.0)
     live.send_tracks(START + SECOND)
     live.wait(lambda: live.finished("/own_ship/odometry") == 1)

@@ -89,16 +89,14 @@ def test_a_simulator_started_again_goes_on_at_the_clock(tmp_path: Path) -> None:
     probe.close()
 
 
-def test_a_malformed_scenario_is_named_and_the_node_lives(tmp_path: Path) -> None:
+def test_a_malformed_scenario_is_named_and_the_node_ends(tmp_path: Path) -> None:
     bad = tmp_path / "bad.yaml"
     bad.write_text("duration: 10\narray: {n_elements: [4\n")
-    probe = Probe()
     with node_process(MODULE, tmp_path / "log", use_sim_time=True, scenario=bad) as process:
-        probe.wait_sentence(f"{NODE}: parameters", "bad.yaml", "line 3", "not valid YAML")
-        assert process.is_alive
-        assert "bad.yaml" in process.output
-        assert process.stop(signal.SIGTERM) == 0
-    probe.close()
+        assert process.wait() == 1
+        for part in (f"{NODE}.scenario: ", "bad.yaml", "line 3", "not valid YAML"):
+            assert part in process.output
+        assert "Traceback" not in process.output
 
 
 def test_without_simulation_time_it_paces_itself(tmp_path: Path, scenario: Path) -> None:

@@ -92,8 +92,6 @@ def demodulator(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Demodulato
         "use_sim_time": True,
         "center_frequency": 300.0,
         "bandwidth": 4.0,
-        "block_snapshots": -3,
-        "bandwith": 3.0,
     }
     probe = Probe()
     with node_process(MODULE, log, **parameters) as process:
@@ -101,13 +99,6 @@ def demodulator(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Demodulato
         probe.wait_matched(NODE, "/array/samples", "/array/snapshots", "/flow/done")
         yield demodulator
     probe.close()
-
-
-def test_parameters_out_of_range_or_unknown_are_named(demodulator: Demodulator) -> None:
-    """First, while the node repeats its state until data arrive."""
-    status = f"{NODE}: parameters"
-    demodulator.probe.wait_sentence(status, "bandwith", "did you mean bandwidth")
-    demodulator.probe.wait_sentence(status, "block_snapshots is -3", "The default 4 is used")
 
 
 def test_snapshots_are_those_of_the_stage_to_the_end_of_the_data(demodulator: Demodulator) -> None:

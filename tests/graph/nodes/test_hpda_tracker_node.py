@@ -314,12 +314,3 @@ def test_a_new_run_has_new_names(tracker: Tracker) -> None:
         tracker.assert_pictures(start, range(SETTLED))
         names.append(tracker.target(-1)[0])
     assert names[1] > names[0] >= FIRST_ID
-
-
-def test_parameters_that_do_not_fit_are_named_and_the_node_lives(tmp_path: Any) -> None:
-    probe = Probe("parameter_probe")
-    bad = {"termination_probability": 0.95, "use_sim_time": True}
-    with node_process(f"sonar_tracking.graph.nodes.{NODE}", tmp_path / "log", **bad) as process:
-        probe.wait_sentence(f"{NODE}: parameters", "termination_probability is 0.95", "defaults")
-        assert process.is_alive
-    probe.close()

@@ -105,8 +105,6 @@ def tracker(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tracker]:
         "use_sim_time": True,
         "frame_length": 1.0,
         "maximum_frequency": 400.0,
-        "false_alarm_probability": 0.5,
-        "frame_lenght": 1.0,
     }
     probe = Probe()
     with node_process(f"sonar_tracking.graph.nodes.{NODE}", log, **parameters) as process:
@@ -115,13 +113,6 @@ def tracker(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tracker]:
         probe.wait_matched(NODE, *topics, "/array/lofar", "/flow/done")
         yield tracker
     probe.close()
-
-
-def test_parameters_out_of_range_or_unknown_are_named(tracker: Tracker) -> None:
-    """First, while the node repeats its state until data arrive."""
-    status = f"{NODE}: parameters"
-    tracker.probe.wait_sentence(status, "frame_lenght", "did you mean frame_length")
-    tracker.probe.wait_sentence(status, "false_alarm_probability is 0.5", "default 0.001")
 
 
 def test_a_tone_on_a_tracked_bearing_becomes_its_line(tracker: Tracker) -> None:

@@ -125,8 +125,6 @@ def estimator(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Estimator]:
         "n_subspaces": 3,
         "update_snapshots": 5,
         "reset_after": 2.0,
-        "covariance_snapshots": -5,
-        "forgeting_factor": 0.9,
     }
     probe = Probe()
     with node_process(MODULE, log, **parameters) as process:
@@ -135,15 +133,6 @@ def estimator(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Estimator]:
         probe.wait(lambda: estimator.publisher.get_subscription_count(), "probe matched")
         yield estimator
     probe.close()
-
-
-def test_parameters_out_of_range_or_unknown_are_named(estimator: Estimator) -> None:
-    """First, while the node repeats its state until data arrive."""
-    status = f"{NODE}: parameters"
-    estimator.probe.wait_sentence(status, "forgeting_factor", "did you mean forgetting_factor")
-    estimator.probe.wait_sentence(
-        status, "covariance_snapshots is -5", "at least 0", "The default 100 is used"
-    )
 
 
 def test_good_data_give_one_output_a_sample_time(estimator: Estimator) -> None:

@@ -24,9 +24,6 @@ REPEAT_AFTER = 10 * NANOSECONDS
 MATCHED = "matched"
 """Concern: number of matched remote endpoints by topic."""
 
-PARAMETERS = "parameters"
-"""Concern: what is wrong with the parameters given."""
-
 UNEXPECTED = "unexpected errors"
 """Concern: errors of the program itself, not of its input. A run in which they occur has failed."""
 

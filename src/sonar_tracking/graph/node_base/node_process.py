@@ -7,11 +7,15 @@ from collections.abc import Callable
 from typing import Any
 
 import rclpy
+from rclpy.exceptions import ParameterException
 from rclpy.executors import ExternalShutdownException
 from rclpy.experimental import EventsExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.logging import get_logger
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.stop_signals import STOP_SIGNALS, never_end
 
 PATIENCE = 0.2
@@ -20,6 +24,8 @@ PATIENCE = 0.2
 
 def run_node(make_node: Callable[[], Node]) -> int:
     """Spin a node until SIGINT, SIGTERM or a shutdown from outside; return the exit code.
+
+    It is 1, after a sentence for each, if the parameters given to the node cannot be used.
 
     The handlers only leave a note: however many signals arrive (a terminal sends one to every
     process, and the orchestration forwards its own), a callback is never torn apart.
@@ -32,9 +38,12 @@ def run_node(make_node: Callable[[], Node]) -> int:
 
     for number in STOP_SIGNALS:
         signal.signal(number, request_stop)
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     node = None
     try:
+        try:
+            rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+        except (rclpy_implementation.RCLError, rclpy_implementation.UnknownROSArgsError) as error:
+            raise ConfigurationError(f"ROS cannot read the arguments: {error}") from error
         node = make_node()
         # spin() of this executor does not return on a shutdown; spin_once() does, and it costs
         # nothing: it handled 82,000 messages a second where the standard executor handled 8,000.
@@ -45,6 +54,9 @@ def run_node(make_node: Callable[[], Node]) -> int:
         executor.shutdown()
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
+    except (ConfigurationError, ParameterException) as error:
+        get_logger("sonar_tracking").fatal(f"{error}")
+        return 1
     finally:
         if node is not None:
             node.destroy_node()

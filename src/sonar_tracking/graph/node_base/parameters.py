@@ -1,12 +1,12 @@
 """ROS parameters of a node, declared from configuration dataclasses.
 
-A node never dies of a wrong parameter: the sentence is reported, the default is used.
+A node is not started with a parameter it cannot use: it says why and ends.
 """
 
 from __future__ import annotations
 
 import array
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import Any, TypeVar
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
@@ -23,50 +23,64 @@ from sonar_tracking.errors import ConfigurationError, unknown_name_text
 
 ConfigurationType = TypeVar("ConfigurationType")
 
-_LARGEST_FLOAT = 1.7976931348623157e308
-_LARGEST_INTEGER = 2**63 - 1
 _OVERRIDES_OF_ROS = ("use_sim_time", "start_type_description_service")
 _PREFIX_OF_ROS = "qos_overrides."
 
 
-def resolve(
-    configuration: type[ConfigurationType], overrides: Mapping[str, Any], where: str
-) -> tuple[ConfigurationType, list[str]]:
-    """Return a configuration with the valid overrides, and a sentence for each invalid one.
+def check_overrides(
+    configurations: Iterable[type], overrides: Mapping[str, Any], where: str
+) -> None:
+    """Refuse parameters the node does not have, and values they cannot take, all at once.
 
     Parameters
     ----------
-    configuration : type
-        Configuration dataclass.
+    configurations : iterable of type
+        All configuration dataclasses of the node.
     overrides : mapping
-        Names and values given by the user; names of other configurations are passed over.
+        Names and values given by the user.
     where : str
         Name of the node, for the sentences.
+
+    Raises
+    ------
+    ConfigurationError
+        With one sentence for each parameter that cannot be used.
     """
-    values: dict[str, Value] = {}
-    problems = []
-    for description in describe(configuration):
-        if description.name not in overrides:
-            continue
-        value = _plain(description, overrides[description.name])
+    known = {d.name: d for configuration in configurations for d in describe(configuration)}
+    problems = unknown_overrides(known, overrides, where)
+    for name in known.keys() & overrides.keys():
         try:
-            values[description.name] = checked_value(description, value, where)
+            checked_value(known[name], _plain(known[name], overrides[name]), where)
         except ConfigurationError as error:
-            problems.append(f"{error} The default {_text(description.default)} is used.")
-    try:
-        return configuration(**values), problems
-    except ConfigurationError as error:
-        problems.append(f"{error} The defaults of these parameters are used.")
-        return configuration(), problems
+            problems.append(str(error))
+    if problems:
+        raise ConfigurationError("\n".join(sorted(problems)))
 
 
-def unknown_overrides(
-    configurations: Iterable[type], overrides: Iterable[str], where: str
-) -> list[str]:
+def resolve(
+    configuration: type[ConfigurationType], overrides: Mapping[str, Any], where: str
+) -> ConfigurationType:
+    """Return a configuration with what was given; names of other configurations are passed over.
+
+    Raises
+    ------
+    ConfigurationError
+        On a value that cannot be used, or values that do not go together.
+    """
+    values: dict[str, Value] = {
+        description.name: checked_value(
+            description, _plain(description, overrides[description.name]), where
+        )
+        for description in describe(configuration)
+        if description.name in overrides
+    }
+    return configuration(**values)
+
+
+def unknown_overrides(known: Collection[str], overrides: Iterable[str], where: str) -> list[str]:
     """Return a sentence for each override that is no parameter of the node."""
-    known = {d.name for configuration in configurations for d in describe(configuration)}
     return [
-        unknown_name_text(f"{where}.{name}", name, known) + " It was ignored."
+        unknown_name_text(f"{where}.{name}", name, known)
         for name in sorted(overrides)
         if name not in known
         and name not in _OVERRIDES_OF_ROS
@@ -87,31 +101,28 @@ def declare(node: Node, configuration: Any) -> None:
 
 
 def descriptor(description: ParameterDescription) -> ParameterDescriptor:
-    """Return the ROS descriptor of a parameter: text, range, read-only."""
+    """Return the ROS descriptor of a parameter: text, range, read-only.
+
+    A descriptor knows closed ranges of single numbers alone; whatever else limits a value is said
+    in words.
+    """
     unit = f" [{description.unit}]" if description.unit else ""
     result = ParameterDescriptor(description=description.description + unit, read_only=True)
+    low, high = description.minimum, description.maximum
     if description.choices:
         result.additional_constraints = f"one of {', '.join(description.choices)}"
-    if description.minimum is None and description.maximum is None:
-        return result
-    low, high = description.minimum, description.maximum
-    if description.kind is int:
-        result.integer_range = [
-            IntegerRange(
-                from_value=-_LARGEST_INTEGER if low is None else int(low),
-                to_value=_LARGEST_INTEGER if high is None else int(high),
-                step=1,
-            )
-        ]
-    elif description.kind is float:
-        result.floating_point_range = [
-            FloatingPointRange(
-                from_value=-_LARGEST_FLOAT if low is None else float(low),
-                to_value=_LARGEST_FLOAT if high is None else float(high),
-            )
-        ]
-    else:
+    elif low is None and high is None:
+        pass
+    elif description.kind is tuple:
         result.additional_constraints = f"each {range_text(description)}"
+    elif low is None or high is None:
+        result.additional_constraints = range_text(description)
+    elif description.kind is int:
+        whole = IntegerRange(from_value=int(low), to_value=int(high), step=1)
+        result.integer_range = [whole]
+    else:
+        limits = FloatingPointRange(from_value=float(low), to_value=float(high))
+        result.floating_point_range = [limits]
     return result
 
 
@@ -138,7 +149,3 @@ def _plain(description: ParameterDescription, value: Any) -> Any:
 
 def _entries(value: Any) -> Any:
     return list(value) if isinstance(value, array.array | tuple) else value
-
-
-def _text(value: Any) -> str:
-    return repr(list(value)) if isinstance(value, tuple) else repr(value)

@@ -14,13 +14,12 @@ from typing import Any, Protocol
 import yaml
 from rosgraph_msgs.msg import Clock
 
-from sonar_tracking.errors import ConfigurationError, Severity
+from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.node_configuration import SimulatorConfiguration
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC
 from sonar_tracking.graph.node_base import quality_of_service
 from sonar_tracking.graph.node_base.data_flow import DataOutput
-from sonar_tracking.graph.node_base.diagnostics import PARAMETERS
 from sonar_tracking.graph.node_base.sonar_node import SonarNode
 from sonar_tracking.message_reading.field_reading import stamp_from_time
 from sonar_tracking.simulation.scenarios.scenario import Scenario
@@ -46,8 +45,7 @@ class SimulatorNode(SonarNode):
     """Publishes the data of a simulation when they are due.
 
     A subclass makes its publishers, calls :meth:`begin`, and overrides :meth:`data`,
-    :meth:`publish` and :attr:`main_output`. A scenario that cannot be used is reported, and the
-    node idles.
+    :meth:`publish` and :attr:`main_output`.
 
     Parameters
     ----------
@@ -82,7 +80,13 @@ class SimulatorNode(SonarNode):
         """Publish one datum."""
 
     def begin(self) -> None:
-        """Read the scenario of the parameters and wait for the clock."""
+        """Read the scenario of the parameters and wait for the clock.
+
+        Raises
+        ------
+        ConfigurationError
+            If there is no such scenario, or nothing in it for this simulator.
+        """
         configuration = self.configuration(SimulatorConfiguration)
         try:
             scenario = read_scenario(configuration.scenario)
@@ -94,9 +98,7 @@ class SimulatorNode(SonarNode):
             self._data = self.data(scenario)
             self._next = next(self._data, None)
         except ConfigurationError as error:
-            sentence = f"{error} The simulator idles; start it again with another scenario."
-            self.diagnostics.report(PARAMETERS, "scenario", Severity.ERROR, sentence, lasting=True)
-            return
+            raise ConfigurationError(f"{self.get_name()}.scenario: {error}") from error
         if self.get_parameter("use_sim_time").value:
             self.create_subscription(Clock, CLOCK_TOPIC, self._tick, quality_of_service.CLOCK)
             return

@@ -6,7 +6,8 @@ input. Everything else is here: parameters, stamp checks, joining, progress, dia
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -14,7 +15,6 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
-from sonar_tracking.configuration import describe
 from sonar_tracking.errors import ConfigurationError, InputError, Notice, Severity
 from sonar_tracking.graph.catalogue.node_configuration import NodeConfiguration
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
@@ -28,14 +28,13 @@ from sonar_tracking.graph.node_base.data_flow import (
     Received,
     input_concern,
 )
-from sonar_tracking.graph.node_base.diagnostics import PARAMETERS, UNEXPECTED, Diagnostics, kind_of
+from sonar_tracking.graph.node_base.diagnostics import UNEXPECTED, Diagnostics, kind_of
 from sonar_tracking.graph.node_base.event_time_join import EventTimeJoin, Interpolation, JoinedItem
 from sonar_tracking.graph.node_base.node_watch import NodeWatch
 from sonar_tracking.graph.node_base.stamp_guard import Verdict, seconds_text
 from sonar_tracking.records.time import NANOSECONDS
 
 ConfigurationType = TypeVar("ConfigurationType")
-EndpointType = TypeVar("EndpointType")
 Convert = Callable[[Any], Any]
 
 
@@ -60,14 +59,9 @@ class SonarNode(Node):
             DiagnosticArray, DIAGNOSTICS_TOPIC, quality_of_service.DIAGNOSTICS
         )
         self.diagnostics = Diagnostics(self.get_name(), self.get_logger(), publisher.publish)
-        self.diagnostics.add(PARAMETERS, dict)
         self.progress = ProgressReporter(self)
         self._overrides = parameters.overrides_of(self)
-        self._report_parameters(
-            parameters.unknown_overrides(
-                description.configurations, self._overrides, self.get_name()
-            )
-        )
+        parameters.check_overrides(description.configurations, self._overrides, self.get_name())
         self.node_configuration = self.configuration(NodeConfiguration)
         self._join = EventTimeJoin()
         self._series_topics: set[str] = set()
@@ -93,25 +87,26 @@ class SonarNode(Node):
             Configuration dataclass.
         check : callable
             Called with the configuration; raises ConfigurationError on a combination that does
-            not go together, e.g. the class of the stage. The defaults are used then.
+            not go together, e.g. the class of the stage.
+
+        Raises
+        ------
+        ConfigurationError
+            If what was given cannot be used: the node is not to be started.
         """
-        resolved, problems = parameters.resolve(configuration, self._overrides, self.get_name())
         try:
+            resolved = parameters.resolve(configuration, self._overrides, self.get_name())
             check(resolved)
         except ConfigurationError as error:
-            names = ", ".join(description.name for description in describe(configuration))
-            problems.append(f"{self.get_name()}: {error} The defaults of {names} are used.")
-            resolved = configuration()
-        self._report_parameters(problems)
+            raise ConfigurationError(f"{self.get_name()}: {error}") from error
         parameters.declare(self, resolved)
         return resolved
 
     def data_publisher(self, topic: Topic) -> DataOutput:
         """Return a publisher that reports progress."""
         depth = self.node_configuration.flow_depth
-        output = self._with_quality_of_service(
-            topic, lambda overriding: DataOutput(self, topic, depth, self.progress, overriding)
-        )
+        with self._overriding_quality(topic) as overriding:
+            output = DataOutput(self, topic, depth, self.progress, overriding)
         self.data_outputs.append(output)
         return output
 
@@ -183,9 +178,8 @@ class SonarNode(Node):
 
     def _subscribe(self, topic: Topic, convert: Convert) -> None:
         configuration = self.node_configuration
-
-        def make(overriding: QoSOverridingOptions | None) -> DataInput:
-            return DataInput(
+        with self._overriding_quality(topic) as overriding:
+            source = DataInput(
                 self,
                 topic,
                 configuration.flow_depth,
@@ -195,29 +189,19 @@ class SonarNode(Node):
                 self.progress,
                 overriding,
             )
-
-        source = self._with_quality_of_service(topic, make)
         self.data_inputs.append(source)
         self.diagnostics.add(input_concern(source), source.values)
 
-    def _with_quality_of_service(
-        self, topic: Topic, make: Callable[[QoSOverridingOptions | None], EndpointType]
-    ) -> EndpointType:
-        """Make an endpoint with the overrides of the user, or without when they are invalid."""
+    @contextmanager
+    def _overriding_quality(self, topic: Topic) -> Iterator[QoSOverridingOptions]:
+        """Let an endpoint be made with the overrides of the user; refuse what ROS cannot use."""
         try:
-            return make(quality_of_service.overridable())
+            yield quality_of_service.overridable()
         except Exception as error:
-            self._report_parameters(
-                [
-                    f"{self.get_name()}: a qos_overrides parameter of {topic.name} cannot be used "
-                    f"({error}); the defaults are used."
-                ]
-            )
-            return make(None)
-
-    def _report_parameters(self, problems: Iterable[str]) -> None:
-        for problem in problems:
-            self.diagnostics.report(PARAMETERS, problem, Severity.ERROR, problem, lasting=True)
+            raise ConfigurationError(
+                f"{self.get_name()}: a qos_overrides parameter of {topic.name} cannot be used: "
+                f"{error}"
+            ) from error
 
     def _receive(self, source: DataInput, message: Any) -> None:
         check = source.check(message)

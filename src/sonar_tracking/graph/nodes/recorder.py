@@ -2,8 +2,8 @@
 
 Inputs: the topics given by the parameters. Outputs: none but Progress on ``flow/done``, so that a
 run waits for the recorder as for any other consumer. The bag is finished on SIGINT and SIGTERM; a
-kill loses less than a second. A recorder that cannot write says so, keeps the run going and ends
-with exit code 1.
+kill loses less than a second. A recorder that cannot write any more says so, keeps the run going
+and ends with exit code 1.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ from sonar_tracking.errors import ConfigurationError, Severity
 from sonar_tracking.graph.catalogue.recorder_parameters import RECORDER_PARAMETERS
 from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC, DIAGNOSTICS_TOPIC
 from sonar_tracking.graph.message_writing.field_writing import message_class, time_from_stamp
-from sonar_tracking.graph.node_base import quality_of_service
+from sonar_tracking.graph.node_base import parameters, quality_of_service
 from sonar_tracking.graph.node_base.data_flow import ProgressReporter
-from sonar_tracking.graph.node_base.diagnostics import MATCHED, PARAMETERS, Diagnostics
+from sonar_tracking.graph.node_base.diagnostics import MATCHED, Diagnostics
 from sonar_tracking.graph.node_base.node_process import run_node
 from sonar_tracking.graph.node_base.node_watch import STATUS_PERIOD
 from sonar_tracking.graph.node_base.ready_reports import ReadyReports
@@ -62,7 +62,6 @@ class Recorder(Node):
             DiagnosticArray, DIAGNOSTICS_TOPIC, quality_of_service.DIAGNOSTICS
         )
         self._diagnostics = Diagnostics(self.get_name(), self.get_logger(), publisher.publish)
-        self._diagnostics.add(PARAMETERS, dict)
         self._progress = ProgressReporter(self)
         self._counts: dict[str, int] = {}
         self._topics: dict[str, Any] = {}
@@ -73,7 +72,7 @@ class Recorder(Node):
         try:
             self._start(values)
         except (ConfigurationError, OSError) as error:
-            self._fail(PARAMETERS, f"{self.get_name()}: {error} Nothing is recorded.")
+            raise ConfigurationError(f"{self.get_name()}: {error}") from error
         self._diagnostics.add(MATCHED, self._matched)
         self._diagnostics.add(RECORDING, self._written)
         ReadyReports(self, self._diagnostics, self._matched, lambda: any(self._counts.values()))
@@ -95,6 +94,11 @@ class Recorder(Node):
         # ROS cannot tell the type of an empty list; one empty text stands for it.
         defaults |= {name: [""] for name in ("topics", "types", "roles")}
         defaults["flow_depth"] = quality_of_service.DEFAULT_FLOW_DEPTH
+        unknown = parameters.unknown_overrides(
+            RECORDER_PARAMETERS, parameters.overrides_of(self), self.get_name()
+        )
+        if unknown:
+            raise ConfigurationError("\n".join(unknown))
         values = {}
         for name, text in RECORDER_PARAMETERS.items():
             descriptor = ParameterDescriptor(description=text, read_only=True)
