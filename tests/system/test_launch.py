@@ -81,7 +81,7 @@ def test_a_parameter_file_that_cannot_be_read_is_an_error_before_any_node_starts
     mine = tmp_path / "mine.yaml"
     if text is not None:
         mine.write_text(text)
-    with pytest.raises(ConfigurationError, match="mine.yaml"):
+    with pytest.raises(ConfigurationError, match=r"mine\.yaml"):
         launched(parameters=str(mine))
 
 
