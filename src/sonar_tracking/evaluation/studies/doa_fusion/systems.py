@@ -16,7 +16,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sonar_tracking.evaluation.monte_carlo.compared_methods import compared_methods
 from sonar_tracking.evaluation.monte_carlo.run_synthesis import true_bearings
+from sonar_tracking.passive.bearings.bearing_method_registry import BEARING_METHODS
 from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
     BearingTrackerConfiguration,
 )
@@ -60,14 +62,26 @@ class FusionSystem:
     fused_variance: str = "independent"
 
 
-SYSTEMS = (
+_NAMED = (
     FusionSystem(RYU, "ryu", SINGLE_VARIANCE_DEG2),
     FusionSystem(AVERAGE_ONLY, "ml_fusion", N_SUBSPACES * SINGLE_VARIANCE_DEG2),
     FusionSystem(VARIANCE_ONLY, "ryu", SINGLE_VARIANCE_DEG2 / N_SUBSPACES),
     FusionSystem(PROPOSED, "ml_fusion", SINGLE_VARIANCE_DEG2),
     FusionSystem(CORRELATED, "ml_fusion", SINGLE_VARIANCE_DEG2, "correlated"),
 )
-"""Trackers that start from the truth."""
+_METHODS = compared_methods(
+    [entry for entry in BEARING_METHODS if not entry.needs_covariance],
+    {system.name: system.method for system in _NAMED},
+)
+
+SYSTEMS = (
+    *_NAMED,
+    *(
+        FusionSystem(name, method, SINGLE_VARIANCE_DEG2)
+        for name, method in list(_METHODS.items())[len(_NAMED) :]
+    ),
+)
+"""Trackers that start from the truth: all methods that measure in subspaces."""
 
 
 def subspace_configuration(n_sources: int) -> SubspaceConfiguration:

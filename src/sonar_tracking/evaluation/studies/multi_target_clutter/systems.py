@@ -13,6 +13,7 @@ from dataclasses import replace
 
 from sonar_tracking.active.contacts.contact_method_registry import CONTACT_METHODS
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.contacts.gate_threshold_registry import GATE_THRESHOLDS
 from sonar_tracking.evaluation.monte_carlo.compared_methods import compared_methods
 
 INTEGRATED = "integrated"
@@ -60,14 +61,21 @@ STRAIGHT_SYSTEMS: Mapping[str, ContactTrackerConfiguration] = {
 """For targets that do not turn: the same parameters as for those that do."""
 
 
+_COMPUTED = {
+    entry.label: entry.name
+    for entry in GATE_THRESHOLDS
+    if entry.sets_thresholds and entry.name != "fixed"
+}
+
+
 def _with_threshold(
     configuration: ContactTrackerConfiguration, threshold: str
 ) -> ContactTrackerConfiguration:
     configuration = replace(
         configuration, search_false_alarm_probability=SEARCH_FALSE_ALARM_PROBABILITY
     )
-    if threshold == "closed form":
-        return replace(configuration, gate_threshold="closed_form")
+    if threshold in _COMPUTED:
+        return replace(configuration, gate_threshold=_COMPUTED[threshold])
     return replace(
         configuration, gate_threshold="fixed", gate_false_alarm_probability=float(threshold)
     )
@@ -76,7 +84,7 @@ def _with_threshold(
 THRESHOLD_SYSTEMS: Mapping[str, ContactTrackerConfiguration] = {
     f"{name}, {threshold}": _with_threshold(configuration, threshold)
     for name, configuration in ((INTEGRATED, _COMMON), (HPDA_KALMAN, _KALMAN))
-    for threshold in ("0.001", "0.01", "0.03", "closed form")
+    for threshold in ("0.001", "0.01", "0.03", *_COMPUTED)
 }
 """For environment 3: fixed and computed false-alarm probabilities in the gates.
 
