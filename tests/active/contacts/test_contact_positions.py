@@ -33,3 +33,28 @@ def test_contacts_are_placed_where_they_were_reflected() -> None:
     assert placed.delay[0] == pytest.approx(there, abs=1e-9)
     distance = np.hypot(*(target - receiver))
     assert np.linalg.det(placed.covariance[0]) == pytest.approx((10.0 * 0.01 * distance) ** 2)
+
+
+@pytest.mark.parametrize("azimuth", [0.0, 0.7, 2.5, -1.2])
+def test_errors_along_the_line_of_sight_are_those_of_the_range(azimuth: float) -> None:
+    """Whatever the direction; across it the azimuth's error grows with the distance."""
+    contacts = Contacts(
+        stamp=1,
+        range=np.array([500.0, 2000.0]),
+        azimuth=np.full(2, azimuth),
+        amplitude=np.zeros(0),
+        range_standard_deviation=np.array([10.0, 5.0]),
+        azimuth_standard_deviation=0.01,
+        sensor_position=(30.0, -40.0),
+    )
+    placed = place_contacts(contacts, 0.0)  # sound that takes no time
+    ahead = np.array([np.cos(azimuth), np.sin(azimuth)])
+    across = np.array([-np.sin(azimuth), np.cos(azimuth)])
+    for row, (along, aside) in enumerate([(10.0, 5.0), (5.0, 20.0)]):
+        covariance = placed.covariance[row]
+        assert ahead @ covariance @ ahead == pytest.approx(along**2)
+        assert across @ covariance @ across == pytest.approx(aside**2)
+        assert ahead @ covariance @ across == pytest.approx(0.0, abs=1e-9)
+        expected = np.array([30.0, -40.0]) + contacts.range[row] * ahead
+        assert placed.position[row] == pytest.approx(expected)
+    assert placed.delay.tolist() == [0.0, 0.0]

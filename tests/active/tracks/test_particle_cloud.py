@@ -14,6 +14,7 @@ from sonar_tracking.active.tracks.particle_cloud import (
     particle_densities,
     predict_cloud,
     resample_cloud,
+    systematic_rows,
 )
 from tests.active.track_scene import COVARIANCE, contacts_at
 
@@ -49,3 +50,110 @@ def test_particle_density_is_one_over_the_plane() -> None:
         np.array([[1100.0, 450.0, 0.0, 0.0]]), contacts_at(grid.tolist()), sensor
     )
     assert np.sum(density) * 100.0 == pytest.approx(1.0, abs=0.01)
+
+
+def test_moments_are_those_of_the_weights() -> None:
+    state = np.array([[0.0, 0.0, 1.0, 0.0], [10.0, 4.0, 1.0, 2.0]])
+    mean, covariance = ParticleCloud(state, np.zeros(2, int), np.array([6.0, 2.0])).moments()
+    assert mean == pytest.approx([2.5, 1.0, 1.0, 0.5])
+    away = np.array([10.0, 4.0, 0.0, 2.0])
+    assert covariance == pytest.approx(0.75 * 0.25 * np.outer(away, away))
+
+
+def test_a_gaussian_cloud_has_its_mean_covariance_and_all_modes() -> None:
+    root = np.random.default_rng(4).normal(size=(4, 4))
+    covariance = root @ root.T
+    count = 40_000
+    cloud = gaussian_cloud(np.arange(4.0), covariance, count, np.random.default_rng(5))
+    deviation = np.sqrt(np.diag(covariance))
+    assert np.sum(cloud.weight) == pytest.approx(1.0)
+    mean, spread = cloud.moments()
+    # Five standard deviations of the estimates.
+    assert np.all(np.abs(mean - np.arange(4.0)) < 5.0 * deviation / np.sqrt(count))
+    scale = np.outer(deviation, deviation)
+    assert np.all(np.abs(spread - covariance) < 5.0 * np.sqrt(2.0 / count) * scale)
+    shares = np.bincount(cloud.mode, minlength=3) / count
+    assert shares == pytest.approx(np.full(3, 1.0 / 3.0), abs=5.0 * np.sqrt(2.0 / 9.0 / count))
+    certain = gaussian_cloud(np.arange(4.0), np.zeros((4, 4)), 10, np.random.default_rng(6))
+    assert certain.state == pytest.approx(np.tile(np.arange(4.0), (10, 1)), abs=1e-3)
+
+
+def test_particles_change_their_mode_and_are_pushed_by_one_acceleration() -> None:
+    count, interval = 40_000, 6.0
+    state = np.zeros((count, 4))
+    cloud = ParticleCloud(state, np.ones(count, int), np.full(count, 1.0 / count))
+    moved = predict_cloud(cloud, ParticleMotion(0.5, 0.0, 0.7), interval, np.random.default_rng(7))
+    shares = np.bincount(moved.mode, minlength=3) / count
+    assert shares == pytest.approx([0.15, 0.7, 0.15], abs=0.012)  # who changes, changes to both
+    gain = np.vstack([0.5 * interval**2 * np.eye(2), interval * np.eye(2)])
+    expected = 0.25 * gain @ gain.T
+    _, covariance = moved.moments()
+    assert covariance == pytest.approx(expected, abs=0.03 * expected[0, 0])
+    assert moved.state[:, 0] == pytest.approx(0.5 * interval * moved.state[:, 2])
+    assert moved.weight.tolist() == cloud.weight.tolist()
+
+
+def test_a_slow_particle_turns_no_faster_than_at_three_tenths_of_a_metre_a_second() -> None:
+    state = np.array([[0.0, 0.0, 0.1, 0.0], [0.0, 0.0, 0.6, 0.0]])
+    cloud = ParticleCloud(state, np.array([1, 2]), np.ones(2))
+    moved = predict_cloud(cloud, ParticleMotion(0.0, 0.03, 1.0), 5.0, np.random.default_rng(8))
+    turned = np.arctan2(moved.state[:, 3], moved.state[:, 2])
+    assert turned == pytest.approx([0.03 / 0.3 * 5.0, -0.03 / 0.6 * 5.0])
+
+
+def test_a_density_is_the_polar_gaussian_at_the_reflection() -> None:
+    sensor = SensorGeometry(np.array([100.0, -50.0]), 30.0, 0.02, 1500.0)
+    state = np.array([[1100.0, 450.0, 20.0, -10.0], [-900.0, -50.0, 0.0, 0.0]])
+    contacts = contacts_at([[1120.0, 430.0], [-900.0, -60.0], [-900.0, -40.0], [9000.0, 0.0]])
+    density = particle_densities(state, contacts, sensor)
+    for row in range(2):
+        position = state[row, :2] - sensor.position
+        position = position + np.hypot(*position) / 1500.0 * state[row, 2:]
+        for column in range(3):
+            away = contacts.position[column] - sensor.position
+            reach = np.hypot(*away)
+            along = (reach - np.hypot(*position)) / 30.0
+            turn = np.angle(complex(*away) / complex(*position)) / 0.02
+            expected = np.exp(-0.5 * (along**2 + turn**2)) / (2.0 * np.pi * 0.6 * reach)
+            assert density[row, column] == pytest.approx(expected, rel=1e-9, abs=1e-30)
+    assert density[:, 3].tolist() == [0.0, 0.0], "too far away to count"
+    # Both sides of the cut at 180 degrees are equally near.
+    assert density[1, 1] == pytest.approx(density[1, 2])
+    assert density[1, 1] > 1e-6
+
+
+def test_systematic_draws_are_as_many_as_the_weights_say() -> None:
+    """Never more than one off, and in order."""
+    generator = np.random.default_rng(9)
+    weight = np.array([0.0, 3.0, 0.5, 0.0, 6.5])
+    for _ in range(50):
+        rows = systematic_rows(weight, 20, generator)
+        counts = np.bincount(rows, minlength=5)
+        assert len(rows) == 20
+        assert np.all(np.abs(counts - 2.0 * weight) < 1.0)
+        assert rows.tolist() == sorted(rows.tolist())
+
+
+def test_a_cloud_is_resampled_when_fewer_than_half_of_its_particles_count() -> None:
+    generator = np.random.default_rng(10)
+    state = generator.normal(size=(100, 4))
+    for heavy, resampled in [(51, False), (49, True)]:
+        weight = np.where(np.arange(100) < heavy, 2.0, 1e-12)
+        after = resample_cloud(ParticleCloud(state, np.zeros(100, int), weight), generator)
+        assert np.sum(after.weight) == pytest.approx(1.0)
+        assert np.array_equal(after.state, state) == (not resampled)
+        assert (np.ptp(after.weight) == 0.0) == resampled
+
+
+def test_a_kernel_keeps_apart_what_was_drawn_twice() -> None:
+    """Of the width that suits a Gaussian, 0.3 (4 / 6)^(1/8) n^(-1/8) of its deviations."""
+    count = 5000
+    generator = np.random.default_rng(11)
+    state = np.repeat(np.array([[-1.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]), count // 2, axis=0)
+    weight = np.where(np.arange(count) % 4 == 0, 1.0, 0.0)
+    after = resample_cloud(ParticleCloud(state, np.zeros(count, int), weight), generator)
+    width = 0.3 * (2.0 / 3.0) ** 0.125 * count**-0.125
+    left = after.state[after.state[:, 0] < 0.0, 0]
+    assert np.std(left) == pytest.approx(width, rel=0.06)
+    assert np.mean(left) == pytest.approx(-np.sqrt(1.0 - width**2), abs=0.02)
+    assert np.var(after.state[:, 0]) == pytest.approx(1.0, rel=0.02)

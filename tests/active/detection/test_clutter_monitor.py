@@ -1,0 +1,67 @@
+"""Protects when the number of contacts contradicts the claimed clutter, and what follows."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sonar_tracking.active.detection.clutter_monitor import ClutterMonitor
+from sonar_tracking.active.detection.detection_model import DetectionModel
+
+MODEL = DetectionModel(
+    detection_probability=0.5,
+    signal_to_noise_ratio_linear=10.0,
+    averaged=False,
+    outlier_share=0.01,
+    threshold=3.0,
+    false_alarm_probability=np.nan,
+    cell_size=np.nan,
+    uniform_density=20.0 / (np.pi * 1000.0**2),
+    maximum_range=1000.0,
+)
+"""Twenty false contacts a ping."""
+
+
+def test_contacts_that_tracks_explain_are_no_clutter() -> None:
+    monitor = ClutterMonitor().after(30, 4, MODEL)
+    assert (monitor.counted, monitor.claimed) == pytest.approx((28.0, 20.0))
+    assert ClutterMonitor().after(1, 4, MODEL).counted == 0.0
+
+
+def test_older_pings_are_forgotten() -> None:
+    monitor = ClutterMonitor(100.0, 200.0).after(30, 0, MODEL)
+    assert (monitor.counted, monitor.claimed) == pytest.approx((120.0, 200.0))
+    unknown = replace(MODEL, maximum_range=np.inf)
+    assert ClutterMonitor(1.0, 2.0).after(30, 0, unknown) == ClutterMonitor(1.0, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("counted", "claimed", "factor"),
+    [
+        (139.0, 100.0, 1.0),  # within four deviations, 100 + 4 * 10
+        (149.0, 100.0, 1.0),  # beyond them, but not half more
+        (151.0, 100.0, 1.51),
+        (7.9, 4.0, 1.0),
+        (11.9, 4.0, 1.0),  # 4 + 4 * 2
+        (12.1, 4.0, 3.025),
+        (4.2, 0.25, 1.0),  # of few claimed ones, as if of one: 0.25 + 4
+        (4.3, 0.25, 17.2),
+        (50.0, 0.0, 1.0),
+        (10.0, 100.0, 1.0),  # fewer than claimed are believed
+    ],
+)
+def test_a_claim_is_contradicted_by_half_more_and_four_deviations(
+    counted: float, claimed: float, factor: float
+) -> None:
+    monitor = ClutterMonitor(counted, claimed)
+    assert monitor.factor() == pytest.approx(factor)
+    corrected = monitor.corrected(MODEL)
+    if factor == 1.0:
+        assert corrected is MODEL
+        assert monitor.notices() == ()
+        return
+    assert corrected == replace(MODEL, clutter_factor=monitor.factor(), outlier_share=1.0)
+    (notice,) = monitor.notices()
+    assert f"{factor:.1f} times as many" in notice.text
