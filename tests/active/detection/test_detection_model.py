@@ -18,8 +18,12 @@ from sonar_tracking.active.detection.gate_association import amplitude_likelihoo
 from sonar_tracking.records.contacts import Contacts
 
 DEFAULT = ContactTrackerConfiguration()
-SECTOR = {"minimum_range": 100.0, "maximum_range": 300.0, "azimuth_width": 0.5}
-CELLS = {"range_resolution": 10.0, "azimuth_resolution": 0.02, "false_alarm_probability": 1e-3}
+SECTOR: dict[str, Any] = {"minimum_range": 100.0, "maximum_range": 300.0, "azimuth_width": 0.5}
+CELLS: dict[str, Any] = {
+    "range_resolution": 10.0,
+    "azimuth_resolution": 0.02,
+    "false_alarm_probability": 1e-3,
+}
 
 
 def ping(count: int = 2, **changes: Any) -> Contacts:

@@ -151,3 +151,33 @@ def test_exact_optimum_beats_the_closed_form() -> None:
         exact = optimal_false_alarm_probability(cells, ratio, WIDE)
         factors = exact_information_reduction([closed, exact], cells, ratio)
         assert factors[0] <= factors[1] + 1e-12
+
+
+def test_approximate_factor_is_the_formula_and_near_the_exact_one() -> None:
+    """0.997 P_D / (1 + 0.37 P_D^-1.57 n P_F)."""
+    probability, cells, ratio = 0.01, 50.0, 9.0
+    detection = 0.01**0.1
+    expected = 0.997 * detection / (1.0 + 0.37 * detection**-1.57 * 0.5)
+    computed = float(approximate_information_reduction(probability, cells, ratio))
+    assert computed == pytest.approx(expected, rel=1e-12)
+    exact = float(exact_information_reduction(probability, cells, ratio))
+    assert computed == pytest.approx(exact, rel=0.1)
+
+
+@pytest.mark.parametrize(("detection", "clutter"), [(0.5, 0.2), (0.9, 1.0), (0.8, 4.0)])
+def test_exact_factor_agrees_with_the_sum_over_numbers_of_contacts(
+    detection: float, clutter: float
+) -> None:
+    """The integral over t of the transform of the weights, summed otherwise."""
+    in_gate = 1.0 - np.exp(-8.0)
+    decay = 2.0 / 16.0 * clutter * (1.0 - detection * in_gate) / detection
+    square = (np.arange(4000) + 0.5) * 16.0 / 4000.0  # of the radius in the gate
+    variable = np.exp(np.linspace(-30.0, 13.0, 1500))
+    transform = np.array([np.mean(np.exp(-t * np.exp(-0.5 * square))) for t in variable])
+    # Of the target: r^2 times its density, each against its own share of the weights.
+    target = 0.5 * (16.0 / 4000.0) * square * np.exp(-square)
+    integrand = np.array([np.sum(target * np.exp(-t * np.exp(-0.5 * square))) for t in variable])
+    total = integrand * np.exp(clutter * (transform - 1.0) - decay * variable) * variable
+    step = 43.0 / 1499.0
+    expected = 0.5 * detection * step * np.sum(total)
+    assert float(information_reduction(detection, clutter)) == pytest.approx(expected, rel=2e-3)

@@ -121,3 +121,43 @@ def test_amplitude_ratio_integrates_to_one_under_noise() -> None:
     assert float(np.sum(noise * ratio) * (amplitude[1] - amplitude[0])) == pytest.approx(
         1.0, abs=1e-3
     )
+
+
+def test_a_gate_of_four_deviations_holds_its_share_of_a_plane_gaussian() -> None:
+    assert pytest.approx(1.0 - np.exp(-8.0), rel=1e-12) == PROBABILITY_IN_GATE
+
+
+def test_distance_shares_by_density_and_amplitude_over_the_clutter() -> None:
+    model = GateModel(1e4, 1e-4, 0.8)
+    densities, ratios = np.array([2e-4, 1e-4]), np.array([0.5, 3.0])
+    outcome = associate_by_distance(densities, model, ratios)
+    weights = 0.8 * np.array([1.0, 3.0])
+    total = 1.0 - 0.8 * PROBABILITY_IN_GATE + 3.2
+    assert outcome.probabilities == pytest.approx(weights / total)
+    assert outcome.likelihood_ratio == pytest.approx(total)
+
+
+def test_rank_against_its_published_formula() -> None:
+    """Target of rank and clutter of rank, in a gate of two contacts."""
+    model = GateModel(5e3, 3e-4, 0.9)
+    densities, amplitudes = np.array([3e-4, 1e-4]), np.array([4.0, 9.0])
+    outcome = associate_by_rank(densities, amplitudes, model, 10.0)
+    in_gate = 0.9 * PROBABILITY_IN_GATE
+    poisson = 2.0 / 1.5
+    ranks = rank_probabilities(2, 10.0)[[1, 0]]
+    target = in_gate * poisson * ranks
+    clutter = in_gate * poisson + (1.0 - in_gate) - target
+    from_target, from_clutter = densities / PROBABILITY_IN_GATE * target, clutter / 5e3
+    expected = from_target / (from_target + from_clutter)
+    best = int(np.argmax(expected))
+    assert outcome.probabilities[best] == pytest.approx(expected[best])
+    assert outcome.probabilities[1 - best] == 0.0
+    assert outcome.likelihood_ratio == pytest.approx(clutter[best] + 5e3 * from_target[best])
+
+
+def test_the_amplitude_ratio_begins_at_the_threshold_and_stays_finite() -> None:
+    ratios = amplitude_likelihood_ratio(np.array([1.0, 2.0, 2.0 + 1.1, 1e9]), 2.0, 10.0)
+    assert ratios[0] == ratios[1] == pytest.approx(1.0 / 11.0)
+    assert ratios[2] == pytest.approx(np.exp(1.0) / 11.0)
+    assert np.isfinite(ratios[3])
+    assert ratios[3] == pytest.approx(np.exp(300.0) / 11.0)

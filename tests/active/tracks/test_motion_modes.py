@@ -51,7 +51,7 @@ def test_the_turn_rate_is_the_lateral_acceleration_over_the_speed() -> None:
     rates = modes.turn_rates(np.repeat(velocity[:, None], 3, axis=1))
     # Below 0.3 m/s the rate does not grow any more. Left is positive.
     assert rates == pytest.approx(np.outer([0.0024, 0.04, 0.04], [0.0, 1.0, -1.0]))
-    assert MotionModes(1, 0.0, 0.012).turn_rates(np.array([[3.0, 4.0]])).tolist() == [[0.0]]
+    assert MotionModes(1, 0.0, 0.012).turn_rates(np.array([[3.0, 4.0]])).tolist() == [0.0]
 
 
 @pytest.mark.parametrize("rate", [0.01, -0.02, 1e-9, 0.0])
