@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+import sonar_tracking
 from sonar_tracking import cli
 
 
@@ -40,3 +41,25 @@ def test_a_bag_that_cannot_be_made_is_refused_before_the_run(
     bag = str(tmp_path / "file" / "bag")
     said = refused(capsys, monkeypatch, "run", "--record", bag)
     assert f"--record: {bag} cannot be made" in said
+
+
+def test_the_version_is_that_of_the_package(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.argv", ["sonar-tracking", "--version"])
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    assert not ended.value.code
+    assert capsys.readouterr().out == f"sonar-tracking {sonar_tracking.__version__}\n"
+
+
+def test_the_shell_completes_verbs(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.argv", ["sonar-tracking"])
+    monkeypatch.setenv("_SONAR_TRACKING_COMPLETE", "complete_bash")
+    monkeypatch.setenv("COMP_WORDS", "sonar-tracking re")
+    monkeypatch.setenv("COMP_CWORD", "1")
+    with pytest.raises(SystemExit):
+        cli.main()
+    assert capsys.readouterr().out.split() == ["replay"]

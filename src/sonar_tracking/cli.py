@@ -9,6 +9,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Annotated
 
+import sonar_tracking
 from sonar_tracking.errors import ConfigurationError, SonarTrackingError
 from sonar_tracking.evaluation.metrics.cutoff import CUTOFF_M
 from sonar_tracking.stop_signals import end_as_usual
@@ -24,10 +25,9 @@ REFUSED = 2
 """Exit code: what was asked cannot be done, and nothing was started."""
 
 app = typer.Typer(
-    help="Sonar tracking as a ROS 2 graph.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
-    add_completion=False,
+    add_completion=True,
 )
 import_app = typer.Typer(help="Bring recorded data into a bag.", no_args_is_help=True)
 app.add_typer(import_app, name="import")
@@ -46,6 +46,22 @@ CutoffOption = Annotated[
 NoDisplayOption = Annotated[
     bool, typer.Option("--no-display", help="Lines of text instead of the live table.")
 ]
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        print(f"sonar-tracking {sonar_tracking.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_print_version, is_eager=True, help="Print it and end."),
+    ] = False,
+) -> None:
+    """Sonar tracking as a ROS 2 graph."""
 
 
 @app.command()
@@ -218,6 +234,15 @@ def plot(
 def bench(json: JsonOption = None) -> None:
     """Measure the speed of the algorithms side by side with peers."""
     _needs("sonar_tracking.evaluation.bench.bench").run_bench(json)
+
+
+@app.command()
+def doctor() -> None:
+    """Examine this machine: what a graph needs, what is missing, and the remedy.
+
+    The exit code is 0 if a graph can run here, else 1. ROS need not be installed.
+    """
+    raise typer.Exit(_needs("sonar_tracking.graph.verbs.doctor").examine())
 
 
 def _needs(module: str) -> ModuleType:
