@@ -1,5 +1,7 @@
 """Protects the picture of position tracks: what is drawn, and how large the ellipse is."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from visualization_msgs.msg import Marker
@@ -66,3 +68,38 @@ def test_what_has_ended_is_not_drawn_and_the_tentative_is_fainter() -> None:
 def test_an_empty_list_clears_the_picture() -> None:
     (only,) = position_markers(tracks()).markers
     assert only.action == Marker.DELETEALL
+
+
+def names_of(drawn: PositionTracks) -> set[str]:
+    return {marker.ns for marker in position_markers(drawn).markers[1:]}
+
+
+def test_an_arrow_ends_outside_of_its_dot_or_is_not_drawn() -> None:
+    # The dot has a radius of 30 m; an arrow shows what is done in a minute: the limit is 0.5 m/s.
+    for speed, seen in ((0.0, False), (0.49, False), (0.51, True)):
+        slow = replace(tracks(TrackStatus.CONFIRMED), state=np.array([[100.0, 200.0, 0.0, speed]]))
+        expected = {"position", "name", "ellipse"} | ({"velocity"} if seen else set())
+        assert names_of(slow) == expected
+
+
+def test_an_ellipse_is_drawn_up_to_20_km_and_with_a_width() -> None:
+    # Semi-axes of 95 % are 2.4477 standard deviations: 20 km are 4085.5 m.
+    for along, across, seen in ((4080.0, 10.0, True), (4090.0, 10.0, False), (10.0, 0.0, False)):
+        covariance = np.diag([along**2, across**2, 1.0, 1.0])[None]
+        wide = replace(tracks(TrackStatus.CONFIRMED), covariance=covariance)
+        expected = {"position", "velocity", "name"} | ({"ellipse"} if seen else set())
+        assert names_of(wide) == expected
+
+
+@pytest.mark.parametrize("probability", [0.001, 0.05, 0.1, 0.2, 0.3, 0.6, 1.0])
+@pytest.mark.parametrize("status", [*TrackStatus])
+def test_nothing_is_drawn_that_is_all_but_transparent(
+    status: TrackStatus, probability: float
+) -> None:
+    drawn = replace(tracks(status), hypothesis_probability=np.array([probability]))
+    markers = position_markers(drawn).markers
+    assert markers[0].action == Marker.DELETEALL
+    assert all(marker.color.a >= 0.05 for marker in markers[1:])
+    opacity = {TrackStatus.CONFIRMED: 1.0, TrackStatus.TENTATIVE: 0.4, TrackStatus.COASTED: 0.2}
+    seen = opacity.get(status, 0.0) * probability >= 0.05
+    assert (len(markers) > 1) == seen

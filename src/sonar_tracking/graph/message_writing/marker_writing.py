@@ -1,7 +1,9 @@
 """Position tracks as markers for RViz and Foxglove: position, velocity, uncertainty.
 
 Markers are pictures: they are neither recorded nor compared. Every array begins by deleting the
-one before it. What is tentative, coasted or an improbable side is fainter.
+one before it. What is tentative, coasted or an improbable side is fainter. What could not be seen,
+or would hide everything else, is left out: arrows within their dot, ellipses without width or of
+which only a part would be in view, and whatever is all but transparent.
 """
 
 from __future__ import annotations
@@ -30,6 +32,15 @@ ARROW_SECONDS = 60.0
 SIZE = 60.0
 """Diameter of the dot at a position, m."""
 
+LONGEST_ELLIPSE = 20_000.0
+"""Length from which on an ellipse says no more than that the position is unknown, m."""
+
+FAINTEST = 0.05
+"""Opacity below which nothing is seen on any background."""
+
+ELLIPSE_OPACITY = 0.3
+"""Share of the opacity of its track: what lies below an ellipse stays visible."""
+
 COLOURS = {
     TrackHypothesis.SINGLE: (0.1, 0.8, 0.2),
     TrackHypothesis.LEFT: (0.9, 0.3, 0.2),
@@ -39,7 +50,7 @@ OPACITY = {TrackStatus.CONFIRMED: 1.0, TrackStatus.TENTATIVE: 0.4, TrackStatus.C
 
 
 def position_markers(tracks: PositionTracks) -> MarkerArray:
-    """Return dots, arrows, ellipses and names of all running tracks.
+    """Return dots, arrows, ellipses and names of all running tracks, as far as they can be seen.
 
     Parameters
     ----------
@@ -61,8 +72,9 @@ def position_markers(tracks: PositionTracks) -> MarkerArray:
         colour = COLOURS[TrackHypothesis(int(tracks.hypothesis[row]))]
         for marker in _of_track(tracks, row):
             marker.color.r, marker.color.g, marker.color.b = colour
-            marker.color.a = opacity * (0.3 if marker.ns == "ellipse" else 1.0)
-            markers.append(marker)
+            marker.color.a = opacity * (ELLIPSE_OPACITY if marker.ns == "ellipse" else 1.0)
+            if marker.color.a >= FAINTEST:
+                markers.append(marker)
     return MarkerArray(markers=markers)
 
 
@@ -90,29 +102,44 @@ def uncertainty_ellipse(covariance: FloatArray, probability: float) -> tuple[flo
 
 
 def _of_track(tracks: PositionTracks, row: int) -> list[Marker]:
-    x, y, vx, vy = (float(value) for value in tracks.state[row])
+    x, y = (float(value) for value in tracks.state[row, :2])
     position = _marker(tracks, Marker.SPHERE, "position", row)
     set_vector(position.pose.position, (x, y, 0.0))
     set_vector(position.scale, (SIZE, SIZE, SIZE))
-    velocity = _marker(tracks, Marker.ARROW, "velocity", row)
-    ahead = (x + ARROW_SECONDS * vx, y + ARROW_SECONDS * vy)
-    velocity.points = [Point(x=x, y=y, z=0.0), Point(x=ahead[0], y=ahead[1], z=0.0)]
-    set_vector(velocity.scale, (0.3 * SIZE, 0.6 * SIZE, 0.0))
     name = _marker(tracks, Marker.TEXT_VIEW_FACING, "name", row)
     set_vector(name.pose.position, (x, y, 2.0 * SIZE))
     name.scale.z = 2.0 * SIZE
     name.text = str(int(tracks.id[row]))
-    found = [position, velocity, name]
+    return [position, *_velocity(tracks, row), name, *_ellipse(tracks, row)]
+
+
+def _velocity(tracks: PositionTracks, row: int) -> list[Marker]:
+    """Return the arrow of a track, or nothing if it would end within the dot."""
+    x, y, vx, vy = (float(value) for value in tracks.state[row])
+    if ARROW_SECONDS * math.hypot(vx, vy) <= 0.5 * SIZE:
+        return []
+    velocity = _marker(tracks, Marker.ARROW, "velocity", row)
+    ahead = (x + ARROW_SECONDS * vx, y + ARROW_SECONDS * vy)
+    velocity.points = [Point(x=x, y=y, z=0.0), Point(x=ahead[0], y=ahead[1], z=0.0)]
+    set_vector(velocity.scale, (0.3 * SIZE, 0.6 * SIZE, 0.0))
+    return [velocity]
+
+
+def _ellipse(tracks: PositionTracks, row: int) -> list[Marker]:
+    """Return the ellipse of a track, or nothing if it is unknown, flat or too long."""
     covariance = tracks.covariance[row, :2, :2]
-    if np.all(np.isfinite(covariance)):
-        major, minor, azimuth = uncertainty_ellipse(covariance, ELLIPSE_PROBABILITY)
-        ellipse = _marker(tracks, Marker.CYLINDER, "ellipse", row)
-        set_vector(ellipse.pose.position, (x, y, 0.0))
-        turn = (0.0, 0.0, math.sin(0.5 * azimuth), math.cos(0.5 * azimuth))
-        set_quaternion(ellipse.pose.orientation, turn)
-        set_vector(ellipse.scale, (2.0 * major, 2.0 * minor, 1.0))
-        found.append(ellipse)
-    return found
+    if not np.all(np.isfinite(covariance)):
+        return []
+    major, minor, azimuth = uncertainty_ellipse(covariance, ELLIPSE_PROBABILITY)
+    if minor <= 0.0 or 2.0 * major > LONGEST_ELLIPSE:
+        return []
+    x, y = (float(value) for value in tracks.state[row, :2])
+    ellipse = _marker(tracks, Marker.CYLINDER, "ellipse", row)
+    set_vector(ellipse.pose.position, (x, y, 0.0))
+    turn = (0.0, 0.0, math.sin(0.5 * azimuth), math.cos(0.5 * azimuth))
+    set_quaternion(ellipse.pose.orientation, turn)
+    set_vector(ellipse.scale, (2.0 * major, 2.0 * minor, 1.0))
+    return [ellipse]
 
 
 def _marker(
