@@ -103,3 +103,50 @@ def test_the_threshold_is_that_of_the_determinant() -> None:
     # Powers correlate with the squares, but their joint law is that of the amplitudes.
     determinant = np.linalg.det(np.eye(12) + normaliser.threshold[0] / 12 * correlation)
     assert 1.0 / determinant == pytest.approx(1e-4, rel=1e-3)
+
+
+def test_the_background_of_a_bin_is_from_the_third_bin_on_and_from_no_other() -> None:
+    """Three to fourteen bins away on either side; the trend of all moves them by a little."""
+    normaliser = BackgroundNormaliser(BINS, 12, 1e-3)
+    flat = np.ones(len(BINS))
+    raised = flat.copy()
+    raised[300] = 3.0
+    changed = np.abs(normaliser.normalise(raised) / normaliser.normalise(flat) - 1.0) > 0.02
+    expected = {*range(300 - 14, 300 - 2), 300, *range(300 + 3, 300 + 15)}
+    assert set(np.flatnonzero(changed)) == expected
+
+
+def test_at_the_ends_one_side_serves_alone() -> None:
+    normaliser = BackgroundNormaliser(BINS, 12, 1e-3)
+    flat = np.ones(len(BINS))
+    level = normaliser.normalise(flat)
+    # Equal powers are their mean, but noise would have been clipped to B where P > 8 B: its mean,
+    # for P of mean 1 and B of as many independent bins as n / (1 + 2 (4/9 + 1/36)).
+    for index, count in [(0, 12), (-1, 12), (500, 24)]:
+        shape = count / (1.0 + 2.0 * (4.0 / 9.0 + 1.0 / 36.0))
+        above = 1.0 + 8.0 / shape
+        clipped = 1.0 - above**-shape - 7.0 * above ** -(shape + 1.0)
+        assert level[index] == pytest.approx(clipped, rel=1e-9)
+
+
+def test_the_threshold_of_two_windows_is_that_of_both_determinants() -> None:
+    normaliser = BackgroundNormaliser(np.arange(1.0, 100.0), 12, 1e-3)
+    lags = np.abs(np.subtract.outer(np.arange(12), np.arange(12)))
+    correlation = np.where(lags < 3, np.array([1.0, 2 / 3, 1 / 6])[np.minimum(lags, 2)], 0.0)
+    determinant = np.linalg.det(np.eye(12) + normaliser.threshold[50] / 24 * correlation)
+    assert determinant**-2 == pytest.approx(1e-3, rel=1e-3)
+    ends, middle = normaliser.threshold[[0, -1]], normaliser.threshold[50]
+    assert ends[0] == pytest.approx(ends[1])
+    assert np.all(ends > middle), "fewer bins know the background less"
+
+
+@pytest.mark.parametrize(("level", "counted"), [(7.9, True), (8.2, False)])
+def test_what_stands_out_by_more_than_eight_is_no_background(level: float, counted: bool) -> None:
+    normaliser = BackgroundNormaliser(np.arange(1000.0, 1400.0), 40, 1e-3)
+    power = np.ones(400)
+    plain = normaliser.normalise(power)[195]
+    power[200] = level
+    changed = normaliser.normalise(power)[195]
+    share = (level - 1.0) / 80.0 if counted else 0.0
+    # What counts raises the mean of 80 bins, and by it the level at which the next is clipped.
+    assert plain / changed - 1.0 == pytest.approx(share, abs=0.01)

@@ -13,8 +13,9 @@ from sonar_tracking.passive.lines.band_demodulator_configuration import (
 )
 from sonar_tracking.passive.lines.band_demodulator_stage import (
     BandDemodulatorStage,
+    chosen_bandwidth,
 )
-from sonar_tracking.records.bearings import ArraySnapshots
+from sonar_tracking.records.bearings import ArraySnapshots, Sensor
 from sonar_tracking.records.samples import ArraySamples
 from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS
 from tests.passive.sample_scene import EPOCH, POSITIONS, SOUND_SPEED, Tone, blocks, element_samples
@@ -103,3 +104,60 @@ def test_what_cannot_be_used_is_refused_with_its_name() -> None:
         stage.update(first)
     with pytest.raises(InputError, match="sound_speed changed"):
         stage.update(replace(first, stamp=first.end_stamp, sound_speed=1400.0))
+
+
+@pytest.mark.parametrize(
+    ("center", "bandwidth", "chosen"),
+    [
+        (300.0, 0.0, 0.05 * 1500.0 / 27.0),  # half of what is narrow for 27 m
+        (20.0, 0.0, 2.0),  # but at most a tenth of the centre
+        (300.0, 4.0, 4.0),
+    ],
+)
+def test_the_bandwidth_is_the_one_asked_for_or_suits_array_and_centre(
+    center: float, bandwidth: float, chosen: float
+) -> None:
+    configuration = BandDemodulatorConfiguration(center, bandwidth)
+    assert chosen_bandwidth(configuration, POSITIONS, SOUND_SPEED) == pytest.approx(chosen)
+    one_element = chosen_bandwidth(configuration, POSITIONS[:1], SOUND_SPEED)
+    assert one_element == (bandwidth or 0.1 * center)
+
+
+@pytest.mark.parametrize(("late", "contiguous"), [(0.4, True), (-0.4, True), (0.6, False)])
+def test_stamps_may_be_half_a_sample_off(late: float, contiguous: bool) -> None:
+    stream = blocks(element_samples([Tone(300.4, 25.0, 10.0)], 6.0))
+    off = round(late / 1000.0 * NANOSECONDS)
+    snapshots = run(stream[:12] + [replace(each, stamp=each.stamp + off) for each in stream[12:]])
+    expected = run(stream)
+    same = len(joined(snapshots)) == len(joined(expected))
+    assert same == contiguous
+    if contiguous:
+        np.testing.assert_array_equal(joined(snapshots), joined(expected))
+
+
+def test_an_overlap_by_a_sample_is_refused() -> None:
+    stream = blocks(element_samples([], 2.0))
+    stage = BandDemodulatorStage(CONFIGURATION)
+    stage.update(stream[0])
+    overlap = replace(stream[1], stamp=stream[1].stamp - round(0.6e-3 * NANOSECONDS))
+    with pytest.raises(InputError, match="begins 1 samples before the end"):
+        stage.update(overlap)
+    stage.update(stream[1])
+
+
+def test_a_snapshot_carries_its_band_and_the_sensor_at_its_instant() -> None:
+    stream = [
+        replace(
+            each,
+            sensor=Sensor(
+                position=(5.0 * (each.stamp - EPOCH) / NANOSECONDS, 0.0, 0.0),
+                velocity=(5.0, 0.0, 0.0),
+            ),
+        )
+        for each in blocks(element_samples([], 4.0))
+    ]
+    for block in run(stream):
+        assert block.sensor.position[0] == pytest.approx(5.0 * (block.stamp - EPOCH) / NANOSECONDS)
+        assert (block.center_frequency, block.bandwidth, block.sound_speed) == (300.0, 4.0, 1500.0)
+        assert block.sample_period == 0.25
+        np.testing.assert_array_equal(block.element_positions, POSITIONS)

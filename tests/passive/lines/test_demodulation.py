@@ -66,3 +66,25 @@ def test_a_band_that_does_not_fit_is_refused() -> None:
     ):
         with pytest.raises(ConfigurationError, match=reason):
             design_band(RATE, frequency, width)
+
+
+def test_a_band_and_its_transition_must_fit_between_zero_and_half_the_sample_rate() -> None:
+    """Half of the band and a quarter of it for the filter to fall: 75 Hz of 100."""
+    for frequency in (75.1, 23_924.9):
+        design_band(RATE, frequency, 100.0)
+    for frequency in (75.0, 23_925.0):
+        with pytest.raises(ConfigurationError):
+            design_band(RATE, frequency, 100.0)
+    with pytest.raises(ConfigurationError, match="must be above zero"):
+        design_band(RATE, 5000.0, float("nan"))
+
+
+@pytest.mark.parametrize(("width", "decimation"), [(100.0, 480), (100.1, 479), (48_000 / 7.5, 7)])
+def test_snapshots_are_as_many_as_the_band_is_wide_or_a_few_more(
+    width: float, decimation: int
+) -> None:
+    band = design_band(RATE, 8000.0, width)
+    assert band.decimation == decimation
+    assert (band.frequency, band.bandwidth) == (8000.0, width)
+    assert band.reach == (len(band.taps) - 1) // 2
+    assert np.sum(band.taps) == pytest.approx(1.0)

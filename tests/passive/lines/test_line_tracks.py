@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from sonar_tracking.filtering.kalman import KalmanState, predict, update
 from sonar_tracking.passive.lines.line_tracker_configuration import LineTrackerConfiguration
-from sonar_tracking.passive.lines.line_tracks import HeardLine, LineTracks
+from sonar_tracking.passive.lines.line_tracks import HeardLine, LineTrack, LineTracks
 from sonar_tracking.records.time import NANOSECONDS
 
 BIN = 0.5
@@ -115,3 +116,69 @@ def test_an_old_line_goes_before_a_new_one() -> None:
     """A peak of noise beside a line is forgotten, although it would fit a peak between better."""
     frames = [[heard(100.0)]] * 10 + [[heard(100.0), heard(100.1)], [heard(100.06)]]
     assert follow(LineTracks(LineTrackerConfiguration()), frames)[-1] == [(1, 100.06)]
+
+
+def test_a_line_is_predicted_and_updated_as_by_a_kalman_filter() -> None:
+    generator = np.random.default_rng(3)
+    root = generator.normal(size=(2, 2))
+    line = LineTrack(3, 1, 0, np.array([100.0, 0.02]), 1e-3 * root @ root.T)
+    moved = line.predict(2_500_000_000, 1e-4)
+    transition = np.array([[1.0, 2.5], [0.0, 1.0]])
+    noise = 1e-4 * np.array([[2.5**3 / 3.0, 2.5**2 / 2.0], [2.5**2 / 2.0, 2.5]])
+    before = predict(KalmanState(line.state, line.covariance), transition, noise)
+    np.testing.assert_allclose(moved.state, before.mean)
+    np.testing.assert_allclose(moved.covariance, before.covariance)
+    updated = moved.update(HeardLine(9, 100.2, 4e-4, 50.0))
+    after = update(before, np.array([100.2]), np.array([[1.0, 0.0]]), np.array([[4e-4]])).state
+    np.testing.assert_allclose(updated.state, after.mean)
+    np.testing.assert_allclose(updated.covariance, after.covariance, atol=1e-15)
+    assert (updated.line_id, updated.track_id, updated.stamp) == (3, 9, 2_500_000_000)
+
+
+def test_a_new_line_drifts_as_much_as_is_possible() -> None:
+    tracks = LineTracks(LineTrackerConfiguration(maximum_drift=0.2))
+    tracks.update(5, [heard(100.0, 4)], BIN)
+    (line,) = tracks.lines
+    assert (line.stamp, line.track_id, line.state.tolist()) == (5, 4, [100.0, 0.0])
+    np.testing.assert_allclose(line.covariance, np.diag([DEVIATION**2, 0.04]))
+
+
+def assigned(peaks: list[HeardLine], deviation: float = 0.04) -> int | None:
+    """Return the peak that goes to a line of track 1 at 100 Hz known to a deviation."""
+    tracks = LineTracks(LineTrackerConfiguration())
+    covariance = np.diag([deviation**2, 1e-6])
+    tracks.lines = (LineTrack(1, 1, 0, np.array([100.0, 0.0]), covariance, confirmed=True),)
+    reported = tracks.update(0, peaks, BIN)
+    return next((peaks.index(peak) for line, peak in reported if line.line_id == 1), None)
+
+
+def test_a_gate_is_four_deviations_or_half_a_bin() -> None:
+    # Deviations 0.4 and 0.03 Hz: 4 sqrt(0.16 + 0.0009) = 1.604 Hz; 0.04 and 0.03: 0.2 < 0.25 Hz.
+    for deviation, reach in [(0.4, 1.604), (0.04, 0.25)]:
+        for sign in (1.0, -1.0):
+            assert assigned([heard(100.0 + sign * (reach - 1e-3))], deviation) == 0
+            assert assigned([heard(100.0 + sign * (reach + 1e-3))], deviation) is None
+
+
+def test_another_beam_must_fit_better_by_three_deviations_squared() -> None:
+    # sqrt(0.04^2 + 0.03^2) = 0.05 Hz: the own peak is 3.1 or 2.9 deviations off, the other at 0.02.
+    for own, chosen in [(0.16, 1), (0.14, 0)]:
+        peaks = [heard(100.0 + own, 1), heard(99.98, 2)]
+        assert assigned(peaks) == chosen
+
+
+def test_a_line_lives_as_long_as_it_can_still_be_confirmed_and_ten_frames_after() -> None:
+    configuration = LineTrackerConfiguration(confirmation_hits=2, confirmation_frames=4)
+    for pattern, lives in [("1", 1), ("100", 1), ("1000", 0), ("1001", 1)]:
+        tracks = LineTracks(configuration)
+        follow(tracks, [[heard(100.0)] if there == "1" else [] for there in pattern])
+        assert len(tracks.lines) == lives
+    for silence, lives in [(9, 1), (10, 0)]:
+        tracks = LineTracks(configuration)
+        follow(tracks, [[heard(100.0)]] * 2 + [[]] * silence)
+        assert len(tracks.lines) == lives
+
+
+def test_one_detection_confirms_where_one_is_enough() -> None:
+    tracks = LineTracks(LineTrackerConfiguration(confirmation_hits=1, confirmation_frames=1))
+    assert follow(tracks, [[heard(100.0)]]) == [[(1, 100.0)]]

@@ -2,12 +2,19 @@
 
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
 
 from sonar_tracking.errors import InputError
-from sonar_tracking.passive.lines.sample_frames import MAXIMUM_GAP, SampleFrame, SampleFramer
+from sonar_tracking.passive.lines.sample_frames import (
+    MAXIMUM_GAP,
+    SampleFrame,
+    SampleFramer,
+    check_samples_block,
+    check_unchanged,
+)
 from sonar_tracking.records.bearings import Sensor
 from sonar_tracking.records.samples import ArraySamples
 from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS
@@ -112,3 +119,91 @@ def test_unusable_blocks_are_refused_and_change_nothing() -> None:
         with pytest.raises(InputError, match=sentence):
             framer.frames(block)
     assert seconds(cut(stream[4:], framer)) == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]
+
+
+def test_data_that_end_before_the_first_frame_begins_end_it_all_the_same() -> None:
+    """They begin 0.25 s after a frame did: the next one begins at 1 s, and its middle is at 2 s."""
+    stream = blocks(RAMP[:500])
+    late = [replace(each, stamp=each.stamp + NANOSECONDS // 4) for each in stream]
+    (frame,) = cut(late)
+    assert (seconds([frame]), frame.next_stamp, frame.samples) == ([2.0], END_OF_DATA, None)
+
+
+@pytest.mark.parametrize(
+    ("delay", "middle", "first_sample"),
+    [
+        (0, 1.0, 0),
+        (-500, 1.0, 0),  # less than a thousandth of a sample is on time
+        (-300_000, 1.0, 1),
+        (-1_000_000, 1.0, 1),
+        (-1_400_000, 1.0, 2),
+        (300_000, 2.0, 1000),
+    ],
+)
+def test_frames_begin_with_the_first_sample_at_or_after_their_instant(
+    delay: int, middle: float, first_sample: int
+) -> None:
+    stream = [replace(each, stamp=each.stamp + delay) for each in blocks(RAMP)]
+    frame = next(frame for frame in cut(stream) if frame.samples is not None)
+    assert seconds([frame])[0] == pytest.approx(middle, abs=1.1e-3)
+    assert frame.samples is not None
+    assert frame.samples[0, 0] == first_sample
+
+
+@pytest.mark.parametrize(
+    ("jump", "frames_lost"), [(MAXIMUM_GAP, MAXIMUM_GAP), (MAXIMUM_GAP + 1, 0)]
+)
+def test_up_to_thirty_frames_in_a_row_are_reported_as_lost(jump: int, frames_lost: int) -> None:
+    framer = SampleFramer(2.0)
+    cut(blocks(RAMP)[:-1], framer)  # the last block is missing: data end at 6.75 s
+    late = [
+        replace(each, stamp=each.stamp + 6_750_000_000 + jump * NANOSECONDS)
+        for each in blocks(RAMP)
+    ]
+    frames = [frame for frame in cut(late, framer)[:-1] if frame.samples is None]
+    # Each of a second; two more overlap the ends of the data before and after.
+    assert len(frames) == (frames_lost + 2 if frames_lost else 0)
+
+
+def test_a_gap_does_not_move_the_frames_after_it() -> None:
+    stream = blocks(RAMP, 333)
+    frames = cut(stream[:6] + stream[9:])
+    assert seconds(frames) == seconds(cut(stream))
+    whole = {frame.stamp: frame.samples for frame in cut(stream)}
+    for frame in frames:
+        if frame.samples is not None:
+            np.testing.assert_array_equal(frame.samples, whole[frame.stamp])
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"element_positions": np.zeros(3)}, r"shape \(3,\)"),
+        ({"element_positions": np.zeros((16, 2))}, r"shape \(16, 2\)"),
+        ({"element_positions": np.zeros((0, 3)), "data": np.zeros((5, 0))}, r"shape \(0, 3\)"),
+        ({"data": np.zeros(16)}, r"shape \(16,\)"),
+        ({"sound_speed": 0.0}, "sound_speed is 0"),
+        ({"sound_speed": -1500.0}, "sound_speed is -1500"),
+        ({"sound_speed": np.inf}, "sound_speed is inf"),
+        ({"sample_rate": np.inf}, "sample_rate is inf"),
+        ({"sample_rate": 999.9}, "sample_rate is 999.9"),
+        ({"element_positions": np.full((16, 3), np.nan)}, "An element position"),
+    ],
+)
+def test_what_is_wrong_with_a_block_is_named(changes: dict[str, Any], sentence: str) -> None:
+    block = blocks(RAMP)[0]
+    check_samples_block(block)
+    with pytest.raises(InputError, match=sentence):
+        check_samples_block(replace(block, **changes))
+
+
+def test_what_changes_during_a_run_is_named() -> None:
+    first = blocks(RAMP)[0]
+    check_unchanged(first, first)
+    for changes, sentence in (
+        ({"sound_speed": 1501.0}, "sound_speed changed from 1500 to 1501"),
+        ({"sample_rate": 2000.0}, "sample_rate changed from 1000 to 2000"),
+        ({"element_positions": POSITIONS[:-1]}, "element_positions changed"),
+    ):
+        with pytest.raises(InputError, match=sentence):
+            check_unchanged(replace(first, **changes), first)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sonar_tracking.passive.lines.beam_spectra import element_spectra
-from sonar_tracking.passive.lines.spectral_peaks import SpectralPeaks, find_peaks
+from sonar_tracking.passive.lines.spectral_peaks import SpectralPeaks, find_peaks, hann_transform
 
 N_SAMPLES = 512
 THRESHOLD = np.full(200, 8.0)
@@ -90,3 +90,100 @@ def test_a_weak_line_beside_a_strong_one_is_found() -> None:
 
 def test_nothing_above_the_threshold_is_no_line() -> None:
     assert len(find_peaks(np.ones(200), THRESHOLD, np.ones(200)).bin) == 0
+
+
+def tones(*lines: tuple[float, float]) -> np.ndarray:
+    """Return noise of power 1 and tones at (bin, ratio) as a Hann frame has them, without phase."""
+    power = np.ones(200)
+    for position, ratio in lines:
+        power += ratio * hann_transform(np.arange(200.0) - position) ** 2
+    return power
+
+
+def test_the_transform_is_that_of_the_window() -> None:
+    """Against the sum over a long window, its poles at one bin included."""
+    count = 4096
+    steps = np.arange(count) - count / 2
+    window = 0.5 + 0.5 * np.cos(2.0 * np.pi * steps / count)
+    offsets = np.array([-3.5, -1.0, -0.3, 0.0, 0.5, 1.0, 1.0 + 1e-9, 2.0, 2.5])
+    expected = [np.sum(window * np.cos(2.0 * np.pi * x * steps / count)) for x in offsets]
+    np.testing.assert_allclose(hann_transform(offsets), np.array(expected) * 2.0 / count, atol=1e-6)
+
+
+@pytest.mark.parametrize(("offset", "kappa"), [(0.0, 0.37), (0.5, 0.26), (-0.5, 0.26)])
+def test_the_variance_is_kappa_over_the_ratio(offset: float, kappa: float) -> None:
+    power = tones((100.0 + offset, 1e8))
+    assert strongest(find_peaks(power, THRESHOLD, power))[1] * 1e8 == pytest.approx(
+        kappa, abs=0.006
+    )
+
+
+@pytest.mark.parametrize("ratio", [9.0, 20.0, 100.0])
+def test_a_weak_line_is_known_worse_by_the_fitted_factor(ratio: float) -> None:
+    strong, weak = tones((100.0, 1e8)), tones((100.0, ratio))
+    kappa = strongest(find_peaks(strong, THRESHOLD, strong))[1] * 1e8
+    position, variance, found = strongest(find_peaks(weak, THRESHOLD, weak))
+    assert (position, found) == (pytest.approx(100.0), pytest.approx(ratio))
+    factor = 1.0 + 1.0 / ratio + 10.0 / ratio**2 + 600.0 / ratio**3
+    assert variance == pytest.approx(kappa / ratio * factor, rel=1e-5)
+
+
+def test_a_bin_hardly_above_the_noise_is_taken_for_a_ratio_of_a_half() -> None:
+    power = np.ones(200)
+    power[100] = 1.3
+    (peak,) = find_peaks(power, np.full(200, 1.2), power).signal_to_noise_ratio
+    assert peak == 0.5
+
+
+def test_the_shape_of_a_line_is_that_of_its_power_and_its_level_that_over_the_background() -> None:
+    """The background beside a strong line is raised by the line itself."""
+    power = tones((100.3, 1e6))
+    background = np.ones(200)
+    background[101:] = 3.0
+    position, _, ratio = strongest(find_peaks(power / background, THRESHOLD, power))
+    assert position == pytest.approx(100.3, abs=1e-3)
+    assert ratio == pytest.approx(1e6, rel=1e-3)
+
+
+def test_each_bin_has_its_threshold_and_the_ends_have_no_neighbours() -> None:
+    power = tones((50.0, 20.0), (150.0, 20.0))
+    threshold = np.full(200, 8.0)
+    threshold[100:] = 21.0
+    assert find_peaks(power, threshold, power).bin.tolist() == [50]
+    threshold[100:] = 20.99
+    assert find_peaks(power, threshold, power).bin.tolist() == [50, 150]
+    ends = np.ones(200)
+    ends[[0, 199]] = 100.0
+    assert len(find_peaks(ends, THRESHOLD, ends).bin) == 0
+    ends[[1, 198]] = 101.0
+    assert find_peaks(ends, THRESHOLD, ends).bin.tolist() == [1, 198]
+
+
+def test_two_equal_bins_are_one_line_halfway_between() -> None:
+    power = np.ones(200)
+    power[100:102] = 50.0
+    peaks = find_peaks(power, THRESHOLD, power)
+    assert peaks.bin.tolist() == [101]
+    assert peaks.position == pytest.approx([100.5], abs=1e-6)
+
+
+@pytest.mark.parametrize(("weak", "found"), [(85.0, False), (100.0, True)])
+def test_a_line_must_stand_6_db_above_the_sidelobes_of_a_stronger_one(
+    weak: float, found: bool
+) -> None:
+    """Six bins away their envelope is (6 pi (36 - 1))^-2 = 2.30e-6: 92 of 1e7, with the margin."""
+    for aside in (106.0, 94.0):
+        power = tones((100.0, 1e7), (aside, weak))
+        bins = find_peaks(power, THRESHOLD, power).bin.tolist()
+        assert (int(aside) in bins) == found
+        assert 100 in bins
+
+
+def test_within_the_main_lobe_of_a_line_there_is_no_weaker_one() -> None:
+    for second, expected in [(50.0, [100, 102]), (49.0, [100])]:
+        power = np.ones(200)
+        power[[100, 102]] = [50.0, second]
+        assert find_peaks(power, THRESHOLD, power).bin.tolist() == expected
+    power = np.ones(200)
+    power[[100, 103]] = [1000.0, 20.0]  # beyond it: 4 (3 pi 8)^-2 1000 = 0.7
+    assert find_peaks(power, THRESHOLD, power).bin.tolist() == [100, 103]
