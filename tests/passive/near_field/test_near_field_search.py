@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from sonar_tracking.errors import InputError
-from sonar_tracking.geometry import line_array
+from sonar_tracking.geometry import beamwidth, line_array
+from sonar_tracking.passive.near_field import near_field_search
 from sonar_tracking.passive.near_field.near_field_bound import (
     near_field_bound,
     near_field_information,
@@ -132,3 +133,102 @@ def test_a_far_source_is_not_called_near(estimator: Estimator) -> None:
 def test_impossible_numbers_of_sources_are_refused(estimator: Estimator, n_sources: int) -> None:
     with pytest.raises(InputError, match="at least 1 and at most 11"):
         estimator(np.eye(12, dtype=complex), n_sources, GRID)
+
+
+def circle(n_elements: int = 8) -> np.ndarray:
+    around = 2.0 * np.pi * np.arange(n_elements) / n_elements
+    return np.stack([np.cos(around), np.sin(around), np.zeros(n_elements)], axis=1)
+
+
+def test_a_line_is_looked_at_evenly_in_sine_four_times_a_beam() -> None:
+    width = beamwidth(POSITIONS, WAVENUMBER)
+    sines = np.sin(GRID.angles)
+    assert np.diff(sines) == pytest.approx(np.full(len(sines) - 1, sines[1] - sines[0]))
+    assert sines[1] - sines[0] <= width / 4.0
+    assert (sines[1] - sines[0]) * 4.0 / width > 0.75
+    assert sines[0] == pytest.approx(-sines[-1])
+    assert 1.0 - sines[-1] == pytest.approx(sines[1] - sines[0])
+    # Rayleigh's distance is 49 m, 24.5 times the least range: 25 steps of curvature from 0 on.
+    assert len(GRID.curvatures) == 26
+    assert (GRID.curvatures[0], GRID.curvatures[-1]) == (0.0, 0.5)
+    assert near_field_grid(POSITIONS, WAVENUMBER, None).curvatures.tolist() == [0.0]
+
+
+def test_an_array_that_is_no_line_is_looked_at_all_round() -> None:
+    grid = near_field_grid(circle(), WAVENUMBER, None)
+    step = grid.angles[1] - grid.angles[0]
+    assert np.diff(grid.angles) == pytest.approx(np.full(len(grid.angles) - 1, step))
+    assert grid.angles[0] == -np.pi
+    assert grid.angles[-1] == pytest.approx(np.pi - step)
+    assert 0.75 < step * 4.0 / beamwidth(circle(), WAVENUMBER) <= 1.0
+
+
+def test_steering_vectors_have_norm_one() -> None:
+    vectors = GRID.vectors(np.array([[0.3, 0.2], [-1.0, 0.0]]))
+    assert np.linalg.norm(vectors, axis=0) == pytest.approx([1.0, 1.0])
+    plain = spherical_vectors(POSITIONS, [0.3], [0.2], WAVENUMBER)[:, 0]
+    assert vectors[:, 0] == pytest.approx(plain / np.linalg.norm(plain))
+
+
+def test_a_spectrum_is_the_least_cost_over_all_curvatures(monkeypatch: pytest.MonkeyPatch) -> None:
+    covariance = sample(np.random.default_rng(4), np.eye(2), 50)
+
+    def missed(vectors: ComplexArray) -> np.ndarray:
+        return -(vectors.conj() * (covariance @ vectors)).real.sum(axis=0)
+
+    costs, curvatures = GRID.spectrum(missed)
+    for row in range(0, len(GRID.angles), 7):
+        points = np.stack([np.full(26, GRID.angles[row]), GRID.curvatures], axis=1)
+        own = missed(GRID.vectors(points))
+        assert costs[row] == pytest.approx(np.min(own))
+        assert curvatures[row] == GRID.curvatures[np.argmin(own)]
+    monkeypatch.setattr(near_field_search, "_VECTORS_AT_ONCE", 10)
+    again, _ = GRID.spectrum(missed)
+    assert again == pytest.approx(costs)
+
+
+@pytest.mark.parametrize("estimator", ESTIMATORS)
+@pytest.mark.parametrize(
+    ("angles_deg", "ranges"),
+    [([-40.0], [3.0]), ([75.0], [9.0]), ([-25.0, 20.0], [5.0, 7.0]), ([5.0, 17.0], [4.0, 12.0])],
+)
+def test_without_errors_in_the_covariance_the_fix_is_exact(
+    estimator: Estimator, angles_deg: list[float], ranges: list[float]
+) -> None:
+    angles = np.radians(angles_deg)
+    vectors = spherical_vectors(POSITIONS, angles, 1.0 / np.array(ranges), WAVENUMBER)
+    covariance = 5.0 * vectors @ vectors.conj().T + np.eye(len(POSITIONS))
+    fix = estimator(covariance, len(angles), GRID)
+    # Maximum likelihood of two sources takes the one for a little of the other at the end.
+    assert fix.angles == pytest.approx(angles, abs=2e-5)
+    assert fix.ranges == pytest.approx(ranges, rel=2e-3)
+
+
+@pytest.mark.parametrize("estimator", ESTIMATORS)
+@pytest.mark.parametrize("angle_deg", [-170.0, -100.0, 0.0, 60.0, 179.0])
+def test_a_circle_tells_ahead_from_astern(estimator: Estimator, angle_deg: float) -> None:
+    positions = circle()
+    grid = near_field_grid(positions, WAVENUMBER, 2.0)
+    vectors = spherical_vectors(positions, [np.radians(angle_deg)], [1.0 / 4.0], WAVENUMBER)
+    fix = estimator(5.0 * vectors @ vectors.conj().T + np.eye(8), 1, grid)
+    off = np.exp(1j * fix.angles) / np.exp(1j * np.radians(angle_deg))
+    assert np.angle(off) == pytest.approx([0.0], abs=1e-4)
+    assert fix.ranges == pytest.approx([4.0], rel=1e-2)
+
+
+@pytest.mark.parametrize("estimator", ESTIMATORS)
+def test_a_source_nearer_than_is_looked_for_is_put_at_the_bound(estimator: Estimator) -> None:
+    vectors = spherical_vectors(POSITIONS, [0.2], [1.0 / 1.2], WAVENUMBER)
+    fix = estimator(5.0 * vectors @ vectors.conj().T + np.eye(len(POSITIONS)), 1, GRID)
+    assert fix.ranges == pytest.approx([2.0])
+
+
+@pytest.mark.parametrize("n_sources", [1, 2])
+def test_music_reports_the_deepest_valleys_in_order_of_bearing(n_sources: int) -> None:
+    """With one strong and one weak source, and only one asked for, it is the strong one."""
+    angles, levels = np.radians([40.0, -30.0]), np.array([100.0, 2.0])
+    vectors = spherical_vectors(POSITIONS, angles, np.full(2, 1.0 / 6.0), WAVENUMBER)
+    covariance = vectors @ np.diag(levels) @ vectors.conj().T + np.eye(len(POSITIONS))
+    fix = near_field_music(covariance, n_sources, GRID)
+    expected = [-30.0, 40.0] if n_sources == 2 else [40.0]
+    assert np.degrees(fix.angles) == pytest.approx(expected, abs=0.3)

@@ -10,6 +10,7 @@ from sonar_tracking.passive.sources.mdl import (
     counting_snapshots,
     forward_backward_smoothed,
     minimum_description_length,
+    smoothed_size,
     source_count,
 )
 from sonar_tracking.passive.sources.moving_source_counting import sample_covariance
@@ -121,3 +122,94 @@ def test_weak_sources_use_all_snapshots() -> None:
     strong = np.array([2000.0] + [1.0] * 14)
     assert counting_snapshots(strong, 60, POSITIONS, WAVENUMBER, turn) < 20
     assert counting_snapshots(strong, 60, POSITIONS, WAVENUMBER, 0.0) == 60
+
+
+def test_the_unit_of_power_does_not_count() -> None:
+    values = np.array([9.0, 4.0, 1.02, 1.0, 0.98])
+    for unit in (1e-30, 1e-12, 1e12):
+        assert minimum_description_length(unit * values, 100) == 2
+    padded = np.append(values, 0.0)
+    for unit in (1e-30, 1.0, 1e12):
+        assert minimum_description_length(unit * padded, 100) == 2
+
+
+def test_eigenvalues_that_fewer_snapshots_cannot_fill_are_left_out() -> None:
+    # Of three: 9 ln((11 / 3) / 9^(1/3)) = 5.1 for none, 2.5 ln 3 = 2.7 for one.
+    assert minimum_description_length(np.array([9.0, 1.0, 1.0, 0.0, 0.0, 0.0]), 3) == 1
+    # Numbers at the level of rounding are no noise either.
+    rounding = 9.0 * np.finfo(float).eps * np.array([1.0, 0.5, 0.2])
+    assert minimum_description_length(np.array([9.0, 1.0, 1.0, *rounding]), 3) == 1
+
+
+@pytest.mark.parametrize("n_smoothed", [1, 2, 4, 6, 7])
+def test_smoothing_is_the_mean_over_all_sub_arrays_both_ways(n_smoothed: int) -> None:
+    generator = np.random.default_rng(6)
+    root = circular_noise(generator, 7, 7)
+    covariance = root @ root.conj().T
+    exchange = np.eye(n_smoothed)[::-1]
+    expected = np.zeros((n_smoothed, n_smoothed), complex)
+    n_arrays = 7 - n_smoothed + 1
+    for first in range(n_arrays):
+        own = covariance[first : first + n_smoothed, first : first + n_smoothed]
+        expected += 0.5 * (own + exchange @ own.conj() @ exchange) / n_arrays
+    assert np.allclose(forward_backward_smoothed(covariance, n_smoothed), expected)
+
+
+@pytest.mark.parametrize(
+    ("n_elements", "n_snapshots", "size"),
+    [
+        (15, 200, 10),  # two thirds
+        (16, 200, 11),
+        (15, 3, 6),  # 6^2 <= 15 * 3
+        (2, 1, 2),
+        (300, 10_000, 128),
+    ],
+)
+def test_sub_arrays_are_two_thirds_or_what_the_data_allow(
+    n_elements: int, n_snapshots: int, size: int
+) -> None:
+    assert smoothed_size(n_elements, n_snapshots) == size
+
+
+def allowed_by_hand(ratio: float, turn: float) -> int:
+    """Solve ratio (k d)^2 var(x) / 12 = sqrt(M / N) / 2 for N, with d = N turn."""
+    variance = float(np.mean((POSITIONS[:, 0] - np.mean(POSITIONS[:, 0])) ** 2))
+    return int((6.0 * np.sqrt(15.0) / (WAVENUMBER**2 * variance * turn**2 * ratio)) ** 0.4)
+
+
+@pytest.mark.parametrize("turn_deg", [0.03, 0.02, 0.01])
+def test_snapshots_that_a_moving_source_allows_by_hand(turn_deg: float) -> None:
+    turn = np.radians(turn_deg)
+    # The noise is the mean of the last third: 0.5; the first is 40 times as strong.
+    values = np.array([20.0, *np.full(9, 3.0), 0.7, 0.6, 0.5, 0.4, 0.3])
+    expected = allowed_by_hand(40.0, turn)
+    assert 12 < expected < 200
+    assert counting_snapshots(values, 200, POSITIONS, WAVENUMBER, turn) == expected
+    assert counting_snapshots(values, 20, POSITIONS, WAVENUMBER, turn) == 20
+    # Of 6 snapshots there are 6 eigenvalues, and noise in the last two of them.
+    few = np.array([20.0, 3.0, 3.0, 3.0, 0.6, 0.4, *np.zeros(9)])
+    assert counting_snapshots(few, 6, POSITIONS, WAVENUMBER, turn) == 6
+
+
+def test_a_dozen_snapshots_are_counted_on_whatever_moves() -> None:
+    strong = np.array([1e8, *np.ones(14)])
+    assert counting_snapshots(strong, 200, POSITIONS, WAVENUMBER, np.radians(1.0)) == 12
+    assert counting_snapshots(strong, 7, POSITIONS, WAVENUMBER, np.radians(1.0)) == 7
+    # Without any noise the ratio is taken for 90 dB.
+    silent = np.array([1.0, *np.zeros(14)])
+    turn = 1e-7
+    assert counting_snapshots(silent, 200, POSITIONS, WAVENUMBER, turn) == allowed_by_hand(
+        1e9, turn
+    )
+
+
+def test_noise_of_a_known_colour_is_no_source() -> None:
+    generator = np.random.default_rng(7)
+    distance = np.abs(np.subtract.outer(np.arange(15), np.arange(15)))
+    colour = (0.9**distance).astype(complex)
+    data = circular_noise(generator, 400, 15) @ np.linalg.cholesky(colour).T
+    covariance = sample_covariance(data)
+    assert source_count(covariance, 400, colour) == 0
+    assert source_count(covariance, 400) > 0
+    white = sample_covariance(snapshots_of(generator, np.broadcast_to(FIVE, (200, 5)), 0.0))
+    assert source_count(white, 200, np.eye(15, dtype=complex)) == source_count(white, 200) == 5

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sonar_tracking.geometry import steering_vectors
+from sonar_tracking.geometry import line_array, steering_pair, steering_vectors
+from sonar_tracking.passive.sources import music
 from sonar_tracking.passive.sources.moving_source_counting import sample_covariance
 from sonar_tracking.passive.sources.music import music_bearings
 from tests.passive.crossing_scene import (
@@ -91,3 +92,59 @@ def test_more_dimensions_than_sources_give_no_false_bearings() -> None:
         data = (vectors @ (3.0 * noise[:2]) + noise[2:]).T
         found = music_bearings(sample_covariance(data), 4, POSITIONS, WAVENUMBER)
         assert np.allclose(found, angles, atol=np.deg2rad(0.5)) and len(found) == 2
+
+
+@pytest.mark.parametrize(("outside", "kept"), [(0.25, True), (0.35, False)])
+def test_a_valley_that_leaves_a_third_of_its_steering_vector_outside_is_no_source(
+    outside: float, kept: bool
+) -> None:
+    """The signal subspace holds one vector, a part of which is at right angles to the array's."""
+    vector, slope = (
+        each[:, 0] for each in steering_pair(POSITIONS, np.array([0.2]), WAVENUMBER, "array_centre")
+    )
+    vector = vector / np.linalg.norm(vector)
+    generator = np.random.default_rng(4)
+    across = generator.normal(size=(15, 2)).view(complex)[:, 0]
+    basis = np.linalg.qr(np.stack([vector, slope], axis=1)).Q
+    across -= basis @ (basis.conj().T @ across)
+    across /= np.linalg.norm(across)
+    signal = np.sqrt(1.0 - outside) * vector + np.sqrt(outside) * across
+    covariance = 10.0 * np.outer(signal, signal.conj()) + np.eye(15)
+    found = music_bearings(covariance, 1, POSITIONS, WAVENUMBER)
+    assert len(found) == kept
+    assert np.allclose(found, 0.2, atol=0.02)
+
+
+@pytest.mark.parametrize("angle_deg", [-84.0, -75.0, 80.0, 84.0])
+def test_sources_near_the_axis_of_a_line_are_found(angle_deg: float) -> None:
+    positions = line_array(15, 0.4)  # so that endfire is not the same from both ends
+    vectors = steering_vectors(positions, np.radians([angle_deg]), WAVENUMBER)
+    covariance = 5.0 * vectors @ vectors.conj().T + np.eye(15)
+    found = music_bearings(covariance, 1, positions, WAVENUMBER)
+    assert np.degrees(found) == pytest.approx([angle_deg], abs=0.01)
+
+
+@pytest.mark.parametrize("angle_deg", [-175.0, -90.0, 0.0, 120.0, 175.0])
+def test_a_circle_is_looked_at_all_round(angle_deg: float) -> None:
+    around = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
+    positions = np.stack([0.5 * np.sin(around), 0.5 * np.cos(around), 0.0 * around], axis=1)
+    vectors = steering_vectors(positions, np.radians([angle_deg]), WAVENUMBER)
+    covariance = 5.0 * vectors @ vectors.conj().T + np.eye(8)
+    found = np.degrees(music_bearings(covariance, 1, positions, WAVENUMBER))
+    assert found == pytest.approx([angle_deg], abs=1e-4)
+
+
+def test_of_more_valleys_than_sources_the_deepest_are_taken() -> None:
+    angles = np.radians([-40.0, 10.0])
+    vectors = steering_vectors(POSITIONS, angles, WAVENUMBER)
+    covariance = vectors @ np.diag([100.0, 1.0]) @ vectors.conj().T + np.eye(15)
+    found = music_bearings(covariance, 1, POSITIONS, WAVENUMBER)
+    assert np.degrees(found) == pytest.approx([-40.0], abs=0.1)
+
+
+def test_many_angles_are_looked_at_in_portions(monkeypatch: pytest.MonkeyPatch) -> None:
+    data = snapshots_of(np.random.default_rng(5), np.broadcast_to([-0.3, 0.4], (100, 2)), 0.0)
+    covariance = sample_covariance(data)
+    whole = music_bearings(covariance, 2, POSITIONS, WAVENUMBER)
+    monkeypatch.setattr(music, "_ANGLES_AT_ONCE", 7)
+    assert np.allclose(music_bearings(covariance, 2, POSITIONS, WAVENUMBER), whole, atol=1e-12)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from sonar_tracking.geometry import steering_vectors
 from sonar_tracking.passive.sources.moving_source_counting import sample_covariance
 from sonar_tracking.passive.sources.weak_source_counting import WeakSourceCounter, believed_sources
 from sonar_tracking.records.bearings import SubspaceEstimates
@@ -120,3 +123,64 @@ def test_what_motion_may_have_spread_is_not_believed_by_hand() -> None:
     assert believed_sources(values, 4 * N, POSITIONS, WAVENUMBER, 0.0) == 3
     assert believed_sources(values, 4 * N, POSITIONS, WAVENUMBER, turn) == 2
     assert believed_sources(values, 4 * N, POSITIONS, WAVENUMBER, 2.0 * turn) == 0
+
+
+def test_the_unit_of_power_does_not_count() -> None:
+    values = np.array([10.0, 3.0, 1.9, *np.ones(12)])
+    for unit in (1e-30, 1e-12, 1e12):
+        assert believed_sources(unit * values, 4 * N, POSITIONS, WAVENUMBER, 0.0) == 3
+
+
+def turn_that_spreads(ratio: float, spread: float) -> float:
+    """Return the turn by which the strongest source spreads to a second eigenvalue."""
+    variance = float(POSITIONS[:, 0].var())
+    return float(np.sqrt(spread * 12.0 / ratio / variance) / WAVENUMBER)
+
+
+@pytest.mark.parametrize(
+    ("spread", "counted_sources"),
+    [
+        (0.09, 3),  # 2 * 0.09 is hidden in the random spread, sqrt(15 / 400) = 0.194
+        (0.40, 3),  # 1.8 (1 + 0.0375 / 0.8) = 1.88
+        (0.42, 2),  # 1.84 (1 + 0.0375 / 0.84) = 1.92
+        (0.49, 2),  # 1.98 (1 + 0.0375 / 0.98) = 2.06
+        (0.51, 0),  # 2 * 0.51 exceeds the noise: nothing is believed
+    ],
+)
+def test_believed_is_what_exceeds_twice_the_spread_of_motion(
+    spread: float, counted_sources: int
+) -> None:
+    values = np.array([10.0, 3.0, 1.9, *np.ones(12)])
+    turn = turn_that_spreads(10.0, spread)
+    assert believed_sources(values, 400, POSITIONS, WAVENUMBER, turn) == counted_sources
+
+
+def test_an_array_that_is_no_line_needs_two_snapshots_an_element() -> None:
+    bent = POSITIONS.copy()
+    bent[7, 1] = 0.3
+    vector = steering_vectors(bent, np.array([0.3]), WAVENUMBER)
+    covariance = 20.0 * vector @ vector.conj().T + np.eye(15)
+    estimates = SubspaceEstimates(
+        stamp=0,
+        method="covariance",
+        basis=np.empty((0, 15, 1), dtype=complex),
+        time_offsets=np.empty(0),
+        element_positions=bent,
+        sample_period=SAMPLE_PERIOD,
+        center_frequency=FREQUENCY,
+        bandwidth=10.0,
+        sound_speed=SOUND_SPEED,
+        effective_snapshots=N,
+    )
+    counter = WeakSourceCounter().add(0, covariance)
+    for n_snapshots, expected in [(29, 0), (30, 1)]:
+        known = replace(estimates, covariance_snapshots=n_snapshots)
+        assert counter.count(known, 0.0) == expected
+    # Two covariances that share no snapshots have as many together.
+    both = counter.add(1_000_000_000, covariance)
+    assert both.count(replace(estimates, covariance_snapshots=15), 0.0) == 1
+
+
+def test_a_covariance_of_another_array_begins_anew() -> None:
+    counter = WeakSourceCounter().add(1, np.eye(3, dtype=complex)).add(2, np.eye(3, dtype=complex))
+    assert counter.add(3, np.eye(4, dtype=complex)).middles == (3,)
