@@ -14,6 +14,7 @@ from sonar_tracking.passive.sources.music import music_bearings
 from tests.passive.crossing_scene import (
     POSITIONS,
     WAVENUMBER,
+    circular_noise,
     crossing_angles,
     snapshots_of,
 )
@@ -104,7 +105,7 @@ def test_a_valley_that_leaves_a_third_of_its_steering_vector_outside_is_no_sourc
     )
     vector = vector / np.linalg.norm(vector)
     generator = np.random.default_rng(4)
-    across = generator.normal(size=(15, 2)).view(complex)[:, 0]
+    across = circular_noise(generator, 15)
     basis = np.linalg.qr(np.stack([vector, slope], axis=1)).Q
     across -= basis @ (basis.conj().T @ across)
     across /= np.linalg.norm(across)

@@ -84,3 +84,59 @@ def test_change_during_the_run_is_named(changes: dict[str, object], sentence: st
     check_next_block(replace(first, stamp=EPOCH + 1), first)
     with pytest.raises(InputError, match=sentence):
         check_next_block(replace(first, **changes), first)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("bandwidth", [0.0, 21.4])
+def test_a_band_up_to_a_tenth_of_the_aperture_s_is_narrow(bandwidth: float) -> None:
+    """1500 m/s over 7 m are 214 Hz."""
+    check_first_block(block_of(DATA, EPOCH, bandwidth=bandwidth), 5)
+    with pytest.raises(InputError, match=r"it must be below 0\.1"):
+        check_first_block(block_of(DATA, EPOCH, bandwidth=1500.0 / 70.0), 5)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"sample_period": np.inf}, "sample_period is inf"),
+        ({"sample_period": -0.1}, "sample_period is -0.1"),
+        ({"center_frequency": 0.0}, "center_frequency is 0"),
+        ({"sound_speed": 0.0}, "sound_speed is 0"),
+        ({"bandwidth": np.inf}, "bandwidth is inf"),
+        ({"bandwidth": np.nan}, "bandwidth is nan"),
+        ({"noise_covariance": np.triu(np.ones((15, 15))) + 0j}, "positive definite"),
+        ({"noise_covariance": np.ones((15, 15)) + 0j}, "positive definite"),
+        ({"noise_covariance": (1.0 + 2e-6) * np.eye(15) + 0j}, "trace 15"),
+        ({"noise_covariance": (1.0 - 2e-6) * np.eye(15) + 0j}, "trace 15"),
+        ({"element_positions": np.zeros((15, 2))}, r"shape \(15, 2\)"),
+    ],
+)
+def test_further_numbers_that_cannot_be_used(changes: dict[str, object], sentence: str) -> None:
+    with pytest.raises(InputError, match=sentence):
+        check_first_block(block_of(DATA, EPOCH, **changes), 5)
+
+
+def test_noise_of_unit_power_in_any_colour_is_accepted() -> None:
+    for noise in (np.eye(15), (1.0 + 5e-7) * np.eye(15), np.diag([0.5, 1.5, *np.ones(13)])):
+        check_first_block(block_of(DATA, EPOCH, noise_covariance=noise + 0j), 5)
+
+
+def test_data_must_be_a_matrix_of_at_least_one_snapshot() -> None:
+    check_block(block_of(DATA[:1], EPOCH))
+    check_block(block_of(np.stack([DATA, DATA]), EPOCH))
+    with pytest.raises(InputError, match=r"shape \(15,\)"):
+        check_block(block_of(DATA[0], EPOCH))
+    pair = np.stack([DATA, DATA])
+    pair[1, 4, 2] = np.nan
+    with pytest.raises(InputError, match=r"Element 2 of snapshot 4 .*1 such"):
+        check_block(block_of(pair, EPOCH))
+
+
+def test_every_setting_must_stay_as_it_was() -> None:
+    first = block_of(DATA, EPOCH, noise_covariance=np.eye(15) + 0j)
+    check_next_block(first, first)
+    for name in ("bandwidth", "sound_speed"):
+        with pytest.raises(InputError, match=f"{name} changed"):
+            check_next_block(replace(first, **{name: 1.0}), first)  # type: ignore[arg-type]
+    for noise in (None, 2.0 * np.eye(15, dtype=complex)):
+        with pytest.raises(InputError, match="noise_covariance changed"):
+            check_next_block(replace(first, noise_covariance=noise), first)

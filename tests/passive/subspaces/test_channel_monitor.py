@@ -159,3 +159,90 @@ def test_estimates_are_those_of_an_array_without_the_element() -> None:
             assert theirs.covariance is not None
             assert np.allclose(ours.covariance, theirs.covariance)
             assert (ours.rank, ours.source_count) == (theirs.rank, theirs.source_count)
+
+
+def steady(powers: list[float], n_snapshots: int) -> ComplexArray:
+    """Return snapshots of constant amplitude: the powers are exact from the first one on."""
+    phases = np.exp(1j * np.arange(n_snapshots))[:, None]
+    return np.asarray(phases * np.sqrt(np.array(powers)))
+
+
+def left_out(data: ComplexArray, size: int = 10) -> list[int]:
+    monitor = new_monitor(data.shape[1])
+    for first in range(0, len(data), size):
+        part = data[first : first + size]
+        monitor, _ = monitor.update(
+            block_of(part, EPOCH, element_positions=POSITIONS[: data.shape[1]])
+        )
+    return np.flatnonzero(~monitor.used).tolist()
+
+
+@pytest.mark.parametrize(
+    ("power", "bad"), [(1.01e-3, False), (0.99e-3, True), (99.0, False), (101.0, True)]
+)
+def test_elements_30_db_below_or_20_db_above_the_median_are_bad(power: float, bad: bool) -> None:
+    levels = [0.5, 1.0, power, 2.0, 1.0]
+    assert left_out(steady(levels, 60)) == ([2] if bad else [])
+    # Of fewer than fifty snapshots the level is not judged, but nothing at all is silence.
+    assert left_out(steady(levels, 40)) == []
+    assert left_out(steady(levels, 50)) == ([2] if bad else [])
+    assert left_out(steady([1.0, 1.0, 0.0], 1)) == [2]
+
+
+def on_and_off(shares: list[float], gains: list[float], n_snapshots: int = 400) -> ComplexArray:
+    """Return amplitudes that are on for a share of the time: E|x|^4 / (E|x|^2)^2 = 1 / share."""
+    turn = (np.arange(n_snapshots)[:, None] % 100) < 100.0 * np.array(shares)
+    return np.asarray(turn * np.sqrt(np.array(gains) / np.array(shares)) + 0j)
+
+
+@pytest.mark.parametrize(
+    ("share", "gain", "clipped_element", "bad"),
+    [
+        (0.73, 1.0, True, False),  # 1.37 beside 2: less by 0.63
+        (0.70, 1.0, False, False),  # 1.43: by 0.57
+        (0.73, 4.2, True, True),  # and 6.2 dB louder
+        (0.73, 3.8, True, False),
+        (0.70, 4.2, False, False),
+    ],
+)
+def test_clipping_is_a_flat_amplitude_and_saturation_a_loud_one(
+    share: float, gain: float, clipped_element: bool, bad: bool
+) -> None:
+    data = on_and_off([0.5, 0.5, share, 0.5, 0.5], [1.0, 1.0, gain, 1.0, 1.0])
+    monitor = new_monitor(5)
+    for first in range(0, 400, 100):
+        monitor, notices = monitor.update(
+            block_of(data[first : first + 100], EPOCH, element_positions=POSITIONS[:5])
+        )
+        named = [notice.culprit for notice in notices]
+        assert named == (["element 2"] if clipped_element and first >= 100 else [])
+    assert np.flatnonzero(~monitor.used).tolist() == ([2] if bad else [])
+
+
+def test_power_is_a_plain_mean_at_first_and_forgets_after_fifty_snapshots() -> None:
+    powers = [1.0, 3.0, 8.0, 2.0, 5.0, 0.5, 4.0, 9.0]
+    monitor, seen, power, amplitude = new_monitor(2), 0, 0.0, 0.0
+    for value in powers:
+        data = np.full((10, 2), np.sqrt(value) + 0j)
+        monitor, _ = monitor.update(block_of(data, EPOCH, element_positions=POSITIONS[:2]))
+        share = max(10.0 / (10.0 + min(seen, 50)), 0.2)
+        power = share * value + (1.0 - share) * power
+        share = max(10.0 / (10.0 + min(seen, 200)), 0.05)
+        amplitude = share * value**2 + (1.0 - share) * amplitude
+        seen += 10
+        assert monitor.power == pytest.approx(np.full(2, power))
+        assert monitor.amplitudes[1] == pytest.approx(np.full(2, amplitude))
+    assert monitor.n_snapshots == 80
+
+
+def test_quarantine_is_a_thousand_good_snapshots() -> None:
+    data = np.concatenate([steady([1.0, 0.0, 1.0], 10), steady([1.0, 1.0, 1.0], 1000)])
+    assert left_out(data[:1000], 10) == [1]
+    assert left_out(data, 10) == []
+
+
+@pytest.mark.parametrize(("n_bad", "used"), [(2, 3), (3, 5)])
+def test_bad_elements_are_left_out_as_long_as_they_are_the_fewer(n_bad: int, used: int) -> None:
+    data = steady([0.0] * n_bad + [1.0] * (5 - n_bad), 60)
+    assert 5 - len(left_out(data)) == used
+    assert left_out(steady([0.0, 0.0, 1.0, 1.0], 60)) == [], "half of them: all are used"

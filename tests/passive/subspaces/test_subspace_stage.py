@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -295,3 +296,30 @@ def test_parameters_that_do_not_fit_together() -> None:
     batch = block_of(crossing_data(16, 0.0, 0.0, batch=(2,)), EPOCH)
     with pytest.raises(InputError, match="batch of runs"):
         SubspaceStage(SubspaceConfiguration()).update(batch)
+
+
+@pytest.mark.parametrize(("missing", "reported"), [(9.9, True), (10.1, False)])
+def test_sample_times_in_a_gap_of_more_than_ten_periods_are_left_out(
+    missing: float, reported: bool
+) -> None:
+    """The period is 1 s; the blocks before the gap and after it last for 3 s and 0.1 s."""
+    blocks = list(blocks_of(crossing_data(19, 0.0, 2.0)))
+    jump = blocks[-1].stamp + SECOND // 10 + round(missing * SECOND) - blocks[0].stamp
+    later = [replace(each, stamp=each.stamp + jump) for each in blocks]
+    estimates, _ = fed(SubspaceStage(PAPER), blocks + later)
+    lost = [e for e in estimates if len(e.time_offsets) == 0]
+    assert (len(lost) > 5) == reported
+
+
+def test_more_sources_than_the_array_can_tell_apart_are_said() -> None:
+    generator = np.random.default_rng(20)
+    data = circular_noise(generator, 400, 4) @ np.diag([30.0, 20.0, 10.0, 1.0])
+    header: dict[str, Any] = {"element_positions": POSITIONS[:4]}
+    blocks = list(blocks_of(data, **header))
+    _, notices = fed(SubspaceStage(SubspaceConfiguration()), blocks)
+    crowded = [notice for notice in notices if notice.culprit == "rank"]
+    assert crowded and "3 sources or more, as many as 4 elements" in crowded[0].text
+    _, notices = fed(
+        SubspaceStage(SubspaceConfiguration()), list(blocks_of(crossing_data(21, 0.0, 1.0)))
+    )
+    assert not notices
