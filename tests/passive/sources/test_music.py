@@ -110,7 +110,7 @@ def test_a_valley_that_leaves_a_third_of_its_steering_vector_outside_is_no_sourc
     across -= basis @ (basis.conj().T @ across)
     across /= np.linalg.norm(across)
     signal = np.sqrt(1.0 - outside) * vector + np.sqrt(outside) * across
-    covariance = 10.0 * np.outer(signal, signal.conj()) + np.eye(15)
+    covariance = np.eye(15, dtype=complex) + 10.0 * signal[:, None] * signal.conj()
     found = music_bearings(covariance, 1, POSITIONS, WAVENUMBER)
     assert len(found) == kept
     assert np.allclose(found, 0.2, atol=0.02)

@@ -137,6 +137,7 @@ def test_every_setting_must_stay_as_it_was() -> None:
     for name in ("bandwidth", "sound_speed"):
         with pytest.raises(InputError, match=f"{name} changed"):
             check_next_block(replace(first, **{name: 1.0}), first)  # type: ignore[arg-type]
-    for noise in (None, 2.0 * np.eye(15, dtype=complex)):
+    doubled: np.ndarray = 2.0 * np.eye(15, dtype=complex)
+    for noise in (None, doubled):
         with pytest.raises(InputError, match="noise_covariance changed"):
             check_next_block(replace(first, noise_covariance=noise), first)
