@@ -29,7 +29,10 @@ def table(header: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
 
 def parameter_cells(entry: ParameterDescription) -> tuple[str, str, str, str]:
     """Return default, unit, allowed values and description of a parameter."""
-    return default_text(entry), entry.unit, _allowed(entry), sentence(entry.description)
+    text = sentence(entry.description)
+    if entry.changeable:
+        text += " Can be changed while the node runs."
+    return default_text(entry), entry.unit, _allowed(entry), text
 
 
 def sentence(text: str) -> str:

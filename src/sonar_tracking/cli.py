@@ -72,13 +72,18 @@ def run(
     duration: Annotated[float | None, typer.Option(help="Length of the data, s.")] = None,
     rate: RateOption = "1",
     record: RecordOption = None,
+    parameters: Annotated[
+        Path | None, typer.Option(help="YAML file: node, parameter, value; overrides the scenario.")
+    ] = None,
     no_display: NoDisplayOption = False,
     json: JsonOption = None,
     cutoff: CutoffOption = CUTOFF_M,
 ) -> None:
     """Run a scenario through the live graph: every node a process of its own."""
     module = _load("sonar_tracking.graph.verbs.run_command")
-    raise typer.Exit(module.run(scenario, duration, rate, record, not no_display, json, cutoff))
+    raise typer.Exit(
+        module.run(scenario, duration, rate, record, parameters, not no_display, json, cutoff)
+    )
 
 
 @app.command()

@@ -47,6 +47,8 @@ class ParameterDescription:
         Allowed values of a string; empty = any.
     methods : MethodRegistry or None
         Where the choices are methods of a stage: what is known of them.
+    changeable : bool
+        Whether a running stage takes another value at its next datum.
     """
 
     name: str
@@ -59,6 +61,7 @@ class ParameterDescription:
     choices: tuple[str, ...]
     entry_kind: type = float
     methods: MethodRegistry[Any] | None = None
+    changeable: bool = False
 
 
 def parameter(
@@ -70,6 +73,7 @@ def parameter(
     maximum: float | None = None,
     choices: tuple[str, ...] = (),
     methods: MethodRegistry[Any] | None = None,
+    changeable: bool = False,
 ) -> Any:
     """Declare one field of a configuration dataclass.
 
@@ -88,6 +92,9 @@ def parameter(
     methods : MethodRegistry, optional
         Instead of choices: the methods whose names are allowed. They are looked up whenever the
         parameter is described, and the text goes on with what each of them does.
+    changeable : bool
+        The stage reads the value at every datum and keeps nothing made from it, so that it may be
+        changed while the stage runs.
     """
     metadata = {
         "description": description,
@@ -96,6 +103,7 @@ def parameter(
         "maximum": maximum,
         "choices": choices,
         "methods": methods,
+        "changeable": changeable,
     }
     return dataclasses.field(default=default, metadata=metadata)
 

@@ -225,3 +225,21 @@ def test_a_track_that_gives_way_to_a_crowd_is_told_to_have_ended(method: str) ->
         shown = listed - gone
         assert len(shown) <= 10
     assert ended
+
+
+@pytest.mark.parametrize("method", WITH_EXISTENCE)
+def test_thresholds_may_change_between_pings_without_losing_tracks(method: str) -> None:
+    generator = np.random.default_rng(7)
+    pings = [ping(number, generator, clutter=20) for number in range(30)]
+    usual, same, changed = start(method), start(method), start(method)
+    for each in pings[:20]:
+        before, *_ = (t.update(each).tracks for t in (usual, same, changed))
+    same.configuration = replace(same.configuration)
+    changed.configuration = replace(changed.configuration, tentative_probability=1.0)
+    (target,) = before.id[before.status == TrackStatus.CONFIRMED]
+    for each in pings[20:]:
+        expected, found, strict = (t.update(each).tracks for t in (usual, same, changed))
+        assert found.state.tobytes() == expected.state.tobytes()
+        assert target in strict.id
+        # What has been shown before is shown to its end; no other candidate is likely enough.
+        assert set(strict.id[strict.status == TrackStatus.TENTATIVE]) <= set(before.id)

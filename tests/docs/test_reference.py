@@ -8,9 +8,11 @@ import pytest
 
 from docs.reference_writer.messages import DEFINITIONS
 from docs.reference_writer.pages import FRAGMENTS
+from docs.reference_writer.parameter_files import FOLDER, outdated_files
 from docs.reference_writer.scenarios import SECTIONS
 from sonar_tracking.configuration import describe
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
+from sonar_tracking.graph.catalogue.node_settings import read_settings, resolved_settings
 from sonar_tracking.simulation.scenarios.scenario_file import scenario_names
 from tests.docs.code_blocks import PAGES, PROJECT
 
@@ -33,6 +35,20 @@ def test_node_has_all_its_parameters_and_topics(name: str) -> None:
     for topic in (*node.outputs, *node.inputs):
         assert f"`{topic.name}`" in section
         assert f"`{topic.name}`" in WRITTEN["topics"]
+
+
+def test_parameter_files_are_as_the_configurations_say() -> None:
+    assert [path.name for path in outdated_files()] == []
+    assert sorted(path.stem for path in FOLDER.iterdir()) == sorted(NODES)
+
+
+@pytest.mark.parametrize("name", sorted(NODES))
+def test_a_parameter_file_gives_every_parameter_its_default(name: str) -> None:
+    given = read_settings(FOLDER / f"{name}.yaml")
+    assert list(given) == [name]
+    assert len(given[name]) == len(NODES[name].parameters)
+    node = (NODES[name],)
+    assert resolved_settings(given, node, "file") == resolved_settings({}, node, "default")
 
 
 def test_every_field_of_every_message_is_described() -> None:

@@ -13,7 +13,16 @@ from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
 
 
 class ContactTracker(Protocol):
-    """Tracks several targets from contacts in clutter, one ping after the other."""
+    """Tracks several targets from contacts in clutter, one ping after the other.
+
+    Attributes
+    ----------
+    configuration : ContactTrackerConfiguration
+        Read at every ping; another may be put in its place in between, if only what is declared
+        changeable differs.
+    """
+
+    configuration: ContactTrackerConfiguration
 
     def update(self, contacts: Contacts) -> ContactTrackerUpdate:
         """Return the tracks after one ping.

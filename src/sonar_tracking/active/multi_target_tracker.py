@@ -119,7 +119,7 @@ class MultiTargetTracker:
 
     def __init__(self, configuration: ContactTrackerConfiguration, rule: AssociationRule) -> None:
         check_configuration(configuration)
-        self._configuration = configuration
+        self.configuration = configuration
         self._rule = rule
         turning = rule.has_motion_modes and configuration.motion == "turning"
         self._modes = MotionModes(
@@ -166,7 +166,7 @@ class MultiTargetTracker:
         bank = self._update_states(association, gating)
         listed = self._confirm_and_end(bank, association, gating, ping)
         candidates = self._start_candidates(association, gating, ping)
-        listed, candidates = limit_tracks(listed, candidates, self._configuration.maximum_tracks)
+        listed, candidates = limit_tracks(listed, candidates, self.configuration.maximum_tracks)
         self._bank = listed.bank.select(listed.alive).append(candidates)
         self._last = origin_of(contacts)
         self._particles.keep(self._bank)
@@ -188,7 +188,7 @@ class MultiTargetTracker:
         """
         check_order(stamp, self._last)
         bank = self._predict(stamp)
-        model = self._configuration
+        model = self.configuration
         nowhere = np.zeros(len(bank))
         alive = survivors(bank, nowhere, np.inf, model.detection_probability, model)
         listed = ListedTracks(bank, alive, self._was_shown(bank), detected=nowhere)
@@ -199,11 +199,11 @@ class MultiTargetTracker:
 
     def _place(self, contacts: Contacts) -> tuple[_Ping, tuple[Notice, ...]]:
         """Bring the contacts into ``map`` and find out how dense false ones are."""
-        model, guesses = make_detection_model(contacts, self._configuration)
-        check_thresholds(model, self._configuration)
+        model, guesses = make_detection_model(contacts, self.configuration)
+        check_thresholds(model, self.configuration)
         n_confirmed = int(np.count_nonzero(self._bank.confirmed))
         self._clutter = self._clutter.after(len(contacts.range), n_confirmed, model)
-        sound_speed = self._configuration.sound_speed
+        sound_speed = self.configuration.sound_speed
         measured = len(contacts.amplitude) > 0
         ping = _Ping(
             stamp=contacts.stamp,
@@ -220,7 +220,7 @@ class MultiTargetTracker:
     def _predict(self, stamp: int) -> TrackBank:
         """Move all tracks to the transmit time of a ping."""
         interval = 0.0 if self._last is None else self._last.interval(stamp)
-        survival = self._configuration.survival_probability
+        survival = self.configuration.survival_probability
         bank = predict_bank(self._bank, self._modes, interval, survival)
         return self._particles.predict(bank, interval) if self._particles.used else bank
 
@@ -228,7 +228,7 @@ class MultiTargetTracker:
         """Pair the tracks with the contacts in their gates that pass the thresholds."""
         gates = predict_gates(bank, ping.sensor)
         thresholds = apply_thresholds(
-            bank, gates, ping.model, self._configuration, ping.stamp, ping.next_stamp
+            bank, gates, ping.model, self.configuration, ping.stamp, ping.next_stamp
         )
         pairs = find_pairs(bank, gates, ping.placed)
         # Written so that an amplitude or a threshold that is not known lets the contact pass.
@@ -276,14 +276,14 @@ class MultiTargetTracker:
         bank = replace(
             bank,
             confirmed=bank.confirmed
-            | (bank.existence >= self._configuration.confirmation_probability),
+            | (bank.existence >= self.configuration.confirmation_probability),
             updated=np.where(detected > 0.5, ping.stamp, bank.updated),
         )
         mean, _ = bank.moments()
         separation = mean[:, :2] - ping.sensor.position
         distance = np.hypot(separation[:, 0], separation[:, 1])
         detection = ping.model.detection_probability
-        alive = survivors(bank, distance, ping.reach, detection, self._configuration)
+        alive = survivors(bank, distance, ping.reach, detection, self.configuration)
         alive &= ~duplicates(bank, gating.pairs, association.weights)
         return ListedTracks(bank, alive, self._was_shown(bank), detected)
 
@@ -306,24 +306,24 @@ class MultiTargetTracker:
             ping.stamp,
             self._next_id,
             self._modes.mode_prior,
-            self._configuration.initial_speed_deviation,
+            self.configuration.initial_speed_deviation,
         )
         self._next_id += len(rows)
         return candidates
 
     def _initial_existence(self, ping: _Ping, rows: IndexArray, threshold: float) -> FloatArray:
-        initial = self._configuration.initial_existence
+        initial = self.configuration.initial_existence
         if not self._rule.weighs_amplitudes:
             return np.full(len(rows), initial)
         amplitudes = ping.amplitudes[rows]
         ratio = ping.model.amplitude_ratio(amplitudes, np.full(len(rows), threshold))
         odds = initial / (1.0 - initial) * ratio
-        return np.minimum(odds / (1.0 + odds), 0.5 * self._configuration.confirmation_probability)
+        return np.minimum(odds / (1.0 + odds), 0.5 * self.configuration.confirmation_probability)
 
     def _report(
         self, listed: ListedTracks, thresholds: GateThresholds, notices: tuple[Notice, ...]
     ) -> ContactTrackerUpdate:
-        rows = list_tracks(listed, self._configuration.tentative_probability)
+        rows = list_tracks(listed, self.configuration.tentative_probability)
         self._shown = rows.id[rows.status != int(TrackStatus.TERMINATED)]
         return ContactTrackerUpdate(
             tracks=shown_tracks(rows, thresholds.stamp, thresholds.next_stamp),

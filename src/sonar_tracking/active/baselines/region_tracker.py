@@ -89,7 +89,7 @@ class RegionTracker:
 
     def __init__(self, configuration: ContactTrackerConfiguration) -> None:
         check_configuration(configuration)
-        self._configuration = configuration
+        self.configuration = configuration
         self._motion = ParticleMotion.configured(configuration)
         self._generator = np.random.default_rng(configuration.seed)
         self._tracks: list[_RegionTrack] = []
@@ -116,9 +116,9 @@ class RegionTracker:
             If the ping cannot be used; the state is then unchanged.
         """
         contacts, notices = check_ping(contacts, self._last)
-        model, guessed = make_detection_model(contacts, self._configuration)
-        placed = place_contacts(contacts, self._configuration.sound_speed)
-        sensor = sensor_geometry(contacts, self._configuration.sound_speed)
+        model, guessed = make_detection_model(contacts, self.configuration)
+        placed = place_contacts(contacts, self.configuration.sound_speed)
+        sensor = sensor_geometry(contacts, self.configuration.sound_speed)
         self._predict(contacts.stamp)
         self._last = origin_of(contacts)
         self._follow(placed, sensor, model, contacts.stamp)
@@ -128,7 +128,7 @@ class RegionTracker:
             self._window,
             sensor.range_standard_deviation,
             sensor.azimuth_standard_deviation,
-            self._configuration.roi_distance,
+            self.configuration.roi_distance,
             model.detection_probability,
         )
         free = self._attribute(regions, sensor)
@@ -253,9 +253,9 @@ class RegionTracker:
     def _new_track(self, region: FloatArray, sensor: SensorGeometry, stamp: int) -> _RegionTrack:
         covariance = np.zeros((4, 4))
         covariance[:2, :2] = _region_covariances(region[None], sensor)[0]
-        covariance[2:, 2:] = self._configuration.initial_speed_deviation**2 * np.eye(2)
+        covariance[2:, 2:] = self.configuration.initial_speed_deviation**2 * np.eye(2)
         mean = np.concatenate([region, np.zeros(2)])
-        cloud = gaussian_cloud(mean, covariance, self._configuration.n_particles, self._generator)
+        cloud = gaussian_cloud(mean, covariance, self.configuration.n_particles, self._generator)
         track = _RegionTrack(self._next_id, cloud, 0, stamp, stamp)
         self._next_id += 1
         return track

@@ -75,7 +75,7 @@ class DensityTracker:
 
     def __init__(self, configuration: ContactTrackerConfiguration) -> None:
         check_configuration(configuration)
-        self._configuration = configuration
+        self.configuration = configuration
         self._motion = ParticleMotion.configured(configuration)
         self._generator = np.random.default_rng(configuration.seed)
         nothing = np.zeros(0)
@@ -103,9 +103,9 @@ class DensityTracker:
             If the ping cannot be used; the state is then unchanged.
         """
         contacts, notices = check_ping(contacts, self._last)
-        model, guessed = make_detection_model(contacts, self._configuration)
-        placed = place_contacts(contacts, self._configuration.sound_speed)
-        sensor = sensor_geometry(contacts, self._configuration.sound_speed)
+        model, guessed = make_detection_model(contacts, self.configuration)
+        placed = place_contacts(contacts, self.configuration.sound_speed)
+        sensor = sensor_geometry(contacts, self.configuration.sound_speed)
         interval = self._interval(contacts.stamp)
         cloud = self._predict(interval, model, sensor)
         cloud = self._weigh(cloud, placed, sensor, model)
@@ -176,7 +176,7 @@ class DensityTracker:
             azimuth = 2.0 * np.pi * generator.random(BIRTH_PARTICLES)
         state[:, 0] = sensor.position[0] + distance * np.cos(azimuth)
         state[:, 1] = sensor.position[1] + distance * np.sin(azimuth)
-        speed = self._configuration.initial_speed_deviation
+        speed = self.configuration.initial_speed_deviation
         state[:, 2:] = speed * generator.standard_normal((BIRTH_PARTICLES, 2))
         state[:, :2] += interval * state[:, 2:]
         return state
@@ -199,7 +199,7 @@ class DensityTracker:
         return ParticleCloud(cloud.state, cloud.mode, cloud.weight * factor)
 
     def _resample(self, cloud: ParticleCloud, mass: float) -> ParticleCloud:
-        count = self._configuration.n_particles * max(1, _told_apart(mass))
+        count = self.configuration.n_particles * max(1, _told_apart(mass))
         rows = systematic_rows(cloud.weight, count, self._generator)
         noise = ROUGHENING * self._generator.standard_normal((count, 4))
         return ParticleCloud(

@@ -88,16 +88,24 @@ class ContactTrackerConfiguration:
         0.003, "Existence probability of a candidate", minimum=1e-7, maximum=0.4
     )
     confirmation_probability: float = parameter(
-        0.9, "Existence that confirms a candidate", minimum=0.1, maximum=0.9999
+        0.9, "Existence that confirms a candidate", minimum=0.1, maximum=0.9999, changeable=True
     )
     termination_probability: float = parameter(
-        0.6, "Existence below which a confirmed track ends", minimum=1e-4, maximum=0.99
+        0.6,
+        "Existence below which a confirmed track ends",
+        minimum=1e-4,
+        maximum=0.99,
+        changeable=True,
     )
     survival_probability: float = parameter(
         0.999, "That a target lasts until the next ping", minimum=0.5, maximum=1.0
     )
     tentative_probability: float = parameter(
-        0.1, "Existence from which a candidate is shown", minimum=1e-6, maximum=1.0
+        0.1,
+        "Existence from which a candidate is shown",
+        minimum=1e-6,
+        maximum=1.0,
+        changeable=True,
     )
     maximum_position_variance: float = parameter(
         1e6, "Trace at which a track ends", unit="m^2", minimum=1.0

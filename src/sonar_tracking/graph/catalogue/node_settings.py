@@ -139,7 +139,8 @@ def read_settings(path: Path) -> dict[str, dict[str, Any]]:
                 f"{path}: {name} must be a mapping of parameter names to values, "
                 "e.g. 'bearing_tracker: {method: ml_fusion}'."
             )
-        settings[str(name).lstrip("/")] = dict(values)
+        # "/**/" is how ROS writes: in whatever namespace.
+        settings[str(name).removeprefix("/").removeprefix("**/")] = dict(values)
     return settings
 
 

@@ -67,14 +67,24 @@ def resolve(
     ConfigurationError
         On a value that cannot be used, or values that do not go together.
     """
-    values: dict[str, Value] = {
+    return configuration(**checked_values(configuration, overrides, where))
+
+
+def checked_values(configuration: type, given: Mapping[str, Any], where: str) -> dict[str, Value]:
+    """Return those of the given values that belong to a configuration, in its types.
+
+    Raises
+    ------
+    ConfigurationError
+        On a value that cannot be used.
+    """
+    return {
         description.name: checked_value(
-            description, _plain(description, overrides[description.name]), where
+            description, _plain(description, given[description.name]), where
         )
         for description in describe(configuration)
-        if description.name in overrides
+        if description.name in given
     }
-    return configuration(**values)
 
 
 def unknown_overrides(known: Collection[str], overrides: Iterable[str], where: str) -> list[str]:
@@ -89,7 +99,7 @@ def unknown_overrides(known: Collection[str], overrides: Iterable[str], where: s
 
 
 def declare(node: Node, configuration: Any) -> None:
-    """Declare all fields of a configuration as read-only parameters with their ranges."""
+    """Declare all fields of a configuration as parameters with their ranges."""
     for description in describe(type(configuration)):
         value = getattr(configuration, description.name)
         node.declare_parameter(
@@ -101,13 +111,15 @@ def declare(node: Node, configuration: Any) -> None:
 
 
 def descriptor(description: ParameterDescription) -> ParameterDescriptor:
-    """Return the ROS descriptor of a parameter: text, range, read-only.
+    """Return the ROS descriptor of a parameter: text, range, and whether it can be changed.
 
     A descriptor knows closed ranges of single numbers alone; whatever else limits a value is said
     in words.
     """
     unit = f" [{description.unit}]" if description.unit else ""
-    result = ParameterDescriptor(description=description.description + unit, read_only=True)
+    result = ParameterDescriptor(
+        description=description.description + unit, read_only=not description.changeable
+    )
     low, high = description.minimum, description.maximum
     if description.choices:
         result.additional_constraints = f"one of {', '.join(description.choices)}"

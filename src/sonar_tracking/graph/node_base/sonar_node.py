@@ -21,6 +21,7 @@ from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.topics import DIAGNOSTICS_TOPIC, Topic
 from sonar_tracking.graph.message_writing.field_writing import message_class
 from sonar_tracking.graph.node_base import parameters, quality_of_service
+from sonar_tracking.graph.node_base.changeable_parameters import ChangeableParameters
 from sonar_tracking.graph.node_base.data_flow import (
     DataInput,
     DataOutput,
@@ -78,6 +79,7 @@ class SonarNode(Node):
         self,
         configuration: type[ConfigurationType],
         check: Callable[[ConfigurationType], object] = bool,
+        take: Callable[[ConfigurationType], None] | None = None,
     ) -> ConfigurationType:
         """Return a configuration from the parameters given to the node, and declare them.
 
@@ -88,6 +90,9 @@ class SonarNode(Node):
         check : callable
             Called with the configuration; raises ConfigurationError on a combination that does
             not go together, e.g. the class of the stage.
+        take : callable, optional
+            Called between two data with another configuration, of which a user has changed what
+            is declared changeable.
 
         Raises
         ------
@@ -100,6 +105,8 @@ class SonarNode(Node):
         except ConfigurationError as error:
             raise ConfigurationError(f"{self.get_name()}: {error}") from error
         parameters.declare(self, resolved)
+        if take is not None:
+            ChangeableParameters(self, resolved, check, take)
         return resolved
 
     def data_publisher(self, topic: Topic) -> DataOutput:

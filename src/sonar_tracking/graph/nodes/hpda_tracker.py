@@ -51,7 +51,7 @@ class HpdaTracker(SonarNode):
     def __init__(self) -> None:
         super().__init__(HPDA_TRACKER)
         self._configuration = self.configuration(
-            ContactTrackerConfiguration, check=make_contact_tracker
+            ContactTrackerConfiguration, check=make_contact_tracker, take=self._reconfigure
         )
         self._defaults = self.configuration(ContactDefaultsConfiguration)
         self._mounting = self.configuration(MountingConfiguration)
@@ -87,6 +87,9 @@ class HpdaTracker(SonarNode):
         """Forget all tracks; identifiers go on."""
         first_id = self._tracker.next_id
         self._tracker = make_contact_tracker(replace(self._configuration, first_id=first_id))
+
+    def _reconfigure(self, configuration: ContactTrackerConfiguration) -> None:
+        self._configuration = self._tracker.configuration = configuration
 
     def _publish(self, update: ContactTrackerUpdate) -> None:
         self._thresholds.publish(thresholds_to_message(update.thresholds))

@@ -48,7 +48,9 @@ class TmaTracker(SonarNode):
 
     def __init__(self) -> None:
         super().__init__(TMA_TRACKER)
-        self._configuration = self.configuration(TmaTrackerConfiguration, check=TmaTrackerStage)
+        self._configuration = self.configuration(
+            TmaTrackerConfiguration, check=TmaTrackerStage, take=self._reconfigure
+        )
         inputs = self.configuration(TmaInputConfiguration)
         bearings = [replace(BEARING_TRACKS, name=name) for name in inputs.bearing_topics if name]
         lines = [replace(FREQUENCY_LINES, name=name) for name in inputs.line_topics if name]
@@ -112,6 +114,9 @@ class TmaTracker(SonarNode):
     def reset(self) -> None:
         """Forget all tracks; identifiers go on."""
         self._stage.reset()
+
+    def _reconfigure(self, configuration: TmaTrackerConfiguration) -> None:
+        self._configuration = self._stage.configuration = configuration
 
     def _needs_own_ship(self, record: Any) -> bool:
         if isinstance(record, InputError):

@@ -24,6 +24,7 @@ def run(
     duration: float | None,
     rate: str,
     record: Path | None,
+    parameters: Path | None,
     display: bool,
     json: Path | None,
     cutoff_m: float,
@@ -40,7 +41,9 @@ def run(
     from sonar_tracking.graph.verbs.run_scenario import run_scenario
 
     return _shown(
-        display, json, lambda screen, log: run_scenario(scenario, duration, options, screen, log)
+        display,
+        json,
+        lambda screen, log: run_scenario(scenario, duration, parameters, options, screen, log),
     )
 
 

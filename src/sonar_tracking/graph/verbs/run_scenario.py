@@ -11,6 +11,7 @@ from sonar_tracking.display.run_display import RunDisplay
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.node_settings import (
     NodeSettings,
+    read_settings,
     resolved_settings,
     with_room_for_bursts,
 )
@@ -42,6 +43,7 @@ from sonar_tracking.simulation.scenarios.scenario_mapping import (
 def run_scenario(
     name_or_path: str,
     duration: float | None,
+    parameters: Path | None,
     options: RunOptions,
     display: RunDisplay,
     log_directory: Path,
@@ -54,6 +56,8 @@ def run_scenario(
         Scenario.
     duration : float or None
         Length of the data, s; None = as the scenario says.
+    parameters : Path or None
+        File with parameters of nodes, before those of the scenario.
     options : RunOptions
         Rate, recording, report.
     display : RunDisplay
@@ -66,8 +70,8 @@ def run_scenario(
     ConfigurationError
         If scenario, parameters or options cannot be used; nothing was started then.
     """
-    scenario = read_scenario(name_or_path, duration)
-    plan = plan_scenario(scenario, options, log_directory, name_or_path)
+    scenario, where = _with_file(read_scenario(name_or_path, duration), name_or_path, parameters)
+    plan = plan_scenario(scenario, options, log_directory, where)
     orchestration = Orchestration(plan, display, log_directory)
     orchestration.start_processes()
     os.environ.update(plan.transport.others)
@@ -76,8 +80,7 @@ def run_scenario(
     from sonar_tracking.graph.orchestration.run_observer import RunObserver
     from sonar_tracking.graph.orchestration.simulated_source import SimulatedSource
 
-    topics = plan.topics()
-    observer = RunObserver(topics, display, options.cutoff_m)
+    observer = RunObserver(plan.topics(), display, options.cutoff_m)
     try:
         with ControlNode(
             orchestration.ledger,
@@ -89,16 +92,14 @@ def run_scenario(
             for topic in plan.observed().values():
                 control.observe(topic)
             master = _time_master(scenario, options.rate)
-            source = SimulatedSource(
-                control, orchestration.ledger, master, scenario.stamp(scenario.start)
-            )
+            start = scenario.stamp(scenario.start)
+            source = SimulatedSource(control, orchestration.ledger, master, start)
             orchestration.run(control, source)
-            data_seconds = source.data_seconds
     finally:
         orchestration.stop_processes()
     if options.record is not None:
         display.say(recording_hint(options.record, plan.topics(), observer.records))
-    return orchestration.report(data_seconds, observer)
+    return orchestration.report(source.data_seconds, observer)
 
 
 def read_scenario(name_or_path: str, duration: float | None) -> Scenario:
@@ -154,6 +155,17 @@ def plan_scenario(
         sources=sources,
         transport=choose_transport(_largest_message_bytes(scenario, settings), n_publishers=2),
     )
+
+
+def _with_file(scenario: Scenario, name: str, path: Path | None) -> tuple[Scenario, str]:
+    """Return a scenario with the parameters of nodes that a file gives, and where all is from."""
+    if path is None:
+        return scenario, name
+    given = {
+        node: {**scenario.nodes.get(node, {}), **values}
+        for node, values in read_settings(path).items()
+    }
+    return replace(scenario, nodes={**scenario.nodes, **given}), f"{name} with {path}"
 
 
 def _check_source_count(scenario: Scenario, settings: NodeSettings, where: str) -> None:

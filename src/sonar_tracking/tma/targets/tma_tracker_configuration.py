@@ -59,16 +59,27 @@ class TmaTrackerConfiguration(RangeBankConfiguration):
         100.0, "to one, for taking the bearings of two stations to be of one target", minimum=1.0
     )
     confirm_observability: float = parameter(
-        0.5, "a solution is confirmed from this on", minimum=0.0, maximum=1.0
+        0.5, "a solution is confirmed from this on", minimum=0.0, maximum=1.0, changeable=True
     )
     confirm_relative_deviation: float = parameter(
-        0.1, "and when its position is known to this part of its range", minimum=0.0
+        0.1,
+        "and when its position is known to this part of its range",
+        minimum=0.0,
+        changeable=True,
     )
     coasted_after: float = parameter(
-        10.0, "a track without a measurement for this long is coasted", unit="s", minimum=0.0
+        10.0,
+        "a track without a measurement for this long is coasted",
+        unit="s",
+        minimum=0.0,
+        changeable=True,
     )
     coast_duration: float = parameter(
-        0.0, "how long a track outlives its last bearing track", unit="s", minimum=0.0
+        0.0,
+        "how long a track outlives its last bearing track",
+        unit="s",
+        minimum=0.0,
+        changeable=True,
     )
     first_id: int = parameter(1, "first track identifier", minimum=1)
 

@@ -67,7 +67,7 @@ class TmaTrackerStage:
     Parameters
     ----------
     configuration : TmaTrackerConfiguration
-        Its parameters.
+        Its parameters; those declared changeable may differ in another put in its place later.
     n_stations : int
         Stations that report bearing tracks.
 
@@ -80,10 +80,10 @@ class TmaTrackerStage:
     def __init__(
         self, configuration: TmaTrackerConfiguration | None = None, n_stations: int = 1
     ) -> None:
-        self._configuration = configuration or TmaTrackerConfiguration()
-        check_tma_tracker(self._configuration)
+        self.configuration = configuration or TmaTrackerConfiguration()
+        check_tma_tracker(self.configuration)
         self._n_stations = n_stations
-        self._next_id = self._configuration.first_id
+        self._next_id = self.configuration.first_id
         self.reset()
 
     def warm_up(self) -> None:
@@ -98,8 +98,8 @@ class TmaTrackerStage:
         self._target_of: dict[TrackKey, FollowedTarget] = {}
         self._targets: list[FollowedTarget] = []
         self._ended: list[TrackRow] = []
-        self._attribution = LineAttribution(self._configuration.attribution_gate)
-        self._pairing = StationPairing(self._configuration.association_odds)
+        self._attribution = LineAttribution(self.configuration.attribution_gate)
+        self._pairing = StationPairing(self.configuration.association_odds)
 
     def update(self, frame: PassiveFrame) -> TmaUpdate:
         """Take everything of one instant in.
@@ -159,7 +159,7 @@ class TmaTrackerStage:
         for key in [key for key in self._target_of if key[0] == sensor and key[1] not in alive]:
             self._leave(key)
         try:
-            view = station_view(bearings.sensor, own_ship, self._configuration)
+            view = station_view(bearings.sensor, own_ship, self.configuration)
         except InputError as error:
             notices.append(Notice(Severity.ERROR, f"data of {sensor}", str(error)))
             station.angles = {}
@@ -167,7 +167,7 @@ class TmaTrackerStage:
         station.angles = _angles(bearings, view)
         for row in np.flatnonzero(running):
             key = (sensor, int(bearings.id[row]))
-            observation, problem = observation_of(bearings, int(row), view, self._configuration)
+            observation, problem = observation_of(bearings, int(row), view, self.configuration)
             if problem:
                 notices.append(left_out(sensor, problem))
             if key in observed:
@@ -186,8 +186,8 @@ class TmaTrackerStage:
         self, bearings: BearingTracks, row: int, observation: TargetObservation, view: StationView
     ) -> bool:
         """Return whether a bearing track gets a target now."""
-        extra = abs(view.turn_rate) * self._configuration.array_lag
-        if not observation.azimuths or extra > self._configuration.minimum_azimuth_deviation:
+        extra = abs(view.turn_rate) * self.configuration.array_lag
+        if not observation.azimuths or extra > self.configuration.minimum_azimuth_deviation:
             return False
         return bool(bearings.status[row] == TrackStatus.CONFIRMED)
 
@@ -209,11 +209,11 @@ class TmaTrackerStage:
                 observed[key] = with_lines(observed[key], own)
             elif key in self._target_of:
                 try:
-                    view = station_view(lines.sensor, own_ship, self._configuration)
+                    view = station_view(lines.sensor, own_ship, self.configuration)
                 except InputError as error:
                     notices.append(Notice(Severity.ERROR, f"lines of {sensor}", str(error)))
                     return
-                bare = bare_observation(lines.stamp, view, self._configuration)
+                bare = bare_observation(lines.stamp, view, self.configuration)
                 observed[key] = with_lines(bare, own)
 
     def _observe(
@@ -227,23 +227,23 @@ class TmaTrackerStage:
         self._pairing.observe(target, observation)
         try:
             self._replace(target, target.observe(observation))
-            target.judge(self._configuration)
+            target.judge(self.configuration)
         except InputError as error:
             notices.append(left_out(key[0], str(error).rstrip(".")))
         except np.linalg.LinAlgError:
             notices.append(left_out(key[0], f"track {key[1]} became numerically impossible"))
             self._pairing.end(target)
-            target.solver = new_solver(self._configuration)
+            target.solver = new_solver(self.configuration)
 
     def _begin(self, key: TrackKey) -> None:
         target = FollowedTarget(
-            solver=new_solver(self._configuration),
+            solver=new_solver(self.configuration),
             members={key[0]: key[1]},
             initiated=self._stamp,
             updated=self._stamp,
             bearing_track_id=key[1],
         )
-        if self._configuration.entry.weighs_hypotheses:
+        if self.configuration.entry.weighs_hypotheses:
             self._pairing.begin(target, self._targets)
         self._targets.append(target)
         self._target_of[key] = target
@@ -254,7 +254,7 @@ class TmaTrackerStage:
         del target.members[key[0]]
         if target.members:
             target.bearing_track_id = next(iter(target.members.values()))
-        elif self._configuration.coast_duration == 0.0:
+        elif self.configuration.coast_duration == 0.0:
             self._end(target)
 
     def _end(self, target: FollowedTarget) -> None:
@@ -272,7 +272,7 @@ class TmaTrackerStage:
         target.solutions = solutions
 
     def _end_coasted(self) -> None:
-        patience = nanoseconds(self._configuration.coast_duration)
+        patience = nanoseconds(self.configuration.coast_duration)
         for target in [one for one in self._targets if not one.members]:
             if self._stamp - target.updated > patience:
                 self._end(target)
@@ -292,7 +292,7 @@ class TmaTrackerStage:
             self._target_of[key] = first
         first.solver = pair.solver
         self._replace(first, pair.solutions)
-        first.judge(self._configuration)
+        first.judge(self.configuration)
         self._end(second)
 
     def _release_misfits(self) -> None:
@@ -312,7 +312,7 @@ class TmaTrackerStage:
                 if solution.side not in target.row_of:
                     target.row_of[solution.side] = self._next_id
                     self._next_id += 1
-                status = target.status(solution, self._stamp, self._configuration)
+                status = target.status(solution, self._stamp, self.configuration)
                 rows.append(self._row(target, solution, status))
         rows += self._ended
         self._ended = []
@@ -321,7 +321,7 @@ class TmaTrackerStage:
     def _row(
         self, target: FollowedTarget, solution: TargetSolution, status: TrackStatus
     ) -> TrackRow:
-        return track_row(target, solution, status, self._stamp, self._configuration.acceleration)
+        return track_row(target, solution, status, self._stamp, self.configuration.acceleration)
 
     def _watermark(self) -> int:
         """Nothing earlier than this follows; unknown until every station has reported."""
