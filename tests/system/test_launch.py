@@ -1,64 +1,20 @@
-"""The launch file, with stand-ins for the launch packages, which are not needed otherwise."""
+"""The launch files, with stand-ins for the launch packages: what would be started, and how."""
 
-import runpy
-import sys
 from pathlib import Path
-from types import ModuleType
-from typing import Any
 
 import pytest
 
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.graph.catalogue.launch_plan import CHAINS
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
+from tests.system.launch_stand_ins import launched_nodes
 
 PROJECT = Path(__file__).resolve().parents[2]
-LAUNCH_FILE = PROJECT / "launch" / "pipeline.launch.py"
 SCENARIOS = PROJECT / "config" / "scenarios"
 
 
-class Recorded:
-    """Stands in for any class of the launch packages: keeps what it was made with."""
-
-    def __init__(self, *arguments: Any, **keywords: Any) -> None:
-        self.arguments = arguments
-        self.keywords = keywords
-
-
-class Configuration(Recorded):
-    """Stands in for a substitution: performed, it is the value given or the default."""
-
-    def perform(self, context: dict[str, str]) -> str:
-        return context[self.arguments[0]]
-
-
-@pytest.fixture
-def launched(monkeypatch: pytest.MonkeyPatch) -> Any:
-    """Run the launch file as ros2 launch would, and return the nodes for given arguments."""
-    classes: dict[str, dict[str, type]] = {
-        "launch": {"LaunchContext": Recorded, "LaunchDescription": Recorded},
-        "launch.actions": {"DeclareLaunchArgument": Recorded, "OpaqueFunction": Recorded},
-        "launch.substitutions": {"LaunchConfiguration": Configuration},
-        "launch_ros": {},
-        "launch_ros.actions": {"Node": Recorded},
-    }
-    for name, members in classes.items():
-        module = ModuleType(name)
-        vars(module).update(members)
-        monkeypatch.setitem(sys.modules, name, module)
-
-    def launch(**given: str) -> dict[str, Recorded]:
-        description = runpy.run_path(str(LAUNCH_FILE))["generate_launch_description"]()
-        *arguments, opaque = description.arguments[0]
-        context = {entry.arguments[0]: entry.keywords["default_value"] for entry in arguments}
-        assert set(given) <= set(context)
-        nodes = opaque.keywords["function"](context | given)
-        return {node.keywords["executable"]: node for node in nodes}
-
-    return launch
-
-
-def test_every_node_gets_the_parameters_of_the_scenario(launched: Any) -> None:
-    nodes = launched()
+def test_every_node_gets_the_parameters_of_the_scenario() -> None:
+    nodes = launched_nodes("pipeline")
     assert list(nodes) == ["array_simulator", "subspace_estimator", "bearing_tracker"]
     first = {name: node.keywords["parameters"][0] for name, node in nodes.items()}
     assert first["array_simulator"]["scenario"] == "doa_fusion"
@@ -67,29 +23,29 @@ def test_every_node_gets_the_parameters_of_the_scenario(launched: Any) -> None:
     assert all({"use_sim_time": False} in node.keywords["parameters"] for node in nodes.values())
 
 
-def test_parameter_file_comes_last(launched: Any, tmp_path: Path) -> None:
+def test_parameter_file_comes_last(tmp_path: Path) -> None:
     mine = tmp_path / "mine.yaml"
     mine.write_text("bearing_tracker: {ros__parameters: {method: coherent}}\n")
-    for node in launched(parameters=str(mine), use_sim_time="true").values():
+    for node in launched_nodes("pipeline", parameters=str(mine), use_sim_time="true").values():
         assert node.keywords["parameters"][1:] == [{"use_sim_time": True}, str(mine)]
 
 
 @pytest.mark.parametrize("text", [None, "", "bearing_tracker: [1"])
 def test_a_parameter_file_that_cannot_be_read_is_an_error_before_any_node_starts(
-    launched: Any, tmp_path: Path, text: str | None
+    tmp_path: Path, text: str | None
 ) -> None:
     mine = tmp_path / "mine.yaml"
     if text is not None:
         mine.write_text(text)
     with pytest.raises(ConfigurationError, match=r"mine\.yaml"):
-        launched(parameters=str(mine))
+        launched_nodes("pipeline", parameters=str(mine))
 
 
 @pytest.mark.parametrize("scenario", sorted(path.stem for path in SCENARIOS.glob("*.yaml")))
 def test_every_scenario_is_launched_with_programs_and_parameters_that_exist(
-    launched: Any, scenario: str
+    scenario: str,
 ) -> None:
-    nodes = launched(scenario=scenario)
+    nodes = launched_nodes("pipeline", scenario=scenario)
     assert set(nodes) <= set(NODES)
     assert any(NODES[name].serves_clock for name in nodes)
     for name, node in nodes.items():
@@ -100,6 +56,75 @@ def test_every_scenario_is_launched_with_programs_and_parameters_that_exist(
             assert isinstance(value, (str, bool, int, float)) or (value and list(value))
 
 
-def test_stations_of_a_scenario_reach_the_tracker_behind_them(launched: Any) -> None:
-    given = launched(scenario="cross_fix")["tma_tracker"].keywords["parameters"][0]
+def test_stations_of_a_scenario_reach_the_tracker_behind_them() -> None:
+    given = launched_nodes("pipeline", scenario="cross_fix")["tma_tracker"].keywords["parameters"][
+        0
+    ]
     assert len(given["bearing_topics"]) == len(given["line_topics"]) == 2
+
+
+def test_a_method_goes_before_scenario_and_file(tmp_path: Path) -> None:
+    mine = tmp_path / "mine.yaml"
+    mine.write_text("bearing_tracker: {ros__parameters: {method: coherent}}\n")
+    given = {"bearing_tracker_method": "ryu", "parameters": str(mine)}
+    nodes = launched_nodes("pipeline", **given)
+    assert nodes["bearing_tracker"].keywords["parameters"][-2:] == [str(mine), {"method": "ryu"}]
+    assert nodes["subspace_estimator"].keywords["parameters"][-1] == str(mine)
+
+
+@pytest.mark.parametrize("file", ["pipeline", "trackers"])
+def test_topics_and_namespace_reach_every_node(file: str) -> None:
+    remap = "active/contacts:=/sonar/contacts, active/tracks:=picture"
+    given = {"scenario": "active"} if file == "pipeline" else {"chain": "contacts"}
+    nodes = launched_nodes(file, namespace="ship_a", remap=remap, **given)
+    assert "hpda_tracker" in nodes
+    for node in nodes.values():
+        assert node.keywords["namespace"] == "ship_a"
+        assert node.keywords["remappings"] == [
+            ("active/contacts", "/sonar/contacts"),
+            ("active/tracks", "picture"),
+        ]
+
+
+@pytest.mark.parametrize("chain", CHAINS)
+def test_a_chain_is_complete_behind_its_sensor_and_simulates_nothing(chain: str) -> None:
+    nodes = [NODES[name] for name in launched_nodes("trackers", chain=chain)]
+    assert not any(node.serves_clock for node in nodes)
+    # Only the first node waits for what others publish.
+    made = {topic.name for node in nodes for topic in node.outputs}
+    sensed = {topic.name for topic in nodes[0].inputs}
+    assert all(topic.name in made | sensed for node in nodes for topic in node.inputs)
+
+
+def test_positions_are_added_to_a_chain_with_all_its_topics() -> None:
+    nodes = launched_nodes("trackers", chain="samples", positions="true")
+    assert nodes["tma_tracker"].keywords["parameters"][0] == {
+        "bearing_topics": ("passive/bearing_tracks",),
+        "line_topics": ("passive/frequency_lines",),
+    }
+    assert "tma_tracker" not in launched_nodes("trackers", chain="samples")
+
+
+@pytest.mark.parametrize(
+    ("file", "argument", "value", "sentence"),
+    [
+        ("trackers", "chain", "contact", "did you mean contacts?"),
+        ("trackers", "positions", "true", "chain:=contacts finds none"),
+        (
+            "trackers",
+            "hpda_tracker_method",
+            "best",
+            "hpda_tracker.method is 'best'; it must",
+        ),
+        ("trackers", "tma_tracker_method", "range_bank", "tma_tracker is not started; there are"),
+        ("trackers", "remap", "active/contacts=/sonar", "write from:=to"),
+        ("pipeline", "use_sim_time", "yes", "use_sim_time is yes; it must be true or false."),
+        ("pipeline", "scenario", "doa_fusoin", "doa_fusoin"),
+    ],
+)
+def test_a_wrong_argument_is_an_error_before_any_node_starts(
+    file: str, argument: str, value: str, sentence: str
+) -> None:
+    with pytest.raises(ConfigurationError) as caught:
+        launched_nodes(file, **{argument: value})
+    assert sentence in str(caught.value)
