@@ -1,8 +1,8 @@
 """Which tests are of which kind, and how they are shared out among processes.
 
 ``./scripts/test.sh`` runs as many workers of pytest-xdist as there are processors. A file of tests
-stays with one worker, since its tests share fixtures; those of ``tests/system`` and the tutorials
-are shared out singly. The long ones come first, so that all workers end at about the same time.
+stays with one worker, since its tests share fixtures; where they share none, long tests are shared
+out singly. The long ones come first, so that all workers end at about the same time.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ MARKS = {
 """Marks of all tests below a directory; single files and tests carry theirs themselves."""
 
 LONGEST_FIRST = ("system", "graph", "slow")
-SHARED_OUT_SINGLY = ("tests/system/", "tests/docs/test_tutorials.py")
+SHARED_OUT_SINGLY = ("tests/system/", "tests/docs/test_tutorials.py", "tests/regression/")
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
