@@ -15,7 +15,18 @@ import pytest
 
 PROJECT = Path(__file__).resolve().parents[2]
 PYTHON_VERSION = f"{sys.version_info[0]}.{sys.version_info[1]}"
-SHELL_PROGRAMS = ("bash", "cat", "cut", "dirname", "getconf", "head", "sha256sum", "sort", "uname")
+SHELL_PROGRAMS = (
+    "bash",
+    "cat",
+    "cut",
+    "dirname",
+    "find",
+    "getconf",
+    "head",
+    "sha256sum",
+    "sort",
+    "uname",
+)
 
 
 @pytest.fixture
@@ -23,7 +34,7 @@ def project(tmp_path: Path) -> Path:
     """Copy what the set-up reads into a folder with a space in its name."""
     copy = tmp_path / "a project"
     copy.mkdir()
-    for name in ("scripts", "requirements", "msg_defs", "resource"):
+    for name in ("scripts", "requirements", "msg_defs", "resource", "config", "launch"):
         shutil.copytree(PROJECT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
     for name in ("setup.py", "setup.cfg", "package.xml"):
         shutil.copy(PROJECT / name, copy)
@@ -195,7 +206,14 @@ def test_second_start_goes_straight_to_the_pipeline(project: Path, machine: Path
 
 
 @pytest.mark.parametrize(
-    "path", ["requirements/run.txt", "setup.py", "msg_defs/msg/Tracks.msg", "msg_defs/msg/New.msg"]
+    "path",
+    [
+        "requirements/run.txt",
+        "setup.py",
+        "msg_defs/msg/Tracks.msg",
+        "msg_defs/msg/New.msg",
+        "launch/new.launch.py",
+    ],
 )
 def test_change_of_an_ingredient_is_noticed(project: Path, machine: Path, path: str) -> None:
     finished_set_up(project)
