@@ -26,7 +26,7 @@ def test_a_folder_that_cannot_be_made_is_named(
 
     class Plotter:
         @staticmethod
-        def plot_bag(bag: Path, output: Path) -> None:
+        def plot_bag(bag: Path, output: Path, names: object) -> None:
             output.mkdir(parents=True)
 
     monkeypatch.setattr(cli, "_needs", lambda module: Plotter)

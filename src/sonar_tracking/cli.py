@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import os
 import sys
+from math import inf
 from pathlib import Path
 from types import ModuleType
 from typing import Annotated
@@ -42,6 +43,13 @@ JsonOption = Annotated[Path | None, typer.Option(help="Write the figures to this
 CutoffOption = Annotated[
     float,
     typer.Option(help="Distance from which on a track is scored as none of a target, m."),
+]
+RemapOption = Annotated[
+    list[str] | None,
+    typer.Option(help="OLD:=NEW, a topic of the bag and its name in the graph; may be repeated."),
+]
+NamespaceOption = Annotated[
+    str, typer.Option(help="Take topics of the bag below this namespace for those of the graph.")
 ]
 NoDisplayOption = Annotated[
     bool, typer.Option("--no-display", help="Lines of text instead of the live table.")
@@ -98,14 +106,28 @@ def replay(
         bool,
         typer.Option("--repair", help="First rewrite a bag that is not whole or too old."),
     ] = False,
+    remap: RemapOption = None,
+    namespace: NamespaceOption = "",
+    start_offset: Annotated[
+        float, typer.Option(help="Where to begin, s after the first message of the bag.")
+    ] = 0.0,
+    duration: Annotated[
+        float | None, typer.Option(help="How much of the recording, s; default: to its end.")
+    ] = None,
+    loop: Annotated[
+        bool, typer.Option("--loop", help="Begin again at the end, until Ctrl-C.")
+    ] = False,
     no_display: NoDisplayOption = False,
     json: JsonOption = None,
     cutoff: CutoffOption = CUTOFF_M,
 ) -> None:
     """Replay a recording through the live graph and compare with what was recorded."""
     module = _load("sonar_tracking.graph.verbs.run_command")
+    selected = _load("sonar_tracking.graph.verbs.replay_selection").Selection(
+        _names(remap, namespace), start_offset, inf if duration is None else duration, loop
+    )
     raise typer.Exit(
-        module.replay(bag, rate, record, parameters, repair, not no_display, json, cutoff)
+        module.replay(bag, rate, record, parameters, repair, selected, not no_display, json, cutoff)
     )
 
 
@@ -221,18 +243,24 @@ def score(
     bag: Annotated[Path, typer.Argument(help="Bag with tracks and truth.")],
     json: JsonOption = None,
     cutoff: CutoffOption = CUTOFF_M,
+    remap: RemapOption = None,
+    namespace: NamespaceOption = "",
 ) -> None:
     """Score the bearing and position tracks in a bag against the truth in the bag."""
-    _needs("sonar_tracking.evaluation.metrics.score_bag").score_bag(bag, json, cutoff)
+    _needs("sonar_tracking.evaluation.metrics.score_bag").score_bag(
+        bag, json, cutoff, _names(remap, namespace)
+    )
 
 
 @app.command()
 def plot(
     bag: Annotated[Path, typer.Argument(help="Bag with tracks.")],
     output: Annotated[Path, typer.Option(help="Folder for the pictures.")] = Path(),
+    remap: RemapOption = None,
+    namespace: NamespaceOption = "",
 ) -> None:
     """Draw what a bag holds: chart, records over time, table of the tracks."""
-    _needs("sonar_tracking.display.plot_bag").plot_bag(bag, output)
+    _needs("sonar_tracking.display.plot_bag").plot_bag(bag, output, _names(remap, namespace))
 
 
 @app.command()
@@ -263,6 +291,11 @@ def _load(module: str) -> ModuleType:
     for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ[variable] = "1"
     return importlib.import_module(module)
+
+
+def _names(remap: list[str] | None, namespace: str) -> object:
+    """Return the rules for the names of a bag's topics."""
+    return _load("sonar_tracking.bags.storage.topic_names").topic_names(remap or (), namespace)
 
 
 def _missing_package(error: ModuleNotFoundError) -> str:

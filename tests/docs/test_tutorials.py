@@ -25,6 +25,9 @@ NOT_RUN = {
     r"sonar-tracking run (crossing_targets|tma|cross_fix|tonals|active) --rate": (
         "minutes of data; tests/system runs these scenarios"
     ),
+    r"sonar-tracking replay ship_bag": "needs a bag of others; tests/system/test_replay.py has one",
+    r"sonar-tracking replay my_bag --loop": "does not end; tests/system/test_replay.py ends it",
+    r"sonar-tracking doctor": "tells of the machine; tests/graph/verbs/test_doctor.py",
     r"sonar-tracking import wav .* --samples": "needs own ship's track; tests/system runs it",
     r"python listener\.py": "does not end; test_listener_prints_the_bearings runs it",
     r"sonar-tracking run --duration 10 --no-display": "what the listener listens to, likewise",

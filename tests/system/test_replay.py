@@ -12,7 +12,7 @@ import yaml
 
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.bags.storage.writer import BagWriter
-from tests.system.command_line import digests, report_of, run_command
+from tests.system.command_line import RunningCommand, digests, report_of, run_command
 from tests.system.conftest import RecordedRun
 
 OUTPUTS = ("/array/subspaces", "/passive/bearing_tracks")
@@ -73,17 +73,19 @@ def test_a_cut_off_bag_is_identical_as_far_as_it_goes(
     assert 100 < report["nodes"]["subspace_estimator"]["messages_in"] < 411
 
 
-def test_a_foreign_bag_needs_parameters(recorded_run: RecordedRun, tmp_path: Path) -> None:
+def test_a_foreign_bag_with_names_of_its_own_and_parameters(
+    recorded_run: RecordedRun, tmp_path: Path
+) -> None:
     foreign = BagWriter(tmp_path / "foreign")
     source = read_bag(recorded_run.bag)
     topic = source.topics["/array/snapshots"]
-    foreign.add_topic(topic.name, topic.type_name)
+    foreign.add_topic("/port" + topic.name, topic.type_name)
     for message in source.messages([topic.name]):
-        foreign.write(topic.name, message.log_time, message.data)
+        foreign.write("/port" + topic.name, message.log_time, message.data)
     foreign.close()
     done = run_command(tmp_path, "replay", tmp_path / "foreign")
     assert done.returncode == 2
-    assert "--parameters" in done.stdout
+    assert "subspace_estimator, bearing_tracker" in done.stdout and "--remap" in done.stdout
     parameters = tmp_path / "parameters.yaml"
     parameters.write_text(
         "subspace_estimator: {ros__parameters: {period: 0.5}}\nbearing_tracker: {}\n"
@@ -91,10 +93,11 @@ def test_a_foreign_bag_needs_parameters(recorded_run: RecordedRun, tmp_path: Pat
     json = tmp_path / "report.json"
     done = run_command(
         tmp_path, "replay", tmp_path / "foreign", "--parameters", parameters, "--rate", "max",
-        "--json", json,
+        "--json", json, "--remap", "/port/array/snapshots:=/array/snapshots",
     )  # fmt: skip
     assert done.returncode == 0, done.stdout
     report = report_of(json)
+    assert "by the types" not in done.stdout
     assert report["topics"]["/passive/bearing_tracks"]["messages"] > 60
     assert "score" in report and report["score"] == {}
 
@@ -145,3 +148,31 @@ def test_a_bag_without_inputs_is_refused(recorded_run: RecordedRun, tmp_path: Pa
     done = run_command(tmp_path, "replay", tmp_path / "tracks_only")
     assert done.returncode == 2
     assert "array/snapshots" in done.stdout
+
+
+def test_a_part_is_replayed_and_not_compared(recorded_run: RecordedRun, tmp_path: Path) -> None:
+    json = tmp_path / "report.json"
+    done = run_command(
+        tmp_path, "replay", recorded_run.bag, "--rate", "max", "--json", json,
+        "--start-offset", 10, "--duration", 5,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout
+    report = report_of(json)
+    assert report["nodes"]["subspace_estimator"]["messages_in"] in (49, 50, 51)
+    assert report["comparison"] == {}
+
+
+def test_a_loop_begins_again_until_it_is_interrupted(
+    recorded_run: RecordedRun, tmp_path: Path
+) -> None:
+    running = RunningCommand(
+        tmp_path, "replay", recorded_run.bag, "--rate", "max", "--no-display", "--loop",
+        "--start-offset", 10,
+    )  # fmt: skip
+    try:
+        running.wait_for_text("everything was reset")
+        running.interrupt()
+        assert running.wait() == 0, running.output
+    finally:
+        running.clean_up()
+    assert "ended by the user" in running.output

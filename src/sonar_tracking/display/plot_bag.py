@@ -20,6 +20,7 @@ from rich.console import Console
 
 from sonar_tracking.bags.storage.bag_records import SNAPSHOTS_TYPE, snapshots_of, topics_of_type
 from sonar_tracking.bags.storage.reader import Bag, read_bag
+from sonar_tracking.bags.storage.topic_names import RECORDED_NAMES, TopicNames
 from sonar_tracking.display.bag_contents import BagContents, bag_contents
 from sonar_tracking.display.bearing_time_record import (
     MOST_LINES,
@@ -50,7 +51,9 @@ from sonar_tracking.errors import ConfigurationError
 TABLE_WIDTH = 130
 
 
-def plot_bag(bag: Path | str, output: Path | str) -> tuple[Path, ...]:
+def plot_bag(
+    bag: Path | str, output: Path | str, names: TopicNames = RECORDED_NAMES
+) -> tuple[Path, ...]:
     """Draw what a bag holds, and print and write the table of its tracks.
 
     Parameters
@@ -59,6 +62,8 @@ def plot_bag(bag: Path | str, output: Path | str) -> tuple[Path, ...]:
         Bag with snapshots, contacts, tracks or truth.
     output : Path or str
         Directory for the pictures; made if missing.
+    names : TopicNames
+        How to call the recorded topics.
 
     Returns
     -------
@@ -71,7 +76,7 @@ def plot_bag(bag: Path | str, output: Path | str) -> tuple[Path, ...]:
         If the bag cannot be read or holds nothing to draw.
     """
     console = Console(highlight=False, soft_wrap=True)
-    opened = read_bag(bag)
+    opened = read_bag(bag).named(names)
     if opened.recovery:
         console.print(opened.recovery)
     rejected: list[str] = []

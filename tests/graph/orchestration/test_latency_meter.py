@@ -51,3 +51,14 @@ def test_nothing_measured() -> None:
     summary = LatencyMeter().summary()
     assert summary.count == 0
     assert summary.median != summary.median
+
+
+def test_stamps_that_return_are_timed_by_their_latest_blocks() -> None:
+    meter = LatencyMeter()
+    for wall in (0.0, 100.0):
+        meter.begin_again()
+        meter.block_published(10**9, wall)
+        meter.estimate_described(10**9, 0.0)
+        meter.tracks_received(10**9, wall + 0.010)
+    assert meter.summary().count == 2
+    assert meter.summary().percentile_99 == pytest.approx(10.0)

@@ -129,3 +129,21 @@ def test_truth_waits_for_a_slow_consumer_like_anything_else() -> None:
         graph.ledger.finished("recorder", TRUTH, finished)
         player.advance(0.0)
     assert [data for _, data in graph.published] == [b"%d" % n for n in range(9)]
+
+
+def test_a_recording_that_begins_again_waits_for_its_first_end_and_keeps_its_pace() -> None:
+    graph = Graph()
+    blocks = [message for message in recording(3) if message.topic == BLOCKS]
+    player = graph.player([*blocks, *blocks], 1.0)
+    for wall in (0.0, 0.11, 0.21, 0.31):
+        player.advance(wall)
+    assert len(graph.published) == 3, "the graph is still at work on the first pass"
+    graph.ledger.finished("chain", BLOCKS, 3)
+    player.advance(5.0)
+    assert len(graph.published) == 4
+    assert player.advance(5.0) == pytest.approx(0.1)
+    player.advance(5.11)
+    player.advance(5.21)
+    assert player.finished
+    assert graph.clocks == [message.log_time for message in (*blocks, *blocks)]
+    assert player.data_seconds == pytest.approx(0.4)

@@ -7,8 +7,11 @@ what is missing is reported in :attr:`Bag.recovery`.
 
 from __future__ import annotations
 
+import math
+from collections import Counter
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from sonar_tracking.bags.storage.bag_files import files_of
@@ -29,7 +32,9 @@ from sonar_tracking.bags.storage.recording_information import (
     role_of_type,
 )
 from sonar_tracking.bags.storage.storage_file import BagMessage, Storage
+from sonar_tracking.bags.storage.topic_names import TopicNames
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.records.time import NANOSECONDS
 
 _SONAR_PACKAGE = "sonar_tracking_msgs/"
 
@@ -88,6 +93,8 @@ class Bag:
         self.custom_data = _custom_data(storages, metadata)
         self.recording = self._recording_information()
         self.topics = self._merged_topics()
+        self._recorded_names = {name: name for name in self.topics}
+        self._span: tuple[int, float] | None = None
 
     @property
     def message_count(self) -> int:
@@ -105,8 +112,80 @@ class Bag:
             Only these topics; default: all.
         """
         wanted = self.topics.keys() if topics is None else topics
+        names = {self._recorded_names.get(name, ""): name for name in wanted}
         parts = [part for storage in self._storages for part in storage.parts]
-        return merged_messages(parts, frozenset(wanted))
+        first, end = self._span or (0, math.inf)
+        for message in merged_messages(parts, frozenset(names)):
+            if message.log_time >= end:
+                return
+            if message.log_time >= first:
+                name = names[message.topic]
+                yield (
+                    message
+                    if name == message.topic
+                    else BagMessage(name, message.log_time, message.data)
+                )
+
+    def named(self, names: TopicNames) -> Bag:
+        """Return the bag with its topics called as in the graph.
+
+        Raises
+        ------
+        ConfigurationError
+            If a rule fits no topic, or two topics would have one name.
+        """
+        known = self.recording.topic_roles if self.recording else {}
+        new_names = names.all_of(self.topics, str(self.path))
+        renamed = copy(self)
+        renamed._recorded_names = {
+            new_names[name]: recorded for name, recorded in self._recorded_names.items()
+        }
+        renamed.topics = {
+            new: replace(
+                topic,
+                name=new,
+                role=topic.role
+                if new == name or name in known
+                else role_of_type(new, topic.type_name),
+            )
+            for name, topic in self.topics.items()
+            for new in [new_names[name]]
+        }
+        return renamed
+
+    def part(self, offset: float, duration: float) -> Bag:
+        """Return a part of the bag, counted from its first message as it was logged.
+
+        Parameters
+        ----------
+        offset : float
+            Where the part begins, s.
+        duration : float
+            How long it is, s; infinity = to the end.
+
+        Raises
+        ------
+        ConfigurationError
+            If nothing was recorded in that time.
+        """
+        begin = next((message.log_time for message in self.messages()), 0)
+        first = begin + round(offset * NANOSECONDS)
+        chosen = copy(self)
+        chosen._span = (first, math.inf)
+        if math.isfinite(duration):
+            chosen._span = (first, first + round(duration * NANOSECONDS))
+        counts = Counter(message.topic for message in chosen.messages())
+        if not counts:
+            last = max((message.log_time for message in self.messages()), default=begin)
+            raise ConfigurationError(
+                f"{self.path} holds no messages there (--start-offset {offset:g}, --duration "
+                f"{duration:g}); it is {(last - begin) / NANOSECONDS:.1f} s long: give a smaller "
+                "offset or a longer duration."
+            )
+        chosen.topics = {
+            name: replace(topic, message_count=counts[name]) for name, topic in self.topics.items()
+        }
+        return chosen
 
     def _recording_information(self) -> RecordingInformation | None:
         text = self.custom_data.get(CUSTOM_DATA_KEY)

@@ -26,6 +26,7 @@ from sonar_tracking.bags.storage.bag_records import (
     topics_of_type,
 )
 from sonar_tracking.bags.storage.reader import Bag, read_bag
+from sonar_tracking.bags.storage.topic_names import RECORDED_NAMES, TopicNames
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.evaluation.metrics.bearing_score import BearingScore, score_bearing_tracks
 from sonar_tracking.evaluation.metrics.cutoff import CUTOFF_M, check_cutoff
@@ -38,7 +39,12 @@ LABELS = {"held_share": "share of time tracked", "targets_never_held": "targets 
 """What the table calls a field whose name does not say it."""
 
 
-def score_bag(path: Path, output: Path | None = None, cutoff_m: float = CUTOFF_M) -> Scores:
+def score_bag(
+    path: Path,
+    output: Path | None = None,
+    cutoff_m: float = CUTOFF_M,
+    names: TopicNames = RECORDED_NAMES,
+) -> Scores:
     """Score every topic of tracks in a bag, print the scores and write them as JSON.
 
     Parameters
@@ -49,6 +55,8 @@ def score_bag(path: Path, output: Path | None = None, cutoff_m: float = CUTOFF_M
         File for the JSON.
     cutoff_m : float
         Distance from which on a position track is none of a target, m.
+    names : TopicNames
+        How to call the recorded topics.
 
     Returns
     -------
@@ -61,7 +69,7 @@ def score_bag(path: Path, output: Path | None = None, cutoff_m: float = CUTOFF_M
         If the cut-off is not positive, the bag cannot be read, or it lacks tracks or truth.
     """
     check_cutoff(cutoff_m)
-    bag = read_bag(path)
+    bag = read_bag(path).named(names)
     console = Console(highlight=False)
     if bag.recovery:
         console.print(bag.recovery, markup=False, soft_wrap=True)

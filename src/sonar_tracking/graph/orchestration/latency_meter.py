@@ -63,6 +63,13 @@ class LatencyMeter:
             del self._block_stamps[:REMEMBERED_BLOCKS]
             del self._block_walls[:REMEMBERED_BLOCKS]
 
+    def begin_again(self) -> None:
+        """Forget blocks and tracks, but not the latencies: their stamps are going to return."""
+        self._block_stamps.clear()
+        self._block_walls.clear()
+        self._window_ends.clear()
+        self._track_walls.clear()
+
     def estimate_described(self, stamp: int, last_offset: float) -> None:
         """Note an estimate and the time of its newest snapshot relative to its stamp, s."""
         self._window_ends[stamp] = stamp + nanoseconds(last_offset)

@@ -29,7 +29,7 @@ class Player:
     ledger : FlowLedger
         Knows what the nodes still have to do, and is told of everything published.
     messages : iterable of BagMessage
-        In log order.
+        In log order; times that go back begin the recording again.
     inputs : set of str
         Topics to publish in time; they drive ``/clock``.
     truth : set of str
@@ -71,6 +71,7 @@ class Player:
         self._exhausted = False
         self._first: int | None = None
         self._last = 0
+        self._earlier_passes = 0
         self._clock = 0
         self._anchor: tuple[float, int] | None = None
         self._fetch()
@@ -83,7 +84,9 @@ class Player:
     @property
     def data_seconds(self) -> float:
         """Data time published so far, s."""
-        return 0.0 if self._first is None else (self._last - self._first) / NANOSECONDS
+        if self._first is None:
+            return 0.0
+        return (self._earlier_passes + self._last - self._first) / NANOSECONDS
 
     def advance(self, wall: float) -> float:
         """Publish the next message if it is due and the graph can take it."""
@@ -91,6 +94,10 @@ class Player:
         if message is None or self._ledger.largest_backlog() >= self._flow_window:
             return IDLE_SECONDS
         if message.topic in self._inputs:
+            if message.log_time < self._last:
+                if self._ledger.largest_backlog() > 0:
+                    return IDLE_SECONDS
+                self._begin_again(message.log_time, wall)
             early = self._wall_seconds_early(message.log_time, wall)
             if early > 0.0:
                 return early
@@ -103,6 +110,12 @@ class Player:
         """Let wall time count from now on, after a pause."""
         if self._first is not None:
             self._anchor = (wall, self._last)
+
+    def _begin_again(self, log_time: int, wall: float) -> None:
+        """Take the time of a message for the begin of another pass."""
+        self._earlier_passes += self._last - (self._first or 0)
+        self._first = self._last = log_time
+        self._anchor = (wall, log_time)
 
     def _advance_clock(self, log_time: int) -> None:
         if self._first is None:

@@ -74,9 +74,11 @@ class RunObserver:
         self._display = display
         self._cutoff_m = cutoff_m
         self._blocks, self._estimates, self._timed = _timed_chain(topics)
+        self._first_block = 0
         self._bearings: list[BearingTracks] = []
         self._positions: dict[str, list[PositionTracks]] = {}
         self._truth: dict[str, list[bytes]] = {}
+        self._scored = any(topic.role is TopicRole.TRUTH for topic in topics.values())
 
     def announced(self, topic: str, stamp: int, wall: float) -> None:
         """Take the announcement of a message by its producer, just before it is published."""
@@ -85,7 +87,12 @@ class RunObserver:
 
     def replayed(self, topic: str, data: bytes, wall: float) -> None:
         """Take a message the orchestration has published itself."""
-        self.announced(topic, head_stamp(data), wall)
+        stamp = head_stamp(data)
+        if topic == self._blocks:
+            if stamp == self._first_block:
+                self.latency.begin_again()
+            self._first_block = self._first_block or stamp
+        self.announced(topic, stamp, wall)
         self.records[topic].add(data)
         if self._topics[topic].role is TopicRole.TRUTH:
             self._take_truth(topic, data)
@@ -100,8 +107,10 @@ class RunObserver:
         elif described.message_type == BEARING_TRACKS.message_type:
             self._take_bearings(topic, tracks_from_bytes(data))
         elif described.message_type == PASSIVE_TRACKS.message_type:
-            self._positions.setdefault(topic, []).append(_position_tracks(data))
-            self._display.position_tracks(topic, self._positions[topic][-1])
+            tracks = _position_tracks(data)
+            if self._scored:
+                self._positions.setdefault(topic, []).append(tracks)
+            self._display.position_tracks(topic, tracks)
 
     def score(self) -> Mapping[str, object]:
         """Return the score of the tracks against truth; empty if either is missing.
@@ -133,7 +142,8 @@ class RunObserver:
     def _take_bearings(self, topic: str, tracks: BearingTracks) -> None:
         # Bearings simulated at a station are measurements, not tracks to be scored.
         if topic == resolved(BEARING_TRACKS) and self._topics[topic].role is TopicRole.OUTPUT:
-            self._bearings.append(tracks)
+            if self._scored:
+                self._bearings.append(tracks)
             self._display.tracks(tracks)
 
     def _take_time(self, topic: str, data: bytes, wall: float) -> None:

@@ -6,6 +6,7 @@ import shutil
 from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 
@@ -15,6 +16,9 @@ from sonar_tracking.graph.orchestration.domain_lock import domain_lock
 from sonar_tracking.graph.orchestration.run_report import RunReport
 from sonar_tracking.graph.verbs.run_options import RunOptions, make_log_directory, rate_from_text
 from sonar_tracking.stop_signals import interruptible
+
+if TYPE_CHECKING:
+    from sonar_tracking.graph.verbs.replay_selection import Selection
 
 Work = Callable[[RunDisplay, Path], RunReport]
 
@@ -53,6 +57,7 @@ def replay(
     record: Path | None,
     parameters: Path | None,
     repair: bool,
+    selection: Selection,
     display: bool,
     json: Path | None,
     cutoff_m: float,
@@ -69,7 +74,9 @@ def replay(
     from sonar_tracking.graph.verbs.run_replay import replay_bag
 
     return _shown(
-        display, json, lambda screen, log: replay_bag(bag, parameters, repair, options, screen, log)
+        display,
+        json,
+        lambda screen, log: replay_bag(bag, parameters, repair, selection, options, screen, log),
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
@@ -13,6 +14,7 @@ from sonar_tracking.bags.storage.repair import repair_bag
 from sonar_tracking.display.run_display import RunDisplay
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
+from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.node_settings import (
     NodeSettings,
     read_settings,
@@ -33,8 +35,10 @@ from sonar_tracking.graph.catalogue.transport_profile import choose_transport
 from sonar_tracking.graph.orchestration.graph_plan import GraphPlan, resolved
 from sonar_tracking.graph.orchestration.orchestration import Orchestration
 from sonar_tracking.graph.orchestration.run_report import RunReport
+from sonar_tracking.graph.verbs.inferred_nodes import inferred_nodes
 from sonar_tracking.graph.verbs.recording_plan import planned_recorder, recording_hint
 from sonar_tracking.graph.verbs.replay_comparison import ReplayComparison
+from sonar_tracking.graph.verbs.replay_selection import Selection
 from sonar_tracking.graph.verbs.run_options import RunOptions
 from sonar_tracking.records.time import NANOSECONDS
 
@@ -47,6 +51,7 @@ def replay_bag(
     path: Path,
     parameters: Path | None,
     repair: bool,
+    selection: Selection,
     options: RunOptions,
     display: RunDisplay,
     log_directory: Path,
@@ -61,6 +66,8 @@ def replay_bag(
         Parameter file that overrides what the bag says.
     repair : bool
         Rewrite a bag that is not whole, or that other tools cannot open, first.
+    selection : Selection
+        Names of the topics, and which part of the bag.
     options : RunOptions
         Rate, recording, report.
     display : RunDisplay
@@ -73,23 +80,31 @@ def replay_bag(
     ConfigurationError
         If bag or parameters cannot be used; nothing was started then.
     """
-    bag = opened_bag(path, repair, display)
-    settings = _settings(bag, parameters)
+    selection.check(options)
+    bag = selection.of(opened_bag(path, repair, display))
+    settings = settings_of(bag, parameters, display)
+    selection.check_loop(bag, settings)
     plan = plan_replay(bag, settings, options, log_directory)
+    if selection.loop:
+        # The truth of one pass cannot be told from that of the next.
+        inputs = tuple(topic for topic in plan.offered if topic.role is not TopicRole.TRUTH)
+        plan = replace(plan, offered=inputs)
     orchestration = Orchestration(plan, display, log_directory)
     if bag.recovery:
         orchestration.warnings.append(bag.recovery)
-    observer, comparison, source = _play(bag, plan, orchestration, options, display)
+    observer, comparison, source = _play(bag, plan, orchestration, selection, options, display)
     if options.record is not None:
         display.say(recording_hint(options.record, plan.topics(), observer.records))
     report = orchestration.report(source.data_seconds, observer)
-    return _compared(report, comparison, parameters is not None) if source.finished else report
+    same_parameters = parameters is None and bool(_processing(_recorded_parameters(bag)))
+    return _compared(report, comparison, same_parameters) if source.finished else report
 
 
 def _play(
     bag: Bag,
     plan: GraphPlan,
     orchestration: Orchestration,
+    selection: Selection,
     options: RunOptions,
     display: RunDisplay,
 ) -> tuple[RunObserver, ReplayComparison, Player]:
@@ -101,10 +116,11 @@ def _play(
     from sonar_tracking.graph.orchestration.player import Player
     from sonar_tracking.graph.orchestration.run_observer import RunObserver
 
-    observer = RunObserver(plan.topics(), display, options.cutoff_m, keep_steps=True)
+    observer = RunObserver(plan.topics(), display, options.cutoff_m, selection.whole)
     truth = {resolved(topic) for topic in plan.offered if topic.role is TopicRole.TRUTH}
     inputs = {*plan.offered_names()} - truth
-    comparison = ReplayComparison(bag, observer.records, inputs | truth)
+    replayed = observer.records if selection.whole else {}
+    comparison = ReplayComparison(bag, replayed, inputs | truth)
     try:
         with ControlNode(
             orchestration.ledger, orchestration.edges, observer.observed, observer.announced
@@ -116,7 +132,7 @@ def _play(
             source = Player(
                 control,
                 orchestration.ledger,
-                bag.messages(inputs | truth | comparison.topics),
+                selection.messages(bag, inputs | truth | comparison.topics),
                 inputs,
                 truth,
                 comparison.take,
@@ -169,27 +185,41 @@ def opened_bag(path: Path, repair: bool, display: RunDisplay) -> Bag:
     return bag
 
 
-def _settings(bag: Bag, parameters: Path | None) -> NodeSettings:
-    """Return every parameter of the nodes to start: from the bag, overridden by a file."""
-    recorded = bag.recording.node_parameters if bag.recording else {}
+def settings_of(bag: Bag, parameters: Path | None, display: RunDisplay) -> NodeSettings:
+    """Return every parameter of the nodes to start: from the bag, overridden by a file.
+
+    Where neither names a node, the nodes follow from the types of messages in the bag.
+
+    Raises
+    ------
+    ConfigurationError
+        If a parameter cannot be used, or no node takes what is in the bag.
+    """
+    recorded = _recorded_parameters(bag)
     given: dict[str, dict[str, Any]] = {name: dict(values) for name, values in recorded.items()}
     where = str(bag.path)
     if parameters is not None:
         where = str(parameters)
         for name, values in read_settings(parameters).items():
             given[name] = {**given.get(name, {}), **values}
-    processing = tuple(
-        description
-        for description in NODES.values()
-        if description.name in given and not description.section
-    )
+    processing = _processing(given)
     if not processing:
-        raise ConfigurationError(
-            f"{bag.path} does not say with which nodes and parameters it was recorded: give "
-            "--parameters FILE, e.g. with the lines 'subspace_estimator: {}' and "
-            "'bearing_tracker: {}'."
+        inferred = inferred_nodes(bag)
+        processing = _processing(inferred)
+        given |= inferred
+        display.say(
+            f"{bag.path} does not say with which nodes it was recorded; by the types of its "
+            f"messages: {', '.join(inferred)}. --parameters FILE gives others."
         )
     return resolved_settings(given, processing, where)
+
+
+def _recorded_parameters(bag: Bag) -> Mapping[str, Mapping[str, Any]]:
+    return bag.recording.node_parameters if bag.recording else {}
+
+
+def _processing(given: Mapping[str, Mapping[str, Any]]) -> tuple[NodeDescription, ...]:
+    return tuple(node for node in NODES.values() if node.name in given and not node.section)
 
 
 def _offered(bag: Bag, nodes: tuple[PlannedNode, ...]) -> tuple[Topic, ...]:
@@ -216,7 +246,7 @@ def _offered(bag: Bag, nodes: tuple[PlannedNode, ...]) -> tuple[Topic, ...]:
         )
         raise ConfigurationError(
             f"{bag.path} holds no message of {', '.join(missing)} to replay; "
-            f"its topics are {there}."
+            f"its topics are {there}; --remap OLD:=NEW gives a topic the name the nodes know."
         )
     return (*offered, *_true_pictures(bag, {resolved(topic) for topic in offered}))
 
@@ -252,10 +282,10 @@ def _largest_input_bytes(bag: Bag, offered: tuple[Topic, ...]) -> int:
     return largest
 
 
-def _compared(report: RunReport, comparison: ReplayComparison, own_parameters: bool) -> RunReport:
-    """Return the report with the comparison; a difference is a failure unless it was asked for."""
+def _compared(report: RunReport, comparison: ReplayComparison, same_parameters: bool) -> RunReport:
+    """Return the report with the comparison; with the recorded parameters, differing is failing."""
     report = replace(report, comparison=comparison.result())
-    if comparison.differs() and not own_parameters:
+    if comparison.differs() and same_parameters:
         sentence = "the replay differs from the recording, with the recorded parameters."
         return replace(report, failures=[*report.failures, sentence])
     return report
