@@ -116,5 +116,5 @@ def test_a_loop_that_nodes_would_take_for_disorder_is_refused(tmp_path: Path) ->
         if reset_after < 2.0:
             Selection(loop=True).check_loop(bag, settings)
         else:
-            with pytest.raises(ConfigurationError, match="2.0 s are replayed"):
+            with pytest.raises(ConfigurationError, match=r"2\.0 s are replayed"):
                 Selection(loop=True).check_loop(bag, settings)
