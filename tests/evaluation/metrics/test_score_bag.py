@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sonar_tracking.bags.storage.topic_names import topic_names
 from sonar_tracking.bags.storage.writer import BagWriter
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.evaluation.metrics.position_score import PositionScore
@@ -64,6 +65,13 @@ def test_the_cutoff_is_the_users(tmp_path: Path) -> None:
     assert isinstance(score, PositionScore) and score.ospa_m == pytest.approx(2.0)
     with pytest.raises(ConfigurationError, match=r"cut-off is 0\.0 m; give a positive"):
         score_bag(path, cutoff_m=0.0)
+
+
+def test_a_bag_with_a_namespace_scores_like_the_same_without(tmp_path: Path) -> None:
+    topics = ("/active/tracks", "/truth/tracks")
+    plain = score_bag(bag(tmp_path / "plain", *topics))
+    own = bag(tmp_path / "own", *(f"/ship{topic}" for topic in topics))
+    assert score_bag(own, names=topic_names([], "ship")) == plain
 
 
 def test_tracks_without_truth_are_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
