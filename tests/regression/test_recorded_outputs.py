@@ -20,6 +20,9 @@ TOLERANCE = 1e-5
 """Relative to the number, and to a thousandth of the largest of its kind: other machines round
 otherwise."""
 
+LONG = {"appearing_targets", "batch_estimates", "cross_fix", "crossing_targets", "range_bank"}
+"""Cases of more than a second."""
+
 
 def largest(values: np.ndarray) -> float:
     """Return the largest finite magnitude."""
@@ -33,7 +36,9 @@ def record(name: str, outputs: Outputs) -> None:
     np.savez_compressed(RECORDED / f"{name}.npz", allow_pickle=False, **kept)
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in CASES]
+)
 def test_outputs_are_as_recorded(name: str) -> None:
     outputs = CASES[name]()
     with np.load(RECORDED / f"{name}.npz") as kept:
