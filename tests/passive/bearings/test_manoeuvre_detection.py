@@ -96,3 +96,55 @@ def test_a_straight_course_at_any_scale_stays_within_that_noise() -> None:
         change = np.abs(2.0 * rate**2 * np.tan(angle)) / rate
         deviation = np.sqrt(passing_process_noise(rate) / rate)
         assert 1.0 < (change / deviation).max() < 6.0
+
+
+def updated(
+    deviation: float, level: int, change: float, resolved: bool = True, interval: float = 0.5
+) -> tuple[float, int, bool]:
+    """Return mean, level and "held" after a change of so many standard deviations, age 0."""
+    before = KalmanState(np.array([[0.1, 0.0]]), np.array([np.diag([4.0, 1.0])]))
+    after = KalmanState(
+        np.array([[0.1 + change * np.sqrt(3.0), 0.0]]), np.array([np.diag([1.0, 1.0])])
+    )
+    manoeuvres = Manoeuvres(np.array([deviation]), np.array([level]), np.array([False]))
+    found = manoeuvres.update(before, after, 0.0, interval, np.array([resolved]))
+    return float(found.deviation[0]), int(found.level[0]), bool(found.held[0])
+
+
+@pytest.mark.parametrize("interval", [0.5, 2.5])
+def test_the_mean_forgets_with_two_and_a_half_seconds(interval: float) -> None:
+    share = np.exp(-interval / 2.5)
+    mean, level, held = updated(1.0, 0, -0.7, interval=interval)
+    assert mean == pytest.approx(share - 0.7 * np.sqrt(1.0 - share**2))
+    assert (level, held) == (0, False)
+
+
+@pytest.mark.parametrize(
+    ("deviation", "level", "change", "expected"),
+    [
+        (3.3, 0, 0.54, (2.0, 1)),  # 0.819 * 3.3 + 0.574 * 0.54 = 3.012: beyond 3
+        (3.3, 0, 0.50, (2.989, 0)),
+        (-3.3, 1, -0.54, (-2.0, 2)),
+        (3.3, 2, 0.54, (3.012, 2)),  # no higher level
+        (0.0, 1, 1.22, (0.700, 0)),  # 0.70^2 < 0.5
+        (0.0, 1, 1.25, (0.718, 1)),  # 0.718^2 = 0.515
+        (0.0, 2, -1.22, (-0.700, 1)),
+        (0.0, 0, 0.0, (0.0, 0)),
+    ],
+)
+def test_levels_rise_beyond_three_deviations_and_fall_below_the_root_of_a_half(
+    deviation: float, level: int, change: float, expected: tuple[float, int]
+) -> None:
+    mean, found, _ = updated(deviation, level, change)
+    assert (mean, found) == (pytest.approx(expected[0], abs=2e-3), expected[1])
+    assert updated(deviation, level, change, resolved=False) == (deviation, level, True)
+
+
+def test_the_change_is_that_at_the_instant_of_the_measurement() -> None:
+    """Half a second ago the angle was less by half a second of the rate."""
+    before = KalmanState(np.array([[0.1, 0.2]]), np.array([[[4.0, 1.0], [1.0, 2.0]]]))
+    after = KalmanState(np.array([[0.3, 0.1]]), np.array([[[2.0, 0.5], [0.5, 1.0]]]))
+    found = steady((1,)).update(before, after, 0.5, 1e9, np.array([True]))
+    change = 0.2 - 0.5 * -0.1
+    decrease = (4.0 - 1.0 + 0.5) - (2.0 - 0.5 + 0.25)
+    assert found.deviation[0] == pytest.approx(change / np.sqrt(decrease))

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sonar_tracking.geometry import steering_vectors
 from sonar_tracking.passive.bearings.track_existence import (
     CEILING,
     FLOOR,
@@ -16,7 +17,13 @@ from sonar_tracking.passive.bearings.track_existence import (
 from sonar_tracking.passive.directions.sources_at_angles import unresolved
 from sonar_tracking.records.bearings import SubspaceEstimates
 from tests.passive.block_scene import COHERENT, INCOHERENT, exact_covariance, noise_colour
-from tests.passive.crossing_scene import FREQUENCY, POSITIONS, SAMPLE_PERIOD, SOUND_SPEED
+from tests.passive.crossing_scene import (
+    FREQUENCY,
+    POSITIONS,
+    SAMPLE_PERIOD,
+    SOUND_SPEED,
+    WAVENUMBER,
+)
 
 ANGLES = np.deg2rad([-10.0, 2.0, 40.0])
 """Two sources and a place without one."""
@@ -98,3 +105,32 @@ def test_silence_counts_by_its_duration_and_not_by_its_number_of_blocks() -> Non
     # The odds fall by e in each silence_time.
     assert short == pytest.approx(long)
     assert long / (1.0 - long) == pytest.approx(99.0 * np.exp(-2.0 / 1.5))
+
+
+@pytest.mark.parametrize(("log_ratio", "interval"), [(2.0, 0.5), (-3.0, 0.5), (50.0, 1.0)])
+def test_evidence_counts_for_the_part_of_the_silence_time_that_has_passed(
+    log_ratio: float, interval: float
+) -> None:
+    """A source may fall silent: odds times e^-t/tau + (1 - e^-t/tau) times the ratio."""
+    silent = np.exp(-interval / 4.0)
+    ratio = silent + (1.0 - silent) * np.exp(min(log_ratio, 20.0))
+    odds = 0.3 / 0.7 * ratio
+    expected = min(max(odds / (1.0 + odds), 0.01), 0.99)
+    evidence = Evidence(np.array([log_ratio, np.nan]))
+    updated = evidence.update(np.array([0.3, 0.3]), interval, 4.0)
+    assert updated == pytest.approx([expected, 0.3])
+    assert evidence.unseen.tolist() == [log_ratio < 0.0, False]
+
+
+def test_the_ratio_of_likelihoods_is_that_of_the_power_along_the_track() -> None:
+    """N (r x / (1 + x) - ln(1 + x)) with the excess x = r - 1, or 5 / sqrt(N) if that is more."""
+    angles = np.array([0.3])
+    vector = steering_vectors(POSITIONS, angles, WAVENUMBER)
+    for ratio in (0.9, 1.2, 3.0):
+        covariance = np.eye(15) + (ratio - 1.0) / 15.0 * vector @ vector.conj().T
+        seen = replace(estimates_of(INCOHERENT), covariance=covariance, noise_power=np.array(1.0))
+        for interval, share in [(2.0, 1.0), (0.25, 0.5)]:
+            evidence = existence_evidence(seen, angles, np.zeros(1), interval)
+            excess = max(ratio - 1.0, 0.5)
+            expected = 100.0 * share * (ratio * excess / (1.0 + excess) - np.log1p(excess))
+            assert evidence.log_ratio == pytest.approx([expected])

@@ -149,3 +149,12 @@ def test_claimed_variance_of_the_fusion_is_the_measured_one(beta: float) -> None
     claimed = correlated_variance_ratio(np.arange(7) * SAMPLE_PERIOD, SAMPLE_PERIOD, beta)
     assert fused / single == pytest.approx(claimed, rel=0.15)
     assert fused / single > 4.0 * independent_variance_ratio(7)
+
+
+def test_independent_subspaces_divide_the_variance_by_their_number() -> None:
+    assert independent_variance_ratio(4) == 0.25
+    assert correlated_variance_ratio([-0.01, 0.0, 0.01], 0.005, 0.5) == pytest.approx(
+        (3.0 + 4.0 * 0.25 + 2.0 * 0.0625) / 9.0
+    )
+    assert forgetting_factor_of(1.9 / 0.1) == pytest.approx(0.9)
+    assert mean_age(0.9) == pytest.approx(9.0)
