@@ -1,5 +1,7 @@
 """Protects the narrowing of range hypotheses: same mixture, narrow as seen from elsewhere."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -75,3 +77,68 @@ def test_the_unlikely_are_forgotten_and_the_weights_sum_to_one() -> None:
     assert len(kept.log_weight) == 2
     assert np.exp(kept.log_weight) == pytest.approx([0.5, 0.5])
     assert without_unlikely(bank) is bank
+
+
+def wide_bank(along: float, count: int = 1) -> HypothesisBank:
+    """Return components 1000 m north of the origin, known to 1 m but along east."""
+    covariance = np.diag([along**2, 1.0, 1.0, 1.0])
+    covariance[0, 2] = covariance[2, 0] = 0.5 * along
+    return HypothesisBank(
+        np.tile([0.0, 1000.0, 2.0, 0.0], (count, 1)),
+        np.tile(covariance, (count, 1, 1)),
+        np.full(count, -np.log(count)),
+        np.zeros(0, dtype=bool),
+    )
+
+
+@pytest.mark.parametrize(("along", "parts"), [(99.0, 1), (101.0, 3), (299.0, 3), (301.0, 9)])
+def test_components_are_cut_in_three_until_they_are_a_tenth_of_a_radian_wide(
+    along: float, parts: int
+) -> None:
+    """Seen from the origin, at 1000 m; each third of an even spread has a third of its width."""
+    bank = split_bank(wide_bank(along), np.zeros(2))
+    assert len(bank.log_weight) == parts
+    deviation = np.sqrt(np.linalg.eigvalsh(bank.covariance[:, :2, :2])[:, -1])
+    assert deviation == pytest.approx(np.full(parts, along / parts))
+
+
+def test_thirds_lie_side_by_side_and_move_as_the_whole_says() -> None:
+    """sqrt(12) deviations wide: a third of it is 115.5 m; the speed follows the place."""
+    bank = split_bank(wide_bank(100.1), np.zeros(2))
+    order = np.argsort(bank.mean[:, 0])
+    third = np.sqrt(12.0) * 100.1 / 3.0
+    assert bank.mean[order, 0] == pytest.approx([-third, 0.0, third])
+    slope = 0.5 / 100.1
+    assert bank.mean[order, 2] == pytest.approx([2.0 - slope * third, 2.0, 2.0 + slope * third])
+    assert bank.mean[order, 1] == pytest.approx([1000.0] * 3)
+    assert np.exp(bank.log_weight) == pytest.approx([1.0 / 3.0] * 3)
+
+
+@pytest.mark.parametrize(("count", "cut"), [(36, True), (37, False)])
+def test_no_more_than_a_hundred_and_eight_components_are_made(count: int, cut: bool) -> None:
+    bank = split_bank(wide_bank(1000.0, count), np.zeros(2))
+    assert len(bank.log_weight) == (3 * count if cut else count)
+
+
+@pytest.mark.parametrize(("share", "cut"), [(1.1e-3, True), (0.9e-3, False)])
+def test_an_unlikely_component_need_not_be_narrow(share: float, cut: bool) -> None:
+    both = wide_bank(50.0, 2)
+    covariance = both.covariance.copy()
+    covariance[1, 0, 0] = 200.0**2
+    weight = np.log([1.0 / (1.0 + share), share / (1.0 + share)])
+    bank = split_bank(HypothesisBank(both.mean, covariance, weight, both.known), np.zeros(2))
+    assert (len(bank.log_weight) > 2) == cut
+
+
+@pytest.mark.parametrize(("share", "kept"), [(2e-9, 3), (0.5e-9, 2)])
+def test_a_billionth_of_the_best_does_not_matter(share: float, kept: int) -> None:
+    bank = wide_bank(50.0, 3)
+    weight = np.log([0.5, 0.5, 0.5 * share])
+    assert len(without_unlikely(replace(bank, log_weight=weight)).log_weight) == kept
+
+
+def test_the_width_is_that_seen_from_the_other_station() -> None:
+    """Along the line of sight a component may be as long as it likes."""
+    assert len(split_bank(wide_bank(150.0), np.array([0.0, -500.0])).log_weight) == 1
+    assert len(split_bank(wide_bank(150.0), np.array([5000.0, 1000.0])).log_weight) == 1
+    assert len(split_bank(wide_bank(90.0), np.array([0.0, 200.0])).log_weight) == 3

@@ -89,3 +89,60 @@ def test_frames_of_a_batch_estimator_have_the_line_that_the_filter_has() -> None
     # The third line is used from its second frame on, 402 Hz being what 201 Hz was.
     measured = [float(one.frequency[0]) for one in frames]
     assert measured == pytest.approx([200.0, 201.0, 202.0, NAN], nan_ok=True)
+
+
+def two_runs(frequency: list[list[float]], deviation: list[list[float]]) -> TmaMeasurement:
+    return TmaMeasurement(
+        stamp=1,
+        position=np.zeros(2),
+        velocity=np.zeros(2),
+        azimuth=np.zeros((2, 1)),
+        azimuth_variance=np.full(2, 1e-4),
+        frequency=np.array(frequency),
+        frequency_deviation=np.array(deviation),
+    )
+
+
+def test_the_fused_line_and_its_deviation_by_hand() -> None:
+    """(18), (19): scaled by virtual over reference, weighted by one over sigma."""
+    first = two_runs([[300.0, 200.0], [300.0, np.nan]], [[0.1, 0.2], [0.1, 0.2]])
+    references = first_references(first)
+    assert references.virtual.tolist() == [300.0, 300.0]
+    np.testing.assert_array_equal(references.reference, [[300.0, 200.0], [300.0, np.nan]])
+    later = two_runs([[303.0, 201.0], [np.nan, 205.0]], [[0.1, 0.2], [0.1, 0.2]])
+    fused = fuse_lines(later, references)
+    # Weights 10 and 5; the second line is scaled by 1.5.
+    expected = (10.0 * 303.0 + 5.0 * 301.5) / 15.0
+    deviation = np.sqrt(1.0 + 1.5**2) / 15.0
+    assert fused.frequency[0] == pytest.approx([expected])
+    assert fused.frequency_deviation[0] == pytest.approx([deviation])
+    assert np.isnan(fused.frequency[1, 0]), "its only line has no reference yet"
+
+
+def test_references_of_new_lines_follow_from_the_fused_one_and_old_ones_stay() -> None:
+    """(20), (21): as if the line had been heard when the virtual one was first."""
+    references = first_references(two_runs([[300.0, np.nan]] * 2, [[0.1, 0.2]] * 2))
+    later = two_runs([[303.0, 201.0], [np.nan, 205.0]], [[0.1, 0.2]] * 2)
+    fused = fuse_lines(later, references)
+    added = add_references(later, references, fused, np.array([np.nan, 299.0]))
+    assert added.virtual.tolist() == [300.0, 300.0]
+    assert added.reference[0] == pytest.approx([300.0, 201.0 * 300.0 / 303.0])
+    # Where nothing known is heard the filter's prediction stands in.
+    assert added.reference[1] == pytest.approx([300.0, 205.0 * 300.0 / 299.0])
+    again = add_references(
+        two_runs([[310.0, 210.0]] * 2, [[0.1, 0.2]] * 2), added, fused, np.full(2, np.nan)
+    )
+    np.testing.assert_array_equal(again.reference, added.reference)
+    unknown = add_references(later, references, fused, np.full(2, np.nan))
+    assert unknown.reference[1] == pytest.approx([300.0, 205.0]), "nothing at all: as it is"
+
+
+def test_the_best_heard_has_the_largest_ratio_of_frequency_to_deviation() -> None:
+    first = two_runs([[300.0, 200.0], [300.0, 200.0]], [[0.3, 0.1], [0.1, 0.1]])
+    assert first_references(first).virtual.tolist() == [200.0, 300.0]
+    silent = two_runs([[np.nan, np.nan], [np.nan, 200.0]], [[0.3, 0.1], [0.1, 0.1]])
+    virtual = first_references(silent).virtual
+    assert np.isnan(virtual[0])
+    assert virtual[1] == 200.0
+    none = replace(first, frequency=np.empty((2, 0)), frequency_deviation=np.empty((2, 0)))
+    assert np.isnan(first_references(none).virtual).tolist() == [True, True]

@@ -13,6 +13,7 @@ from sonar_tracking.tma.estimators.hypothesis_bank import (
     start_bank,
     update_bank,
 )
+from sonar_tracking.tma.estimators.measurement_model import LinearisedRows, keep_rows
 from sonar_tracking.tma.estimators.recursion import gate_rows, innovation_variance, rows_of
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 
@@ -99,3 +100,117 @@ def test_the_moments_hold_the_spread_of_the_means() -> None:
     centre, covariance = mixture_moments(bank)
     assert centre[0] == pytest.approx(7.5)
     assert covariance[0, 0] == pytest.approx(1.0 + 0.25 * 0.75 * 100.0)
+
+
+def random_bank(n_lines: int = 2, batch: tuple[int, ...] = (2,)) -> HypothesisBank:
+    """Return runs of three components that lean in all directions."""
+    generator = np.random.default_rng(1)
+    size = 4 + n_lines
+    root = generator.normal(size=(*batch, 3, size, size))
+    weight = generator.normal(size=(*batch, 3))
+    return HypothesisBank(
+        mean=generator.normal(0.0, 100.0, (*batch, 3, size)),
+        covariance=root @ np.swapaxes(root, -1, -2),
+        log_weight=weight - np.logaddexp.reduce(weight, axis=-1)[..., None],
+        known=np.ones((*batch, n_lines), dtype=bool),
+    )
+
+
+def test_both_sides_of_a_line_array_have_all_ranges_with_equal_weights() -> None:
+    frame = replace(measurement(), azimuth=np.array([0.4, -1.2]), position=np.array([100.0, -50.0]))
+    bank = start_bank(frame, EDGES, 20.0)
+    middles = [1250.0, 11_000.0]
+    expected = [
+        [100.0 + reach * np.cos(angle), -50.0 + reach * np.sin(angle)]
+        for angle in (0.4, -1.2)
+        for reach in middles
+    ]
+    assert bank.mean[:, :2] == pytest.approx(np.array(expected))
+    assert np.all(bank.mean[:, 2:] == 0.0)
+    assert np.exp(bank.log_weight) == pytest.approx(np.full(4, 0.25))
+    assert bank.covariance[:, 2, 2] == pytest.approx(np.full(4, 400.0 / 3.0))
+    assert bank.covariance[:, 3, 3] == pytest.approx(np.full(4, 400.0 / 3.0))
+    assert np.all(bank.covariance[:, 4:] == 0.0)
+    assert not np.any(bank.known)
+
+
+def test_prediction_is_f_p_f_and_the_noise_of_white_acceleration() -> None:
+    bank = random_bank()
+    before = bank.mean.copy(), bank.covariance.copy()
+    moved = predict_bank(bank, 3.0, np.array([0.1, 0.4]))
+    motion = np.eye(6)
+    motion[0, 2] = motion[1, 3] = 3.0
+    noise = np.zeros((6, 6))
+    noise[:4, :4] = np.kron(np.array([[9.0, 4.5], [4.5, 3.0]]), np.eye(2))
+    for run, acceleration in enumerate((0.1, 0.4)):
+        for component in range(3):
+            assert moved.mean[run, component] == pytest.approx(motion @ bank.mean[run, component])
+            spread = motion @ bank.covariance[run, component] @ motion.T
+            assert moved.covariance[run, component] == pytest.approx(
+                spread + acceleration**2 * noise
+            )
+    np.testing.assert_array_equal(bank.mean, before[0])
+    np.testing.assert_array_equal(bank.covariance, before[1])
+
+
+def test_rows_one_by_one_are_the_joint_update_and_its_likelihood() -> None:
+    bank = random_bank()
+    generator = np.random.default_rng(2)
+    present = np.broadcast_to(np.array([True, False, True, True]), (2, 3, 4))
+    rows = keep_rows(
+        LinearisedRows(
+            generator.normal(size=(2, 3, 4)),
+            generator.normal(size=(2, 3, 4, 6)),
+            generator.uniform(0.5, 2.0, (2, 3, 4)),
+            present,
+        ),
+        present,
+    )
+    penalty = generator.normal(size=(2, 3))
+    before = bank.mean.copy(), bank.covariance.copy()
+    updated = update_bank(bank, rows, penalty)
+    weights = np.zeros((2, 3))
+    for run in range(2):
+        for component in range(3):
+            matrix = rows.derivative[run, component][[0, 2, 3]]
+            noise = np.diag(rows.variance[run, component][[0, 2, 3]])
+            innovation = rows.innovation[run, component][[0, 2, 3]]
+            prior = bank.covariance[run, component]
+            spread = matrix @ prior @ matrix.T + noise
+            gain = prior @ matrix.T @ np.linalg.inv(spread)
+            mean = bank.mean[run, component] + gain @ innovation
+            assert updated.mean[run, component] == pytest.approx(mean)
+            covariance = prior - gain @ spread @ gain.T
+            assert updated.covariance[run, component] == pytest.approx(covariance, abs=1e-9)
+            density = -0.5 * innovation @ np.linalg.solve(spread, innovation)
+            density -= 0.5 * np.log(np.linalg.det(2.0 * np.pi * spread))
+            weights[run, component] = (
+                bank.log_weight[run, component] + density + penalty[run, component]
+            )
+        weights[run] -= np.logaddexp.reduce(weights[run])
+    assert updated.log_weight == pytest.approx(weights)
+    np.testing.assert_array_equal(bank.mean, before[0])
+    np.testing.assert_array_equal(bank.covariance, before[1])
+
+
+def test_a_line_that_is_seeded_forgets_what_was_known_of_it_and_of_no_other() -> None:
+    bank = random_bank(batch=())
+    before = bank.mean.copy(), bank.covariance.copy()
+    frame = replace(measurement(), velocity=np.zeros(2))
+    seeded = seed_lines(bank, frame, np.array([False, True]))
+    kept = [0, 1, 2, 3, 4]
+    np.testing.assert_array_equal(seeded.mean[:, kept], bank.mean[:, kept])
+    for component in range(3):
+        block = np.ix_(kept, kept)
+        np.testing.assert_array_equal(
+            seeded.covariance[component][block], bank.covariance[component][block]
+        )
+        assert np.all(seeded.covariance[component, 5, kept] == 0.0)
+        assert np.all(seeded.covariance[component, kept, 5] == 0.0)
+        assert seeded.covariance[component, 5, 5] == pytest.approx((210.0 / 6.0) ** 2)
+        rate = bank.mean[component, :2] @ bank.mean[component, 2:4]
+        rate /= np.hypot(*bank.mean[component, :2])
+        assert seeded.mean[component, 5] == pytest.approx(210.0 / (1.0 - rate / 1500.0))
+    np.testing.assert_array_equal(bank.mean, before[0])
+    np.testing.assert_array_equal(bank.covariance, before[1])
+    assert seed_lines(bank, frame, np.zeros(2, dtype=bool)) is bank

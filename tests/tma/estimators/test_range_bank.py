@@ -11,8 +11,16 @@ from sonar_tracking.evaluation.studies.tma_frequency_fusion.histories import (
 )
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import scenario
 from sonar_tracking.simulation.sensors.tma_scene import TmaRuns, TmaScene, simulate_runs
+from sonar_tracking.tma.estimators.hypothesis_bank import (
+    mixture_moments,
+    predict_bank,
+    seed_lines,
+    update_bank,
+)
 from sonar_tracking.tma.estimators.range_bank import RangeBank
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
+from sonar_tracking.tma.estimators.recursion import rows_of
+from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 
 BOUND_S1, BOUND_S2, BOUND_S3 = 80.5, 144.1, 83.2
 """Root of the posterior bound on the range in the last frame, m."""
@@ -124,3 +132,110 @@ def test_missing_and_repeated_frames_leave_a_finite_answer() -> None:
             break
     assert np.all(np.isfinite(estimate.mean))
     assert np.all(np.linalg.eigvalsh(estimate.covariance) > 0.0)
+
+
+def frame(number: int, azimuth: float, **changes: object) -> TmaMeasurement:
+    """Return one azimuth a second, measured at rest with a tenth of a degree."""
+    made = TmaMeasurement(
+        stamp=number * 1_000_000_000,
+        position=np.zeros(2),
+        velocity=np.zeros(2),
+        azimuth=np.array([azimuth]),
+        azimuth_variance=np.array(np.radians(0.1) ** 2),
+    )
+    return replace(made, **changes)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("accepted", "refused"), [(1, 3), (2, 5), (6, 5)])
+def test_a_lost_filter_starts_again_after_five_refusals_and_after_three_at_the_start(
+    accepted: int, refused: int
+) -> None:
+    bank = RangeBank()
+    for number in range(accepted):
+        assert not bank.update(frame(number, 0.3)).restarted
+    restarted = [
+        bool(bank.update(frame(accepted + number, 3.0)).restarted) for number in range(refused + 2)
+    ]
+    assert restarted == [False] * refused + [True, False]
+    estimate = bank.update(frame(accepted + refused + 2, 3.0))
+    assert np.arctan2(estimate.mean[1], estimate.mean[0]) == pytest.approx(3.0, abs=1e-2)
+
+
+def test_silence_is_no_refusal_and_an_accepted_azimuth_begins_the_count_anew() -> None:
+    bank = RangeBank()
+    for number in range(2):
+        bank.update(frame(number, 0.3))
+    pattern = [3.0] * 4 + [0.3] + [3.0] * 3 + [np.nan] + [3.0] * 2
+    for number, azimuth in enumerate(pattern, start=2):
+        assert not bank.update(frame(number, azimuth)).restarted
+    assert not bank.update(frame(20, np.nan)).restarted, "a lost filter waits for an azimuth"
+    assert bank.update(frame(21, 3.0)).restarted
+
+
+@pytest.mark.parametrize("manoeuvring", [False, True])
+def test_process_noise_is_more_until_a_manoeuvre_is_over(manoeuvring: bool) -> None:
+    """Without an azimuth the estimate is the prediction alone."""
+    configuration = RangeBankConfiguration(acceleration=0.02, manoeuvre_acceleration=0.3)
+    bank = RangeBank(configuration)
+    bank.update(frame(0, 0.3))
+    assert bank.state is not None
+    stamp = 5_000_000_000
+    until = np.array(stamp if manoeuvring else stamp - 1)
+    bank.state = replace(bank.state, manoeuvre_until=until)
+    expected = predict_bank(bank.state.bank, 5.0, np.array(0.3 if manoeuvring else 0.02))
+    estimate = bank.update(frame(5, np.nan))
+    mean, covariance = mixture_moments(expected)
+    assert estimate.mean == pytest.approx(mean)
+    assert estimate.covariance == pytest.approx(covariance)
+
+
+def test_an_alarm_lets_the_motion_go_as_far_as_it_may_have_changed() -> None:
+    """All lines shift by three deviations: 2 m/s at some time of the 20 s before the alarm."""
+    configuration = RangeBankConfiguration(n_ranges=1, acceleration=1e-4)
+    bank = RangeBank(configuration)
+    lines, deviation = np.array([300.0, 210.0, 150.0]), np.full(3, 0.1)
+    for number in range(80):
+        assert bank.state is not None or number == 0
+        before = bank.state
+        shifted = lines + (0.3 if number >= 60 else 0.0)
+        measured = frame(number, 0.3, frequency=shifted, frequency_deviation=deviation)
+        estimate = bank.update(measured)
+        if estimate.manoeuvre:
+            break
+    assert 62 <= number < 80
+    assert before is not None
+    assert bank.state is not None
+    assert bank.state.manoeuvre_until == (number + 30) * 1_000_000_000
+    assert not np.any(bank.state.windows.lines)
+    loosened = predict_bank(before.bank, 1.0, np.array(1e-4))
+    spread = np.zeros((7, 7))
+    spread[:4, :4] = np.kron(np.array([[400.0 / 3.0, 10.0], [10.0, 1.0]]), np.eye(2))
+    loosened = replace(loosened, covariance=loosened.covariance + 4.0 * spread)
+    expected = update_bank(loosened, rows_of(loosened, measured), np.zeros(1))
+    assert bank.state.bank.covariance == pytest.approx(expected.covariance)
+    assert bank.state.bank.mean == pytest.approx(expected.mean)
+
+
+def test_a_line_that_became_another_source_is_seeded_anew_and_nothing_else() -> None:
+    bank = RangeBank(RangeBankConfiguration(n_ranges=1, acceleration=1e-4))
+    lines, deviation = np.array([300.0, 210.0, 150.0]), np.full(3, 0.1)
+    for number in range(80):
+        before = bank.state
+        shifted = lines + (np.array([0.0, 5.0, 0.0]) if number >= 60 else 0.0)
+        measured = frame(number, 0.3, frequency=shifted, frequency_deviation=deviation)
+        estimate = bank.update(measured)
+        if np.any(estimate.reborn):
+            break
+    assert estimate.reborn.tolist() == [False, True, False]
+    assert before is not None
+    assert bank.state is not None
+    predicted = predict_bank(before.bank, 1.0, np.array(1e-4))
+    seeded = seed_lines(predicted, measured, np.array([False, True, False]))
+    expected = update_bank(seeded, rows_of(seeded, measured), np.zeros(1))
+    assert bank.state.bank.covariance == pytest.approx(expected.covariance)
+    assert bank.state.bank.mean == pytest.approx(expected.mean)
+
+
+def test_hypotheses_of_range_are_spaced_geometrically() -> None:
+    configuration = RangeBankConfiguration(minimum_range=100.0, maximum_range=800.0, n_ranges=3)
+    assert configuration.range_edges() == pytest.approx([100.0, 200.0, 400.0, 800.0])
