@@ -1,8 +1,11 @@
 """Protects to which track a line goes that names none: the nearest in angle; to none in doubt."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from sonar_tracking.records.bearings import Sensor
 from sonar_tracking.records.lines import FrequencyLines
 from sonar_tracking.tma.targets.line_attribution import LineAttribution, TrackAngle
 
@@ -63,3 +66,56 @@ def test_a_track_that_is_new_is_judged_by_its_own_frames(sensor_frames: int) -> 
     for _ in range(sensor_frames):
         attribution.update(lines(10.0), {3: TRACKS[3]})
     assert attribution.update(lines(10.0), TRACKS) == [3]
+
+
+def test_scores_fade_and_the_lead_must_be_twenty_to_one_over_the_frames() -> None:
+    """The log likelihood by hand: 0.9 of the past and 0.1 of the frame, times frames up to ten."""
+    sequence = [14.5, 14.8, 14.2, 15.1, 14.6, 14.4, 14.9, 14.3, 14.7, 14.5, 14.4, 14.6, 14.2, 14.9]
+    attribution, means = LineAttribution(4.0), {3: 0.0, 8: 0.0}
+    for number, angle in enumerate(sequence, start=1):
+        fits = {}
+        for track, place in ((3, 10.0), (8, 20.0)):
+            squared = min((angle - place) ** 2 / 2.0, 26.0)
+            fits[track] = -0.5 * squared
+            fresh = fits[track] if number == 1 else means[track]
+            means[track] = 0.9 * fresh + 0.1 * fits[track]
+        lead = min(number, 10) * (means[3] - means[8])
+        near = (angle - 10.0) ** 2 / 2.0 <= 16.0
+        expected = 3 if lead >= np.log(20.0) and near else 0
+        assert attribution.update(lines(angle), TRACKS) == [expected]
+
+
+def test_the_gate_is_that_of_the_difference() -> None:
+    """Two errors of a degree: four deviations are 5.66 deg."""
+    only = {3: TRACKS[3]}
+    assert LineAttribution(4.0).update(lines(15.6), only) == [3]
+    assert LineAttribution(4.0).update(lines(4.4), only) == [3]
+    assert LineAttribution(4.0).update(lines(15.7), only) == [0]
+
+
+@pytest.mark.parametrize(("variance", "used"), [(9.9, True), (10.0, False), (0.0, False)])
+def test_an_angle_that_says_nothing_is_not_used(variance: float, used: bool) -> None:
+    found = LineAttribution(4.0).update(lines(10.0, variance=variance), {3: TRACKS[3]})
+    assert found == [3 if used else 0]
+    turn = lines(10.0 + 360.0 * 1.01)
+    assert LineAttribution(4.0).update(turn, {3: TRACKS[3]}) == [0]
+
+
+@pytest.mark.parametrize(("silence", "remembered"), [(600, True), (601, False)])
+def test_a_line_silent_for_ten_minutes_is_forgotten(silence: int, remembered: bool) -> None:
+    attribution = LineAttribution(4.0)
+    for _ in range(10):
+        attribution.update(lines(10.0), TRACKS)
+    later = replace(lines(11.0, 20.0), line_id=np.array([2, 5], dtype=np.uint64))
+    stamp = lines(10.0).stamp + silence * 10**9
+    attribution.update(replace(later, stamp=stamp), TRACKS)
+    # A wild angle does not move a line that is remembered, and is all that is known of another.
+    assert attribution.update(replace(lines(20.0), stamp=stamp), TRACKS) == [0 if remembered else 8]
+
+
+def test_stations_do_not_share_their_lines() -> None:
+    attribution = LineAttribution(4.0)
+    for _ in range(10):
+        attribution.update(lines(10.0), TRACKS)
+    other = replace(lines(20.0), sensor=Sensor("stern"))
+    assert attribution.update(other, TRACKS) == [8]

@@ -10,7 +10,11 @@ from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.simulation.sensors.tma_scene import TmaRuns, TmaScene, simulate_runs
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 from sonar_tracking.tma.targets.measurement_log import LOG_FRAMES, MeasurementLog
-from sonar_tracking.tma.targets.observability import motion_information, observability
+from sonar_tracking.tma.targets.observability import (
+    MeasurementHistory,
+    motion_information,
+    observability,
+)
 
 STRAIGHT, TURNING = (90.0,) * 4, (90.0, 0.0, 90.0, 0.0)
 PRIOR = np.diag([20_000.0**2 / 12, 100.0**2, 400.0 / 3, 400.0 / 3])
@@ -110,3 +114,86 @@ def test_the_log_keeps_its_first_and_its_last_measurements() -> None:
     assert np.all(np.diff(times) > 0.0)
     log.forget_lines((2,))
     assert not np.any(log.history().line_information[:, 2])
+
+
+def by_differences(
+    mean: np.ndarray, sources: np.ndarray, history: MeasurementHistory
+) -> np.ndarray:
+    """Return the information on the motion at the first time, from residuals and their slopes."""
+    since = history.times - history.times[0]
+    span = since[-1]
+
+    def predicted(parameters: np.ndarray) -> np.ndarray:
+        offset = parameters[:2] + np.outer(since, parameters[2:4]) - history.position
+        distance = np.hypot(offset[:, 0], offset[:, 1])
+        rate = np.sum(offset * (parameters[2:4] - history.velocity), axis=1) / distance
+        lines = (1.0 - rate / history.sound_speed)[:, None] * parameters[4:]
+        azimuth, elevation = (
+            np.arctan2(offset[:, 1], offset[:, 0]),
+            np.arctan2(history.height, distance),
+        )
+        return np.concatenate([azimuth, elevation, lines.T.ravel()])
+
+    at = np.concatenate([mean[:2] - span * mean[2:], mean[2:], sources])
+    steps = np.diag([1e-2, 1e-2, 1e-5, 1e-5] + [1e-4] * len(sources))
+    slopes = np.stack(
+        [(predicted(at + step) - predicted(at - step)) / (2.0 * step.sum()) for step in steps],
+        axis=1,
+    )
+    weight = np.concatenate(
+        [
+            history.azimuth_information,
+            history.elevation_information,
+            history.line_information.T.ravel(),
+        ]
+    )
+    full = slopes.T @ (weight[:, None] * slopes)
+    heard = [4 + row for row in range(len(sources)) if history.line_information[:, row].any()]
+    nuisance = full[np.ix_(heard, heard)]
+    common = full[:4][:, heard]
+    return np.asarray(full[:4, :4] - common @ np.linalg.solve(nuisance, common.T))
+
+
+def test_the_information_is_that_of_slopes_with_the_sources_eliminated() -> None:
+    generator = np.random.default_rng(1)
+    times = np.append(0.0, np.cumsum(generator.uniform(1.0, 9.0, 24)))
+    velocity = np.where(times[:, None] < 60.0, [6.0, 1.0], [-2.0, 5.0])
+    history = MeasurementHistory(
+        times=times,
+        position=np.cumsum(velocity * np.diff(times, prepend=0.0)[:, None], axis=0),
+        velocity=velocity,
+        azimuth_information=generator.uniform(0.0, 2e4, 25),
+        elevation_information=np.where(times > 40.0, 3e4, 0.0),
+        height=np.full(25, -150.0),
+        line_information=generator.uniform(0.0, 50.0, (25, 3)) * [1.0, 0.0, 2.0],
+        sound_speed=1480.0,
+    )
+    mean, sources = np.array([2500.0, 1800.0, -3.0, 4.0]), np.array([300.0, 250.0, 120.0])
+    information = motion_information(mean, sources, history)
+    expected = by_differences(mean, sources, history)
+    scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
+    np.testing.assert_allclose(information / scale, expected / scale, atol=1e-5)
+
+
+def test_the_figure_is_the_least_gain_over_the_prior() -> None:
+    """Information of g times that of the prior in its weakest direction: g / (1 + g)."""
+    history = MeasurementHistory(
+        times=np.array([0.0, 10.0, 20.0]),
+        position=np.array([[0.0, 0.0], [0.0, 500.0], [700.0, 0.0]]),
+        velocity=np.zeros((3, 2)),
+        azimuth_information=np.array([1e4, 2e4, 1e4]),
+        elevation_information=np.zeros(3),
+        height=np.zeros(3),
+        line_information=np.zeros((3, 0)),
+        sound_speed=1500.0,
+    )
+    mean = np.array([1000.0, 1000.0, 2.0, -1.0])
+    prior = np.diag([1e6, 4e6, 100.0, 50.0])
+    prior[0, 1] = prior[1, 0] = 1e6
+    information = motion_information(mean, np.zeros(0), history)
+    gain = float(np.min(np.linalg.eigvals(prior @ information).real))
+    assert observability(mean, np.zeros(0), history, prior) == pytest.approx(
+        max(gain, 0.0) / (1.0 + max(gain, 0.0)), rel=1e-6, abs=1e-9
+    )
+    silent = replace(history, azimuth_information=np.zeros(3))
+    assert observability(mean, np.zeros(0), silent, prior) == pytest.approx(0.0, abs=1e-12)
