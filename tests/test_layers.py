@@ -26,6 +26,7 @@ ROOMS = (
     "geometry",
     "motion",
     "own_ship_interpolation",
+    "sensor_pose",
     "filtering",
     # stages, one package each, independent of one another
     "passive.performance",

@@ -10,7 +10,7 @@ from typing import Any
 from sonar_tracking.active.contacts.sensor_location import (
     MountingConfiguration,
     located,
-    needs_own_ship,
+    with_pose_judged,
 )
 from sonar_tracking.errors import InputError
 from sonar_tracking.motion import KinematicState
@@ -41,9 +41,10 @@ def located_pings(
     placed = []
     stamps = [state.stamp for state in own_ship]
     for ping in sorted(pings, key=lambda ping: ping.stamp):
-        own = _at(own_ship, stamps, ping.stamp) if needs_own_ship(ping) else None
+        own = _at(own_ship, stamps, ping.stamp)
+        told, _ = with_pose_judged(ping, own, mounting, odometry=bool(stamps))
         try:
-            placed.append(located(ping, own, mounting))
+            placed.append(located(told, own, mounting))
         except InputError as error:
             rejected.append(str(error))
     return tuple(placed)

@@ -11,25 +11,31 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sonar_tracking.errors import InputError
 from sonar_tracking.message_reading.field_reading import (
     check_columns,
     column,
     complex_column,
+    count,
     element_positions,
+    known,
+    real,
+    rows_or_nan,
     sensor,
     stamp_from_time,
+    unfilled,
 )
-from sonar_tracking.records.arrays import ComplexArray, FloatArray
+from sonar_tracking.records.arrays import ComplexArray
 from sonar_tracking.records.bearings import (
     AngleKind,
     ArraySnapshots,
     BearingTracks,
     SubspaceEstimates,
+    TrackStatus,
 )
 from sonar_tracking.records.own_ship import OwnShipState
+from sonar_tracking.sensor_pose import yaw_of
 
 CONE = 0
 """Value of BearingTracks.angle_kind for arrival angles from array broadside."""
@@ -62,7 +68,7 @@ def snapshots_from_message(message: Any) -> ArraySnapshots:
         data=complex_column(
             message,
             "data",
-            (int(message.n_snapshots), n_elements),
+            (count(message, "n_snapshots"), n_elements),
             "n_snapshots x elements",
             "float32",
         ),
@@ -85,6 +91,8 @@ def subspaces_from_message(message: Any) -> SubspaceEstimates:
             f"n_subspaces is {n_subspaces}; the sender must give one time per subspace."
         )
     check_eigenvalues(message)
+    covariance = _square_or_none(message, "covariance", n_elements)
+    counted = len(message.eigenvalues) > 0
     return SubspaceEstimates(
         stamp=stamp_from_time(message.header.stamp),
         method=message.method,
@@ -96,14 +104,18 @@ def subspaces_from_message(message: Any) -> SubspaceEstimates:
         ),
         time_offsets=column(message, "time_offsets"),
         element_positions=positions,
-        effective_snapshots=message.effective_snapshots,
-        rank=message.rank,
-        source_count=message.source_count,
-        covariance=_square_or_none(message, "covariance", n_elements),
-        covariance_snapshots=message.covariance_snapshots,
-        covariance_time_offset=message.covariance_time_offset,
+        effective_snapshots=real(message, "effective_snapshots"),
+        rank=message.rank if message.rank or counted else -1,
+        source_count=message.source_count if message.source_count or counted else -1,
+        covariance=covariance,
+        covariance_snapshots=(
+            message.covariance_snapshots
+            if covariance is None
+            else count(message, "covariance_snapshots")
+        ),
+        covariance_time_offset=(np.nan if covariance is None else message.covariance_time_offset),
         eigenvalues=column(message, "eigenvalues"),
-        noise_power=np.array(message.noise_power),
+        noise_power=np.array(real(message, "noise_power")),
         noise_covariance=_square_or_none(message, "noise_covariance", n_elements),
         next_stamp=stamp_from_time(message.next_stamp),
         sensor=sensor(message),
@@ -138,7 +150,7 @@ def directions_from_message(message: Any) -> BearingTracks:
     Returns
     -------
     BearingTracks
-        A column not reported is NaN (or zero); elevations stay empty then.
+        A column not reported is NaN, the status confirmed, a cone ambiguous; elevations stay empty.
 
     Raises
     ------
@@ -151,20 +163,35 @@ def directions_from_message(message: Any) -> BearingTracks:
             "array broadside) or 1 (azimuths in the frame of the header)."
         )
     rows = check_columns(message, "id", TRACK_WIDTHS)
-    reals = {name: _rows_or_nan(message, name, (rows,)) for name in TRACK_REALS}
+    reals = {name: rows_or_nan(message, name, (rows,)) for name in TRACK_REALS}
+    kind = AngleKind(message.angle_kind)
+    status, ambiguous = column(message, "status", "uint8"), column(message, "ambiguous", "bool")
     return BearingTracks(
         stamp=stamp_from_time(message.header.stamp),
         id=column(message, "id", "uint64"),
-        status=_rows_or_zero(message, "status", rows, "uint8"),
-        covariance=_rows_or_nan(message, "covariance", (rows, 2, 2)),
-        ambiguous=_rows_or_zero(message, "ambiguous", rows, "bool"),
+        status=status if status.size else np.full(rows, TrackStatus.CONFIRMED, np.uint8),
+        covariance=rows_or_nan(message, "covariance", (rows, 2, 2)),
+        ambiguous=ambiguous if ambiguous.size else np.full(rows, kind is AngleKind.CONE),
         next_stamp=stamp_from_time(message.next_stamp),
         sensor=sensor(message),
-        angle_kind=AngleKind(message.angle_kind),
+        angle_kind=kind,
         elevation=column(message, "elevation"),
-        elevation_variance=column(message, "elevation_variance"),
+        elevation_variance=known(message, "elevation_variance"),
         **reals,
     )
+
+
+def measured_directions_from_message(message: Any) -> BearingTracks:
+    """Return bearing tracks with their measurements, for who needs those.
+
+    Raises
+    ------
+    InputError
+        As :func:`directions_from_message`, and when the message reports no measurements.
+    """
+    if len(message.id) and not len(message.measurement):
+        raise unfilled(message, "measurement", "is empty")
+    return directions_from_message(message)
 
 
 def own_ship_from_message(message: Any) -> OwnShipState:
@@ -178,37 +205,23 @@ def own_ship_from_message(message: Any) -> OwnShipState:
             "orientation of length zero; the sender must give own ship's pose in map and its "
             "twist in own_ship/base_link."
         )
-    yaw = math.atan2(
-        2.0 * (turn.w * turn.z + turn.x * turn.y),
-        turn.w**2 + turn.x**2 - turn.y**2 - turn.z**2,
-    )
     return OwnShipState(
         stamp=stamp_from_time(message.header.stamp),
         position=(position.x, position.y),
-        yaw=yaw,
+        yaw=yaw_of((turn.x, turn.y, turn.z, turn.w)),
         velocity=(linear.x, linear.y),
         yaw_rate=angular.z,
     )
 
 
 def _array_reals(message: Any) -> dict[str, float]:
-    return {name: getattr(message, name) for name in ARRAY_REALS}
+    return {name: real(message, name) for name in ARRAY_REALS}
 
 
 def _square_or_none(message: Any, name: str, size: int) -> ComplexArray | None:
     if len(getattr(message, name)) == 0:
         return None
     return complex_column(message, name, (size, size), "elements x elements")
-
-
-def _rows_or_nan(message: Any, name: str, shape: tuple[int, ...]) -> FloatArray:
-    values = column(message, name)
-    return values.reshape(shape) if values.size else np.full(shape, np.nan)
-
-
-def _rows_or_zero(message: Any, name: str, rows: int, dtype: str) -> NDArray[Any]:
-    values = column(message, name, dtype)
-    return values if values.size else np.zeros(rows, dtype)
 
 
 def check_eigenvalues(message: Any) -> None:

@@ -7,15 +7,23 @@ The columns of every message are checked here: unequal lengths raise
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 
 from sonar_tracking.errors import InputError
-from sonar_tracking.message_reading.field_reading import check_columns, column, stamp_from_time
+from sonar_tracking.message_reading.field_reading import (
+    check_columns,
+    column,
+    known,
+    real,
+    rows_or_nan,
+    sensor_orientation,
+    stamp_from_time,
+)
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.contacts import Contacts, GateThresholds
+from sonar_tracking.sensor_pose import is_unset, yaw_of
 
 CONTACT_WIDTHS = {"azimuth": 1, "amplitude": 1}
 """Values per contact of the columns of Contacts beside range."""
@@ -64,6 +72,7 @@ def contacts_from_message(message: Any) -> Contacts:
     """
     check_contact_columns(message)
     position, velocity = message.sensor_pose.position, message.sensor_velocity
+    orientation = sensor_orientation(message)
     return Contacts(
         stamp=stamp_from_time(message.header.stamp),
         range=column(message, "range"),
@@ -73,12 +82,13 @@ def contacts_from_message(message: Any) -> Contacts:
         azimuth_standard_deviation=_deviation(message, "azimuth_standard_deviation"),
         sensor_position=(position.x, position.y),
         sensor_velocity=(velocity.x, velocity.y),
-        signal_to_noise_ratio_linear=message.expected_signal_to_noise_ratio,
+        signal_to_noise_ratio_linear=real(message, "expected_signal_to_noise_ratio"),
         next_stamp=stamp_from_time(message.next_stamp),
         sensor_id=message.sensor_id,
         frame_id=message.header.frame_id,
-        sensor_yaw=_yaw(message.sensor_pose.orientation),
-        **{name: getattr(message, name) for name in CONTACT_REALS},
+        sensor_yaw=yaw_of(orientation),
+        unset_pose=is_unset((position.x, position.y, position.z), orientation),
+        **{name: real(message, name) for name in CONTACT_REALS},
     )
 
 
@@ -91,18 +101,18 @@ def thresholds_from_message(message: Any) -> GateThresholds:
         When columns have unequal lengths.
     """
     rows = check_columns(message, "track_id", GATE_WIDTHS)
-    x, y = (_rows(message, f"predicted_{axis}", (rows,)) for axis in "xy")
+    x, y = (rows_or_nan(message, f"predicted_{axis}", (rows,)) for axis in "xy")
     return GateThresholds(
         stamp=stamp_from_time(message.header.stamp),
         track_id=column(message, "track_id", "uint64").astype(np.int64),
         predicted_position=np.stack([x, y], axis=-1),
-        gate_covariance=_rows(message, "gate_covariance", (rows, 2, 2)),
-        search_false_alarm_probability=message.search_false_alarm_probability,
-        search_threshold=message.search_threshold,
-        signal_to_noise_ratio_linear=_rows(message, "signal_to_noise_ratio", (rows,)),
+        gate_covariance=rows_or_nan(message, "gate_covariance", (rows, 2, 2)),
+        search_false_alarm_probability=real(message, "search_false_alarm_probability"),
+        search_threshold=real(message, "search_threshold"),
+        signal_to_noise_ratio_linear=rows_or_nan(message, "signal_to_noise_ratio", (rows,)),
         method=message.method,
         next_stamp=stamp_from_time(message.next_stamp),
-        **{name: _rows(message, name, (rows,)) for name in GATE_REALS},
+        **{name: rows_or_nan(message, name, (rows,)) for name in GATE_REALS},
     )
 
 
@@ -131,23 +141,7 @@ def check_contact_columns(message: Any) -> int:
 
 
 def _deviation(message: Any, name: str) -> float | FloatArray:
-    values = column(message, name)
+    values = known(message, name)
     if len(values) == 1:
         return float(values[0])
     return values if values.size or not len(message.range) else np.nan
-
-
-def _yaw(turn: Any) -> float:
-    """Return the azimuth of +x of a frame; NaN if the orientation is unknown."""
-    numbers = (turn.x, turn.y, turn.z, turn.w)
-    if not all(map(math.isfinite, numbers)) or not any(numbers):
-        return math.nan
-    return math.atan2(
-        2.0 * (turn.w * turn.z + turn.x * turn.y),
-        turn.w**2 + turn.x**2 - turn.y**2 - turn.z**2,
-    )
-
-
-def _rows(message: Any, name: str, shape: tuple[int, ...]) -> FloatArray:
-    values = column(message, name)
-    return values.reshape(shape) if values.size else np.full(shape, np.nan)

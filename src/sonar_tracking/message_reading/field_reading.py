@@ -1,21 +1,26 @@
 """Fields of messages as numpy: stamps, columns, complex matrices, sensors.
 
 A message is any object with the fields of its definition: one that a node received, or one decoded
-from a bag without ROS. Columns are viewed without a copy where they can be.
+from a bag without ROS. Columns are viewed without a copy where they can be. What the sender has not
+filled in is unknown, or an error, as :data:`~sonar_tracking.message_reading.field_use.FIELD_USES`
+says.
 """
 
 from __future__ import annotations
 
 import array
+import math
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sonar_tracking.errors import InputError
+from sonar_tracking.message_reading.field_use import FIELD_USES, FieldUse, Unfilled
 from sonar_tracking.records.arrays import ComplexArray, FloatArray
 from sonar_tracking.records.bearings import Sensor
 from sonar_tracking.records.time import NANOSECONDS
+from sonar_tracking.sensor_pose import is_no_turn
 
 
 def stamp_from_time(time: Any) -> int:
@@ -39,6 +44,67 @@ def column(message: Any, name: str, dtype: str = "float64") -> NDArray[Any]:
     if isinstance(values, array.array | bytes):
         return np.frombuffer(values, dtype)
     return np.asarray(values, dtype)
+
+
+def field_use(message: Any, name: str) -> FieldUse:
+    """Return how a field of a message is read."""
+    return FIELD_USES[type_name(message)][name]
+
+
+def real(message: Any, name: str) -> float:
+    """Return a number, in units of the message; NaN where it is unknown.
+
+    Raises
+    ------
+    InputError
+        When it is required, and was not filled in.
+    """
+    number = float(getattr(message, name))
+    if number != 0.0 and not math.isnan(number):
+        return number
+    use = field_use(message, name)
+    if use.unfilled is Unfilled.REQUIRED:
+        raise unfilled(message, name, f"is {number:g}")
+    return math.nan if use.unfilled is Unfilled.UNKNOWN else number
+
+
+def count(message: Any, name: str) -> int:
+    """Return a number of things that there must be.
+
+    Raises
+    ------
+    InputError
+        When there are none.
+    """
+    number = int(getattr(message, name))
+    if number == 0:
+        raise unfilled(message, name, "is 0")
+    return number
+
+
+def unfilled(message: Any, name: str, words: str) -> InputError:
+    """Return the error that a required field was not filled in."""
+    return InputError(
+        f"{type_name(message)}.{name} {words}: it was not filled in; the sender must give "
+        f"{field_use(message, name).text}."
+    )
+
+
+def known(message: Any, name: str) -> FloatArray:
+    """Return a column, shape (n_values,), in units of the message; NaN where it is unknown.
+
+    It is empty where the message does not report it.
+    """
+    values = column(message, name)
+    if field_use(message, name).unfilled is Unfilled.UNKNOWN and not values.all():
+        return np.where(values == 0.0, np.nan, values)
+    return values
+
+
+def rows_or_nan(message: Any, name: str, shape: tuple[int, ...]) -> FloatArray:
+    """Return a column in the given shape, in units of the message; NaN where it is unknown."""
+    values = known(message, name)
+    return values.reshape(shape) if values.size else np.full(shape, np.nan)
 
 
 def complex_column(
@@ -105,7 +171,7 @@ def element_positions(message: Any) -> FloatArray:
     Raises
     ------
     InputError
-        When the three have different lengths.
+        When the three have different lengths, or were not filled in.
     """
     if not len(message.element_x) == len(message.element_y) == len(message.element_z):
         raise InputError(
@@ -113,17 +179,32 @@ def element_positions(message: Any) -> FloatArray:
             f"{len(message.element_x)}, {len(message.element_y)} and {len(message.element_z)} "
             "values; the sender must give one position per element."
         )
-    return np.stack([column(message, f"element_{axis}") for axis in "xyz"], axis=-1)
+    positions = np.stack([column(message, f"element_{axis}") for axis in "xyz"], axis=-1)
+    if len(positions) == 0:
+        raise unfilled(message, "element_x", "is empty")
+    if len(positions) > 1 and not positions.any():
+        raise unfilled(message, "element_x", "and element_y and element_z are 0 for all elements")
+    return positions
 
 
 def sensor(message: Any) -> Sensor:
-    """Return the sensor of a message."""
-    position, orientation = message.sensor_pose.position, message.sensor_pose.orientation
-    velocity = message.sensor_velocity
+    """Return the sensor of a message.
+
+    A pose that nobody has set is passed on as it is: only who knows own ship's can tell.
+    """
+    position, velocity = message.sensor_pose.position, message.sensor_velocity
     return Sensor(
         sensor_id=message.sensor_id,
         frame_id=message.header.frame_id,
         position=(position.x, position.y, position.z),
-        orientation=(orientation.x, orientation.y, orientation.z, orientation.w),
+        orientation=sensor_orientation(message),
         velocity=(velocity.x, velocity.y, velocity.z),
     )
+
+
+def sensor_orientation(message: Any) -> tuple[float, float, float, float]:
+    """Return the quaternion x, y, z, w of the sensor; NaN = unknown, as beside no position."""
+    position, turn = message.sensor_pose.position, message.sensor_pose.orientation
+    orientation = (turn.x, turn.y, turn.z, turn.w)
+    located = math.isfinite(position.x) and math.isfinite(position.y)
+    return (math.nan,) * 4 if not located and is_no_turn(orientation) else orientation

@@ -13,6 +13,7 @@ import numpy as np
 from sonar_tracking.message_reading.field_reading import (
     check_columns,
     column,
+    rows_or_nan,
     sensor,
     stamp_from_time,
 )
@@ -49,10 +50,7 @@ def frequency_lines_from_message(message: Any) -> FrequencyLines:
         When columns have unequal lengths.
     """
     rows = check_columns(message, "line_id", LINE_WIDTHS)
-    reals = {}
-    for name in LINE_REALS:
-        values = column(message, name)
-        reals[name] = values if values.size else np.full(rows, np.nan)
+    reals = {name: rows_or_nan(message, name, (rows,)) for name in LINE_REALS}
     tracks = column(message, "track_id", "uint64")
     return FrequencyLines(
         stamp=stamp_from_time(message.header.stamp),

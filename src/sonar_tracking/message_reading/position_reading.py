@@ -9,9 +9,17 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from sonar_tracking.message_reading.field_reading import check_columns, column, stamp_from_time
-from sonar_tracking.records.positions import COLUMNS, PositionTracks
+from sonar_tracking.message_reading.field_reading import (
+    check_columns,
+    column,
+    known,
+    rows_or_nan,
+    stamp_from_time,
+)
+from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.records.positions import COLUMNS, PositionTracks, TrackSource
 
 STATE_NAMES = ("x", "y", "vx", "vy")
 """Fields of the message that make up the state, in its order."""
@@ -42,8 +50,8 @@ def position_tracks_from_message(message: Any) -> PositionTracks:
     Returns
     -------
     PositionTracks
-        A column that is not reported is NaN, zero (``status``, ``source``, ``hypothesis``,
-        identifiers) or the empty name.
+        A column that is not reported is NaN, confirmed (``status``), zero (``source``,
+        ``hypothesis``, identifiers) or the empty name.
 
     Raises
     ------
@@ -52,16 +60,17 @@ def position_tracks_from_message(message: Any) -> PositionTracks:
     """
     rows = check_position_columns(message)
     columns = {
-        name: column(message, name, described.dtype).reshape(-1, *described.width)
+        name: _column(message, name, described.dtype).reshape(-1, *described.width)
         for name, described in COLUMNS.items()
         if name != "state"
     }
-    for name in ("status", "source"):
-        if not columns[name].size:
-            columns[name] = np.zeros(rows, np.uint8)
+    if not columns["status"].size:
+        columns["status"] = np.full(rows, TrackStatus.CONFIRMED, np.uint8)
+    if not columns["source"].size:
+        columns["source"] = np.full(rows, TrackSource.ACTIVE, np.uint8)
     return PositionTracks(
         stamp=stamp_from_time(message.header.stamp),
-        state=np.stack([_reals(message, name, rows) for name in STATE_NAMES], axis=-1),
+        state=np.stack([rows_or_nan(message, name, (rows,)) for name in STATE_NAMES], axis=-1),
         contributor_sensor=tuple(str(name) for name in message.contributor_sensor),
         next_stamp=stamp_from_time(message.next_stamp),
         frame_id=message.header.frame_id,
@@ -82,6 +91,5 @@ def check_position_columns(message: Any) -> int:
     return check_columns(message, "id", TRACK_WIDTHS)
 
 
-def _reals(message: Any, name: str, rows: int) -> Any:
-    values = column(message, name)
-    return values if values.size else np.full(rows, np.nan)
+def _column(message: Any, name: str, dtype: str) -> NDArray[Any]:
+    return known(message, name) if dtype == "float64" else column(message, name, dtype)

@@ -18,7 +18,9 @@ import numpy as np
 from sonar_tracking.errors import InputError
 from sonar_tracking.message_reading.field_reading import (
     column,
+    count,
     element_positions,
+    real,
     sensor,
     stamp_from_time,
 )
@@ -37,11 +39,12 @@ def samples_from_message(message: Any) -> ArraySamples:
     Raises
     ------
     InputError
-        When the number of values is not samples x elements.
+        When a field that is required was not filled in, or the number of values is not samples x
+        elements.
     """
     positions = element_positions(message)
     values = column(message, "data", "float32")
-    n_samples = int(message.n_samples)
+    n_samples = count(message, "n_samples")
     if values.size != n_samples * len(positions):
         raise InputError(
             f"ArraySamples.data has {values.size} values, but n_samples x elements = {n_samples} x "
@@ -51,8 +54,8 @@ def samples_from_message(message: Any) -> ArraySamples:
         stamp=stamp_from_time(message.header.stamp),
         data=values.reshape(n_samples, len(positions)).astype(np.float64),
         element_positions=positions,
-        sample_rate=message.sample_rate,
-        sound_speed=message.sound_speed,
+        sample_rate=real(message, "sample_rate"),
+        sound_speed=real(message, "sound_speed"),
         next_stamp=stamp_from_time(message.next_stamp),
         sensor=sensor(message),
     )

@@ -65,6 +65,9 @@ class Contacts:
     sensor_yaw : float
         Azimuth of +x of the sensor in ``map``, rad; NaN = unknown. Needed where the azimuths are
         not in ``map``.
+    unset_pose : bool
+        Whether the pose is that of a new message, so that it may be unknown: see
+        :mod:`sonar_tracking.sensor_pose`.
     """
 
     stamp: int
@@ -91,6 +94,7 @@ class Contacts:
     sensor_id: str = "sonar"
     frame_id: str = MAP_FRAME
     sensor_yaw: float = np.nan
+    unset_pose: bool = False
 
     def selected(self, keep: BoolArray) -> Contacts:
         """Return the contacts chosen by a mask, of the same ping.

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from rclpy.serialization import deserialize_message, serialize_message
@@ -21,12 +21,22 @@ from sonar_tracking.records.bearings import ArraySnapshots, BearingTracks, Senso
 from sonar_tracking.records.own_ship import OwnShipState
 
 reals = st.floats(allow_nan=True, allow_infinity=True)
+told = reals.filter(bool)
+"""Numbers that cannot be zero: a zero says that they are unknown."""
+required = st.floats(allow_nan=False).filter(bool)
 stamps = st.integers(1, 2**31 * 10**9 - 1)
 sizes = st.integers(1, 5)
 
 
-def floats(draw: st.DrawFn, *shape: int) -> np.ndarray:
-    return draw(arrays.arrays(np.float64, shape, elements=reals))
+def floats(draw: st.DrawFn, *shape: int, elements: st.SearchStrategy[float] = reals) -> np.ndarray:
+    return draw(arrays.arrays(np.float64, shape, elements=elements))
+
+
+def positions(draw: st.DrawFn, elements: int) -> np.ndarray:
+    """Of elements that are not all at one place."""
+    placed = floats(draw, elements, 3)
+    assume(elements == 1 or placed.any())
+    return placed
 
 
 def complexes(draw: st.DrawFn, *shape: int) -> np.ndarray:
@@ -36,6 +46,8 @@ def complexes(draw: st.DrawFn, *shape: int) -> np.ndarray:
 @st.composite
 def sensors(draw: st.DrawFn) -> Sensor:
     numbers = [draw(reals) for _ in range(10)]
+    # A place that is unknown beside a turn that nobody has set tells no turn.
+    assume(all(map(math.isfinite, numbers[:2])) or any(numbers[3:6]))
     return Sensor(
         sensor_id=draw(st.text("abc/_7", max_size=8)),
         frame_id="own_ship/array",
@@ -50,17 +62,17 @@ def snapshots(draw: st.DrawFn) -> ArraySnapshots:
     elements = draw(sizes)
     data = draw(
         arrays.arrays(
-            np.float32, (draw(st.integers(0, 4)), elements, 2), elements=st.floats(width=32)
+            np.float32, (draw(st.integers(1, 4)), elements, 2), elements=st.floats(width=32)
         )
     )
     return ArraySnapshots(
         stamp=draw(stamps),
         data=data.view(np.complex64)[..., 0].astype(np.complex128),
-        element_positions=floats(draw, elements, 3),
-        sample_period=draw(reals),
-        center_frequency=draw(reals),
+        element_positions=positions(draw, elements),
+        sample_period=draw(required),
+        center_frequency=draw(required),
         bandwidth=draw(reals),
-        sound_speed=draw(reals),
+        sound_speed=draw(required),
         noise_covariance=complexes(draw, elements, elements) if draw(st.booleans()) else None,
         next_stamp=draw(stamps),
         sensor=draw(sensors()),
@@ -76,19 +88,19 @@ def subspaces(draw: st.DrawFn) -> SubspaceEstimates:
         method=draw(st.sampled_from(["past", "covariance"])),
         basis=complexes(draw, count, elements, columns),
         time_offsets=floats(draw, count),
-        element_positions=floats(draw, elements, 3),
-        sample_period=draw(reals),
-        center_frequency=draw(reals),
+        element_positions=positions(draw, elements),
+        sample_period=draw(required),
+        center_frequency=draw(required),
         bandwidth=draw(reals),
-        sound_speed=draw(reals),
-        effective_snapshots=draw(reals),
-        rank=draw(st.integers(-1, 9)),
-        source_count=draw(st.integers(-1, 9)),
+        sound_speed=draw(required),
+        effective_snapshots=draw(required),
+        rank=draw(st.integers(-1, 9)) if known else -1,
+        source_count=draw(st.integers(-1, 9)) if known else -1,
         covariance=complexes(draw, elements, elements) if known else None,
-        covariance_snapshots=draw(st.integers(0, 1000)),
-        covariance_time_offset=draw(reals),
+        covariance_snapshots=draw(st.integers(1, 1000)) if known else 0,
+        covariance_time_offset=draw(reals) if known else np.nan,
         eigenvalues=floats(draw, elements) if known else np.empty(0),
-        noise_power=np.array(draw(reals)),
+        noise_power=np.array(draw(told)),
         noise_covariance=complexes(draw, elements, elements) if known else None,
         next_stamp=draw(stamps),
         sensor=draw(sensors()),
@@ -106,9 +118,9 @@ def bearing_tracks(draw: st.DrawFn, min_tracks: int = 0) -> BearingTracks:
         arrival_angle_rate=floats(draw, rows),
         covariance=floats(draw, rows, 2, 2),
         measurement=floats(draw, rows),
-        measurement_variance=floats(draw, rows),
+        measurement_variance=floats(draw, rows, elements=told),
         innovation=floats(draw, rows),
-        signal_to_noise_ratio=floats(draw, rows),
+        signal_to_noise_ratio=floats(draw, rows, elements=told),
         existence_probability=floats(draw, rows),
         ambiguous=draw(arrays.arrays(np.bool_, rows)),
         next_stamp=draw(stamps),

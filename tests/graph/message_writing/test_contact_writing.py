@@ -26,19 +26,23 @@ from sonar_tracking.message_reading.contact_reading import (
 from sonar_tracking.records.contacts import Contacts, GateThresholds
 
 reals = st.floats(allow_nan=True, allow_infinity=True)
+told = reals.filter(bool)
+"""Numbers that cannot be zero: a zero says that they are unknown."""
 stamps = st.integers(1, 2**31 * 10**9 - 1)
 
 
-def floats(draw: st.DrawFn, *shape: int) -> np.ndarray:
-    return draw(arrays.arrays(np.float64, shape, elements=reals))
+def floats(draw: st.DrawFn, *shape: int, elements: st.SearchStrategy[float] = reals) -> np.ndarray:
+    return draw(arrays.arrays(np.float64, shape, elements=elements))
 
 
 @st.composite
 def contacts(draw: st.DrawFn) -> Contacts:
     rows = draw(st.integers(0, 4))
     deviations = [
-        draw(reals) if draw(st.booleans()) or rows < 2 else floats(draw, rows) for _ in range(2)
+        draw(told) if draw(st.booleans()) or rows < 2 else floats(draw, rows, elements=told)
+        for _ in range(2)
     ]
+    numbers: dict[str, Any] = {name: draw(told) for name in CONTACT_REALS}
     return Contacts(
         stamp=draw(stamps),
         range=floats(draw, rows),
@@ -48,11 +52,11 @@ def contacts(draw: st.DrawFn) -> Contacts:
         azimuth_standard_deviation=deviations[1],
         sensor_position=(draw(reals), draw(reals)),
         sensor_velocity=(draw(reals), draw(reals)),
-        signal_to_noise_ratio_linear=draw(reals),
+        signal_to_noise_ratio_linear=draw(told),
         next_stamp=draw(stamps),
         sensor_id=draw(st.text("abc/_7", max_size=8)),
         frame_id=draw(st.sampled_from(["map", "own_ship/base_link"])),
-        **{name: draw(reals) for name in CONTACT_REALS},
+        **numbers,
     )
 
 
@@ -62,15 +66,15 @@ def thresholds(draw: st.DrawFn) -> GateThresholds:
     return GateThresholds(
         stamp=draw(stamps),
         track_id=draw(arrays.arrays(np.int64, rows, elements=st.integers(0, 2**62))),
-        false_alarm_probability=floats(draw, rows),
-        threshold=floats(draw, rows),
-        resolution_cells=floats(draw, rows),
-        gate_volume=floats(draw, rows),
+        false_alarm_probability=floats(draw, rows, elements=told),
+        threshold=floats(draw, rows, elements=told),
+        resolution_cells=floats(draw, rows, elements=told),
+        gate_volume=floats(draw, rows, elements=told),
         predicted_position=floats(draw, rows, 2),
         gate_covariance=floats(draw, rows, 2, 2),
-        search_false_alarm_probability=draw(reals),
-        search_threshold=draw(reals),
-        signal_to_noise_ratio_linear=floats(draw, rows),
+        search_false_alarm_probability=draw(told),
+        search_threshold=draw(told),
+        signal_to_noise_ratio_linear=floats(draw, rows, elements=told),
         method="closed_form",
         next_stamp=draw(stamps),
     )

@@ -25,7 +25,7 @@ def lines(count: int = 2) -> FrequencyLines:
         line_id=np.arange(count, dtype=np.uint64) + 7,
         next_stamp=STAMP + 10**9,
         sensor=STATION,
-        **{name: np.arange(count, dtype=np.float64) + n for n, name in enumerate(LINE_REALS)},
+        **{name: np.arange(1.0, count + 1.0) + n for n, name in enumerate(LINE_REALS)},
     )
 
 

@@ -18,6 +18,7 @@ from sonar_tracking.graph.message_writing.position_writing import (
     position_tracks_to_message,
     truth_tracks_to_message,
 )
+from sonar_tracking.message_reading.field_use import FIELD_USES, Unfilled
 from sonar_tracking.message_reading.position_reading import position_tracks_from_message
 from sonar_tracking.records.positions import COLUMNS, PositionTracks, TrackSource, TruthTracks
 
@@ -37,7 +38,9 @@ def position_tracks(draw: st.DrawFn, reported: bool = True) -> PositionTracks:
         if described.fill is not None and not reported:
             continue
         owner = name == described.key != "id"
-        elements = st.integers(0, max(0, tracks - 1)) if owner else None
+        elements: Any = st.integers(0, max(0, tracks - 1)) if owner else None
+        if name in FIELD_USES["Tracks"] and FIELD_USES["Tracks"][name].unfilled is Unfilled.UNKNOWN:
+            elements = st.floats().filter(bool)  # a zero says that it is unknown
         columns[name] = draw(arrays.arrays(described.dtype, shape, elements=elements))
     count = rows["contributor_track"]
     names = draw(st.lists(st.text("ab/_", max_size=4), min_size=count, max_size=count))

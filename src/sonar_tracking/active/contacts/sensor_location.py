@@ -1,6 +1,7 @@
 """Where the sensor of a ping is and how it is turned: from the ping, or from own ship's motion.
 
-A sensor that does not tell its pose is mounted on own ship at the place the parameters say.
+A sensor that does not tell its pose is mounted on own ship at the place the parameters say. Whether
+a pose that looks like that of a new message is one, own ship's motion tells, too.
 """
 
 from __future__ import annotations
@@ -9,11 +10,13 @@ import math
 from dataclasses import dataclass, replace
 
 from sonar_tracking.configuration import parameter
-from sonar_tracking.errors import InputError
-from sonar_tracking.motion import KinematicState, lever_arm, swing_velocity, wrap_angle
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.errors import InputError, Notice
+from sonar_tracking.motion import KinematicState, wrap_angle
 from sonar_tracking.records.contacts import Contacts
 from sonar_tracking.records.positions import MAP_FRAME
+from sonar_tracking.sensor_pose import PlanePose, judge_pose, mounted_pose
+
+UNKNOWN = (math.nan, math.nan)
 
 
 @dataclass(frozen=True)
@@ -34,6 +37,47 @@ def needs_own_ship(contacts: Contacts) -> bool:
     known = (*contacts.sensor_position, *contacts.sensor_velocity)
     turned = contacts.frame_id != MAP_FRAME and math.isnan(contacts.sensor_yaw)
     return turned or any(map(math.isnan, known))
+
+
+def with_pose_judged(
+    contacts: Contacts,
+    own_ship: KinematicState | None,
+    mounting: MountingConfiguration,
+    odometry: bool,
+) -> tuple[Contacts, Notice | None]:
+    """Return a ping whose pose is unknown if nobody has set it, and what to say of its pose.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        As received.
+    own_ship : KinematicState or None
+        At the stamp of the ping; None = unknown.
+    mounting : MountingConfiguration
+        Where the sensor is on own ship.
+    odometry : bool
+        Whether own ship's motion is known at some stamps, or will be.
+    """
+    if needs_own_ship(contacts) and not contacts.unset_pose:
+        return contacts, None
+    turned = contacts.frame_id != MAP_FRAME
+    told = PlanePose(
+        contacts.sensor_position,
+        contacts.sensor_velocity,
+        contacts.sensor_yaw if turned else math.nan,
+    )
+    mounted = None if own_ship is None else _mounted(own_ship, mounting)
+    verdict = judge_pose(told, contacts.unset_pose, mounted, odometry)
+    if not verdict.unknown:
+        return contacts, verdict.notice
+    at_rest = not any(contacts.sensor_velocity)
+    unknown = replace(
+        contacts,
+        sensor_position=UNKNOWN,
+        sensor_velocity=UNKNOWN if at_rest else contacts.sensor_velocity,
+        sensor_yaw=math.nan,
+    )
+    return unknown, verdict.notice
 
 
 def located(
@@ -76,19 +120,19 @@ def _on_own_ship(
             "publish own_ship/odometry before and after it, or set sensor_pose and "
             "sensor_velocity."
         )
-    heading = float(own_ship.azimuth)
-    arm = lever_arm(heading, mounting.mounting_x, mounting.mounting_y)
-    swing = swing_velocity(float(own_ship.turn_rate), arm)
-    yaw = heading + math.radians(mounting.mounting_yaw_deg)
+    pose = _mounted(own_ship, mounting)
     return replace(
         contacts,
-        sensor_position=_filled(contacts.sensor_position, own_ship.position + arm),
-        sensor_velocity=_filled(contacts.sensor_velocity, own_ship.velocity + swing),
-        sensor_yaw=yaw if math.isnan(contacts.sensor_yaw) else contacts.sensor_yaw,
+        sensor_position=_filled(contacts.sensor_position, pose.position),
+        sensor_velocity=_filled(contacts.sensor_velocity, pose.velocity),
+        sensor_yaw=pose.yaw if math.isnan(contacts.sensor_yaw) else contacts.sensor_yaw,
     )
 
 
-def _filled(told: tuple[float, float], computed: FloatArray) -> tuple[float, float]:
-    if any(map(math.isnan, told)):
-        return float(computed[0]), float(computed[1])
-    return told
+def _mounted(own_ship: KinematicState, mounting: MountingConfiguration) -> PlanePose:
+    yaw = math.radians(mounting.mounting_yaw_deg)
+    return mounted_pose(own_ship, mounting.mounting_x, mounting.mounting_y, yaw)
+
+
+def _filled(told: tuple[float, float], computed: tuple[float, float]) -> tuple[float, float]:
+    return computed if any(map(math.isnan, told)) else told

@@ -21,6 +21,7 @@ from sonar_tracking.message_reading.contact_reading import (
     thresholds_from_message,
 )
 from sonar_tracking.message_reading.line_reading import frequency_lines_from_message
+from sonar_tracking.message_reading.own_ship_reading import OwnShipReader
 from sonar_tracking.message_reading.position_reading import position_tracks_from_message
 from sonar_tracking.message_reading.sample_reading import (
     lofar_rows_from_message,
@@ -170,7 +171,7 @@ def own_ship_of(bag: Bag, topic: str, rejected: list[str] | None = None) -> Iter
 
     Parameters and errors are those of :func:`snapshots_of`.
     """
-    yield from _converted(bag, topic, own_ship_from_message, rejected)
+    yield from _converted(bag, topic, OwnShipReader(), rejected)
 
 
 def frequency_lines_of(

@@ -183,6 +183,24 @@ class SonarNode(Node):
         """Report a problem on /diagnostics and in the log."""
         self.diagnostics.report(concern, culprit, severity, sentence)
 
+    def report_state(self, topic: Topic, notice: Notice | None) -> None:
+        """Report of an input what holds until a later notice on its culprit; None = nothing."""
+        if notice is None:
+            return
+        source = self._input(topic)
+        sentence = f"{source.name}: {notice.text}"
+        self.diagnostics.report(
+            input_concern(source), notice.culprit, notice.severity, sentence, lasting=True
+        )
+
+    def expects(self, topic: Topic) -> bool:
+        """Return whether messages of an input have come, or somebody may publish some."""
+        source = self._input(topic)
+        return source.received > 0 or source.subscription.get_publisher_count() > 0
+
+    def _input(self, topic: Topic) -> DataInput:
+        return next(source for source in self.data_inputs if source.topic.name == topic.name)
+
     def _subscribe(self, topic: Topic, convert: Convert) -> None:
         configuration = self.node_configuration
         with self._overriding_quality(topic) as overriding:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from sonar_tracking.active.contact_tracker import make_contact_tracker
@@ -17,6 +18,7 @@ from sonar_tracking.active.contacts.sensor_location import (
     MountingConfiguration,
     located,
     needs_own_ship,
+    with_pose_judged,
 )
 from sonar_tracking.errors import Notice
 from sonar_tracking.graph.catalogue.active_nodes import HPDA_TRACKER
@@ -34,10 +36,10 @@ from sonar_tracking.graph.node_base.data_flow import Received
 from sonar_tracking.graph.node_base.event_time_join import JoinedItem
 from sonar_tracking.graph.node_base.node_process import run_node
 from sonar_tracking.graph.node_base.sonar_node import SonarNode
-from sonar_tracking.message_reading.array_reading import own_ship_from_message
 from sonar_tracking.message_reading.contact_reading import contacts_from_message
+from sonar_tracking.message_reading.own_ship_reading import OwnShipReader
 from sonar_tracking.own_ship_interpolation import interpolate_own_ship, motion_in_map
-from sonar_tracking.records.contacts import ContactTrackerUpdate
+from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
 
 
 class HpdaTracker(SonarNode):
@@ -45,7 +47,7 @@ class HpdaTracker(SonarNode):
 
     Every ping, usable or not, gives exactly one picture and one list of thresholds: over a ping
     that cannot be used the tracks are predicted. Odometry is waited for only where a ping does not
-    tell where its sensor is.
+    tell where its sensor is, or as a new message does, and somebody publishes odometry.
     """
 
     def __init__(self) -> None:
@@ -59,17 +61,22 @@ class HpdaTracker(SonarNode):
         self._tracks = self.data_publisher(ACTIVE_TRACKS)
         self._thresholds = self.data_publisher(ACTIVE_THRESHOLD)
         self._markers = self.marker_publisher(ACTIVE_MARKERS)
+        own_ship = OwnShipReader(partial(self.report_state, ODOMETRY))
         self.data_subscriptions(
             {CONTACTS: contacts_from_message},
-            series={ODOMETRY: (own_ship_from_message, interpolate_own_ship)},
-            needs_series=needs_own_ship,
+            series={ODOMETRY: (own_ship, interpolate_own_ship)},
+            needs_series=self._needs_own_ship,
         )
 
     def process(self, item: JoinedItem, records: Mapping[str, Any]) -> Iterable[Notice]:
         """Feed one ping and publish tracks and thresholds."""
         own_ship = item.series[ODOMETRY.name]
         motion = None if own_ship is None else motion_in_map(own_ship)
-        contacts = located(records[CONTACTS.name], motion, self._mounting)
+        contacts, notice = with_pose_judged(
+            records[CONTACTS.name], motion, self._mounting, self.expects(ODOMETRY)
+        )
+        self.report_state(CONTACTS, notice)
+        contacts = located(contacts, motion, self._mounting)
         update = self._tracker.update(with_defaults(contacts, self._defaults))
         self._publish(update)
         return update.notices
@@ -90,6 +97,9 @@ class HpdaTracker(SonarNode):
 
     def _reconfigure(self, configuration: ContactTrackerConfiguration) -> None:
         self._configuration = self._tracker.configuration = configuration
+
+    def _needs_own_ship(self, contacts: Contacts) -> bool:
+        return needs_own_ship(contacts) or (contacts.unset_pose and self.expects(ODOMETRY))
 
     def _publish(self, update: ContactTrackerUpdate) -> None:
         self._thresholds.publish(thresholds_to_message(update.thresholds))

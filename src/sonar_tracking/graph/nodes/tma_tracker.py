@@ -5,7 +5,8 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
-from typing import Any
+from functools import partial
+from typing import Any, TypeVar
 
 from sonar_tracking.errors import InputError, Notice
 from sonar_tracking.graph.catalogue.node_configuration import TmaInputConfiguration
@@ -25,16 +26,21 @@ from sonar_tracking.graph.node_base.event_time_join import JoinedItem
 from sonar_tracking.graph.node_base.node_process import run_node
 from sonar_tracking.graph.node_base.sonar_node import SonarNode
 from sonar_tracking.message_reading.array_reading import (
-    directions_from_message,
-    own_ship_from_message,
+    measured_directions_from_message,
 )
 from sonar_tracking.message_reading.line_reading import frequency_lines_from_message
+from sonar_tracking.message_reading.own_ship_reading import OwnShipReader
+from sonar_tracking.motion import KinematicState
 from sonar_tracking.own_ship_interpolation import interpolate_own_ship, motion_in_map
+from sonar_tracking.records.bearings import BearingTracks
+from sonar_tracking.records.lines import FrequencyLines
 from sonar_tracking.records.positions import PositionTracks
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame, UnusableBearings
-from sonar_tracking.tma.targets.station_view import needs_own_ship
+from sonar_tracking.tma.targets.station_view import may_be_unset, needs_own_ship, with_pose_judged
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
 from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+
+SensorRecord = TypeVar("SensorRecord", BearingTracks, FrequencyLines)
 
 
 class TmaTracker(SonarNode):
@@ -61,13 +67,14 @@ class TmaTracker(SonarNode):
         self._tracks = self.data_publisher(PASSIVE_TRACKS)
         self._markers = self.marker_publisher(PASSIVE_MARKERS)
         group: dict[Topic, Callable[[Any], Any]] = {
-            topic: _or_error(directions_from_message) for topic in bearings
+            topic: _or_error(measured_directions_from_message) for topic in bearings
         }
         group |= {topic: _or_error(frequency_lines_from_message) for topic in lines}
+        own_ship = OwnShipReader(partial(self.report_state, ODOMETRY))
         self.data_subscriptions(
             {},
             groups=[group],
-            series={ODOMETRY: (own_ship_from_message, interpolate_own_ship)},
+            series={ODOMETRY: (own_ship, interpolate_own_ship)},
             needs_series=self._needs_own_ship,
         )
 
@@ -79,15 +86,18 @@ class TmaTracker(SonarNode):
                 self.tell_rejected(item.items[topic], record)
                 if topic in self._bearings:
                     unusable.append(_unusable(item.items[topic]))
-        usable = {
-            topic: record for topic, record in records.items() if not isinstance(record, InputError)
-        }
         own_ship = item.series[ODOMETRY.name]
+        motion = None if own_ship is None else motion_in_map(own_ship)
+        usable = {
+            topic: self._placed(item.items[topic], record, motion)
+            for topic, record in records.items()
+            if not isinstance(record, InputError)
+        }
         frame = PassiveFrame(
             stamp=item.stamp,
             bearings=tuple(usable[topic] for topic in self._bearings if topic in usable),
             lines=tuple(usable[topic] for topic in self._lines if topic in usable),
-            own_ship=None if own_ship is None else motion_in_map(own_ship),
+            own_ship=motion,
             unusable=tuple(unusable),
         )
         update = self._stage.update(frame)
@@ -121,7 +131,18 @@ class TmaTracker(SonarNode):
     def _needs_own_ship(self, record: Any) -> bool:
         if isinstance(record, InputError):
             return False
-        return needs_own_ship(record.sensor, self._configuration)
+        unset = may_be_unset(record.sensor) and self.expects(ODOMETRY)
+        return unset or needs_own_ship(record.sensor, self._configuration)
+
+    def _placed(
+        self, received: Received, record: SensorRecord, motion: KinematicState | None
+    ) -> SensorRecord:
+        """Return a record whose sensor is unknown if nobody has set its pose."""
+        sensor, notice = with_pose_judged(
+            record.sensor, motion, self._configuration, self.expects(ODOMETRY)
+        )
+        self.report_state(received.source.topic, notice)
+        return record if sensor is record.sensor else replace(record, sensor=sensor)
 
     def _publish(self, tracks: PositionTracks) -> None:
         self._published = tracks.stamp

@@ -8,14 +8,15 @@ knows which.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sonar_tracking.errors import InputError
+from sonar_tracking.errors import InputError, Notice
 from sonar_tracking.motion import KinematicState, lever_arm, swing_velocity, wrap_angle
 from sonar_tracking.records.bearings import AngleKind, Sensor
 from sonar_tracking.records.positions import MAP_FRAME
+from sonar_tracking.sensor_pose import PlanePose, is_unset, judge_pose, mounted_pose, yaw_of
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
 
 OWN_SHIP_FRAMES = "own_ship/"
@@ -76,9 +77,60 @@ class StationView:
 
 def needs_own_ship(sensor: Sensor, configuration: TmaTrackerConfiguration) -> bool:
     """Return whether own ship's motion is needed to know where a sensor is, and how it turns."""
-    told = (*sensor.position[:2], *sensor.velocity[:2], _yaw(sensor))
+    told = (*sensor.position[:2], *sensor.velocity[:2], yaw_of(sensor.orientation))
     turning = configuration.array_lag > 0.0 and sensor.frame_id.startswith(OWN_SHIP_FRAMES)
     return turning or not all(map(math.isfinite, told))
+
+
+def may_be_unset(sensor: Sensor) -> bool:
+    """Return whether own ship's motion decides if the pose of a sensor was ever set."""
+    return is_unset(sensor.position, sensor.orientation) and not _another_platform(sensor)
+
+
+def with_pose_judged(
+    sensor: Sensor,
+    own_ship: KinematicState | None,
+    configuration: TmaTrackerConfiguration,
+    odometry: bool,
+) -> tuple[Sensor, Notice | None]:
+    """Return a sensor whose pose is unknown if nobody has set it, and what to say of its pose.
+
+    The direction of an array whose pose was set is not compared: a towed one follows a turn late.
+
+    Parameters
+    ----------
+    sensor : Sensor
+        From the data.
+    own_ship : KinematicState or None
+        At the stamp of the data; None = unknown.
+    configuration : TmaTrackerConfiguration
+        Mounting of an array whose pose is unknown.
+    odometry : bool
+        Whether own ship's motion is known at some stamps, or will be.
+    """
+    unset = is_unset(sensor.position, sensor.orientation)
+    located = all(map(math.isfinite, (*sensor.position[:2], *sensor.velocity[:2])))
+    if not unset and not (located and sensor.frame_id.startswith(OWN_SHIP_FRAMES)):
+        return sensor, None
+    yaw = yaw_of(sensor.orientation) if unset else math.nan
+    told = PlanePose(sensor.position[:2], sensor.velocity[:2], yaw)
+    mounted = None
+    if own_ship is not None:
+        place = configuration.mounting_x, configuration.mounting_y
+        mounted = mounted_pose(own_ship, *place, configuration.mounting_yaw)
+    verdict = judge_pose(told, unset, mounted, odometry, _another_platform(sensor))
+    if not verdict.unknown:
+        return sensor, verdict.notice
+    nowhere = Sensor(sensor.sensor_id, sensor.frame_id)
+    if any(sensor.velocity):
+        nowhere = replace(nowhere, velocity=sensor.velocity)
+    return nowhere, verdict.notice
+
+
+def _another_platform(sensor: Sensor) -> str:
+    """Return the frame of a sensor if it is below that of a platform other than own ship."""
+    platform, below, _ = sensor.frame_id.partition("/")
+    return sensor.frame_id if below and f"{platform}/" != OWN_SHIP_FRAMES else ""
 
 
 def station_view(
@@ -100,7 +152,8 @@ def station_view(
     InputError
         If neither tells.
     """
-    position, velocity, axis = sensor.position[:2], sensor.velocity[:2], _yaw(sensor)
+    position, velocity = sensor.position[:2], sensor.velocity[:2]
+    axis = yaw_of(sensor.orientation)
     known = all(map(math.isfinite, (*position, *velocity, axis)))
     if own_ship is None:
         if not known:
@@ -133,11 +186,3 @@ def station_view(
         axis=axis,
         turn_rate=turn_rate,
     )
-
-
-def _yaw(sensor: Sensor) -> float:
-    """Return the azimuth of the x axis of a sensor's frame, rad; NaN = unknown."""
-    x, y, z, w = sensor.orientation
-    if not any((x, y, z, w)):
-        return math.nan
-    return math.atan2(2.0 * (w * z + x * y), w**2 + x**2 - y**2 - z**2)
