@@ -1,4 +1,4 @@
-"""A field that the sender has not filled in is unknown, or an error, never a number it did not mean.
+"""What the sender has not filled in is unknown, or an error, never a number it did not mean.
 
 Every field of every message, one at a time, in messages as a ROS node makes them.
 """

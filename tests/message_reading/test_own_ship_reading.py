@@ -72,7 +72,7 @@ def test_a_ship_at_rest_keeps_its_last_course() -> None:
     *_, last = positions()
     for message in positions():
         reader(message)
-    for number in range(1, 40):
+    for _ in range(40):
         last.header.stamp.sec += 1
         state = reader(last)
         assert math.isfinite(state.yaw_rate)

@@ -108,6 +108,10 @@ class EventTimeJoin:
             self._series[topic].append(stamp, next_stamp, item)
         else:
             self._lane_of[topic].append(topic, stamp, next_stamp, item)
+        return self.released()
+
+    def released(self) -> tuple[JoinedItem, ...]:
+        """Return everything that may run now, in order: who needs a series may have changed."""
         return tuple(self._released(flush=False))
 
     def flush(self) -> tuple[JoinedItem, ...]:

@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Callable
 from itertools import pairwise
 
+from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
@@ -22,16 +23,18 @@ from sonar_tracking.graph.node_base.ready_reports import ReadyReports
 from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS
 
 STATUS_PERIOD = 1.0
-"""Between publications once data flow, s of /clock."""
+"""Between publications once data flow, s of the node's clock."""
 
 STALLED_PERIODS = 5
 STALLED_AT_LEAST = 2 * NANOSECONDS
-"""An input is stalled after so many of its periods, and not before this, ns of /clock."""
+"""An input is stalled after so many of its periods, and not before this, ns of the node's clock."""
 STALLED_AT_START = 30 * NANOSECONDS
 """The same while its period is not known yet."""
 STALLED_STEPS = 10
-"""Nor before so many steps of /clock: it leads the slowest node by several of them."""
+"""Nor before so many steps of the clock: it leads the slowest node by several of them."""
 REMEMBERED_STEPS = 5
+DISCOVERY = 3 * NANOSECONDS
+"""So long after its start a node may not know yet who publishes what it listens to, ns."""
 
 
 class NodeWatch:
@@ -49,6 +52,10 @@ class NodeWatch:
         Its publisher on ``flow/done``.
     warm_up : callable
         Called once, between the connection of the node and its first data.
+    waiting_for : callable
+        Tells whether data wait for an input; none may be silent then.
+    release : callable
+        Called now and then: lets data go that wait for something that does not come.
     """
 
     def __init__(
@@ -59,8 +66,15 @@ class NodeWatch:
         diagnostics: Diagnostics,
         progress: ProgressReporter,
         warm_up: Callable[[], None],
+        waiting_for: Callable[[DataInput], bool],
+        release: Callable[[], None],
     ) -> None:
         self._node = node
+        self._waiting_for = waiting_for
+        self._release = release
+        self._by_clock_topic = bool(node.get_parameter("use_sim_time").value)
+        self._steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._started = self._steady.now().nanoseconds
         self._inputs = inputs
         self._outputs = outputs
         self._diagnostics = diagnostics
@@ -70,6 +84,15 @@ class NodeWatch:
         diagnostics.add(MATCHED, self._matched_endpoints)
         ReadyReports(node, diagnostics, self._matched_endpoints, self._data_flow, warm_up)
         node.create_timer(STATUS_PERIOD, self._watch)
+
+    def may_not_know_all(self) -> bool:
+        """Return whether the node has just come into a graph that runs without it.
+
+        Where ``/clock`` drives the graph, data begin when everybody knows everybody.
+        """
+        return not self._by_clock_topic and (
+            self._steady.now().nanoseconds - self._started < DISCOVERY
+        )
 
     def check_publishers(self, source: DataInput) -> None:
         """Report an input that more than one node publishes."""
@@ -99,6 +122,7 @@ class NodeWatch:
         for source in self._inputs:
             self.check_publishers(source)
             self._check_stalled(source, now)
+        self._release()
         self._diagnostics.publish()
 
     def _check_stalled(self, source: DataInput, now: int) -> None:
@@ -111,9 +135,10 @@ class NodeWatch:
             patience = STALLED_AT_START
         patience = max(patience, STALLED_STEPS * self._clock_step())
         stalled = now - since > patience and source.guard.expected != END_OF_DATA
-        severity = Severity.WARN if stalled else Severity.OK
+        severity = Severity.WARN if stalled and self._waiting_for(source) else Severity.OK
+        by = f" of {CLOCK_TOPIC}" if self._by_clock_topic else ""
         sentence = (
-            f"{source.name}: nothing received for {(now - since) / NANOSECONDS:.1f} s of /clock; "
+            f"{source.name}: nothing received for {(now - since) / NANOSECONDS:.1f} s{by}; "
             "check that its publisher is running and connected."
         )
         self._diagnostics.report(input_concern(source), "stalled", severity, sentence, lasting=True)

@@ -59,7 +59,8 @@ class SonarNode(Node):
         publisher = self.create_publisher(
             DiagnosticArray, DIAGNOSTICS_TOPIC, quality_of_service.DIAGNOSTICS
         )
-        self.diagnostics = Diagnostics(self.get_name(), self.get_logger(), publisher.publish)
+        name = self.get_fully_qualified_name().lstrip("/")
+        self.diagnostics = Diagnostics(name, self.get_logger(), publisher.publish)
         self.progress = ProgressReporter(self)
         self._overrides = parameters.overrides_of(self)
         parameters.check_overrides(description.configurations, self._overrides, self.get_name())
@@ -73,6 +74,8 @@ class SonarNode(Node):
             self.diagnostics,
             self.progress,
             self.warm_up,
+            self._waits_for,
+            self._release,
         )
 
     def configuration(
@@ -196,7 +199,18 @@ class SonarNode(Node):
     def expects(self, topic: Topic) -> bool:
         """Return whether messages of an input have come, or somebody may publish some."""
         source = self._input(topic)
-        return source.received > 0 or source.subscription.get_publisher_count() > 0
+        known = source.received > 0 or source.subscription.get_publisher_count() > 0
+        return known or self.watch.may_not_know_all()
+
+    def _waits_for(self, source: DataInput) -> bool:
+        """Return whether data wait for an input; for a stream there is always somebody waiting."""
+        name = source.topic.name
+        return name not in self._series_topics or name in self._join.waits_for()
+
+    def _release(self) -> None:
+        """Run what waits for nothing any more."""
+        for item in self._join.released():
+            self._run(item)
 
     def _input(self, topic: Topic) -> DataInput:
         return next(source for source in self.data_inputs if source.topic.name == topic.name)

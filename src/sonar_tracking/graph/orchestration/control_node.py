@@ -8,7 +8,7 @@ display and score. What it hears goes into plain objects; decisions are made els
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from types import TracebackType
 from typing import Any
 
@@ -55,6 +55,8 @@ class ControlNode:
         Called with topic, serialised message and wall time (s) of every data message.
     announced : callable
         Called with topic, stamp (ns) and wall time (s) when a producer announces a message.
+    nodes : collection of str
+        Names of the nodes of the graph: what others say on ``/diagnostics`` is not theirs.
     sources : tuple of str
         Nodes that serve the clock.
 
@@ -72,12 +74,14 @@ class ControlNode:
         matched: MatchedEdges,
         observer: Observer,
         announced: Announced,
+        nodes: Collection[str],
         sources: tuple[str, ...] = (),
     ) -> None:
         self._ledger = ledger
         self._matched = matched
         self._observer = observer
         self._announced = announced
+        self._nodes = frozenset(nodes)
         self._observed: dict[str, int] = {}
         self._publishers: dict[str, Publisher] = {}
         self._served: dict[str, int | None] = dict.fromkeys(sources)
@@ -171,8 +175,9 @@ class ControlNode:
         wall = time.monotonic()
         stamp = stamp_from_time(message.header.stamp)
         if message.topic == CLOCK_TOPIC:
-            self._served[message.node] = stamp
-            self._ledger.changes += 1
+            if message.node in self._served:
+                self._served[message.node] = stamp
+                self._ledger.changes += 1
         elif self._ledger.producer(message.topic) == message.node:
             self._ledger.published(message.node, message.topic, message.count)
             self._announced(message.topic, stamp, wall)
@@ -182,6 +187,8 @@ class ControlNode:
     def _diagnostics(self, message: Any) -> None:
         for status in message.status:
             node, _, concern = status.name.partition(": ")
+            if node not in self._nodes:
+                continue
             if concern == MATCHED:
                 self._matched.report(node, {item.key: int(item.value) for item in status.values})
             elif status.level != DiagnosticStatus.OK:

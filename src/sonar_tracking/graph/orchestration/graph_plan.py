@@ -49,6 +49,10 @@ class GraphPlan:
     sources: tuple[str, ...] = ()
     transport: TransportChoice = field(default_factory=TransportChoice)
 
+    def names(self) -> tuple[str, ...]:
+        """Return the names of the nodes."""
+        return tuple(node.name for node in self.nodes)
+
     def topics(self) -> dict[str, Topic]:
         """Return all data topics by resolved name; what is offered is what it is offered as."""
         listed = [topic for node in self.nodes for topic in (*node.publishers, *node.subscriptions)]

@@ -123,7 +123,11 @@ def _play(
     comparison = ReplayComparison(bag, replayed, inputs | truth)
     try:
         with ControlNode(
-            orchestration.ledger, orchestration.edges, observer.observed, observer.announced
+            orchestration.ledger,
+            orchestration.edges,
+            observer.observed,
+            observer.announced,
+            plan.names(),
         ) as control:
             for topic in plan.offered:
                 control.offer(topic, 2 * FLOW_WINDOW + 2)

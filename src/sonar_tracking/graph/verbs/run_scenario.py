@@ -87,6 +87,7 @@ def run_scenario(
             orchestration.edges,
             observer.observed,
             observer.announced,
+            plan.names(),
             plan.sources,
         ) as control:
             for topic in plan.observed().values():
