@@ -28,26 +28,36 @@ SHIP = KinematicState(
 )
 MOUNTED = mounted_pose(SHIP, 10.0, 0.0, math.pi)
 NEW = PlanePose((0.0, 0.0), (0.0, 0.0), 0.0)
-AT_ORIGIN = PlanePose((0.0, 0.0), (3.0, 3.0), 0.0)
+
+
+AT_REST = (0.0, 0.0, 0.0)
+NO_TURN = (0.0, 0.0, 0.0, 1.0)
+NOWHERE = (math.nan,) * 3
 
 
 @pytest.mark.parametrize(
-    ("position", "orientation", "unset"),
+    ("position", "orientation", "velocity", "unset"),
     [
-        ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), True),
-        ((0.0, -0.0, 0.0), (0.0, 0.0, 0.0, 0.0), True),
-        ((0.0, 0.0, -5.0), (0.0, 0.0, 0.0, 1.0), False),
-        ((1e-9, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), False),
-        ((0.0, 0.0, 0.0), (0.0, 0.0, 1e-9, 1.0), False),
-        ((math.nan,) * 3, (0.0, 0.0, 0.0, 1.0), False),
-        ((0.0, 0.0, 0.0), (math.nan,) * 4, False),
+        (AT_REST, NO_TURN, AT_REST, True),
+        ((0.0, -0.0, 0.0), (0.0,) * 4, AT_REST, True),
+        (AT_REST, NO_TURN, NOWHERE, True),
+        ((0.0, 0.0, -5.0), NO_TURN, AT_REST, False),
+        ((1e-9, 0.0, 0.0), NO_TURN, AT_REST, False),
+        (AT_REST, (0.0, 0.0, 1e-9, 1.0), AT_REST, False),
+        (AT_REST, (0.0, 0.0, 0.0, -1.0), AT_REST, False),
+        (AT_REST, NO_TURN, (3.0, 0.0, 0.0), False),
+        (NOWHERE, NO_TURN, AT_REST, False),
+        (AT_REST, (math.nan,) * 4, AT_REST, False),
     ],
 )
 def test_only_the_pose_of_a_new_message_is_unset(
-    position: tuple[float, ...], orientation: tuple[float, ...], unset: bool
+    position: tuple[float, ...],
+    orientation: tuple[float, ...],
+    velocity: tuple[float, ...],
+    unset: bool,
 ) -> None:
-    """A sensor at the origin may tell its depth, or turn."""
-    assert is_unset(position, orientation) == unset
+    """A sensor at the origin may tell its depth, or turn; own ship may begin there, moving."""
+    assert is_unset(position, orientation, velocity) == unset
 
 
 def test_yaws() -> None:
@@ -70,17 +80,23 @@ def test_own_ship_elsewhere_makes_an_unset_pose_unknown() -> None:
     assert verdict.notice.severity is Severity.WARN and "747 m" in verdict.notice.text
 
 
-def test_own_ship_at_the_same_place_makes_it_true() -> None:
-    verdict = judge_pose(NEW, True, AT_ORIGIN, odometry=True)
+def test_own_ship_at_rest_at_the_same_place_makes_it_true() -> None:
+    verdict = judge_pose(NEW, True, NEW, odometry=True)
     assert not verdict.unknown
     assert verdict.notice is not None and verdict.notice.severity is Severity.OK
 
 
 def test_own_ship_at_the_same_place_but_turned_makes_it_unknown() -> None:
-    turned = PlanePose(AT_ORIGIN.position, AT_ORIGIN.velocity, 0.1)
+    turned = PlanePose((0.0, 0.0), (0.0, 0.0), 0.1)
     assert judge_pose(NEW, True, turned, odometry=True).unknown
-    needless = PlanePose(NEW.position, NEW.velocity, math.nan)  # azimuths in map need no yaw
+    needless = PlanePose((0.0, 0.0), (0.0, 0.0), math.nan)  # azimuths in map need no yaw
     assert not judge_pose(needless, True, turned, odometry=True).unknown
+
+
+def test_own_ship_that_passes_by_makes_it_unknown() -> None:
+    """A sensor on own ship that moves does not rest, wherever it is."""
+    passing = PlanePose((0.0, 0.0), (3.0, 3.0), 0.0)
+    assert judge_pose(NEW, True, passing, odometry=True).unknown
 
 
 def test_without_any_odometry_it_is_true_and_said() -> None:

@@ -1,10 +1,10 @@
 """Whether the pose in a message is that of its sensor, or nobody has set it.
 
-A new message has its sensor at the origin of ``map``, not turned, or without any orientation. That
-may be true, and own ship's motion tells:
+A new message has its sensor at the origin of ``map``, not turned, or without any orientation, and
+at rest. That may be true, and own ship's motion tells:
 
-- the sensor would be there if it were mounted on own ship: true;
-- own ship is elsewhere: unknown, and own ship's pose and the mounting are taken;
+- the sensor would be there, and rest, if it were mounted on own ship: true;
+- own ship is elsewhere, or moves: unknown, and own ship's pose and the mounting are taken;
 - nobody knows own ship's motion: true, and said, since it may be forgotten;
 - the frame names another platform: true, and said if own ship is elsewhere.
 
@@ -34,7 +34,7 @@ SLOWEST_SHIP = 0.5
 
 CULPRIT = "sensor_pose"
 
-_UNSET = "sensor_pose is that of a new message, at the origin and not turned"
+_UNSET = "sensor_pose is that of a new message, at the origin, not turned and at rest"
 _REMEDY = "set it, or to NaN where it is not known"
 
 
@@ -79,8 +79,10 @@ def is_no_turn(orientation: Sequence[float]) -> bool:
     return tuple(orientation) in NO_TURNS
 
 
-def is_unset(position: Sequence[float], orientation: Sequence[float]) -> bool:
-    """Return whether a pose is that of a new message.
+def is_unset(
+    position: Sequence[float], orientation: Sequence[float], velocity: Sequence[float]
+) -> bool:
+    """Return whether pose and velocity are those of a new message.
 
     Parameters
     ----------
@@ -88,8 +90,11 @@ def is_unset(position: Sequence[float], orientation: Sequence[float]) -> bool:
         x, y, z, m.
     orientation : sequence of float, shape (4,)
         Quaternion x, y, z, w.
+    velocity : sequence of float, shape (3,)
+        m/s; may be said to be unknown, NaN.
     """
-    return not any(position) and is_no_turn(orientation)
+    rests = not any(v for v in velocity if not math.isnan(v))
+    return rests and not any(position) and is_no_turn(orientation)
 
 
 def yaw_of(orientation: Sequence[float]) -> float:
@@ -159,9 +164,10 @@ def judge_pose(
     angle = abs(float(wrap_angle(told.yaw - mounted.yaw)))
     if not unset:
         return PoseVerdict(False, _contradiction(told, mounted, distance, angle))
-    if distance < SAME_DISTANCE and not angle > SAME_ANGLE:
+    speed = math.hypot(*mounted.velocity)
+    if distance < SAME_DISTANCE and not angle > SAME_ANGLE and speed < SLOWEST_SHIP:
         return PoseVerdict(False, ALL_WELL)
-    return PoseVerdict(not another_platform, _elsewhere(distance, another_platform))
+    return PoseVerdict(not another_platform, _elsewhere(distance, speed, another_platform))
 
 
 def _at_origin() -> Notice:
@@ -171,8 +177,11 @@ def _at_origin() -> Notice:
     return Notice(Severity.WARN, CULPRIT, text)
 
 
-def _elsewhere(distance: float, another_platform: str) -> Notice:
-    where = f"{_UNSET}, but own ship's sensor is {distance:.0f} m away"
+def _elsewhere(distance: float, speed: float, another_platform: str) -> Notice:
+    where = (
+        f"{_UNSET}, but a sensor on own ship is {distance:.0f} m away and moves with "
+        f"{speed:.1f} m/s"
+    )
     if another_platform:
         used = f"since {another_platform} is not own ship's, it is taken to be at the origin"
     else:

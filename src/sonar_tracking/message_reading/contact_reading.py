@@ -87,7 +87,11 @@ def contacts_from_message(message: Any) -> Contacts:
         sensor_id=message.sensor_id,
         frame_id=message.header.frame_id,
         sensor_yaw=yaw_of(orientation),
-        unset_pose=is_unset((position.x, position.y, position.z), orientation),
+        unset_pose=is_unset(
+            (position.x, position.y, position.z),
+            orientation,
+            (velocity.x, velocity.y, velocity.z),
+        ),
         **{name: real(message, name) for name in CONTACT_REALS},
     )
 

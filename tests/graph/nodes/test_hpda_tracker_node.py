@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from sonar_tracking_msgs.msg import Contacts as ContactsMessage
 
 from sonar_tracking.graph.catalogue.topics import (
     ACTIVE_MARKERS,
@@ -244,11 +245,24 @@ def test_ten_thousand_contacts_are_survived(tracker: Tracker) -> None:
     assert tracker.target(-1)[0] == tracker.target(SETTLED - 1)[0]
 
 
-def test_a_clutter_density_of_zero_is_said_and_survived(tracker: Tracker) -> None:
-    start = tracker.new_run()
-    tracker.send(*(replace(ping(start, n), clutter_density=0.0) for n in range(SETTLED + 1)))
-    tracker.assert_pictures(start, range(SETTLED + 1))
-    tracker.probe.wait_sentence(f"{NODE}: clutter_density", "clutter density is zero")
+def states(pictures: list[Any]) -> list[np.ndarray]:
+    """Return the states of every picture, whatever its tracks are called."""
+    return [position_tracks_from_message(picture).state for picture in pictures]
+
+
+def test_a_description_of_zeros_is_unknown(tracker: Tracker) -> None:
+    """As in a message in which nobody has filled it in: the same tracks as without any."""
+    names = ("clutter_density", "detection_threshold", "maximum_range")
+    found = []
+    for unknown in (np.nan, 0.0):
+        start = tracker.new_run()
+        description: dict[str, Any] = dict.fromkeys(names, unknown)
+        tracker.send(*(replace(ping(start, n), **description) for n in range(SETTLED + 1)))
+        tracker.assert_pictures(start, range(SETTLED + 1))
+        assert tracker.target(-1)[1] == TrackStatus.CONFIRMED
+        found.append(states(tracker.outputs))
+    for one, other in zip(*found, strict=True):
+        np.testing.assert_array_equal(one, other)
 
 
 def test_a_sensor_that_jumps_is_said_and_loses_no_track(tracker: Tracker) -> None:
@@ -296,6 +310,49 @@ def test_odometry_tells_where_the_sensor_is_when_the_ping_does_not(tracker: Trac
         tracker.probe.wait_for_count(tracker.outputs.__len__, number + 1, "pictures")
     tracker.assert_pictures(start, range(SETTLED + 1))
     assert tracker.target(-1)[1] == TrackStatus.CONFIRMED
+
+
+def unset(contacts: Contacts) -> Any:
+    """Return a ping of azimuths in map whose sender has not filled in a pose."""
+    message, new = contacts_to_message(contacts), ContactsMessage()
+    message.sensor_pose, message.sensor_velocity = new.sensor_pose, new.sensor_velocity
+    return message
+
+
+def test_a_pose_that_nobody_has_set_is_taken_from_odometry_and_said_once(tracker: Tracker) -> None:
+    """Pings are placed as those that tell that they do not know it."""
+    found = []
+    for told in (True, False):
+        start = tracker.new_run()
+        for number in range(SETTLED + 1):
+            for seconds in (-3, 4):
+                stamp = start + number * INTERVAL + seconds * SECOND
+                tracker.odometry.publish(odometry(stamp, start))
+            one = ping(start, number, told=False)
+            tracker.send(one if told else unset(one))
+        tracker.assert_pictures(start, range(SETTLED + 1))
+        found.append(states(tracker.outputs))
+    for one, other in zip(*found, strict=True):
+        np.testing.assert_array_equal(one, other)
+    tracker.probe.wait_sentence(INPUT, "sensor_pose is that of a new message", "m away")
+    assert tracker.process.output.count("sensor_pose is that of a new message") == 1
+
+
+def test_a_pose_that_contradicts_odometry_is_used_and_said(tracker: Tracker) -> None:
+    start = tracker.new_run()
+    for number in range(SETTLED):
+        for seconds in (-3, 4):
+            tracker.odometry.publish(odometry(start + number * INTERVAL + seconds * SECOND, start))
+        tracker.probe.wait(lambda: tracker.odometry.wait_for_all_acked(), "odometry")
+        far = ping(start, number)
+        east, north = far.sensor_position
+        tracker.send(replace(far, sensor_position=(east, north + 800.0)))
+    tracker.assert_pictures(start, range(SETTLED))
+    tracker.probe.wait_sentence(INPUT, "sensor_pose is 800 m from where", "of the message is used")
+    picture = position_tracks_from_message(tracker.outputs[-1])
+    row = np.flatnonzero(picture.status == TrackStatus.CONFIRMED)[0]
+    expected = TARGET + 10.0 * (SETTLED - 1) * VELOCITY + (0.0, 800.0)
+    assert picture.state[row, :2] == pytest.approx(expected, abs=80.0)
 
 
 def test_the_end_of_the_data_is_passed_on(tracker: Tracker) -> None:

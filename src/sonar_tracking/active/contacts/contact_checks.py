@@ -128,7 +128,10 @@ def _with_regular_deviations(contacts: Contacts) -> Contacts:
         if ((values >= smallest) & (values <= largest)).all():
             continue
         if not ((values > 0.0) & (values < np.inf)).all():
-            raise InputError(f"{name} of the ping is not positive; give the errors of the sensor.")
+            raise InputError(
+                f"{name} of the ping is unknown or not positive; give the errors of the sensor, in "
+                "the message or as a parameter."
+            )
         changed[name] = np.clip(values, smallest, largest)
     return replace(contacts, **changed) if changed else contacts
 

@@ -70,12 +70,8 @@ def with_pose_judged(
     verdict = judge_pose(told, contacts.unset_pose, mounted, odometry)
     if not verdict.unknown:
         return contacts, verdict.notice
-    at_rest = not any(contacts.sensor_velocity)
     unknown = replace(
-        contacts,
-        sensor_position=UNKNOWN,
-        sensor_velocity=UNKNOWN if at_rest else contacts.sensor_velocity,
-        sensor_yaw=math.nan,
+        contacts, sensor_position=UNKNOWN, sensor_velocity=UNKNOWN, sensor_yaw=math.nan
     )
     return unknown, verdict.notice
 

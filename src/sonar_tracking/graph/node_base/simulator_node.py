@@ -1,14 +1,16 @@
 """Base of the nodes that simulate a sensor: they publish whatever is due.
 
 With simulation time a simulator emits, at each ``/clock``, everything due up to it, so that
-skipped ticks do no harm, and reports on ``flow/done`` how far it has served the clock. Without, it
-paces itself by the node's clock, from the moment somebody subscribes to its data.
+skipped ticks do no harm, and reports on ``flow/done`` how far it has served the clock. Without, the
+scenario begins at the present time of the node's clock, when somebody subscribes to its data: a
+real sensor has no other stamps.
 """
 
 from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any, Protocol
 
 import yaml
@@ -22,6 +24,7 @@ from sonar_tracking.graph.node_base import quality_of_service
 from sonar_tracking.graph.node_base.data_flow import DataOutput
 from sonar_tracking.graph.node_base.sonar_node import SonarNode
 from sonar_tracking.message_reading.field_reading import stamp_from_time
+from sonar_tracking.records.time import nanoseconds
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.scenarios.scenario_mapping import (
     load_scenario,
@@ -67,7 +70,7 @@ class SimulatorNode(SonarNode):
 
     @abstractmethod
     def data(self, scenario: Scenario) -> Iterator[SimulatedDatum]:
-        """Return the data of a scenario, in the order they are due.
+        """Return the data of a scenario from their begin, in the order they are due.
 
         Raises
         ------
@@ -95,15 +98,13 @@ class SimulatorNode(SonarNode):
                     f"The scenario {scenario.name or configuration.scenario} has no section "
                     f"{self._section} to simulate."
                 )
-            self._data = self.data(scenario)
-            self._next = next(self._data, None)
+            self._prepare(scenario)
         except ConfigurationError as error:
             raise ConfigurationError(f"{self.get_name()}.scenario: {error}") from error
         if self.get_parameter("use_sim_time").value:
             self.create_subscription(Clock, CLOCK_TOPIC, self._tick, quality_of_service.CLOCK)
             return
-        self._start_stamp = scenario.stamp(scenario.start)
-        self._started: int | None = None
+        self._waiting: Scenario | None = scenario
         self.create_timer(scenario.step, self._pace)
 
     def serve(self, now: int) -> None:
@@ -121,13 +122,18 @@ class SimulatorNode(SonarNode):
         self._ticks += 1
         self.progress.report(CLOCK_TOPIC, self._ticks, clock.clock)
 
+    def _prepare(self, scenario: Scenario) -> None:
+        self._data = self.data(scenario)
+        self._next = next(self._data, None)
+
     def _pace(self) -> None:
         now = self.get_clock().now().nanoseconds
-        if self._started is None:
+        if self._waiting is not None:
             if self.main_output.publisher.get_subscription_count() == 0:
                 return
-            self._started = now
-        self.serve(self._start_stamp + now - self._started)
+            self._prepare(replace(self._waiting, epoch=now - nanoseconds(self._waiting.start)))
+            self._waiting = None
+        self.serve(now)
 
     def _skip_past(self, now: int) -> None:
         """Leave out what was published before this process was started (again).

@@ -50,14 +50,10 @@ class BearingSimulator(SimulatorNode):
     def data(self, scenario: Scenario) -> Iterator[SimulatedFrame]:
         """Return the frames of a scenario."""
         simulation = BearingSimulation(scenario)
-        for namespace in scenario.namespaces[BEARING_SENSORS]:
-            prefix = f"{namespace}/" if namespace else ""
-            self._stations.append(
-                {
-                    topic: self.data_publisher(replace(topic, name=prefix + topic.name))
-                    for topic in (BEARING_TRACKS, FREQUENCY_LINES, TRUE_BEARING_TRACKS)
-                }
-            )
+        if not self._stations:
+            self._stations = [
+                self._station(namespace) for namespace in scenario.namespaces[BEARING_SENSORS]
+            ]
         return iter(simulation.next_frame, None)
 
     def publish(self, datum: SimulatedFrame) -> None:
@@ -66,6 +62,13 @@ class BearingSimulator(SimulatorNode):
         self._true_tracks.publish(truth_tracks_to_message(datum.truth_tracks))
         for report in datum.reports:
             self._publish_station(report)
+
+    def _station(self, namespace: str) -> dict[Topic, DataOutput]:
+        prefix = f"{namespace}/" if namespace else ""
+        return {
+            topic: self.data_publisher(replace(topic, name=prefix + topic.name))
+            for topic in (BEARING_TRACKS, FREQUENCY_LINES, TRUE_BEARING_TRACKS)
+        }
 
     def _publish_station(self, report: StationReport) -> None:
         outputs = self._stations[report.station]

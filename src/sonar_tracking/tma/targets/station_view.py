@@ -8,7 +8,7 @@ knows which.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -84,7 +84,7 @@ def needs_own_ship(sensor: Sensor, configuration: TmaTrackerConfiguration) -> bo
 
 def may_be_unset(sensor: Sensor) -> bool:
     """Return whether own ship's motion decides if the pose of a sensor was ever set."""
-    return is_unset(sensor.position, sensor.orientation) and not _another_platform(sensor)
+    return _is_unset(sensor) and not _another_platform(sensor)
 
 
 def with_pose_judged(
@@ -108,7 +108,7 @@ def with_pose_judged(
     odometry : bool
         Whether own ship's motion is known at some stamps, or will be.
     """
-    unset = is_unset(sensor.position, sensor.orientation)
+    unset = _is_unset(sensor)
     located = all(map(math.isfinite, (*sensor.position[:2], *sensor.velocity[:2])))
     if not unset and not (located and sensor.frame_id.startswith(OWN_SHIP_FRAMES)):
         return sensor, None
@@ -121,10 +121,11 @@ def with_pose_judged(
     verdict = judge_pose(told, unset, mounted, odometry, _another_platform(sensor))
     if not verdict.unknown:
         return sensor, verdict.notice
-    nowhere = Sensor(sensor.sensor_id, sensor.frame_id)
-    if any(sensor.velocity):
-        nowhere = replace(nowhere, velocity=sensor.velocity)
-    return nowhere, verdict.notice
+    return Sensor(sensor.sensor_id, sensor.frame_id), verdict.notice
+
+
+def _is_unset(sensor: Sensor) -> bool:
+    return is_unset(sensor.position, sensor.orientation, sensor.velocity)
 
 
 def _another_platform(sensor: Sensor) -> str:
