@@ -1,0 +1,53 @@
+"""Without simulation time a simulator begins at the present, when somebody listens."""
+
+from __future__ import annotations
+
+import time
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from sonar_tracking.graph.catalogue.topics import BEARING_TRACKS, CONTACTS, ODOMETRY, TRUE_TRACKS
+from sonar_tracking.graph.message_writing.field_writing import time_from_stamp
+from sonar_tracking.records.time import END_OF_DATA
+from tests.graph.live_graph import Probe, node_process, stamps
+
+SECOND = 1_000_000_000
+SIMULATED = {
+    "contact_simulator": (
+        CONTACTS,
+        "{active_sonar: {ping_interval: 0.2, sound_speed: 0.0}, own_ship: {speed: 4.0}, targets: "
+        "[{motion: {kind: kinematic, position: [1000.0, 500.0], speed: 5.0}}], start: 7.0, "
+        "duration: 2.0}",
+    ),
+    "bearing_simulator": (
+        BEARING_TRACKS,
+        "{bearing_sensors: [{frame_interval: 0.2}], own_ship: {speed: 4.0}, targets: [{motion: "
+        "{kind: kinematic, position: [1000.0, 500.0], speed: 5.0}}], start: 7.0, duration: 2.0}",
+    ),
+}
+
+
+@pytest.mark.parametrize("simulator", SIMULATED)
+def test_it_begins_at_the_present_when_somebody_listens(simulator: str, tmp_path: Path) -> None:
+    """Data, truth and own ship; the epoch of the scenario is that of recordings."""
+    topic, text = SIMULATED[simulator]
+    scenario = tmp_path / "scenario.yaml"
+    scenario.write_text(text)
+    probe = Probe("late_listener")
+    module = f"sonar_tracking.graph.nodes.{simulator}"
+    with node_process(module, tmp_path / "log", scenario=scenario):
+        probe.wait(lambda: probe.matched(simulator), "the simulator")
+        before = time.time_ns()
+        heard = {each.name: probe.listen(each) for each in (topic, TRUE_TRACKS, ODOMETRY)}
+        data = heard[topic.name]
+        end = time_from_stamp(END_OF_DATA)
+        probe.wait(lambda: data and data[-1].next_stamp == end, "the end of the data")
+        after = time.time_ns()
+    probe.close()
+    told = stamps(data)
+    assert before <= told[0] and told[-1] <= after
+    assert all(later - now == SECOND // 5 for now, later in pairwise(told))
+    assert told[-1] in stamps(heard[ODOMETRY.name])
+    assert stamps(heard[TRUE_TRACKS.name])[-1] == told[-1]
