@@ -1,4 +1,4 @@
-"""The messages: from the comments of their definitions."""
+"""The messages: from the comments of their definitions, and from the table of how they are read."""
 
 from __future__ import annotations
 
@@ -6,9 +6,19 @@ import re
 from pathlib import Path
 
 from docs.reference_writer.tables import table
+from sonar_tracking.message_reading.field_use import FIELD_USES, FieldUse, Unfilled
 
 DEFINITIONS = Path(__file__).resolve().parents[2] / "msg_defs" / "msg"
 LINE = re.compile(r"(?P<type>\S+)\s+(?P<name>[^\s=#]+)(=(?P<value>\S+))?\s*(#\s*(?P<text>.*))?")
+
+UNFILLED = {
+    Unfilled.REQUIRED: "**must be filled in**",
+    Unfilled.UNKNOWN: "unknown",
+    Unfilled.COLUMN: "unknown",
+    Unfilled.POSE: "[see above](#what-is-not-filled-in)",
+    Unfilled.VALUE: "",
+}
+"""What a field says that was left as it is in a new message."""
 
 
 def messages() -> str:
@@ -23,6 +33,20 @@ def conventions() -> str:
     return "\n".join(f"- {line}." for line in " ".join(lines).rstrip(".").split(". "))
 
 
+def odometry() -> str:
+    """Return the table of what is read of odometry, which is a message of others."""
+    uses = FIELD_USES["Odometry"].items()
+    return table(("field", "if it is left"), ((f"`{name}`", left(use)) for name, use in uses))
+
+
+def left(use: FieldUse | None) -> str:
+    """Return what a field says that was left as it is in a new message; None = is not data."""
+    if use is None:
+        return ""
+    text = use.condition if use.unfilled is Unfilled.REQUIRED else use.text
+    return "; ".join(filter(None, (UNFILLED[use.unfilled], text)))
+
+
 def _message(path: Path) -> str:
     lines = path.read_text(encoding="utf-8").splitlines()
     first, *rest = _comment(path)
@@ -35,8 +59,12 @@ def _message(path: Path) -> str:
         if entry["value"]:
             constants.append((f"`{entry['name']}` = {entry['value']}", text))
         else:
-            fields.append((f"`{entry['name']}`", f"`{entry['type']}`", text))
-    parts = [f"## {path.stem}", first, "\n".join(own), table(("field", "type", "is"), fields)]
+            use = FIELD_USES.get(path.stem, {}).get(entry["name"])
+            fields.append((f"`{entry['name']}`", f"`{entry['type']}`", text, left(use)))
+    columns = 4 if path.stem in FIELD_USES else 3
+    header = ("field", "type", "is", "if it is left as in a new message")[:columns]
+    rows = [row[:columns] for row in fields]
+    parts = [f"## {path.stem}", first, "\n".join(own), table(header, rows)]
     if constants:
         parts.append(table(("constant", "means"), constants))
     return "\n\n".join(filter(None, parts))

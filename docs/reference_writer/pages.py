@@ -9,7 +9,7 @@ from pathlib import Path
 from docs.reference_writer.api import PACKAGES, package
 from docs.reference_writer.command_line import command_line
 from docs.reference_writer.examples import examples
-from docs.reference_writer.messages import conventions, messages
+from docs.reference_writer.messages import conventions, messages, odometry
 from docs.reference_writer.methods import methods
 from docs.reference_writer.nodes import nodes
 from docs.reference_writer.scenarios import scenario_keys, scenarios
@@ -22,6 +22,7 @@ FRAGMENTS: dict[str, Callable[[], str]] = {
     "messages": messages,
     "methods": methods,
     "nodes": nodes,
+    "odometry": odometry,
     "scenario_keys": scenario_keys,
     "scenarios": scenarios,
     "topics": topics,

@@ -36,15 +36,18 @@ class FieldUse(NamedTuple):
         What it says if it was left as it is in a new message.
     text : str
         What is required, what takes the place of what is unknown, or what zero means.
+    condition : str
+        When it is required; empty = always.
     """
 
     unfilled: Unfilled
     text: str = ""
+    condition: str = ""
 
 
-def required(text: str) -> FieldUse:
-    """Return the use of a field that must be filled in, with what it is to hold."""
-    return FieldUse(Unfilled.REQUIRED, text)
+def required(text: str, condition: str = "") -> FieldUse:
+    """Return the use of a field that must be filled in, what it is to hold, and when."""
+    return FieldUse(Unfilled.REQUIRED, text, condition)
 
 
 def unknown(text: str = "") -> FieldUse:
@@ -65,47 +68,47 @@ def value(text: str = "") -> FieldUse:
 PARAMETER = "the parameter of the node is taken"
 
 _HEAD = {
-    "header": required("stamp"),
-    "next_stamp": unknown("a receiver of several topics waits for the next message"),
+    "header": required("the stamp", "the stamp"),
+    "next_stamp": unknown("who joins several topics waits for the next message"),
 }
 _SENSOR = _HEAD | {
     "sensor_id": value("a sensor without a name"),
-    "sensor_pose": FieldUse(Unfilled.POSE, "own ship's by `own_ship/odometry`, else the origin"),
-    "sensor_velocity": FieldUse(Unfilled.POSE, "with the pose; beside a pose: at rest"),
+    "sensor_pose": FieldUse(Unfilled.POSE),
+    "sensor_velocity": FieldUse(Unfilled.POSE, "at rest beside a pose that was set"),
 }
 _ARRAY = {
-    "sound_speed": required("m/s"),
-    "element_x": required("one position an element, not all at one place, m"),
-    "element_y": required("as many as element_x, m"),
-    "element_z": required("as many as element_x, m"),
+    "sound_speed": required("the speed of sound in m/s"),
+    "element_x": required("one position an element, not all at one place, in m"),
+    "element_y": required("as many as element_x, in m"),
+    "element_z": required("as many as element_x, in m"),
 }
 
 FIELD_USES: Mapping[str, Mapping[str, FieldUse]] = {
     "ArraySnapshots": _SENSOR
     | _ARRAY
     | {
-        "sample_period": required("time between snapshots, s"),
-        "center_frequency": required("Hz"),
-        "bandwidth": value("narrow enough for the array"),
-        "n_snapshots": required("number of snapshots"),
-        "data": required("snapshots"),
+        "sample_period": required("the time between snapshots in s"),
+        "center_frequency": required("the frequency in Hz"),
+        "bandwidth": value("taken to be narrow enough for the array"),
+        "n_snapshots": required("the number of snapshots"),
+        "data": required("the snapshots"),
         "noise_covariance": value("white noise"),
     },
     "ArraySamples": _SENSOR
     | _ARRAY
     | {
-        "sample_rate": required("Hz"),
-        "n_samples": required("number of samples"),
-        "data": required("samples"),
+        "sample_rate": required("the sample rate in Hz"),
+        "n_samples": required("the number of samples"),
+        "data": required("the samples"),
     },
     "SubspaceEstimates": _SENSOR
     | _ARRAY
     | {
         "method": value("not named; some methods of the tracker need to know"),
-        "sample_period": required("time between snapshots, s"),
-        "center_frequency": required("Hz"),
-        "bandwidth": value(),
-        "effective_snapshots": required("independent snapshots a subspace stands for"),
+        "sample_period": required("the time between snapshots in s"),
+        "center_frequency": required("the frequency in Hz"),
+        "bandwidth": value("not used"),
+        "effective_snapshots": required("the independent snapshots a subspace stands for"),
         "rank": unknown("unless there are eigenvalues"),
         "source_count": unknown("unless there are eigenvalues"),
         "n_subspaces": value("none at this sample time"),
@@ -115,7 +118,7 @@ FIELD_USES: Mapping[str, Mapping[str, FieldUse]] = {
         "eigenvalues": column(),
         "noise_power": unknown(),
         "covariance": column(),
-        "covariance_snapshots": required("beside a covariance: number of snapshots in it"),
+        "covariance_snapshots": required("the number of snapshots in it", "beside a covariance"),
         "covariance_time_offset": value("at the stamp"),
         "noise_covariance": value("white noise"),
     },
@@ -127,7 +130,7 @@ FIELD_USES: Mapping[str, Mapping[str, FieldUse]] = {
         "arrival_angle": column(),
         "arrival_angle_rate": column(),
         "covariance": column(),
-        "measurement": required("for target motion analysis, which works with measurements, rad"),
+        "measurement": required("the angles measured, rad", "for target motion analysis"),
         "measurement_variance": unknown("azimuth_deviation_deg of the node is taken"),
         "innovation": column(),
         "signal_to_noise_ratio": unknown(),
@@ -151,7 +154,7 @@ FIELD_USES: Mapping[str, Mapping[str, FieldUse]] = {
     | {
         "ping_interval": unknown(),
         "range": value("no contacts"),
-        "azimuth": required("as many as range, rad"),
+        "azimuth": required("as many as range, in rad", "beside ranges"),
         "amplitude": column("association by distance alone"),
         "range_standard_deviation": unknown(PARAMETER + "; without either the ping is rejected"),
         "azimuth_standard_deviation": unknown(PARAMETER + "; without either the ping is rejected"),
@@ -200,19 +203,21 @@ FIELD_USES: Mapping[str, Mapping[str, FieldUse]] = {
         "hypothesis_probability": column(),
         "bearing_track_id": value("none"),
         "line_track": value("no lines"),
-        "line_id": value(),
+        "line_id": value("none"),
         "line_frequency": unknown(),
         "line_frequency_standard_deviation": unknown(),
         "contributor_track": value("no contributors"),
         "contributor_source": value("ACTIVE"),
         "contributor_sensor": value("not named"),
-        "contributor_id": value(),
+        "contributor_id": value("none"),
     },
     "Odometry": {
-        "header": required("stamp"),
-        "child_frame_id": value(),
-        "pose": required("own ship in map; an orientation never set is taken for the course"),
-        "twist": unknown("of a ship whose positions move: their rate is taken"),
+        "header": required("the stamp", "the stamp"),
+        "child_frame_id": value("not read"),
+        "pose": required(
+            "own ship in map", "the position; without an orientation the course is taken"
+        ),
+        "twist": unknown("where the positions move: their rate is taken"),
     },
 }
 """Message, field, use. The messages are those of ``sonar_tracking_msgs``, and Odometry."""
