@@ -89,6 +89,14 @@ class Hour:
         self._samples = [samples_to_message(block) for block in _blocks()]
         self._counts: dict[tuple[str, str], int] = {}
 
+    def is_matched(self) -> bool:
+        """Return whether every node hears what the probe publishes."""
+        listeners = {SAMPLES.name: 2, CONTACTS.name: 1, ODOMETRY.name: 2}
+        counts = {
+            name: publisher.get_subscription_count() for name, publisher in self.publishers.items()
+        }
+        return counts == listeners
+
     def feed(self) -> None:
         """Publish everything, no faster than the nodes take it."""
         self._publish_own_ship(0)
@@ -181,6 +189,7 @@ def hour(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Hour]:
             probe.wait_matched(consumer, topic)
         for name in ("tma_tracker", "hpda_tracker"):
             probe.wait_matched(name, "/own_ship/odometry")
+        probe.wait(hour.is_matched, "every node matched with the probe")
         hour.feed()
         passive = hour.heard[PASSIVE_TRACKS.name]
         end = time_from_stamp(END_OF_DATA)

@@ -8,7 +8,7 @@ display and score. What it hears goes into plain objects; decisions are made els
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from types import TracebackType
 from typing import Any
 
@@ -34,12 +34,10 @@ from sonar_tracking.graph.node_base.diagnostics import MATCHED, UNEXPECTED
 from sonar_tracking.graph.orchestration.flow_ledger import FlowLedger
 from sonar_tracking.graph.orchestration.graph_plan import CONTROL_NODE, resolved
 from sonar_tracking.graph.orchestration.matched_edges import MatchedEdges
+from sonar_tracking.graph.orchestration.run_observer import RunObserver
 from sonar_tracking.message_reading.field_reading import stamp_from_time
 
 _OBSERVER_DEPTH = 10_000
-
-Observer = Callable[[str, bytes, float], None]
-Announced = Callable[[str, int, float], None]
 
 
 class ControlNode:
@@ -51,10 +49,8 @@ class ControlNode:
         Told of every Progress message.
     matched : MatchedEdges
         Told of every readiness report.
-    observer : callable
-        Called with topic, serialised message and wall time (s) of every data message.
-    announced : callable
-        Called with topic, stamp (ns) and wall time (s) when a producer announces a message.
+    observer : RunObserver
+        Told of every data message, and when a producer announces one.
     nodes : collection of str
         Names of the nodes of the graph: what others say on ``/diagnostics`` is not theirs.
     sources : tuple of str
@@ -72,15 +68,13 @@ class ControlNode:
         self,
         ledger: FlowLedger,
         matched: MatchedEdges,
-        observer: Observer,
-        announced: Announced,
+        observer: RunObserver,
         nodes: Collection[str],
         sources: tuple[str, ...] = (),
     ) -> None:
         self._ledger = ledger
         self._matched = matched
         self._observer = observer
-        self._announced = announced
         self._nodes = frozenset(nodes)
         self._observed: dict[str, int] = {}
         self._publishers: dict[str, Publisher] = {}
@@ -168,7 +162,7 @@ class ControlNode:
     def _observe(self, topic: str, data: bytes) -> None:
         wall = time.monotonic()
         self._observed[topic] += 1
-        self._observer(topic, data, wall)
+        self._observer.observed(topic, data, wall)
         self._ledger.finished(CONTROL_NODE, topic, self._observed[topic])
 
     def _progress(self, message: Any) -> None:
@@ -180,7 +174,7 @@ class ControlNode:
                 self._ledger.changes += 1
         elif self._ledger.producer(message.topic) == message.node:
             self._ledger.published(message.node, message.topic, message.count)
-            self._announced(message.topic, stamp, wall)
+            self._observer.announced(message.topic, stamp, wall)
         else:
             self._ledger.finished(message.node, message.topic, message.count)
 

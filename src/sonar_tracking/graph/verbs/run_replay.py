@@ -123,11 +123,7 @@ def _play(
     comparison = ReplayComparison(bag, replayed, inputs | truth)
     try:
         with ControlNode(
-            orchestration.ledger,
-            orchestration.edges,
-            observer.observed,
-            observer.announced,
-            plan.names(),
+            orchestration.ledger, orchestration.edges, observer, plan.names()
         ) as control:
             for topic in plan.offered:
                 control.offer(topic, 2 * FLOW_WINDOW + 2)

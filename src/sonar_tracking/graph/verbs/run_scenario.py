@@ -85,8 +85,7 @@ def run_scenario(
         with ControlNode(
             orchestration.ledger,
             orchestration.edges,
-            observer.observed,
-            observer.announced,
+            observer,
             plan.names(),
             plan.sources,
         ) as control:
