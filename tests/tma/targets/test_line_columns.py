@@ -80,4 +80,4 @@ def test_a_column_that_is_given_up_forgets_its_line_and_no_other() -> None:
         )
     np.testing.assert_array_equal(after.windows.lines[0], before.windows.lines[0])
     assert not np.any(after.windows.lines[1])
-    np.testing.assert_array_equal(before.bank.covariance, copy), "the state before is not changed"
+    np.testing.assert_array_equal(before.bank.covariance, copy)  # the state before is not changed
