@@ -1,17 +1,23 @@
 """Protects the pairing of bearings of several stations."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank, predict_bank
 from sonar_tracking.tma.estimators.range_bank import RangeBank
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 from sonar_tracking.tma.targets.station_association import (
+    CHANCE_DENSITY,
+    CHANCE_DENSITY_WITH_ELEVATION,
     FREE,
     associate,
     azimuth_log_likelihood,
     direction_log_likelihood,
 )
+from tests.tma.estimators.test_hypothesis_bank import random_bank
 
 HERE, THERE = np.array([0.0, 0.0]), np.array([4000.0, 0.0])
 TARGETS = np.array([[1500.0, 3000.0], [3500.0, 4000.0]])
@@ -108,3 +114,74 @@ def test_an_elevation_tells_which_of_two_targets_on_one_azimuth_it_is() -> None:
         bank.state.bank, 0.0, 0.01, HERE, alone.azimuth, np.array([VARIANCE])
     )
     assert likelihood(np.nan) == pytest.approx(float(expected[0]), abs=1e-6)
+
+
+def test_the_likelihood_is_the_mixture_of_the_components_that_admit_the_azimuth() -> None:
+    """Each component by its predicted place, its spread across the line of sight, its gate."""
+    bank = random_bank(0, batch=())
+    bank = replace(
+        bank,
+        mean=np.array([[0.0, 1000.0, 5.0, 0.0], [300.0, 1200.0, 0.0, -5.0], [9e3, 0.0, 0.0, 0.0]]),
+        covariance=100.0 * bank.covariance,
+    )
+    place, azimuths_, variances = (
+        np.array([50.0, 20.0]),
+        np.array([1.5, 1.3]),
+        np.array([1e-3, 4e-3]),
+    )
+    found = azimuth_log_likelihood(bank, 3.0, 0.2, place, azimuths_, variances)
+    moved = predict_bank(bank, 3.0, np.array(0.2))
+    for column in range(2):
+        total = 0.0
+        for component in range(3):
+            offset = moved.mean[component, :2] - place
+            slope = np.array([-offset[1], offset[0]]) / (offset @ offset)
+            spread = slope @ moved.covariance[component, :2, :2] @ slope + variances[column]
+            off = np.angle(np.exp(1j * azimuths_[column]) / complex(*offset))
+            if off**2 <= 16.0 * spread:
+                density = np.exp(-0.5 * off**2 / spread) / np.sqrt(2.0 * np.pi * spread)
+                total += np.exp(bank.log_weight[component]) * density
+        assert np.exp(found[column]) == pytest.approx(total)
+        assert total > 0.0
+
+
+@pytest.mark.parametrize(("gate", "inside"), [(2.01, True), (1.99, False)])
+def test_the_gate_is_that_of_azimuth_and_elevation_together(gate: float, inside: bool) -> None:
+    """Two deviations off: 1.6 in azimuth and 1.2 in elevation."""
+    bank = HypothesisBank(
+        np.array([[1000.0, 0.0, 0.0, 0.0]]),
+        1e-6 * np.eye(4)[None],
+        np.zeros(1),
+        np.zeros(0, dtype=bool),
+    )
+    frame = TmaMeasurement(
+        stamp=1,
+        position=np.zeros(2),
+        velocity=np.zeros(2),
+        azimuth=np.array([1.6e-2]),
+        azimuth_variance=np.array(1e-4),
+        elevation=np.array(np.arctan2(500.0, 1000.0) - 2.4e-2),
+        elevation_variance=np.array(4e-4),
+        height=500.0,
+    )
+    found = direction_log_likelihood(bank, 0.0, 0.0, frame, gate)
+    expected = -2.0 - np.log(2.0 * np.pi * 1e-2 * 2e-2)
+    assert found == pytest.approx(expected if inside else -np.inf, rel=1e-6)
+    alone = replace(frame, azimuth=np.array([0.0]), elevation=np.array(np.nan))
+    found = direction_log_likelihood(bank, 0.0, 0.0, alone, gate)
+    assert found == pytest.approx(-0.5 * np.log(2.0 * np.pi * 1e-4), rel=1e-6)
+
+
+def test_a_bearing_from_anywhere_has_one_in_a_turn_and_with_elevation_in_half_a_sphere_s() -> None:
+    assert pytest.approx(1.0 / (2.0 * np.pi)) == CHANCE_DENSITY
+    assert pytest.approx(1.0 / np.pi**2) == CHANCE_DENSITY_WITH_ELEVATION
+    for factor, taken in [(1.01, 0), (0.99, FREE)]:
+        likely = np.log(np.array([[factor * CHANCE_DENSITY]]))
+        assert associate(likely).tolist() == [taken]
+        assert associate(likely + 1.0, np.e * CHANCE_DENSITY).tolist() == [taken]
+
+
+def test_the_sum_of_the_gains_decides() -> None:
+    """Both targets like the first bearing best; the first can do without it."""
+    gains = np.log(np.array([[8.0, 6.0], [7.0, 0.1]]))
+    assert associate(gains).tolist() == [1, 0]

@@ -187,3 +187,73 @@ def test_mirror_images_are_equally_observable() -> None:
     assert 0.1 < left.observability < 0.99
     assert right.observability == pytest.approx(left.observability, rel=1e-6)
     np.testing.assert_allclose(right.mean * [1.0, -1.0, 1.0, -1.0], left.mean, rtol=1e-6)
+
+
+def bearing_frame(
+    number: int, azimuths: tuple[float, ...], course: float = 0.0, sensor: str = "bow"
+) -> TargetObservation:
+    return TargetObservation(
+        stamp=number * 10**9,
+        sensor_id=sensor,
+        position=(0.0, 0.0) if sensor == "bow" else (3000.0, 0.0),
+        velocity=(5.0 * np.cos(course), 5.0 * np.sin(course)),
+        azimuths=azimuths,
+        azimuth_variance=1e-4,
+    )
+
+
+@pytest.mark.parametrize(("turn_deg", "dropped"), [(19.0, False), (21.0, True), (-21.0, True)])
+def test_a_side_is_dropped_only_after_a_turn_of_twenty_degrees(
+    turn_deg: float, dropped: bool
+) -> None:
+    """However improbable it has become: the mirror image is elsewhere from the first turn on."""
+    solver = TargetSolver()
+    for number in range(10):
+        solver.update(bearing_frame(number, (0.6, -0.6)))
+    course = float(np.radians(turn_deg))
+    for number in range(10, 16):
+        # The target stays where it is; its mirror image about the new course turns away.
+        mirrored = 2.0 * course - 0.6
+        solutions = solver.update(bearing_frame(number, (0.6, mirrored), course))
+    assert [one.side for one in solutions] == ([LEFT] if dropped else [LEFT, RIGHT])
+    if not dropped:
+        assert solutions[0].probability > 0.99
+
+
+def test_the_side_of_a_line_array_is_that_of_its_azimuth() -> None:
+    solutions = TargetSolver().update(bearing_frame(0, (0.6, -0.6)))
+    for solution, azimuth in zip(solutions, (0.6, -0.6), strict=True):
+        assert np.arctan2(solution.mean[1], solution.mean[0]) == pytest.approx(azimuth)
+        assert solution.probability == pytest.approx(0.5)
+
+
+def test_stamps_of_a_sensor_rise_and_those_of_several_do_not_fall() -> None:
+    solver = TargetSolver()
+    solver.update(bearing_frame(5, (0.6,)))
+    with pytest.raises(InputError, match="repeats its stamp"):
+        solver.update(bearing_frame(5, (0.6,)))
+    with pytest.raises(InputError, match="older than the last one"):
+        solver.update(bearing_frame(4, (0.6,), sensor="stern"))
+    solver.update(bearing_frame(5, (2.4,), sensor="stern"))
+    solver.update(bearing_frame(6, (0.6,)))
+
+
+def test_a_copy_goes_on_by_itself() -> None:
+    solver = TargetSolver()
+    for number in range(3):
+        before = solver.update(bearing_frame(number, (0.6,)))
+    copied = solver.copy()
+    (moved,) = copied.update(bearing_frame(3, (0.61,)))
+    (expected,) = solver.update(bearing_frame(3, (0.61,)))
+    np.testing.assert_array_equal(moved.mean, expected.mean)
+    assert before[0].stamp == 2 * 10**9
+
+
+def test_the_likelihood_of_both_azimuths_of_a_cone_is_their_sum() -> None:
+    solver = TargetSolver()
+    for number in range(3):
+        solver.update(bearing_frame(number, (0.6,)))
+    near = solver.log_likelihood(bearing_frame(3, (0.6,)))
+    assert solver.log_likelihood(bearing_frame(3, (0.6, -0.6))) == pytest.approx(near)
+    assert solver.log_likelihood(bearing_frame(3, (0.6, 0.6))) == pytest.approx(near + np.log(2.0))
+    assert solver.log_likelihood(bearing_frame(3, (-0.6,))) == -np.inf

@@ -1,0 +1,237 @@
+"""Protects what a target says of itself: confirmed, coasted, misfits, its best side, its row."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.records.positions import TrackHypothesis, TrackSource
+from sonar_tracking.tma.targets.baseline_solver import BaselineSolver
+from sonar_tracking.tma.targets.followed_target import FollowedTarget, new_solver
+from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
+from sonar_tracking.tma.targets.target_solver import LEFT, RIGHT, SINGLE, TargetSolver
+from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
+from sonar_tracking.tma.targets.track_rows import track_list, track_row
+
+SECOND = 1_000_000_000
+CONFIGURATION = TmaTrackerConfiguration(
+    confirm_observability=0.5, confirm_relative_deviation=0.1, coasted_after=10.0
+)
+
+
+def solution(**changes: Any) -> TargetSolution:
+    """Return a solution 1000 m east of the origin, known to 50 m at worst."""
+    values: dict[str, Any] = {
+        "stamp": 20 * SECOND,
+        "side": SINGLE,
+        "probability": 1.0,
+        "mean": np.array([1000.0, 0.0, 2.0, -1.0]),
+        "covariance": np.diag([2500.0, 100.0, 1.0, 1.0]),
+        "observability": 0.9,
+        "observable": True,
+        "line_ids": (("bow", 3), ("bow", 9)),
+        "source_frequency": np.array([300.0, 0.0]),
+        "source_frequency_deviation": np.array([0.1, 0.2]),
+        "manoeuvre": False,
+    }
+    return TargetSolution(**{**values, **changes})
+
+
+def target(*solutions: TargetSolution, **changes: Any) -> FollowedTarget:
+    values: dict[str, Any] = {
+        "solver": TargetSolver(),
+        "members": {"bow": 4},
+        "initiated": 5 * SECOND,
+        "updated": 20 * SECOND,
+        "bearing_track_id": 4,
+        "solutions": solutions,
+        "row_of": {SINGLE: 11, LEFT: 12, RIGHT: 13},
+    }
+    return FollowedTarget(**{**values, **changes})
+
+
+def test_the_best_solution_is_the_most_probable() -> None:
+    left, right = solution(side=LEFT, probability=0.3), solution(side=RIGHT, probability=0.7)
+    assert target(left, right).best is right
+    assert target(right, left).best is right
+
+
+@pytest.mark.parametrize(
+    ("deviation", "observability", "place", "confirmed"),
+    [
+        (99.0, 0.9, (0.0, 0.0), True),
+        (101.0, 0.9, (0.0, 0.0), False),  # a tenth of 1000 m
+        (99.0, 0.49, (0.0, 0.0), False),
+        (99.0, 0.5, (0.0, 0.0), True),
+        (99.0, 0.9, (100.0, 0.0), False),  # from 900 m it would have to be 90 m
+        (99.0, 0.9, (1000.0, -1000.0), True),
+    ],
+)
+def test_a_solution_is_confirmed_when_it_is_observable_and_known_to_a_tenth_of_its_range(
+    deviation: float, observability: float, place: tuple[float, float], confirmed: bool
+) -> None:
+    # The larger axis of the ellipse counts, whichever way it lies.
+    turn = np.array([[0.8, -0.6], [0.6, 0.8]])
+    covariance = np.eye(4)
+    covariance[:2, :2] = turn @ np.diag([deviation**2, 4.0]) @ turn.T
+    made = target(solution(covariance=covariance, observability=observability), place=place)
+    made.judge(CONFIGURATION)
+    assert made.confirmed == confirmed
+
+
+def test_what_is_confirmed_stays_so_as_long_as_it_is_observable() -> None:
+    vague = np.diag([9e4, 9e4, 1.0, 1.0])
+    made = target(solution(covariance=vague), confirmed=True)
+    made.judge(CONFIGURATION)
+    confirmed = [made.confirmed]
+    made.solutions = (solution(observability=0.4),)
+    made.judge(CONFIGURATION)
+    assert [*confirmed, made.confirmed] == [True, False]
+    nothing = target(confirmed=True)
+    nothing.judge(CONFIGURATION)
+    assert nothing.confirmed
+
+
+@pytest.mark.parametrize(
+    ("changes", "stamp", "probability", "status"),
+    [
+        ({}, 30, 1.0, TrackStatus.TENTATIVE),
+        ({"confirmed": True}, 30, 1.0, TrackStatus.CONFIRMED),
+        ({"confirmed": True}, 30, 0.99, TrackStatus.TENTATIVE),
+        ({"confirmed": True}, 30, 0.991, TrackStatus.CONFIRMED),
+        ({"confirmed": True}, 31, 1.0, TrackStatus.COASTED),
+        ({"confirmed": True, "members": {}}, 20, 1.0, TrackStatus.COASTED),
+        ({"members": {}}, 99, 1.0, TrackStatus.TENTATIVE),
+    ],
+)
+def test_a_row_is_confirmed_with_its_side_and_coasted_after_ten_seconds(
+    changes: dict[str, Any], stamp: int, probability: float, status: TrackStatus
+) -> None:
+    made = target(solution(), **changes)
+    found = made.status(solution(probability=probability), stamp * SECOND, CONFIGURATION)
+    assert found == status
+
+
+class GivenSolver(TargetSolver):
+    """A solver that explains what it is told to."""
+
+    def __init__(self, explained: float, solutions: tuple[TargetSolution, ...]) -> None:
+        super().__init__()
+        self.explained, self.given = explained, solutions
+
+    def log_likelihood(self, observation: TargetObservation) -> float:
+        return self.explained
+
+    def update(self, observation: TargetObservation) -> tuple[TargetSolution, ...]:
+        return self.given
+
+
+def observation(stamp: int, *azimuths: float) -> TargetObservation:
+    return TargetObservation(stamp, "stern", (7.0, 8.0), (0.0, 0.0), azimuths, 1e-4)
+
+
+def test_misfits_of_a_station_are_counted_in_a_row_where_there_are_several() -> None:
+    made = target(solver=GivenSolver(-np.inf, ()), members={"bow": 4, "stern": 2})
+    for expected in (1, 2):
+        made.observe(observation(30, 0.1))
+        assert made.misfits == {"stern": expected}
+    made.observe(observation(30))
+    assert made.misfits == {"stern": 2}, "without an azimuth nothing is judged"
+    made.solver = GivenSolver(-50.0, ())
+    made.observe(observation(30, 0.1))
+    assert made.misfits == {"stern": 0}
+    alone = target(solver=GivenSolver(-np.inf, ()))
+    alone.observe(observation(30, 0.1))
+    assert alone.misfits == {}
+
+
+def test_an_observation_that_is_taken_in_moves_stamp_and_place() -> None:
+    before, after = solution(), solution(stamp=30 * SECOND)
+    made = target(before, solver=GivenSolver(0.0, ()))
+    assert made.observe(observation(30 * SECOND, 0.1)) == (before,)
+    assert (made.updated, made.place) == (20 * SECOND, (0.0, 0.0))
+    made.solver = GivenSolver(0.0, (after,))
+    assert made.observe(observation(30 * SECOND)) == (after,)
+    assert (made.updated, made.place) == (30 * SECOND, (0.0, 0.0))
+    made.observe(observation(31 * SECOND, 0.1))
+    assert (made.updated, made.place) == (31 * SECOND, (7.0, 8.0))
+
+
+def test_the_solver_is_that_of_the_method() -> None:
+    assert isinstance(new_solver(TmaTrackerConfiguration()), TargetSolver)
+    assert isinstance(new_solver(TmaTrackerConfiguration(method="fused_line")), BaselineSolver)
+
+
+def test_a_row_is_predicted_to_the_stamp_of_the_list() -> None:
+    made = target(solution(), existence_probability=0.8)
+    late = track_row(made, made.best, TrackStatus.CONFIRMED, 24 * SECOND, 0.05)
+    motion = np.eye(4) + 4.0 * np.eye(4, k=2)
+    noise = 0.05**2 * np.kron(np.array([[64.0 / 3.0, 8.0], [8.0, 4.0]]), np.eye(2))
+    assert late.state == pytest.approx([1008.0, -4.0, 2.0, -1.0])
+    assert late.covariance == pytest.approx(motion @ made.best.covariance @ motion.T + noise)
+    for stamp in (20 * SECOND, 19 * SECOND):
+        now = track_row(made, made.best, TrackStatus.CONFIRMED, stamp, 0.05)
+        np.testing.assert_array_equal(now.state, made.best.mean)
+        np.testing.assert_array_equal(now.covariance, made.best.covariance)
+
+
+def test_the_list_holds_every_row_with_its_lines_and_contributors() -> None:
+    one = target(solution(), existence_probability=0.8)
+    sides = (
+        solution(side=LEFT, probability=0.3, observability=0.2),
+        solution(
+            side=RIGHT,
+            probability=0.7,
+            line_ids=(),
+            source_frequency=np.zeros(0),
+            source_frequency_deviation=np.zeros(0),
+        ),
+    )
+    two = target(*sides, members={"bow": 5, "stern": 6}, bearing_track_id=5)
+    rows = [
+        track_row(made, each, status, 20 * SECOND, 0.05)
+        for made, each, status in (
+            (one, one.best, TrackStatus.CONFIRMED),
+            (two, sides[0], TrackStatus.TENTATIVE),
+            (two, sides[1], TrackStatus.COASTED),
+        )
+    ]
+    tracks = track_list(rows, 20 * SECOND, 21 * SECOND)
+    assert (tracks.stamp, tracks.next_stamp) == (20 * SECOND, 21 * SECOND)
+    assert tracks.id.tolist() == [11, 12, 13]
+    assert tracks.source.tolist() == [TrackSource.TMA] * 3
+    assert tracks.status.tolist() == [
+        TrackStatus.CONFIRMED,
+        TrackStatus.TENTATIVE,
+        TrackStatus.COASTED,
+    ]
+    assert tracks.existence_probability == pytest.approx([0.8, np.nan, np.nan], nan_ok=True)
+    assert (tracks.initiated.tolist(), tracks.updated.tolist()) == ([5.0] * 3, [20.0] * 3)
+    assert tracks.bearing_track_id.tolist() == [4, 5, 5]
+    assert tracks.observability.tolist() == [0.9, 0.2, 0.9]
+    assert tracks.hypothesis.tolist() == [
+        TrackHypothesis.SINGLE,
+        TrackHypothesis.LEFT,
+        TrackHypothesis.RIGHT,
+    ]
+    assert tracks.hypothesis_probability.tolist() == [1.0, 0.3, 0.7]
+    # A line never heard has the frequency 0 and is left out.
+    assert tracks.line_track.tolist() == [0, 1]
+    assert tracks.line_id.tolist() == [3, 3]
+    assert tracks.line_frequency.tolist() == [300.0, 300.0]
+    assert tracks.line_frequency_standard_deviation.tolist() == [0.1, 0.1]
+    assert tracks.contributor_track.tolist() == [0, 1, 1, 2, 2]
+    assert tracks.contributor_id.tolist() == [4, 5, 6, 5, 6]
+    assert tracks.contributor_sensor == ("bow", "bow", "stern", "bow", "stern")
+    assert track_list([], 1, 2).state.shape == (0, 4)
+
+
+def test_rows_are_not_changed_by_those_made_of_them() -> None:
+    made = target(solution())
+    copy = replace(made.best, covariance=made.best.covariance.copy())
+    track_row(made, made.best, TrackStatus.CONFIRMED, 30 * SECOND, 0.05)
+    np.testing.assert_array_equal(made.best.covariance, copy.covariance)
