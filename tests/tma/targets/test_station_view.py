@@ -83,3 +83,71 @@ def test_a_pose_that_is_told_needs_no_own_ship_unless_the_array_is_towed() -> No
 def test_nothing_known_is_refused_with_the_remedy() -> None:
     with pytest.raises(InputError, match="own_ship/odometry"):
         station_view(Sensor(), None, DEFAULT)
+
+
+@pytest.mark.parametrize(
+    ("yaw", "roll", "pitch"), [(0.7, 0.9, 0.0), (-2.0, -2.5, 0.0), (2.5, 0.0, 0.8)]
+)
+def test_an_array_that_rolls_or_pitches_still_points_where_its_axis_does(
+    yaw: float, roll: float, pitch: float
+) -> None:
+    """Turned first by roll about x, then by pitch about y, then by yaw about z."""
+    turns = [
+        np.array([np.cos(yaw / 2.0), 0.0, 0.0, np.sin(yaw / 2.0)]),
+        np.array([np.cos(pitch / 2.0), 0.0, np.sin(pitch / 2.0), 0.0]),
+        np.array([np.cos(roll / 2.0), np.sin(roll / 2.0), 0.0, 0.0]),
+    ]
+    total = turns[0]
+    for turn in turns[1:]:
+        w, x, y, z = total
+        total = np.array([[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]]) @ turn
+    w, x, y, z = total
+    view = station_view(replace(facing(0.0), orientation=(x, y, z, w)), None, DEFAULT)
+    assert wrap_angle(view.axis - yaw) == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changes", "possible"),
+    [
+        ({"position": (1e8, 0.0, 0.0)}, True),
+        ({"position": (0.0, -1.1e8, 0.0)}, False),
+        ({"velocity": (1499.0, 0.0, 0.0)}, True),
+        ({"velocity": (1200.0, 900.0, 0.0)}, False),  # as fast as sound
+    ],
+)
+def test_a_station_that_cannot_be_there_or_move_so_is_refused(
+    changes: dict[str, tuple[float, float, float]], possible: bool
+) -> None:
+    sensor = replace(facing(0.0), **changes)  # type: ignore[arg-type]
+    if possible:
+        station_view(sensor, None, DEFAULT)
+        return
+    with pytest.raises(InputError, match="check its pose"):
+        station_view(sensor, None, DEFAULT)
+
+
+@pytest.mark.parametrize("missing", ["position", "velocity", "orientation"])
+def test_each_part_that_is_not_told_needs_own_ship(missing: str) -> None:
+    unknown = (np.nan,) * (4 if missing == "orientation" else 3)
+    sensor = replace(facing(0.4), **{missing: unknown})  # type: ignore[arg-type]
+    assert needs_own_ship(sensor, DEFAULT)
+    with pytest.raises(InputError, match="own_ship/odometry"):
+        station_view(sensor, None, DEFAULT)
+    view = station_view(sensor, own_ship(1.0, 0.1), replace(DEFAULT, mounting_yaw_deg=90.0))
+    told = station_view(facing(0.4), None, DEFAULT)
+    assert view.position == pytest.approx(
+        (100.0, 200.0) if missing == "position" else told.position
+    )
+    assert view.velocity == pytest.approx((3.0, 4.0) if missing == "velocity" else told.velocity)
+    axis = 1.0 + HALF if missing == "orientation" else told.axis
+    assert view.axis == pytest.approx(axis)
+    assert view.turn_rate == 0.1
+
+
+def test_an_angle_from_broadside_is_the_same_ahead_and_astern() -> None:
+    view = station_view(facing(0.5), None, DEFAULT)
+    assert view.from_broadside(np.pi - 0.3, AngleKind.CONE) == pytest.approx(0.3)
+    assert view.from_broadside(-np.pi + 0.3, AngleKind.CONE) == pytest.approx(-0.3)
+    # 2 rad to either side of the axis: behind broadside by 2 - pi / 2.
+    for azimuth in (2.0, -2.0):
+        assert view.from_broadside(azimuth, AngleKind.AZIMUTH) == pytest.approx(HALF - 2.0)

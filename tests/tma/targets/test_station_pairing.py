@@ -1,0 +1,133 @@
+"""Protects how targets of two stations are found to be one: evidence, rivals, decisions, ends."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sonar_tracking.tma.targets.followed_target import FollowedTarget
+from sonar_tracking.tma.targets.station_pairing import StationPairing
+from sonar_tracking.tma.targets.target_records import TargetObservation
+from sonar_tracking.tma.targets.target_solver import TargetSolver
+
+PLACES = {"bow": np.array([0.0, 0.0]), "stern": np.array([3000.0, 0.0])}
+SHIPS = (np.array([1500.0, 3000.0]), np.array([3500.0, 4000.0]))
+DEVIATION = np.radians(0.5)
+HEIGHT = 500.0
+"""Of the ships above the stations: the first one measures elevations, and knows where they are."""
+
+
+def observation(number: int, sensor: str, ship: int, off: float = 0.0) -> TargetObservation:
+    offset = SHIPS[ship] - PLACES[sensor]
+    azimuth = float(np.arctan2(offset[1], offset[0])) + off * DEVIATION
+    return TargetObservation(
+        stamp=number * 10**9,
+        sensor_id=sensor,
+        position=tuple(PLACES[sensor]),
+        velocity=(0.0, 0.0),
+        azimuths=(azimuth,),
+        azimuth_variance=float(DEVIATION**2),
+        elevation=float(np.arctan2(HEIGHT, np.hypot(*offset))) if sensor == "bow" else np.nan,
+        elevation_variance=float(DEVIATION**2),
+        height=HEIGHT,
+    )
+
+
+def followed(sensor: str, ship: int, frames: int = 5) -> FollowedTarget:
+    """Return a target that one station has followed for some seconds."""
+    made = FollowedTarget(TargetSolver(), {sensor: ship}, 0, 0, ship)
+    for number in range(frames):
+        made.solutions = made.observe(observation(number, sensor, ship))
+    return made
+
+
+def watch(
+    pairing: StationPairing, target: FollowedTarget, sensor: str, ship: int, frames: range
+) -> None:
+    for number in frames:
+        seen = observation(number, sensor, ship)
+        pairing.observe(target, seen)
+        target.solutions = target.observe(seen)
+
+
+def born(sensor: str = "stern") -> FollowedTarget:
+    return FollowedTarget(TargetSolver(), {sensor: 9}, 0, 0, 9)
+
+
+def test_bearings_of_the_same_ship_make_a_pair_and_a_solution_at_the_crossing() -> None:
+    pairing, old, new = StationPairing(10.0), followed("bow", 0), born()
+    pairing.begin(new, [old])
+    assert pairing.decide() == ()
+    watch(pairing, new, "stern", 0, range(5, 25))
+    (pair,) = pairing.decide()
+    assert (pair.first, pair.second) == (old, new)
+    (solution,) = pair.solutions
+    assert np.hypot(*(solution.mean[:2] - SHIPS[0])) < 150.0
+    pairing.join(pair)
+    assert pairing.decide() == (), "a pair that was made is not made again"
+
+
+def test_bearings_of_another_ship_give_the_trial_up() -> None:
+    """Behind the line of sight of the first no range explains them."""
+    pairing, old, new = StationPairing(10.0), followed("bow", 0), born()
+    pairing.begin(new, [old])
+    for number in range(5, 12):
+        seen = TargetObservation(
+            number * 10**9, "stern", (3000.0, 0.0), (0.0, 0.0), (-1.5,), float(DEVIATION**2)
+        )
+        pairing.observe(new, seen)
+        new.solutions = new.observe(seen)
+    assert pairing.decide() == ()
+    watch(pairing, new, "stern", 0, range(12, 40))
+    assert pairing.decide() == (), "given up for good"
+
+
+def test_of_two_rivals_the_better_one_must_lead_by_the_odds() -> None:
+    pairing, new = StationPairing(10.0), born()
+    olds = [followed("bow", 0), followed("bow", 0)]
+    pairing.begin(new, olds)
+    watch(pairing, new, "stern", 0, range(5, 25))
+    assert pairing.decide() == (), "both fit equally well"
+    pairing.end(olds[1])
+    (pair,) = pairing.decide()
+    assert pair.first is olds[0]
+
+
+def test_targets_that_share_a_station_are_never_tried() -> None:
+    pairing, old, new = StationPairing(10.0), followed("bow", 0), born("bow")
+    pairing.begin(new, [old])
+    silent = born()
+    pairing.begin(silent, [born("bow")])  # nothing is known of it yet
+    watch(pairing, new, "bow", 0, range(5, 25))
+    watch(pairing, silent, "stern", 0, range(25, 45))
+    assert pairing.decide() == ()
+
+
+@pytest.mark.parametrize("odds", [10.0, 1e4])
+def test_evidence_is_the_ratio_of_densities_with_a_hundredth_of_wild_bearings(odds: float) -> None:
+    """Decided as soon as the sum of its logarithms exceeds the odds, by hand."""
+    pairing, old, new = StationPairing(odds), followed("bow", 0), born()
+    pairing.begin(new, [old])
+    together, evidence = old.solver, 0.0
+    assert isinstance(together, TargetSolver)
+    together = together.copy()
+    chance = np.log(1.0 / (2.0 * np.pi))
+
+    def density(solver: TargetSolver, seen: TargetObservation) -> float:
+        likely = np.log(0.99) + solver.log_likelihood(seen)
+        return float(np.logaddexp(likely, np.log(0.01) + chance))
+
+    decided = False
+    for number in range(5, 30):
+        seen = observation(number, "stern", 0)
+        together.expect(seen)
+        own = chance if not new.solutions else density(new.solver, seen)  # type: ignore[arg-type]
+        evidence += density(together, seen) - own
+        together.update(seen)
+        pairing.observe(new, seen)
+        new.solutions = new.observe(seen)
+        decided = bool(pairing.decide())
+        assert decided == (evidence >= np.log(odds))
+        if decided:
+            break
+    assert decided or odds > 100.0
