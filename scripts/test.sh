@@ -12,10 +12,13 @@ source "$project/scripts/set_up.sh"
 unset PYTHONDONTWRITEBYTECODE
 
 kind=test
+workers=$(($(nproc) * 3 / 2)) # what a graph leaves of the processors, others use
+workers=$((workers < 50 ? workers : 50)) # each has a ROS domain, of 101
 selection=()
 if [[ "${1:-}" == "--quick" ]]; then
     shift
     kind=quick
+    workers="$(nproc)"
     selection=(-m "not graph and not system and not slow and not data")
 fi
 set_up "$kind"
@@ -45,7 +48,7 @@ else
     types=$!
     trap 'kill "$types" 2>/dev/null || true; rm -f "$types_output"' EXIT
 fi
-check tests .venv/bin/python -m pytest -n "$(nproc)" "${selection[@]}" "$@"
+check tests .venv/bin/python -m pytest -n "$workers" "${selection[@]}" "$@"
 if [[ -n "${types:-}" ]]; then
     check types types_found
 fi

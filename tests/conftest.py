@@ -1,8 +1,8 @@
 """Which tests are of which kind, and how they are shared out among processes.
 
-``./scripts/test.sh`` runs as many workers of pytest-xdist as there are processors. A file of tests
-stays with one worker, since its tests share fixtures; where they share none, long tests are shared
-out singly. The long ones come first, so that all workers end at about the same time.
+``./scripts/test.sh`` runs workers of pytest-xdist on all processors. A file of tests stays with one
+worker, since its tests share fixtures; where they share none, long tests are shared out singly. The
+long ones come first, so that all workers end at about the same time.
 """
 
 from __future__ import annotations

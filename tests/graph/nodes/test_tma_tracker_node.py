@@ -136,7 +136,8 @@ def test_bearings_and_lines_give_one_list_a_stamp_in_any_order_of_arrival(tracke
     assert [tracks.next_stamp for tracks in lists[:3]] == [tracks.stamp for tracks in lists[1:]]
     tracker.probe.wait(lambda: len(tracker.markers) == 4, "markers")
     kinds = {marker.ns for marker in tracker.markers[-1].markers}
-    assert kinds == {"", "position", "velocity", "name", "ellipse"}
+    # Four frames before any turn leave the range open: no ellipse, it is larger than any picture.
+    assert kinds == {"", "position", "velocity", "name"}
 
 
 def test_bearings_wait_for_the_lines_of_their_stamp(tracker: Tracker) -> None:
