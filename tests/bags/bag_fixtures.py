@@ -14,6 +14,7 @@ from sonar_tracking.bags.storage.mcap_writer import McapWriter
 from sonar_tracking.bags.storage.message_definitions import installed_typestore
 from sonar_tracking.bags.storage.recording_information import RecordingInformation
 from sonar_tracking.bags.storage.writer import BagWriter
+from sonar_tracking.records.bearings import TrackStatus
 
 SNAPSHOTS = "sonar_tracking_msgs/msg/ArraySnapshots"
 TRACKS = "sonar_tracking_msgs/msg/BearingTracks"
@@ -59,6 +60,7 @@ def snapshots_cdr(second: int, nanosecond: int = 0, n_snapshots: int = 20) -> by
         sensor_id="array",
         n_snapshots=n_snapshots,
         data=data,
+        sample_period=0.05,
         center_frequency=750.0,
         sound_speed=1500.0,
         **places,
@@ -68,8 +70,13 @@ def snapshots_cdr(second: int, nanosecond: int = 0, n_snapshots: int = 20) -> by
 
 
 def tracks_cdr(second: int) -> bytes:
-    """Return a serialised list of one bearing track."""
-    message = filled(TRACKS, id=np.array([7], dtype=np.uint64), arrival_angle=np.array([0.25]))
+    """Return a serialised list of one bearing track, which is tentative."""
+    message = filled(
+        TRACKS,
+        id=np.array([7], dtype=np.uint64),
+        arrival_angle=np.array([0.25]),
+        status=np.array([TrackStatus.TENTATIVE], dtype=np.uint8),
+    )
     message.header.stamp.sec = EPOCH + second
     return bytes(installed_typestore(TRACKS).serialize_cdr(message, TRACKS))
 

@@ -18,6 +18,7 @@ from sonar_tracking.bags.storage.message_definitions import installed_typestore
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.bags.storage.writer import BagWriter
 from sonar_tracking.errors import ConfigurationError, InputError
+from sonar_tracking.records.bearings import TrackStatus
 from tests.bags.bag_fixtures import EPOCH, SECOND, SNAPSHOTS, filled, open_writer, write_messages
 
 
@@ -30,6 +31,8 @@ def snapshots_message(n_values: int) -> bytes:
         element_x=positions,
         element_y=np.zeros(3),
         element_z=np.zeros(3),
+        sample_period=0.1,
+        center_frequency=300.0,
         sound_speed=1500.0,
         data=np.arange(n_values, dtype=np.float32),
     )
@@ -60,7 +63,7 @@ def test_tracks_are_read_with_nan_for_what_was_not_reported(tmp_path: Path) -> N
     assert [t.stamp for t in tracks] == [EPOCH * SECOND, (EPOCH + 1) * SECOND]
     assert tracks[0].id == [7] and tracks[0].arrival_angle == [0.25]
     assert np.isnan(tracks[0].covariance).all() and tracks[0].covariance.shape == (1, 2, 2)
-    assert tracks[0].status == [0] and not tracks[0].ambiguous.any()
+    assert tracks[0].status == [TrackStatus.TENTATIVE] and tracks[0].ambiguous.all()
 
 
 def test_a_message_that_contradicts_itself_is_named(tmp_path: Path) -> None:

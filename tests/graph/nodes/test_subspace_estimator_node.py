@@ -163,7 +163,7 @@ def test_a_wrong_element_count(estimator: Estimator) -> None:
 def test_zero_snapshots(estimator: Estimator) -> None:
     start = estimator.new_run()
     bad = replace(block(start, 3), data=np.empty((0, N_ELEMENTS), complex))
-    estimator.assert_rejected(bad, start, "zero snapshots")
+    estimator.assert_rejected(bad, start, "n_snapshots is 0: it was not filled in")
 
 
 def test_changed_geometry(estimator: Estimator) -> None:

@@ -102,6 +102,8 @@ def records_of(bag: Bag, topic: str, rejected: list[str] | None = None) -> Itera
             f"{bag.path}: {topic} is of type {type_name}, which carries no record; ask for one of "
             f"{', '.join(n for n, t in bag.topics.items() if t.type_name in _CONVERSIONS)}."
         )
+    if type_name == ODOMETRY_TYPE:
+        return own_ship_of(bag, topic, rejected)
     return _converted(bag, topic, _CONVERSIONS[type_name], rejected)
 
 
