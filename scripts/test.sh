@@ -12,17 +12,20 @@ source "$project/scripts/set_up.sh"
 unset PYTHONDONTWRITEBYTECODE
 
 kind=test
-workers=$(($(nproc) * 3 / 2)) # what a graph leaves of the processors, others use
-workers=$((workers < 50 ? workers : 50)) # each has a ROS domain, of 101
 selection=()
 if [[ "${1:-}" == "--quick" ]]; then
     shift
     kind=quick
-    workers="$(nproc)"
     selection=(-m "not graph and not system and not slow and not data")
 fi
 set_up "$kind"
 cd "$project"
+
+workers="$(nproc)"
+if [[ "$kind" == test ]]; then
+    workers=$((workers * 3 / 2)) # what a graph leaves of the processors, others use
+    workers=$((workers < 50 ? workers : 50)) # each has a ROS domain, of 101
+fi
 failed=()
 check() { # NAME COMMAND...: run one check; the others run even if it fails
     local name="$1"
