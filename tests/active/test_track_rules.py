@@ -217,4 +217,10 @@ def test_strong_contacts_start_likelier_candidates_and_weak_ones_none() -> None:
     tracks = tracker.update(replace(silence, stamp=scene.stamp + 10**10)).tracks
     existence = tracks.existence_probability
     assert len(existence) == 2
-    assert existence[1] > 2.0 * existence[0]
+    # Odds of 0.003 to 0.997 times e(a) / (0.99 + 0.01 e(a)); then a miss and survival.
+    excess = np.array([5.0, 15.0]) + np.log(0.01)
+    ratio = np.exp(excess * 10.0 / 11.0) / 11.0
+    odds = 0.003 / 0.997 * ratio / (0.99 + 0.01 * ratio)
+    begun = 0.999 * odds / (1.0 + odds)
+    missed = 1.0 - 0.01 ** (1.0 / 11.0) * PROBABILITY_IN_GATE
+    assert existence == pytest.approx(missed * begun / (1.0 - begun + missed * begun), rel=1e-6)

@@ -138,3 +138,14 @@ def test_a_crowd_starts_no_more_tracks_than_are_kept() -> None:
     updates = run(tracker(maximum_tracks=16, n_particles=50), many, many, many)
     assert len(updates[-1].tracks) == 15
     assert all(notice.culprit != "maximum_tracks" for notice in updates[-1].notices)
+
+
+def test_contacts_outside_the_gate_have_no_share() -> None:
+    here = [(2000.0, 0.0)]
+    alone, crowded = tracker(), tracker()
+    for made in (alone, crowded):
+        run(made, here, here, here)
+    first = alone.update(ping(3, (2020.0, 0.0))).tracks.state
+    far = [(2020.0, 0.0), (4000.0, 2.0), (2900.0, 0.0), (4500.0, -1.0)]
+    second = crowded.update(ping(3, *far)).tracks.state
+    assert second[0] == pytest.approx(first[0])

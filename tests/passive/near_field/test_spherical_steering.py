@@ -39,13 +39,16 @@ def test_without_curvature_the_wave_is_plane() -> None:
     assert np.abs(far - plane).max() < 1e-5
 
 
+@pytest.mark.parametrize("positions", [LINE, BENT])
 @pytest.mark.parametrize("curvature", [0.0, 0.04, 2.0])
-def test_derivatives_are_those_of_differences(curvature: float) -> None:
+def test_derivatives_are_those_of_differences(positions: np.ndarray, curvature: float) -> None:
     curvatures, step = np.full(4, curvature), 1e-6
-    vectors, by_angle, by_curvature = spherical_derivatives(LINE, ANGLES, curvatures, WAVENUMBER)
+    derivatives = spherical_derivatives(positions, ANGLES, curvatures, WAVENUMBER)
+    vectors, by_angle, by_curvature = derivatives
 
     def at(angle_step: float, curvature_step: float) -> np.ndarray:
-        return spherical_vectors(LINE, ANGLES + angle_step, curvatures + curvature_step, WAVENUMBER)
+        changed = curvatures + curvature_step
+        return spherical_vectors(positions, ANGLES + angle_step, changed, WAVENUMBER)
 
     assert np.allclose(vectors, at(0.0, 0.0))
     assert np.allclose(by_angle, (at(step, 0.0) - at(-step, 0.0)) / (2 * step), atol=1e-5)
