@@ -99,10 +99,11 @@ def test_pings_are_placed_by_own_ship_where_they_do_not_tell() -> None:
     mounting = recorded_mounting({"mounting_x": 50.0, "method": "integrated"})
     rejected: list[str] = []
     told = ping(2.0, sensor_position=(7.0, 8.0), sensor_velocity=(0.0, 0.0))
-    placed = located_pings([ping(5.0), told, ping(11.0)], own_ship, mounting, rejected)
-    np.testing.assert_allclose(
-        contact_points(placed, START, 0.0), [[2.0, 7.0, 1008.0], [5.0, 100.0, 1000.0]], atol=1e-9
-    )
+    at_rest = {"sensor_position": (0.0, 0.0), "sensor_velocity": (0.0, 0.0)}
+    new = ping(6.0, **at_rest, unset_pose=True)
+    placed = located_pings([ping(5.0), told, new, ping(11.0)], own_ship, mounting, rejected)
+    expected = [[2.0, 7.0, 1008.0], [5.0, 100.0, 1000.0], [6.0, 110.0, 1000.0]]
+    np.testing.assert_allclose(contact_points(placed, START, 0.0), expected, atol=1e-9)
     assert len(rejected) == 1 and "no odometry at its stamp" in rejected[0]
     assert recorded_mounting({}) == MountingConfiguration()
 

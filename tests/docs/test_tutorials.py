@@ -30,6 +30,8 @@ NOT_RUN = {
     r"sonar-tracking doctor": "tells of the machine; tests/graph/verbs/test_doctor.py",
     r"sonar-tracking import wav .* --samples": "needs own ship's track; tests/system runs it",
     r"python listener\.py": "does not end; test_listener_prints_the_bearings runs it",
+    r"python -m sonar_tracking.graph.nodes": "does not end; test_publish_contacts.py runs it",
+    r"python publisher\.py": "speaks to it, likewise",
     r"sonar-tracking run --duration 10 --no-display": "what the listener listens to, likewise",
 }
 """Lines of console blocks that are not run here, and why; they are parsed all the same."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,9 +11,20 @@ import yaml
 
 from sonar_tracking.active.contact_tracker import make_contact_tracker
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
-from sonar_tracking.bags.importers.import_contacts import ContactSensor, read_pings
-from sonar_tracking.bags.storage.bag_records import position_tracks_of
+from sonar_tracking.bags.importers.contact_messages import contacts_cdr, odometry_cdr
+from sonar_tracking.bags.importers.import_contacts import (
+    CONTACTS_TOPIC,
+    ODOMETRY_TOPIC,
+    ContactSensor,
+    read_pings,
+)
+from sonar_tracking.bags.storage.bag_records import (
+    CONTACTS_TYPE,
+    ODOMETRY_TYPE,
+    position_tracks_of,
+)
 from sonar_tracking.bags.storage.reader import read_bag
+from sonar_tracking.bags.storage.writer import BagWriter
 from sonar_tracking.display.bag_contents import bag_contents
 from sonar_tracking.evaluation.metrics.score_bag import score_bag
 from tests.system.command_line import report_of, run_command
@@ -99,3 +112,44 @@ def test_contacts_that_cannot_be_used_are_refused_in_one_sentence(tmp_path: Path
     assert done.returncode == 2
     assert "bearing_deg" in done.stdout and "Traceback" not in done.stdout
     assert not (tmp_path / "bag").exists()
+
+
+def test_odometry_in_a_file_of_its_own_is_there_in_time(tmp_path: Path) -> None:
+    """Pings that do not tell where they were sent wait for it; nothing is said to be missing."""
+    contacts, _ = write_files(tmp_path)
+    recorded = read_pings(contacts, ContactSensor(range_deviation=3.0, bearing_deviation_deg=1.0))
+    unknown = (np.nan, np.nan)
+    data = {
+        "contacts": [
+            (ping.stamp, contacts_cdr(replace(ping, sensor_position=unknown)))
+            for ping in recorded.pings
+        ],
+        "odometry": [
+            (state.stamp, odometry_cdr(state))
+            for state in map(recorded.own_ship.state, range(N_PINGS))
+        ],
+    }
+    types = {
+        "contacts": (CONTACTS_TOPIC, CONTACTS_TYPE),
+        "odometry": (ODOMETRY_TOPIC, ODOMETRY_TYPE),
+    }
+    both = tmp_path / "both"
+    both.mkdir()
+    for number, (name, messages) in enumerate(data.items()):
+        topic, kind = types[name]
+        writer = BagWriter(tmp_path / name)
+        writer.add_topic(topic, kind)
+        for stamp, message in messages:
+            writer.write(topic, stamp, message)
+        writer.close()
+        shutil.copy(tmp_path / name / f"{name}_0.mcap", both / f"run_{number}.mcap")
+    parameters, json = tmp_path / "parameters.yaml", tmp_path / "report.json"
+    parameters.write_text(yaml.safe_dump({"hpda_tracker": PARAMETERS}))
+    done = run_command(
+        tmp_path, "replay", both, "--rate", "max", "--parameters", parameters, "--json", json
+    )
+    assert done.returncode == 0, done.stdout
+    report = report_of(json)
+    assert report["topics"]["/active/tracks"]["messages"] == N_PINGS
+    said = " ".join(report["warnings"])
+    assert not any(words in said for words in ("nothing received", "missed", "own_ship"))

@@ -13,6 +13,7 @@ from sonar_tracking.active.contacts.sensor_location import (
     MountingConfiguration,
     located,
     needs_own_ship,
+    with_pose_judged,
 )
 from sonar_tracking.errors import InputError
 from sonar_tracking.motion import KinematicState, Trajectory, Turn
@@ -61,6 +62,56 @@ def test_what_the_ping_tells_is_not_overwritten() -> None:
     found = located(half, ship(), MOUNTED)
     assert found.sensor_position == CONTACTS.sensor_position
     assert np.all(np.isfinite(found.sensor_velocity))
+
+
+NEW = replace(
+    CONTACTS,
+    sensor_position=(0.0, 0.0),
+    sensor_velocity=(0.0, 0.0),
+    sensor_yaw=0.0,
+    unset_pose=True,
+)
+
+
+@pytest.mark.parametrize("frame", ["map", "", "sonar_link", "ship/sonar"])
+@pytest.mark.parametrize("velocity", [(0.0, 0.0), UNKNOWN])
+def test_a_ping_whose_pose_nobody_has_set_is_as_one_that_does_not_tell(
+    frame: str, velocity: tuple[float, float]
+) -> None:
+    new = replace(NEW, frame_id=frame, sensor_velocity=velocity)
+    judged, notice = with_pose_judged(new, ship(), MOUNTED, odometry=True)
+    told = replace(new, sensor_position=UNKNOWN, sensor_velocity=UNKNOWN, sensor_yaw=np.nan)
+    one, other = located(judged, ship(), MOUNTED), located(told, ship(), MOUNTED)
+    assert one.sensor_position == other.sensor_position
+    assert one.sensor_velocity == other.sensor_velocity
+    assert np.array_equal(one.azimuth, other.azimuth)
+    assert notice is not None and "new message" in notice.text
+
+
+def test_without_odometry_the_sensor_is_at_the_origin_and_before_it_nowhere() -> None:
+    judged, notice = with_pose_judged(NEW, None, MOUNTED, odometry=False)
+    assert located(judged, None, MOUNTED).sensor_position == (0.0, 0.0)
+    assert notice is not None and "no own_ship/odometry" in notice.text
+    judged, _ = with_pose_judged(NEW, None, MOUNTED, odometry=True)
+    with pytest.raises(InputError, match="odometry"):
+        located(judged, None, MOUNTED)
+
+
+def test_a_pose_that_was_set_is_kept_and_compared() -> None:
+    """Its yaw only where azimuths turn with the sensor; a ping that does not tell has none."""
+    judged, notice = with_pose_judged(CONTACTS, ship(), MOUNTED, odometry=True)
+    assert judged is CONTACTS and notice is not None and not notice.text
+    far = replace(CONTACTS, sensor_position=(5.0, 6000.0))
+    judged, notice = with_pose_judged(far, ship(), MOUNTED, odometry=True)
+    assert judged is far and notice is not None and "from where" in notice.text
+    askew = replace(CONTACTS, sensor_yaw=float(ship().azimuth))
+    for frame, words in (("map", ""), ("sonar", "180 degrees")):
+        told = replace(askew, frame_id=frame)
+        judged, notice = with_pose_judged(told, ship(), MOUNTED, odometry=True)
+        assert judged is told and notice is not None and words in notice.text
+        assert bool(notice.text) == bool(words)
+    silent = replace(CONTACTS, sensor_position=UNKNOWN)
+    assert with_pose_judged(silent, ship(), MOUNTED, odometry=True) == (silent, None)
 
 
 @pytest.mark.parametrize("yaw", [0.5, np.nan])

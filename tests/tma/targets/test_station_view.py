@@ -8,7 +8,12 @@ import pytest
 from sonar_tracking.errors import InputError
 from sonar_tracking.motion import KinematicState, wrap_angle
 from sonar_tracking.records.bearings import AngleKind, Sensor
-from sonar_tracking.tma.targets.station_view import needs_own_ship, station_view
+from sonar_tracking.tma.targets.station_view import (
+    may_be_unset,
+    needs_own_ship,
+    station_view,
+    with_pose_judged,
+)
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
 
 HALF = np.pi / 2.0
@@ -151,3 +156,45 @@ def test_an_angle_from_broadside_is_the_same_ahead_and_astern() -> None:
     # 2 rad to either side of the axis: behind broadside by 2 - pi / 2.
     for azimuth in (2.0, -2.0):
         assert view.from_broadside(azimuth, AngleKind.AZIMUTH) == pytest.approx(HALF - 2.0)
+
+
+NEW = Sensor("array", "own_ship/array", (0.0,) * 3, (0.0, 0.0, 0.0, 1.0), (0.0,) * 3)
+
+
+@pytest.mark.parametrize("frame", ["own_ship/array", "", "map", "array"])
+def test_a_pose_that_nobody_has_set_is_that_of_own_ship(frame: str) -> None:
+    """Its place, its motion and its axis, as if the data did not tell them."""
+    new = replace(NEW, frame_id=frame)
+    assert may_be_unset(new) and not needs_own_ship(new, DEFAULT)
+    sensor, notice = with_pose_judged(new, own_ship(0.3), DEFAULT, odometry=True)
+    assert needs_own_ship(sensor, DEFAULT)
+    view = station_view(sensor, own_ship(0.3), DEFAULT)
+    assert view.position == (100.0, 200.0) and view.velocity == (3.0, 4.0)
+    assert view.axis == pytest.approx(0.3)
+    assert notice is not None and "own_ship/odometry and the mounting" in notice.text
+
+
+def test_a_station_of_another_platform_may_be_at_the_origin() -> None:
+    buoy = replace(NEW, frame_id="buoy/array")
+    assert not may_be_unset(buoy)
+    sensor, notice = with_pose_judged(buoy, own_ship(0.3), DEFAULT, odometry=True)
+    assert sensor is buoy and notice is not None and "buoy/array" in notice.text
+    assert with_pose_judged(buoy, None, DEFAULT, odometry=True) == (buoy, None)
+
+
+def test_own_ship_at_rest_at_the_origin_has_its_array_there() -> None:
+    at_rest = replace(own_ship(0.0), position=np.zeros(2), velocity=np.zeros(2))
+    sensor, notice = with_pose_judged(NEW, at_rest, DEFAULT, odometry=True)
+    assert sensor is NEW and notice is not None and not notice.text
+
+
+def test_a_place_that_was_set_is_kept_and_compared_on_own_ship_only() -> None:
+    """The direction is not compared: a towed array follows a turn late."""
+    for frame, words in (("own_ship/array", "from where"), ("buoy/array", ""), ("map", "")):
+        told = replace(facing(2.0, frame), position=(10.0, 2000.0, 0.0))
+        sensor, notice = with_pose_judged(told, own_ship(0.0), DEFAULT, odometry=True)
+        assert sensor is told
+        assert (words in notice.text) if notice else not words
+    near = facing(2.0)
+    sensor, notice = with_pose_judged(near, own_ship(0.0), DEFAULT, odometry=True)
+    assert sensor is near and notice is not None and not notice.text
