@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from sonar_tracking.one_thread import ONE_THREAD
 from tests.without_ros import (  # noqa: F401  (hooks)
     pytest_make_collect_report,
     pytest_runtest_makereport,
@@ -20,8 +21,8 @@ from tests.without_ros import (  # noqa: F401  (hooks)
 if TYPE_CHECKING:
     from xdist.scheduler import LoadScopeScheduling
 
-for _variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(_variable, "1")  # as in the nodes; the workers share the processors
+for _variable, _value in ONE_THREAD.items():
+    os.environ.setdefault(_variable, _value)  # as in the nodes; the workers share the processors
 os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
 
 MARKS = {

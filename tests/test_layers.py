@@ -17,6 +17,7 @@ PACKAGE = "sonar_tracking"
 ROOMS = (
     "stop_signals",
     "errors",
+    "one_thread",
     "resources",
     "lazy_imports",
     "method_registry",

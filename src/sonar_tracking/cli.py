@@ -13,6 +13,7 @@ from typing import Annotated
 import sonar_tracking
 from sonar_tracking.errors import ConfigurationError, SonarTrackingError
 from sonar_tracking.evaluation.metrics.cutoff import CUTOFF_M
+from sonar_tracking.one_thread import ONE_THREAD
 from sonar_tracking.stop_signals import end_as_usual
 
 try:
@@ -287,9 +288,7 @@ def _needs(module: str) -> ModuleType:
 
 def _load(module: str) -> ModuleType:
     """Import the module of a verb that sees to stop signals itself."""
-    # Results are bit-identical only with one linear algebra thread, set before numpy loads.
-    for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ[variable] = "1"
+    os.environ.update(ONE_THREAD)
     return importlib.import_module(module)
 
 

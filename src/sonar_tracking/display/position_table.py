@@ -12,7 +12,7 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from sonar_tracking.display.uncertainty_ellipse import uncertainty_ellipse
+from sonar_tracking.filtering.uncertainty_ellipse import uncertainty_ellipse
 from sonar_tracking.motion import compass_from_azimuth
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks, TrackHypothesis

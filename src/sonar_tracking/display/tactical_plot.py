@@ -16,7 +16,7 @@ import numpy as np
 
 from sonar_tracking.display.position_history import PositionHistory
 from sonar_tracking.display.tactical_scene import TacticalScene
-from sonar_tracking.display.uncertainty_ellipse import uncertainty_ellipse
+from sonar_tracking.filtering.uncertainty_ellipse import uncertainty_ellipse
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 
 if TYPE_CHECKING:

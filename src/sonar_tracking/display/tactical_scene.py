@@ -11,10 +11,11 @@ import numpy as np
 from sonar_tracking.active.contacts.contact_positions import place_contacts
 from sonar_tracking.display.position_history import PositionHistory
 from sonar_tracking.records.arrays import FloatArray
-from sonar_tracking.records.bearings import AngleKind, BearingTracks, Sensor
+from sonar_tracking.records.bearings import AngleKind, BearingTracks
 from sonar_tracking.records.contacts import Contacts
 from sonar_tracking.records.own_ship import OwnShipState
 from sonar_tracking.records.time import seconds
+from sonar_tracking.sensor_pose import yaw_of
 
 
 def _nothing(width: int) -> FloatArray:
@@ -153,11 +154,5 @@ def stations_at_rest(lists: Iterable[BearingTracks]) -> dict[str, tuple[float, f
 def _azimuths(entry: BearingTracks, angle: float) -> tuple[float, ...]:
     if entry.angle_kind == AngleKind.AZIMUTH:
         return (angle,)
-    axis = sensor_yaw(entry.sensor)
+    axis = yaw_of(entry.sensor.orientation)
     return axis + (0.5 * math.pi - angle), axis - (0.5 * math.pi - angle)
-
-
-def sensor_yaw(sensor: Sensor) -> float:
-    """Return the azimuth of a sensor's x axis in ``map``, rad; NaN = unknown."""
-    x, y, z, w = sensor.orientation
-    return math.atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)

@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 from visualization_msgs.msg import Marker
 
-from sonar_tracking.graph.message_writing.marker_writing import (
-    position_markers,
-    uncertainty_ellipse,
-)
+from sonar_tracking.filtering.uncertainty_ellipse import uncertainty_ellipse
+from sonar_tracking.graph.message_writing.marker_writing import position_markers
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks, TrackHypothesis, TrackSource
 
@@ -34,7 +32,9 @@ def test_the_ellipse_holds_the_stated_share_and_lies_as_the_errors_do() -> None:
     turn = np.radians(30.0)
     rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
     covariance = rotation @ np.diag([900.0, 100.0]) @ rotation.T
-    major, minor, azimuth = uncertainty_ellipse(covariance, 0.95)
+    ellipse = uncertainty_ellipse(covariance, 0.95)
+    assert ellipse is not None
+    major, minor, azimuth = ellipse.semi_major, ellipse.semi_minor, ellipse.azimuth
     assert (major, minor) == pytest.approx((30.0 * 2.4477, 10.0 * 2.4477), rel=1e-4)
     assert np.tan(azimuth) == pytest.approx(np.tan(turn))
     drawn = np.random.default_rng(1).multivariate_normal([0.0, 0.0], covariance, 20_000)

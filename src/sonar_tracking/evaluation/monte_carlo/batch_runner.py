@@ -17,11 +17,10 @@ from typing import Any
 import numpy as np
 
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.one_thread import ONE_THREAD
 
 RUNS_PER_BATCH = 20
 """Runs that are computed together; fixed, since the last digits of a run may depend on it."""
-
-_THREAD_VARIABLES = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 @dataclass(frozen=True)
@@ -168,8 +167,8 @@ def _compute_distributed(
 @contextmanager
 def _one_thread_in_children() -> Iterator[None]:
     """Let processes started inside inherit an environment that asks for one BLAS thread."""
-    before = {name: os.environ.get(name) for name in _THREAD_VARIABLES}
-    os.environ.update(dict.fromkeys(_THREAD_VARIABLES, "1"))
+    before = {name: os.environ.get(name) for name in ONE_THREAD}
+    os.environ.update(ONE_THREAD)
     try:
         yield
     finally:

@@ -24,12 +24,9 @@ from sonar_tracking.graph.catalogue.passive_nodes import (
 from sonar_tracking.graph.catalogue.scenario_graph import started_nodes, with_published_topics
 from sonar_tracking.graph.catalogue.tma_nodes import TMA_TRACKER
 from sonar_tracking.graph.catalogue.transport_profile import choose_transport
+from sonar_tracking.one_thread import ONE_THREAD
 from sonar_tracking.simulation.scenarios.scenario_file import read_yaml_mapping
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
-
-# The linear algebra of a node is small: threads of its own cost more than they give, and results
-# stay the same whatever the machine.
-_ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 
 _METHODS = {
     f"{node.name}_method": entry
@@ -180,7 +177,7 @@ def _launched(
                 *methods.get(node.name, ()),
             ],
             remappings=remappings,
-            additional_env={**_ONE_THREAD, **environments[node.name]},
+            additional_env={**ONE_THREAD, **environments[node.name]},
         )
         for node in nodes
     ]

@@ -14,17 +14,14 @@ import numpy as np
 from geometry_msgs.msg import Point
 from visualization_msgs.msg import Marker, MarkerArray
 
+from sonar_tracking.filtering.uncertainty_ellipse import uncertainty_ellipse
 from sonar_tracking.graph.message_writing.field_writing import (
     set_quaternion,
     set_vector,
     time_from_stamp,
 )
-from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks, TrackHypothesis
-
-ELLIPSE_PROBABILITY = 0.95
-"""That the target is within its ellipse."""
 
 ARROW_SECONDS = 60.0
 """An arrow ends where the target will be after this time."""
@@ -78,29 +75,6 @@ def position_markers(tracks: PositionTracks) -> MarkerArray:
     return MarkerArray(markers=markers)
 
 
-def uncertainty_ellipse(covariance: FloatArray, probability: float) -> tuple[float, float, float]:
-    """Return the ellipse that holds a Gaussian position with a probability.
-
-    Parameters
-    ----------
-    covariance : ndarray, shape (2, 2)
-        m^2.
-    probability : float
-        Below 1.
-
-    Returns
-    -------
-    major, minor : float
-        Semi-axes, m.
-    azimuth : float
-        Of the major axis, rad.
-    """
-    values, vectors = np.linalg.eigh(covariance)
-    radius = math.sqrt(-2.0 * math.log(1.0 - probability))
-    minor, major = radius * np.sqrt(np.maximum(values, 0.0))
-    return float(major), float(minor), math.atan2(vectors[1, 1], vectors[0, 1])
-
-
 def _of_track(tracks: PositionTracks, row: int) -> list[Marker]:
     x, y = (float(value) for value in tracks.state[row, :2])
     position = _marker(tracks, Marker.SPHERE, "position", row)
@@ -127,18 +101,15 @@ def _velocity(tracks: PositionTracks, row: int) -> list[Marker]:
 
 def _ellipse(tracks: PositionTracks, row: int) -> list[Marker]:
     """Return the ellipse of a track, or nothing if it is unknown, flat or too long."""
-    covariance = tracks.covariance[row, :2, :2]
-    if not np.all(np.isfinite(covariance)):
-        return []
-    major, minor, azimuth = uncertainty_ellipse(covariance, ELLIPSE_PROBABILITY)
-    if minor <= 0.0 or 2.0 * major > LONGEST_ELLIPSE:
+    found = uncertainty_ellipse(tracks.covariance[row])
+    if found is None or found.semi_minor <= 0.0 or 2.0 * found.semi_major > LONGEST_ELLIPSE:
         return []
     x, y = (float(value) for value in tracks.state[row, :2])
     ellipse = _marker(tracks, Marker.CYLINDER, "ellipse", row)
     set_vector(ellipse.pose.position, (x, y, 0.0))
-    turn = (0.0, 0.0, math.sin(0.5 * azimuth), math.cos(0.5 * azimuth))
+    turn = (0.0, 0.0, math.sin(0.5 * found.azimuth), math.cos(0.5 * found.azimuth))
     set_quaternion(ellipse.pose.orientation, turn)
-    set_vector(ellipse.scale, (2.0 * major, 2.0 * minor, 1.0))
+    set_vector(ellipse.scale, (2.0 * found.semi_major, 2.0 * found.semi_minor, 1.0))
     return [ellipse]
 
 

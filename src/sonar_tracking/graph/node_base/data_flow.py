@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from builtin_interfaces.msg import Time
 from rclpy.node import Node
@@ -23,9 +23,6 @@ from sonar_tracking.graph.node_base import quality_of_service
 from sonar_tracking.graph.node_base.stamp_guard import StampCheck, StampGuard, Verdict
 from sonar_tracking.message_reading.field_reading import stamp_from_time
 from sonar_tracking.records.time import UNKNOWN_STAMP
-
-if TYPE_CHECKING:
-    pass
 
 
 class ProgressReporter:

@@ -18,11 +18,10 @@ from sonar_tracking.graph.catalogue.transport_profile import TransportChoice
 from sonar_tracking.graph.orchestration.flow_ledger import FlowLedger
 from sonar_tracking.graph.orchestration.matched_edges import MatchedEdges
 from sonar_tracking.graph.orchestration.process_supervisor import ProcessPlan
+from sonar_tracking.one_thread import ONE_THREAD
 
 CONTROL_NODE = "orchestration"
 """Name of the orchestration's own node."""
-
-_ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 @dataclass(frozen=True)
@@ -162,7 +161,7 @@ def _environment(transport: Mapping[str, str], log_directory: Path) -> dict[str,
     """
     return {
         **os.environ,
-        **dict.fromkeys(_ONE_THREAD, "1"),
+        **ONE_THREAD,
         "PYTHONUNBUFFERED": "1",
         "RCUTILS_COLORIZED_OUTPUT": "0",
         "ROS_LOG_DIR": str(log_directory / "ros"),

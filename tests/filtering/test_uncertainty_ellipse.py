@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sonar_tracking.display.uncertainty_ellipse import uncertainty_ellipse
+from sonar_tracking.filtering.uncertainty_ellipse import uncertainty_ellipse
 
 lengths = st.floats(0.1, 1e4)
 
