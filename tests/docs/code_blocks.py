@@ -1,4 +1,4 @@
-"""The code blocks of README.md and of the pages below docs/."""
+"""The code blocks of README.md, CONTRIBUTING.md and the pages below docs/."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ PROJECT = Path(__file__).resolve().parents[2]
 DOCS = PROJECT / "docs"
 PAGES = [
     PROJECT / "README.md",
+    PROJECT / "CONTRIBUTING.md",
     *sorted(
         page
         for page in DOCS.rglob("*.md")
