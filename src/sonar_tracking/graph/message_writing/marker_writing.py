@@ -1,33 +1,34 @@
-"""Position tracks as markers for RViz and Foxglove: position, velocity, uncertainty.
+"""Markers for RViz and Foxglove: what all pictures have in common.
 
-Markers are pictures: they are neither recorded nor compared. Every array begins by deleting the
-one before it. What is tentative, coasted or an improbable side is fainter. What could not be seen,
-or would hide everything else, is left out: arrows within their dot, ellipses without width or of
-which only a part would be in view, and whatever is all but transparent.
+Every array begins by deleting the one before it. What could not be seen, or would hide everything
+else, is left out: what ends within its dot, has no width, is longer than any view, or is all but
+transparent. What is tentative, coasted or one of two sides is fainter.
+
+The colours are Okabe and Ito's, which colour-blind readers tell apart, on dark and on light.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
-import numpy as np
 from geometry_msgs.msg import Point
+from std_msgs.msg import Header
 from visualization_msgs.msg import Marker, MarkerArray
 
-from sonar_tracking.filtering.uncertainty_ellipse import uncertainty_ellipse
 from sonar_tracking.graph.message_writing.field_writing import (
     set_quaternion,
     set_vector,
     time_from_stamp,
 )
+from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import TrackStatus
-from sonar_tracking.records.positions import PositionTracks, TrackHypothesis
+from sonar_tracking.records.positions import TrackHypothesis
 
-ARROW_SECONDS = 60.0
-"""An arrow ends where the target will be after this time."""
+Colour = tuple[float, float, float]
 
-SIZE = 60.0
-"""Diameter of the dot at a position, m."""
+MARKER_SIZE = 100.0
+"""Diameter of the dot at a position, by which all that has no size of its own is measured, m."""
 
 LONGEST_ELLIPSE = 20_000.0
 """Length from which on an ellipse says no more than that the position is unknown, m."""
@@ -35,88 +36,111 @@ LONGEST_ELLIPSE = 20_000.0
 FAINTEST = 0.05
 """Opacity below which nothing is seen on any background."""
 
-ELLIPSE_OPACITY = 0.3
-"""Share of the opacity of its track: what lies below an ellipse stays visible."""
+AREA_OPACITY = 0.3
+"""Share of the opacity of its track: what lies below an ellipse or a wedge stays visible."""
 
-COLOURS = {
-    TrackHypothesis.SINGLE: (0.1, 0.8, 0.2),
-    TrackHypothesis.LEFT: (0.9, 0.3, 0.2),
-    TrackHypothesis.RIGHT: (0.2, 0.6, 0.9),
+TEXT_OPACITY = 0.7
+"""Of the name of what is fainter: it can be read, or it is not there."""
+
+COLOURS: dict[TrackHypothesis, Colour] = {
+    TrackHypothesis.SINGLE: (0.00, 0.62, 0.45),
+    TrackHypothesis.LEFT: (0.84, 0.37, 0.00),
+    TrackHypothesis.RIGHT: (0.34, 0.71, 0.91),
 }
 OPACITY = {TrackStatus.CONFIRMED: 1.0, TrackStatus.TENTATIVE: 0.4, TrackStatus.COASTED: 0.2}
+"""Of what is drawn of a track; one that has ended is not drawn."""
 
 
-def position_markers(tracks: PositionTracks) -> MarkerArray:
-    """Return dots, arrows, ellipses and names of all running tracks, as far as they can be seen.
+def picture_header(stamp: int, frame_id: str) -> Header:
+    """Return the header all markers of one picture share.
 
     Parameters
     ----------
-    tracks : PositionTracks
-        The complete picture at its stamp.
-
-    Returns
-    -------
-    MarkerArray
-        In the frame of the tracks.
+    stamp : int
+        ns.
+    frame_id : str
+        Frame of all coordinates.
     """
-    markers = [_marker(tracks, Marker.SPHERE, "", 0, Marker.DELETEALL)]
-    for row in range(len(tracks)):
-        status = TrackStatus(int(tracks.status[row]))
-        if status is TrackStatus.TERMINATED or not np.all(np.isfinite(tracks.state[row])):
-            continue
-        probability = float(tracks.hypothesis_probability[row])
-        opacity = OPACITY[status] * (probability if math.isfinite(probability) else 1.0)
-        colour = COLOURS[TrackHypothesis(int(tracks.hypothesis[row]))]
-        for marker in _of_track(tracks, row):
-            marker.color.r, marker.color.g, marker.color.b = colour
-            marker.color.a = opacity * (ELLIPSE_OPACITY if marker.ns == "ellipse" else 1.0)
-            if marker.color.a >= FAINTEST:
-                markers.append(marker)
-    return MarkerArray(markers=markers)
+    return Header(stamp=time_from_stamp(stamp), frame_id=frame_id)
 
 
-def _of_track(tracks: PositionTracks, row: int) -> list[Marker]:
-    x, y = (float(value) for value in tracks.state[row, :2])
-    position = _marker(tracks, Marker.SPHERE, "position", row)
-    set_vector(position.pose.position, (x, y, 0.0))
-    set_vector(position.scale, (SIZE, SIZE, SIZE))
-    name = _marker(tracks, Marker.TEXT_VIEW_FACING, "name", row)
-    set_vector(name.pose.position, (x, y, 2.0 * SIZE))
-    name.scale.z = 2.0 * SIZE
-    name.text = str(int(tracks.id[row]))
-    return [position, *_velocity(tracks, row), name, *_ellipse(tracks, row)]
+def new_marker(header: Header, kind: int, namespace: str, number: int) -> Marker:
+    """Return a marker without size and colour, not turned.
+
+    Parameters
+    ----------
+    header : Header
+        See :func:`picture_header`.
+    kind : int
+        A type of Marker, e.g. ``Marker.SPHERE``.
+    namespace : str
+        What it shows; viewers let the reader turn each off.
+    number : int
+        Names it within its namespace.
+    """
+    return Marker(header=header, type=kind, ns=namespace, id=number, action=Marker.ADD)
 
 
-def _velocity(tracks: PositionTracks, row: int) -> list[Marker]:
-    """Return the arrow of a track, or nothing if it would end within the dot."""
-    x, y, vx, vy = (float(value) for value in tracks.state[row])
-    if ARROW_SECONDS * math.hypot(vx, vy) <= 0.5 * SIZE:
-        return []
-    velocity = _marker(tracks, Marker.ARROW, "velocity", row)
-    ahead = (x + ARROW_SECONDS * vx, y + ARROW_SECONDS * vy)
-    velocity.points = [Point(x=x, y=y, z=0.0), Point(x=ahead[0], y=ahead[1], z=0.0)]
-    set_vector(velocity.scale, (0.3 * SIZE, 0.6 * SIZE, 0.0))
-    return [velocity]
-
-
-def _ellipse(tracks: PositionTracks, row: int) -> list[Marker]:
-    """Return the ellipse of a track, or nothing if it is unknown, flat or too long."""
-    found = uncertainty_ellipse(tracks.covariance[row])
-    if found is None or found.semi_minor <= 0.0 or 2.0 * found.semi_major > LONGEST_ELLIPSE:
-        return []
-    x, y = (float(value) for value in tracks.state[row, :2])
-    ellipse = _marker(tracks, Marker.CYLINDER, "ellipse", row)
-    set_vector(ellipse.pose.position, (x, y, 0.0))
-    turn = (0.0, 0.0, math.sin(0.5 * found.azimuth), math.cos(0.5 * found.azimuth))
-    set_quaternion(ellipse.pose.orientation, turn)
-    set_vector(ellipse.scale, (2.0 * found.semi_major, 2.0 * found.semi_minor, 1.0))
-    return [ellipse]
-
-
-def _marker(
-    tracks: PositionTracks, kind: int, namespace: str, number: int, action: int = Marker.ADD
+def new_text(
+    header: Header, namespace: str, number: int, text: str, place: tuple[float, float], size: float
 ) -> Marker:
-    marker = Marker(type=kind, ns=namespace, id=number, action=action)
-    marker.header.frame_id = tracks.frame_id
-    marker.header.stamp = time_from_stamp(tracks.stamp)
+    """Return a text that is beside what it names when seen from above.
+
+    Parameters
+    ----------
+    header, namespace, number
+        As in :func:`new_marker`.
+    text : str
+        What is written.
+    place : tuple of float
+        Middle of the text, m.
+    size : float
+        Diameter of a dot, m.
+    """
+    marker = new_marker(header, Marker.TEXT_VIEW_FACING, namespace, number)
+    set_vector(marker.pose.position, (*place, size))
+    marker.scale.z = 2.5 * size
+    marker.text = text
     return marker
+
+
+def set_colour(marker: Marker, colour: Colour, opacity: float) -> None:
+    """Set the colour of a marker.
+
+    Parameters
+    ----------
+    marker : Marker
+        Changed.
+    colour : tuple of float
+        Red, green, blue, 0 to 1.
+    opacity : float
+        0 to 1.
+    """
+    marker.color.r, marker.color.g, marker.color.b = colour
+    marker.color.a = min(opacity, 1.0)
+
+
+def set_turn(marker: Marker, azimuth: float) -> None:
+    """Turn a marker about the vertical, anticlockwise, rad."""
+    half = 0.5 * azimuth
+    set_quaternion(marker.pose.orientation, (0.0, 0.0, math.sin(half), math.cos(half)))
+
+
+def points_from(positions: FloatArray) -> list[Point]:
+    """Return positions in the plane, shape (n, 2), m, as the points of a marker."""
+    return [Point(x=x, y=y, z=0.0) for x, y in positions.tolist()]
+
+
+def picture(header: Header, markers: Iterable[Marker]) -> MarkerArray:
+    """Return what replaces the picture before: the markers that can be seen.
+
+    Parameters
+    ----------
+    header : Header
+        See :func:`picture_header`.
+    markers : iterable of Marker
+        Coloured.
+    """
+    clear = Marker(header=header, action=Marker.DELETEALL)
+    seen = [marker for marker in markers if marker.color.a >= FAINTEST]
+    return MarkerArray(markers=[clear, *seen])

@@ -19,7 +19,7 @@ from sonar_tracking.graph.catalogue.topics import (
     PASSIVE_TRACKS,
     Topic,
 )
-from sonar_tracking.graph.message_writing.marker_writing import position_markers
+from sonar_tracking.graph.message_writing.position_marker_writing import position_markers
 from sonar_tracking.graph.message_writing.position_writing import position_tracks_to_message
 from sonar_tracking.graph.node_base.data_flow import Received
 from sonar_tracking.graph.node_base.event_time_join import JoinedItem

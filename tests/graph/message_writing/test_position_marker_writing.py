@@ -7,7 +7,7 @@ import pytest
 from visualization_msgs.msg import Marker
 
 from sonar_tracking.filtering.uncertainty_ellipse import uncertainty_ellipse
-from sonar_tracking.graph.message_writing.marker_writing import position_markers
+from sonar_tracking.graph.message_writing.position_marker_writing import position_markers
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks, TrackHypothesis, TrackSource
 
