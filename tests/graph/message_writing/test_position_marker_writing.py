@@ -71,11 +71,31 @@ def test_an_empty_list_clears_the_picture() -> None:
 
 
 def names_of(drawn: PositionTracks) -> set[str]:
-    return {marker.ns for marker in position_markers(drawn).markers[1:]}
+    return {marker.ns for marker in position_markers(drawn, size=60.0).markers[1:]}
+
+
+@pytest.mark.parametrize(("northward", "side"), [(-4.0, 1.0), (4.0, -1.0), (0.0, 1.0)])
+def test_the_name_is_where_the_arrow_does_not_go(northward: float, side: float) -> None:
+    state = np.array([[100.0, 200.0, 3.0, northward]])
+    drawn = position_markers(replace(tracks(TrackStatus.CONFIRMED), state=state), size=60.0)
+    (name,) = (marker for marker in drawn.markers if marker.ns == "name")
+    assert (name.pose.position.x, name.pose.position.y) == (100.0, 200.0 + side * 120.0)
+
+
+def test_a_name_can_be_read_though_its_track_is_faint() -> None:
+    drawn = position_markers(tracks(TrackStatus.COASTED)).markers[1:]
+    opacity = {marker.ns: marker.color.a for marker in drawn}
+    assert opacity["position"] == pytest.approx(0.2 * 0.5)
+    assert opacity["name"] >= 0.6
+
+
+def test_no_opacity_is_above_one() -> None:
+    certain = replace(tracks(TrackStatus.CONFIRMED), hypothesis_probability=np.array([1.0 + 1e-15]))
+    assert max(marker.color.a for marker in position_markers(certain).markers) == 1.0
 
 
 def test_an_arrow_ends_outside_of_its_dot_or_is_not_drawn() -> None:
-    # The dot has a radius of 30 m; an arrow shows what is done in a minute: the limit is 0.5 m/s.
+    # A dot with a radius of 30 m; an arrow shows what is done in a minute: the limit is 0.5 m/s.
     for speed, seen in ((0.0, False), (0.49, False), (0.51, True)):
         slow = replace(tracks(TrackStatus.CONFIRMED), state=np.array([[100.0, 200.0, 0.0, speed]]))
         expected = {"position", "name", "ellipse"} | ({"velocity"} if seen else set())

@@ -106,7 +106,7 @@ def _rays(tracks: BearingTracks, view: StationView, row: int) -> Iterator[_Ray]:
     if status is TrackStatus.TERMINATED or not math.isfinite(angle):
         return
     variance = float(tracks.covariance[row, 0, 0])
-    half = DEVIATIONS * math.sqrt(variance) if variance > 0.0 else math.nan
+    half = DEVIATIONS * math.sqrt(variance) if 0.0 < variance < math.inf else math.nan
     low, high = angle - half, angle + half
     if tracks.angle_kind is AngleKind.CONE:  # no angle from broadside is beyond the ends
         low, high = max(low, -0.5 * math.pi), min(high, 0.5 * math.pi)
