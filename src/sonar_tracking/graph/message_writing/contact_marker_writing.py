@@ -73,7 +73,7 @@ def contact_markers(
 
 
 def amplitude_colours(amplitude: FloatArray, n_contacts: int) -> FloatArray:
-    """Return the colours of contacts, red, green, blue, 0 to 1.
+    """Return the colours of contacts.
 
     Parameters
     ----------
@@ -85,6 +85,7 @@ def amplitude_colours(amplitude: FloatArray, n_contacts: int) -> FloatArray:
     Returns
     -------
     ndarray, shape (n_contacts, 3)
+        Red, green and blue, pure numbers from 0 to 1.
     """
     measured = amplitude if len(amplitude) else np.full(n_contacts, np.nan)
     level = 10.0 * np.log10(np.maximum(measured, np.finfo(float).tiny))
