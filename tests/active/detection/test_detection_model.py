@@ -103,6 +103,9 @@ def test_the_threshold_is_told_or_follows_from_false_alarms_or_the_weakest_conta
     assert model(ping(detection_threshold=3.0, false_alarm_probability=0.1)).threshold == 3.0
     assert model(ping(false_alarm_probability=0.1)).threshold == pytest.approx(np.log(10.0))
     assert model(ping(amplitude=np.array([6.0, 4.0]))).threshold == 4.0
+    # No false alarms at all is what nobody has told, not an infinite threshold.
+    unsaid = ping(false_alarm_probability=0.0, amplitude=np.array([6.0, 4.0]))
+    assert model(unsaid).threshold == 4.0
     assert np.isnan(model(ping(amplitude=np.zeros(0))).threshold)
 
 

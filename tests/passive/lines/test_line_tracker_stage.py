@@ -270,7 +270,8 @@ def test_an_array_that_aliases_at_high_frequencies_is_told() -> None:
 
 def test_parameters_that_contradict_each_other_are_refused() -> None:
     with pytest.raises(ConfigurationError, match="confirmation_frames"):
-        LineTrackerStage(LineTrackerConfiguration(confirmation_hits=6))
+        LineTrackerStage(LineTrackerConfiguration(confirmation_hits=6, confirmation_frames=5))
+    LineTrackerStage(LineTrackerConfiguration(confirmation_hits=5, confirmation_frames=5))
     with pytest.raises(ConfigurationError, match="maximum_frequency"):
         LineTrackerStage(LineTrackerConfiguration(minimum_frequency=50.0, maximum_frequency=20.0))
 

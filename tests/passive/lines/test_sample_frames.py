@@ -48,6 +48,16 @@ def test_each_frame_announces_the_next_and_the_unfinished_one_ends_the_data() ->
     assert frames[-1].samples is None
 
 
+@pytest.mark.parametrize("duration", [0.5, 3.0])
+def test_frames_begin_at_multiples_of_half_their_length(duration: float) -> None:
+    late = replace(blocks(RAMP, len(RAMP))[0], stamp=EPOCH + NANOSECONDS // 10)
+    frames = cut([late], SampleFramer(duration))
+    begins = [(frame.stamp - EPOCH) / NANOSECONDS - 0.5 * duration for frame in frames]
+    np.testing.assert_allclose(np.diff(begins), 0.5 * duration, atol=1e-9)
+    assert begins[0] >= 0.1
+    assert begins[0] == pytest.approx(0.25 if duration == 0.5 else 1.5)
+
+
 @pytest.mark.parametrize("block_samples", [7000, 333, 1000])
 def test_the_size_of_the_blocks_does_not_matter(block_samples: int) -> None:
     expected, frames = cut(blocks(RAMP)), cut(blocks(RAMP, block_samples))

@@ -189,6 +189,14 @@ def test_snapshots_that_a_moving_source_allows_by_hand(turn_deg: float) -> None:
     # Of 6 snapshots there are 6 eigenvalues, and noise in the last two of them.
     few = np.array([20.0, 3.0, 3.0, 3.0, 0.6, 0.4, *np.zeros(9)])
     assert counting_snapshots(few, 6, POSITIONS, WAVENUMBER, turn) == 6
+    # The unit of power does not count, with and without noise.
+    silent = np.array([20.0, 3.0, *np.zeros(13)])
+    for each in (values, silent):
+        allowed = {
+            counting_snapshots(unit * each, 200, POSITIONS, WAVENUMBER, turn)
+            for unit in (1e-20, 1.0, 1e12)
+        }
+        assert len(allowed) == 1
 
 
 def test_a_dozen_snapshots_are_counted_on_whatever_moves() -> None:

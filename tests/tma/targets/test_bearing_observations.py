@@ -185,3 +185,7 @@ def test_the_relatively_sharpest_lines_are_kept_in_their_order() -> None:
     kept = [row + 1 for row in range(number) if row not in (2, 5)]
     assert [line.line_id for line in heard[7]] == kept
     assert problem == ""
+    # Of equally sharp ones no more than can be used, the first.
+    alike = frequency_lines(list(range(1, number + 1)), [500.0] * number, [0.1] * number)
+    heard, _ = lines_of(alike, [7] * number)
+    assert [line.line_id for line in heard[7]] == list(range(1, MAXIMUM_LINES + 1))
