@@ -23,6 +23,7 @@ NODES = (
     "line_tracker",
     "tma_tracker",
     "hpda_tracker",
+    "scene_publisher",
     "recorder",
 )
 

@@ -20,7 +20,7 @@ function(drop_missing_include_directories)
     endif()
   endforeach()
 endfunction()
-cmake_language(DEFER DIRECTORY ${CMAKE_SOURCE_DIR} CALL drop_missing_include_directories)
+cmake_language(DEFER DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} CALL drop_missing_include_directories)
 
 # The environment is the first on PATH that holds ament: tell CMake and ament's index about it.
 file(TO_CMAKE_PATH "$ENV{PATH}" search_path)
@@ -32,3 +32,6 @@ foreach(directory IN LISTS search_path)
     break()
   endif()
 endforeach()
+
+# The same for a project in a folder of this one.
+set(CMAKE_PROJECT_INCLUDE "${CMAKE_CURRENT_LIST_FILE}")

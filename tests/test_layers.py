@@ -29,6 +29,7 @@ ROOMS = (
     "own_ship_interpolation",
     "sensor_pose",
     "filtering",
+    "scene",
     # stages, one package each, independent of one another
     "passive.performance",
     "passive.directions",

@@ -56,6 +56,14 @@ NoDisplayOption = Annotated[
     bool, typer.Option("--no-display", help="Lines of text instead of the live table.")
 ]
 
+NoDisplayTopicsOption = Annotated[
+    bool,
+    typer.Option(
+        "--no-display-topics",
+        help="Without the pictures for RViz and Foxglove, live and in the recording.",
+    ),
+]
+
 
 def _print_version(wanted: bool) -> None:
     if wanted:
@@ -87,11 +95,15 @@ def run(
     no_display: NoDisplayOption = False,
     json: JsonOption = None,
     cutoff: CutoffOption = CUTOFF_M,
+    no_display_topics: NoDisplayTopicsOption = False,
 ) -> None:
     """Run a scenario through the live graph: every node a process of its own."""
     module = _load("sonar_tracking.graph.verbs.run_command")
     raise typer.Exit(
-        module.run(scenario, duration, rate, record, parameters, not no_display, json, cutoff)
+        module.run(
+            *(scenario, duration, rate, record, parameters),
+            *(not no_display, json, cutoff, not no_display_topics),
+        )
     )
 
 
@@ -121,6 +133,7 @@ def replay(
     no_display: NoDisplayOption = False,
     json: JsonOption = None,
     cutoff: CutoffOption = CUTOFF_M,
+    no_display_topics: NoDisplayTopicsOption = False,
 ) -> None:
     """Replay a recording through the live graph and compare with what was recorded."""
     module = _load("sonar_tracking.graph.verbs.run_command")
@@ -128,7 +141,10 @@ def replay(
         _names(remap, namespace), start_offset, inf if duration is None else duration, loop
     )
     raise typer.Exit(
-        module.replay(bag, rate, record, parameters, repair, selected, not no_display, json, cutoff)
+        module.replay(
+            *(bag, rate, record, parameters, repair, selected),
+            *(not no_display, json, cutoff, not no_display_topics),
+        )
     )
 
 

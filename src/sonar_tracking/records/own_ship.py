@@ -4,6 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+BASE_FRAME = "own_ship/base_link"
+"""Frame of own ship, x forward and y to port, where odometry does not name another."""
+
+OWN_SHIP_FRAMES = "own_ship/"
+"""Frames whose names begin so are those of own ship and of what is aboard."""
+
 
 @dataclass(frozen=True)
 class OwnShipState:

@@ -199,7 +199,7 @@ class Bag:
                 before = merged[topic.name].message_count if topic.name in merged else 0
                 type_name = topic.definition.type_name
                 stored_role: Role | None = next(
-                    (r for r in ("input", "output", "truth", "other") if r == topic.role), None
+                    (r for r in get_args(Role) if r == topic.role), None
                 )
                 merged[topic.name] = BagTopic(
                     topic.name,

@@ -9,8 +9,9 @@ from typing import Any, Literal, get_args
 
 from sonar_tracking.errors import ConfigurationError
 
-Role = Literal["input", "output", "truth", "other"]
-"""What a topic is to the chain: replayed, compared, scored against, or none of these."""
+Role = Literal["input", "output", "truth", "display", "other"]
+"""What a topic is to the chain: replayed, compared, scored against, a picture for people, or none
+of these."""
 
 CUSTOM_DATA_KEY = "sonar_tracking.scenario"
 """Key of the information in ``custom_data`` of the bag and name of its MCAP metadata record."""
@@ -27,6 +28,11 @@ _OUTPUT_TYPES = (
     "sonar_tracking_msgs/msg/FrequencyLines",
     "sonar_tracking_msgs/msg/DetectionThreshold",
     "sonar_tracking_msgs/msg/Tracks",
+)
+_DISPLAY_TYPES = (
+    "diagnostic_msgs/msg/DiagnosticArray",
+    "tf2_msgs/msg/TFMessage",
+    "visualization_msgs/msg/MarkerArray",
 )
 
 
@@ -108,6 +114,8 @@ def role_of_type(topic: str, type_name: str) -> Role:
         return "input"
     if type_name in _OUTPUT_TYPES:
         return "output"
+    if type_name in _DISPLAY_TYPES:
+        return "display"
     return "other"
 
 

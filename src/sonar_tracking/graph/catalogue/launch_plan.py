@@ -13,6 +13,8 @@ from typing import Any
 from sonar_tracking.configuration import checked_value
 from sonar_tracking.errors import ConfigurationError, unknown_name_text
 from sonar_tracking.graph.catalogue.active_nodes import HPDA_TRACKER
+from sonar_tracking.graph.catalogue.display_nodes import SCENE_PUBLISHER
+from sonar_tracking.graph.catalogue.display_plan import with_mountings
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.passive_nodes import (
@@ -48,6 +50,7 @@ _FOR_ALL = {
     "remap": ("", "topics by other names: from:=to, several with commas between"),
     "use_sim_time": ("false", "true if another program publishes /clock"),
     "parameters": ("", "parameter file for all nodes"),
+    "display_topics": ("true", "false leaves out scene_publisher, which serves RViz and Foxglove"),
     **{
         name: ("", f"one of {', '.join(entry.choices)}; empty = as the other parameters say")
         for name, entry in _METHODS.items()
@@ -110,7 +113,7 @@ def nodes_of_scenario(given: Mapping[str, str]) -> list[LaunchedNode]:
     scenario = load_scenario(name)
     nodes = started_nodes(scenario, name)
     transport = choose_transport(scenario.block_bytes, n_publishers=1)
-    parameters = with_published_topics(nodes, scenario.nodes, scenario.namespaces)
+    parameters = with_published_topics(nodes, with_mountings(scenario.nodes), scenario.namespaces)
     for node in nodes:
         if node.serves_clock:
             parameters.setdefault(node.name, {})["scenario"] = name
@@ -147,6 +150,7 @@ def nodes_of_chain(given: Mapping[str, str]) -> list[LaunchedNode]:
             )
         nodes = (*nodes, TMA_TRACKER)
         parameters = with_published_topics(nodes, {}, {})
+    nodes = (*nodes, SCENE_PUBLISHER)
     environment = choose_transport(0, n_publishers=0).others
     return _launched(nodes, parameters, dict.fromkeys((n.name for n in nodes), environment), given)
 
@@ -157,7 +161,8 @@ def _launched(
     environments: Mapping[str, Mapping[str, str]],
     given: Mapping[str, str],
 ) -> list[LaunchedNode]:
-    nodes = tuple(nodes)
+    shown = _flag("display_topics", given)
+    nodes = tuple(node for node in nodes if shown or not node.is_display)
     methods = _methods(nodes, given)
     file = [given["parameters"]] if given["parameters"] else []
     for each in file:

@@ -7,6 +7,7 @@ alone: it starts without the parameters of the others.
 from __future__ import annotations
 
 from sonar_tracking.graph.catalogue.active_nodes import HPDA_TRACKER
+from sonar_tracking.graph.catalogue.display_nodes import SCENE_PUBLISHER
 from sonar_tracking.graph.catalogue.passive_nodes import (
     BAND_DEMODULATOR,
     BEARING_TRACKER,
@@ -34,6 +35,7 @@ NODES = {
         LINE_TRACKER,
         TMA_TRACKER,
         HPDA_TRACKER,
+        SCENE_PUBLISHER,
     )
 }
 """Every node by its name, sources first, in the order data flow."""

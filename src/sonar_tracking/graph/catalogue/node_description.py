@@ -39,7 +39,10 @@ class NodeDescription:
     station_outputs : tuple of Topic
         Published once for every station of the section, in the namespace of the station.
     markers : tuple of Topic
-        Pictures for RViz and Foxglove; they are neither recorded nor compared.
+        Pictures for RViz and Foxglove; they are recorded, but neither played nor compared.
+    is_display : bool
+        It only shows what the others find: nobody waits for it, and a run goes on without it. It
+        is started wherever one of its inputs is there.
     """
 
     name: str
@@ -54,6 +57,7 @@ class NodeDescription:
     station_outputs: tuple[Topic, ...] = ()
     markers: tuple[Topic, ...] = ()
     optional_inputs: tuple[Topic, ...] = ()
+    is_display: bool = False
 
     @property
     def serves_clock(self) -> bool:

@@ -116,7 +116,7 @@ def with_room_for_bursts(settings: NodeSettings, block_seconds: float) -> NodeSe
         needed = max(needed, 2 * math.ceil(waiting / (0.5 * frame_length)))
     return {
         name: {**values, "flow_depth": min(max(int(str(values["flow_depth"])), needed), _DEEPEST)}
-        if not NODES[name].section
+        if "flow_depth" in values and not NODES[name].section
         else values
         for name, values in settings.items()
     }

@@ -35,6 +35,8 @@ def started_nodes(scenario: Scenario, where: str) -> tuple[NodeDescription, ...]
     for node in NODES.values():
         if node.section:
             wanted = node.section in scenario.sensors
+        elif node.is_display:
+            wanted = bool(_heard(node) & available)
         else:
             asked = not node.on_request or node.name in scenario.nodes
             wanted = asked and not _missing(node, available)
@@ -147,6 +149,11 @@ def _refuse_doubled(node: NodeDescription, doubled: set[str], where: str) -> Non
 
 def _is_kind(name: str, topic: Topic) -> bool:
     return name == topic.name or name.endswith(f"/{topic.name}")
+
+
+def _heard(node: NodeDescription) -> set[str]:
+    listed = node.topic_parameters.values()
+    return {topic.name for topic in (*node.inputs, *node.optional_inputs, *listed)}
 
 
 def _missing(node: NodeDescription, available: set[str]) -> set[str]:

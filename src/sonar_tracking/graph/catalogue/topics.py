@@ -28,6 +28,8 @@ class TopicRole(Enum):
     """Computed by the nodes; a replay compares it."""
     TRUTH = "truth"
     """Known to a simulator only; for scoring."""
+    DISPLAY = "display"
+    """A picture for people: recorded, but neither played by a replay nor compared."""
 
 
 @dataclass(frozen=True)
@@ -129,7 +131,7 @@ PASSIVE_MARKERS = Topic(
     "passive/markers",
     "visualization_msgs/msg/MarkerArray",
     TopicKind.TRACKS,
-    TopicRole.OUTPUT,
+    TopicRole.DISPLAY,
     "passive/tracks for RViz and Foxglove, with uncertainty ellipses",
 )
 CONTACTS = Topic(
@@ -157,6 +159,27 @@ ACTIVE_MARKERS = Topic(
     "active/markers",
     "visualization_msgs/msg/MarkerArray",
     TopicKind.TRACKS,
-    TopicRole.OUTPUT,
+    TopicRole.DISPLAY,
     "active/tracks for RViz and Foxglove, with uncertainty ellipses",
+)
+TRANSFORMS = Topic(
+    "/tf",
+    "tf2_msgs/msg/TFMessage",
+    TopicKind.DATA,
+    TopicRole.DISPLAY,
+    "own ship in map, and sensors that are not mounted on it",
+)
+FIXED_TRANSFORMS = Topic(
+    "/tf_static",
+    "tf2_msgs/msg/TFMessage",
+    TopicKind.TRACKS,
+    TopicRole.DISPLAY,
+    "sensors that are mounted on own ship, in own_ship/base_link",
+)
+DIAGNOSTICS = Topic(
+    DIAGNOSTICS_TOPIC,
+    "diagnostic_msgs/msg/DiagnosticArray",
+    TopicKind.DATA,
+    TopicRole.DISPLAY,
+    "the state of every node",
 )

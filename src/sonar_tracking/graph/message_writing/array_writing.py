@@ -39,10 +39,8 @@ from sonar_tracking.message_reading.array_reading import (
 )
 from sonar_tracking.message_reading.field_reading import check_columns
 from sonar_tracking.records.bearings import ArraySnapshots, BearingTracks, SubspaceEstimates
-from sonar_tracking.records.own_ship import OwnShipState
+from sonar_tracking.records.own_ship import BASE_FRAME, OwnShipState
 from sonar_tracking.records.positions import MAP_FRAME
-
-BASE_FRAME = "own_ship/base_link"
 
 
 def snapshots_to_message(record: ArraySnapshots) -> ArraySnapshotsMessage:

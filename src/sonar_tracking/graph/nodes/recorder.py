@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
@@ -43,7 +43,7 @@ RECORDING = "recording"
 """Concern: what has been written, and whether it can be."""
 
 _TRACK_LISTS = ("sonar_tracking_msgs/msg/BearingTracks", "sonar_tracking_msgs/msg/Tracks")
-_ROLES: tuple[Role, ...] = ("input", "output", "truth", "other")
+_ROLES: tuple[Role, ...] = get_args(Role)
 
 
 class Recorder(Node):
@@ -144,8 +144,8 @@ class Recorder(Node):
             self._subscribe(topic, type_name, role)
 
     def _subscribe(self, topic: str, type_name: str, role: Role) -> None:
-        """Subscribe to serialised messages; /clock and the like are recorded without pacing."""
-        paces = role != "other"
+        """Subscribe to serialised messages; /clock and pictures are recorded without pacing."""
+        paces = role not in ("other", "display")
 
         def record(data: Any) -> None:
             self._record(topic, type_name, paces, data)

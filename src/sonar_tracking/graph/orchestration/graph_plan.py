@@ -40,6 +40,8 @@ class GraphPlan:
         Names of the nodes that publish what is due up to ``/clock``.
     transport : TransportChoice
         Transport of the processes.
+    displays : tuple of PlannedNode
+        Nodes that only show what the others find: the graph does not wait for them.
     """
 
     scenario: str
@@ -47,10 +49,15 @@ class GraphPlan:
     offered: tuple[Topic, ...] = ()
     sources: tuple[str, ...] = ()
     transport: TransportChoice = field(default_factory=TransportChoice)
+    displays: tuple[PlannedNode, ...] = ()
 
     def names(self) -> tuple[str, ...]:
         """Return the names of the nodes."""
         return tuple(node.name for node in self.nodes)
+
+    def display_names(self) -> tuple[str, ...]:
+        """Return the names of the nodes nobody waits for."""
+        return tuple(node.name for node in self.displays)
 
     def topics(self) -> dict[str, Topic]:
         """Return all data topics by resolved name; what is offered is what it is offered as."""
@@ -94,13 +101,16 @@ class GraphPlan:
         return FlowLedger(self.consumers(), self.producers())
 
     def edges(self) -> MatchedEdges:
-        """Return what each node must be matched with before data may flow."""
+        """Return what each node must be matched with before data may flow; displays should be."""
         consumers, producers = self.consumers(), self.producers()
         subscriptions = {
             node.name: {CLOCK_TOPIC: 1}
             | {resolved(topic): 1 for topic in node.subscriptions if resolved(topic) in producers}
             for node in self.nodes
         }
+        for node in self.displays:
+            heard = [resolved(topic) for topic in node.subscriptions]
+            subscriptions[node.name] = {name: 1 for name in heard if name in producers}
         publishers = {
             node.name: {f"/{PROGRESS_TOPIC}": 1}
             | {resolved(topic): len(consumers[resolved(topic)]) for topic in node.publishers}

@@ -8,7 +8,7 @@ from __future__ import annotations
 import signal
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
@@ -39,6 +39,8 @@ LOST_SECONDS = 60.0
 """What no node has moved a message for so long is taken for lost: the run goes on, and fails."""
 REMATCH_SECONDS = 0.5
 FOREIGN_PATIENCE = 3.0
+DISPLAY_PATIENCE = 3.0
+"""Data do not flow before what shows them is there, but for no longer than this."""
 _LONGEST_WAIT = 0.05
 _WATCH_SECONDS = 0.1
 
@@ -98,7 +100,7 @@ class Orchestration:
             signal.signal(number, self._stop_requested)
         for warning in self.warnings:
             self._display.say(f"warning: {warning}")
-        for node in self._plan.nodes:
+        for node in (*self._plan.nodes, *self._plan.displays):
             self.supervisor.start(process_plan(node, self._plan.transport, self._log_directory))
 
     def run(self, control: ControlNode, source: DataSource) -> None:
@@ -122,7 +124,8 @@ class Orchestration:
         names = self.supervisor.running()
         self.supervisor.stop(names, hurry=lambda: self._stops > 1)
         # Told to stop while it was starting, a node may end by the signal itself.
-        for name in names if self._flow_started is not None else ():
+        asked = [name for name in names if name in self._nodes]
+        for name in asked if self._flow_started is not None else ():
             process = self.supervisor.processes[name]
             if process.exit_code != 0:
                 self._fail(
@@ -132,7 +135,8 @@ class Orchestration:
 
     def report(self, data_seconds: float, observer: RunObserver) -> RunReport:
         """Return what the run came to, after the processes were stopped."""
-        comparable = not any(p.restarts for p in self.supervisor.processes.values())
+        processes = {name: self.supervisor.processes[name] for name in self._nodes}
+        comparable = not any(process.restarts for process in processes.values())
         latency = observer.latency.summary()
         return RunReport(
             scenario=self._plan.scenario,
@@ -146,7 +150,7 @@ class Orchestration:
                     messages_in=self.ledger.messages_in(name),
                     messages_out=self.ledger.messages_out(name),
                 )
-                for name, process in self.supervisor.processes.items()
+                for name, process in processes.items()
             },
             topics={
                 name: TopicReport(record.messages, record.hexdigest(), comparable)
@@ -206,7 +210,7 @@ class Orchestration:
         """Start what has ended until every node runs and is matched."""
         restarted: set[str] = set()
         deadline = time.monotonic() + START_PATIENCE
-        asked = None if self._flow_started is None else restarted
+        asked = self._nodes.keys() if self._flow_started is None else restarted
         while not self.interrupted:
             while self._ended:
                 process = self._ended.popleft()
@@ -229,6 +233,7 @@ class Orchestration:
             )
         if self._flow_started is None:
             self._refuse_foreign(control, source)
+            self._wait(control, source, self._displays_connected, DISPLAY_PATIENCE, "starting")
         elif not self.interrupted:
             # The others match the new process a moment after it has matched them; their own counts
             # still hold the old one, which nobody has said goodbye for.
@@ -272,8 +277,13 @@ class Orchestration:
                 "for this run."
             )
 
-    def _connected(self, control: ControlNode, nodes: set[str] | None) -> bool:
-        """Tell whether some nodes (default: all) and what the orchestration offers are matched."""
+    def _displays_connected(self) -> bool:
+        """Tell whether the nodes that show the data, as far as they run, hear them."""
+        running = self.supervisor.running()
+        return not self.edges.missing([n for n in self._plan.display_names() if n in running])
+
+    def _connected(self, control: ControlNode, nodes: Collection[str]) -> bool:
+        """Tell whether some nodes and what the orchestration offers are matched."""
         consumers = self._plan.consumers()
         return not self.edges.missing(nodes) and all(
             control.matched_subscriptions(topic) >= len(consumers[topic])
@@ -304,7 +314,11 @@ class Orchestration:
         if wall - self._watched < _WATCH_SECONDS:
             return
         self._watched = wall
-        self._ended.extend(self.supervisor.poll())
+        for process in self.supervisor.poll():
+            if process.plan.name in self._nodes:
+                self._ended.append(process)
+            else:
+                self._go_on_without(process)
         self._take_notices(control)
         if self.ledger.changes != self._progress[0]:
             self._progress = (self.ledger.changes, wall)
@@ -331,6 +345,15 @@ class Orchestration:
                 activity,
             )
             self._display.show(state, wall)
+
+    def _go_on_without(self, process: SupervisedProcess) -> None:
+        """Tell that a node has ended which only showed what the others find."""
+        sentence = (
+            f"{process.plan.name} {process.end_in_words}; the run goes on without it; its log is "
+            f"{process.log}."
+        )
+        self.warnings.append(sentence)
+        self._display.say(f"warning: {sentence}")
 
     def _take_notices(self, control: ControlNode) -> None:
         """Show what the nodes have said for the first time; errors of their own are failures."""

@@ -35,14 +35,14 @@ def inferred_nodes(bag: Bag) -> dict[str, dict[str, Any]]:
         If no node takes anything.
     """
     nodes: dict[str, dict[str, Any]] = {}
-    if _topics(bag, SNAPSHOTS):
+    if recorded_topics(bag, SNAPSHOTS):
         nodes[SUBSPACE_ESTIMATOR.name] = {}
         nodes[BEARING_TRACKER.name] = {}
-    elif bearings := _topics(bag, BEARING_TRACKS):
+    elif bearings := recorded_topics(bag, BEARING_TRACKS):
         nodes[TMA_TRACKER.name] = {"bearing_topics": bearings}
-        if lines := _topics(bag, FREQUENCY_LINES):
+        if lines := recorded_topics(bag, FREQUENCY_LINES):
             nodes[TMA_TRACKER.name]["line_topics"] = lines
-    if _topics(bag, CONTACTS):
+    if recorded_topics(bag, CONTACTS):
         nodes[HPDA_TRACKER.name] = {}
     if not nodes:
         there = ", ".join(f"{topic.name} ({topic.type_name})" for topic in bag.topics.values())
@@ -54,7 +54,8 @@ def inferred_nodes(bag: Bag) -> dict[str, dict[str, Any]]:
     return nodes
 
 
-def _topics(bag: Bag, kind: Topic) -> list[str]:
+def recorded_topics(bag: Bag, kind: Topic) -> list[str]:
+    """Return the names of the topics in a bag that carry messages of a kind, but for the truth."""
     return [
         name.lstrip("/")
         for name, topic in bag.topics.items()

@@ -20,6 +20,7 @@ _MODULE = "sonar_tracking.graph.nodes.recorder"
 def planned_recorder(
     output: Path,
     topics: Iterable[Topic],
+    shown: Iterable[Topic],
     scenario: Mapping[str, Any],
     settings: Mapping[str, Mapping[str, Any]],
     log_directory: Path,
@@ -32,6 +33,8 @@ def planned_recorder(
         The bag.
     topics : iterable of Topic
         What to record, besides ``/clock``.
+    shown : iterable of Topic
+        What to record, too, without that the data wait for it.
     scenario : mapping
         The resolved scenario.
     settings : mapping
@@ -40,7 +43,8 @@ def planned_recorder(
         Where files of the run go.
     """
     recorded = sorted(topics, key=lambda topic: topic.name)
-    roles: dict[str, Role] = {resolved(topic): topic.role.value for topic in recorded}
+    written = [*recorded, *sorted(shown, key=lambda topic: topic.name)]
+    roles: dict[str, Role] = {resolved(topic): topic.role.value for topic in written}
     information = RecordingInformation(scenario, settings, roles)
     information_file = log_directory / "recording.json"
     information_file.write_text(information.to_json(), encoding="utf-8")
@@ -51,10 +55,14 @@ def planned_recorder(
         parameters={
             "output": str(output.resolve()),
             "topics": (*roles, CLOCK_TOPIC),
-            "types": (*(topic.message_type for topic in recorded), CLOCK_TYPE),
+            "types": (*(topic.message_type for topic in written), CLOCK_TYPE),
             "roles": (*roles.values(), "other"),
             "recording": str(information_file),
-            "flow_depth": max(int(str(values["flow_depth"])) for values in settings.values()),
+            "flow_depth": max(
+                int(str(values["flow_depth"]))
+                for values in settings.values()
+                if "flow_depth" in values
+            ),
         },
     )
 

@@ -90,7 +90,7 @@ class Selection:
             return
         times = [message.log_time for message in bag.messages()]
         length = (times[-1] - times[0]) / NANOSECONDS
-        needed = max(float(str(values["reset_after"])) for values in settings.values())
+        needed = max(float(str(values.get("reset_after", 0.0))) for values in settings.values())
         if length <= needed:
             raise ConfigurationError(
                 f"--loop: {length:.1f} s are replayed, and nodes take stamps that go back by up to "

@@ -32,6 +32,7 @@ def run(
     display: bool,
     json: Path | None,
     cutoff_m: float,
+    display_topics: bool,
 ) -> int:
     """Run a scenario through the live graph and return the exit code.
 
@@ -40,7 +41,7 @@ def run(
     ConfigurationError
         If what was asked cannot be done; nothing was started then.
     """
-    options = RunOptions(rate_from_text(rate), record, json, cutoff_m)
+    options = RunOptions(rate_from_text(rate), record, json, cutoff_m, display_topics)
     options.check()
     from sonar_tracking.graph.verbs.run_scenario import run_scenario
 
@@ -61,6 +62,7 @@ def replay(
     display: bool,
     json: Path | None,
     cutoff_m: float,
+    display_topics: bool,
 ) -> int:
     """Replay a recording through the live graph and return the exit code.
 
@@ -69,7 +71,7 @@ def replay(
     ConfigurationError
         If what was asked cannot be done; nothing was started then.
     """
-    options = RunOptions(rate_from_text(rate), record, json, cutoff_m)
+    options = RunOptions(rate_from_text(rate), record, json, cutoff_m, display_topics)
     options.check()
     from sonar_tracking.graph.verbs.run_replay import replay_bag
 

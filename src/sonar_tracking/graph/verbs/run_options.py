@@ -27,12 +27,15 @@ class RunOptions:
         Where to write the report.
     cutoff_m : float
         Distance from which on the score takes a position track for none of a target, m.
+    display_topics : bool
+        Start what shows the data to RViz and Foxglove, and record what is shown.
     """
 
     rate: float = 1.0
     record: Path | None = None
     json: Path | None = None
     cutoff_m: float = CUTOFF_M
+    display_topics: bool = True
 
     def check(self) -> None:
         """Refuse what could only fail at the end of the run.

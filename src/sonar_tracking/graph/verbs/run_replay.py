@@ -13,6 +13,8 @@ from sonar_tracking.bags.storage.reader import Bag, read_bag
 from sonar_tracking.bags.storage.repair import repair_bag
 from sonar_tracking.display.run_display import RunDisplay
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.graph.catalogue.display_nodes import SCENE_PUBLISHER
+from sonar_tracking.graph.catalogue.display_plan import shown_topics, with_mountings
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.node_settings import (
@@ -22,8 +24,9 @@ from sonar_tracking.graph.catalogue.node_settings import (
     with_room_for_bursts,
 )
 from sonar_tracking.graph.catalogue.planned_node import FLOW_WINDOW, PlannedNode
-from sonar_tracking.graph.catalogue.scenario_graph import planned_nodes
+from sonar_tracking.graph.catalogue.scenario_graph import NO_TOPIC, planned_nodes
 from sonar_tracking.graph.catalogue.topics import (
+    BEARING_TRACKS,
     SAMPLES,
     SNAPSHOTS,
     TRUE_BEARING_TRACKS,
@@ -35,7 +38,7 @@ from sonar_tracking.graph.catalogue.transport_profile import choose_transport
 from sonar_tracking.graph.orchestration.graph_plan import GraphPlan, resolved
 from sonar_tracking.graph.orchestration.orchestration import Orchestration
 from sonar_tracking.graph.orchestration.run_report import RunReport
-from sonar_tracking.graph.verbs.inferred_nodes import inferred_nodes
+from sonar_tracking.graph.verbs.inferred_nodes import inferred_nodes, recorded_topics
 from sonar_tracking.graph.verbs.recording_plan import planned_recorder, recording_hint
 from sonar_tracking.graph.verbs.replay_comparison import ReplayComparison
 from sonar_tracking.graph.verbs.replay_selection import Selection
@@ -122,9 +125,8 @@ def _play(
     replayed = observer.records if selection.whole else {}
     comparison = ReplayComparison(bag, replayed, inputs | truth)
     try:
-        with ControlNode(
-            orchestration.ledger, orchestration.edges, observer, plan.names()
-        ) as control:
+        names = (*plan.names(), *plan.display_names())
+        with ControlNode(orchestration.ledger, orchestration.edges, observer, names) as control:
             for topic in plan.offered:
                 control.offer(topic, 2 * FLOW_WINDOW + 2)
             for topic in plan.observed().values():
@@ -158,17 +160,24 @@ def plan_replay(
     """
     descriptions = [NODES[name] for name in settings]
     settings = with_room_for_bursts(settings, _block_seconds(bag))
-    nodes = planned_nodes(descriptions, settings)
+    if not options.display_topics:
+        descriptions = [node for node in descriptions if not node.is_display]
+    planned = planned_nodes(descriptions, settings)
+    nodes = tuple(node for node in planned if not NODES[node.name].is_display)
     offered = _offered(bag, nodes)
     scenario = dict(bag.recording.scenario) if bag.recording else {}
     if options.record is not None:
         topics = [*offered, *(topic for node in nodes for topic in node.publishers)]
-        nodes += (planned_recorder(options.record, topics, scenario, settings, log_directory),)
+        shown = shown_topics(descriptions) if options.display_topics else ()
+        nodes += (
+            planned_recorder(options.record, topics, shown, scenario, settings, log_directory),
+        )
     return GraphPlan(
         scenario=str(scenario.get("name") or bag.path.name),
         nodes=nodes,
         offered=offered,
         transport=choose_transport(_largest_input_bytes(bag, offered), n_publishers=2),
+        displays=tuple(node for node in planned if NODES[node.name].is_display),
     )
 
 
@@ -211,7 +220,17 @@ def settings_of(bag: Bag, parameters: Path | None, display: RunDisplay) -> NodeS
             f"{bag.path} does not say with which nodes it was recorded; by the types of its "
             f"messages: {', '.join(inferred)}. --parameters FILE gives others."
         )
-    return resolved_settings(given, processing, where)
+    given = with_mountings(given)
+    if not recorded.get(SCENE_PUBLISHER.name):
+        given[SCENE_PUBLISHER.name].setdefault("bearing_topics", _bearing_topics(bag, processing))
+    return resolved_settings(given, (*processing, SCENE_PUBLISHER), where)
+
+
+def _bearing_topics(bag: Bag, nodes: tuple[NodeDescription, ...]) -> list[str]:
+    """Return the bearing tracks in a bag and of the nodes that replay it."""
+    found = [topic.name for node in nodes for topic in node.outputs if topic == BEARING_TRACKS]
+    found += recorded_topics(bag, BEARING_TRACKS)
+    return sorted(set(found)) or [NO_TOPIC]
 
 
 def _recorded_parameters(bag: Bag) -> Mapping[str, Mapping[str, Any]]:
@@ -219,7 +238,11 @@ def _recorded_parameters(bag: Bag) -> Mapping[str, Mapping[str, Any]]:
 
 
 def _processing(given: Mapping[str, Mapping[str, Any]]) -> tuple[NodeDescription, ...]:
-    return tuple(node for node in NODES.values() if node.name in given and not node.section)
+    return tuple(
+        node
+        for node in NODES.values()
+        if node.name in given and not node.section and not node.is_display
+    )
 
 
 def _offered(bag: Bag, nodes: tuple[PlannedNode, ...]) -> tuple[Topic, ...]:

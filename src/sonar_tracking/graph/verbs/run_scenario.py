@@ -9,6 +9,8 @@ from pathlib import Path
 from sonar_tracking.configuration import describe, from_mapping
 from sonar_tracking.display.run_display import RunDisplay
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.graph.catalogue.display_plan import shown_topics, with_mountings
+from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from sonar_tracking.graph.catalogue.node_settings import (
     NodeSettings,
     read_settings,
@@ -86,7 +88,7 @@ def run_scenario(
             orchestration.ledger,
             orchestration.edges,
             observer,
-            plan.names(),
+            (*plan.names(), *plan.display_names()),
             plan.sources,
         ) as control:
             for topic in plan.observed().values():
@@ -134,7 +136,10 @@ def plan_scenario(
     """
     descriptions = started_nodes(scenario, where)
     sources = tuple(node.name for node in descriptions if node.serves_clock)
-    given = with_published_topics(descriptions, scenario.nodes, scenario.namespaces)
+    if not options.display_topics:
+        descriptions = tuple(node for node in descriptions if not node.is_display)
+    given = with_mountings(scenario.nodes)
+    given = with_published_topics(descriptions, given, scenario.namespaces)
     settings = resolved_settings(given, descriptions, f"{where}: nodes")
     _check_source_count(scenario, settings, where)
     settings = with_room_for_bursts(settings, scenario.step)
@@ -142,18 +147,23 @@ def plan_scenario(
     scenario_file.write_text(scenario_to_yaml(scenario), encoding="utf-8")
     for name in sources:
         settings[name] = {**settings[name], "scenario": str(scenario_file)}
-    nodes = planned_nodes(descriptions, settings, scenario.namespaces)
+    planned = planned_nodes(descriptions, settings, scenario.namespaces)
+    nodes = tuple(node for node in planned if not NODES[node.name].is_display)
     if options.record is not None:
         topics = {topic.name: topic for node in nodes for topic in node.publishers}.values()
         mapping = scenario_to_mapping(scenario)
         for name in sources:
             settings[name] = {**settings[name], "scenario": scenario.name}
-        nodes += (planned_recorder(options.record, topics, mapping, settings, log_directory),)
+        shown = shown_topics(descriptions) if options.display_topics else ()
+        nodes += (
+            planned_recorder(options.record, topics, shown, mapping, settings, log_directory),
+        )
     return GraphPlan(
         scenario=scenario.name,
         nodes=nodes,
         sources=sources,
         transport=choose_transport(_largest_message_bytes(scenario, settings), n_publishers=2),
+        displays=tuple(node for node in planned if NODES[node.name].is_display),
     )
 
 

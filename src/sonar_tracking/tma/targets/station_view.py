@@ -15,11 +15,10 @@ import numpy as np
 from sonar_tracking.errors import InputError, Notice
 from sonar_tracking.motion import KinematicState, lever_arm, swing_velocity, wrap_angle
 from sonar_tracking.records.bearings import AngleKind, Sensor
+from sonar_tracking.records.own_ship import OWN_SHIP_FRAMES
 from sonar_tracking.records.positions import MAP_FRAME
 from sonar_tracking.sensor_pose import PlanePose, is_unset, judge_pose, mounted_pose, yaw_of
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-
-OWN_SHIP_FRAMES = "own_ship/"
 
 FARTHEST = 1e8
 """Largest coordinate of a station in ``map``, m."""

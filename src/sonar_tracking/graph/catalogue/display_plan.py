@@ -1,0 +1,42 @@
+"""What is shown to people of a graph, and with which parameters (no ROS import)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from sonar_tracking.graph.catalogue.active_nodes import HPDA_TRACKER
+from sonar_tracking.graph.catalogue.display_nodes import SCENE_PUBLISHER
+from sonar_tracking.graph.catalogue.node_description import NodeDescription
+from sonar_tracking.graph.catalogue.tma_nodes import TMA_TRACKER
+from sonar_tracking.graph.catalogue.topics import DIAGNOSTICS, Topic
+
+_MOUNTINGS = {"sonar": HPDA_TRACKER.name, "array": TMA_TRACKER.name}
+"""The trackers that are told where a sensor is on own ship, by what it is."""
+
+
+def shown_topics(nodes: Iterable[NodeDescription]) -> tuple[Topic, ...]:
+    """Return the topics of a graph that are for people: its pictures, and the state of the nodes.
+
+    Parameters
+    ----------
+    nodes : iterable of NodeDescription
+        The nodes of the graph.
+    """
+    return (*(topic for node in nodes for topic in node.markers), DIAGNOSTICS)
+
+
+def with_mountings(given: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
+    """Return parameters by which the scene shows sensors where the trackers take them to be.
+
+    Parameters
+    ----------
+    given : mapping
+        Node name, parameter name, value.
+    """
+    scene = dict(given.get(SCENE_PUBLISHER.name, {}))
+    for sensor, tracker in _MOUNTINGS.items():
+        for name, value in given.get(tracker, {}).items():
+            if name.startswith("mounting_"):
+                scene.setdefault(f"{sensor}_{name}", value)
+    return {name: dict(values) for name, values in given.items()} | {SCENE_PUBLISHER.name: scene}
