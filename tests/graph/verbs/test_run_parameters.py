@@ -30,5 +30,5 @@ def test_what_a_file_says_is_checked_together_with_the_scenario(
     mine = tmp_path / "mine.yaml"
     mine.write_text(text)
     with pytest.raises(ConfigurationError) as caught:
-        run_command.run("active", 10.0, "1", None, mine, False, None, CUTOFF_M)
+        run_command.run("active", 10.0, "1", None, mine, False, None, CUTOFF_M, True)
     assert sentence in str(caught.value)

@@ -13,6 +13,7 @@ from collections.abc import Collection, Iterator
 from copy import copy
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import get_args
 
 from sonar_tracking.bags.storage.bag_files import files_of
 from sonar_tracking.bags.storage.bag_information import (

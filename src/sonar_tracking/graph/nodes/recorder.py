@@ -29,7 +29,7 @@ from sonar_tracking.bags.storage.recording_information import (
 from sonar_tracking.bags.storage.writer import FLUSH_PERIOD, BagWriter
 from sonar_tracking.errors import ConfigurationError, Severity
 from sonar_tracking.graph.catalogue.recorder_parameters import RECORDER_PARAMETERS
-from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC, DIAGNOSTICS_TOPIC
+from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC, DIAGNOSTICS_TOPIC, FIXED_TRANSFORMS
 from sonar_tracking.graph.message_writing.field_writing import message_class, time_from_stamp
 from sonar_tracking.graph.node_base import parameters, quality_of_service
 from sonar_tracking.graph.node_base.data_flow import ProgressReporter
@@ -42,7 +42,12 @@ NAME = "recorder"
 RECORDING = "recording"
 """Concern: what has been written, and whether it can be."""
 
-_TRACK_LISTS = ("sonar_tracking_msgs/msg/BearingTracks", "sonar_tracking_msgs/msg/Tracks")
+_KEPT_TYPES = (
+    "sonar_tracking_msgs/msg/BearingTracks",
+    "sonar_tracking_msgs/msg/Tracks",
+    "visualization_msgs/msg/MarkerArray",
+)
+"""Complete pictures, which are kept for late readers."""
 _ROLES: tuple[Role, ...] = get_args(Role)
 
 
@@ -136,9 +141,9 @@ class Recorder(Node):
             )
         self._writer = BagWriter(output, _recording_information(values["recording"]))
         for topic, type_name, role in zip(topics, types, roles, strict=True):
+            kept = type_name in _KEPT_TYPES or topic == FIXED_TRANSFORMS.name
             quality = OfferedQuality(
-                self._depth,
-                durability="transient_local" if type_name in _TRACK_LISTS else "volatile",
+                self._depth, durability="transient_local" if kept else "volatile"
             )
             self._writer.add_topic(topic, type_name, definitions[type_name], role, quality)
             self._subscribe(topic, type_name, role)
@@ -151,11 +156,14 @@ class Recorder(Node):
             self._record(topic, type_name, paces, data)
 
         self._counts[topic] = 0
+        profile = quality_of_service.subscription_profile(self._depth if paces else 100)
+        if topic == FIXED_TRANSFORMS.name:
+            profile = quality_of_service.LATE_READER
         self._topics[topic] = self.create_subscription(
             message_class(type_name),
             topic,
             record,
-            quality_of_service.subscription_profile(self._depth if paces else 100),
+            profile,
             raw=True,
         )
 
@@ -163,7 +171,8 @@ class Recorder(Node):
         self._counts[topic] += 1
         log_time = self._log_clock.log_time(topic, type_name, data)
         self._diagnostics.advance(log_time)
-        if self._writer is not None:
+        # What nodes say before the data have no time yet: it would stand decades before the rest.
+        if self._writer is not None and (log_time or paces):
             try:
                 self._writer.write(topic, log_time, data)
             except OSError as error:

@@ -26,6 +26,7 @@ from sonar_tracking.graph.catalogue.topics import (
     ODOMETRY,
     TRANSFORMS,
     Topic,
+    TopicKind,
 )
 from sonar_tracking.graph.message_writing.field_writing import message_class
 from sonar_tracking.graph.message_writing.transform_writing import transforms_to_message
@@ -65,9 +66,8 @@ class ScenePublisher(Node):
         self._diagnostics = Diagnostics(name, self.get_logger(), reports.publish)
         self._received: dict[str, int] = {}
         self._own_ship = OwnShipReader()
-        self._frames = SceneFrames(
-            self.get_namespace().lstrip("/") and f"{self.get_namespace()[1:]}/"
-        )
+        namespace = self.get_namespace().strip("/")
+        self._frames = SceneFrames(namespace and f"{namespace}/")
         self._fixed: tuple[FrameTransform, ...] = ()
         self._transforms = self._publisher(TRANSFORMS)
         self._fixed_transforms = self._publisher(FIXED_TRANSFORMS)
@@ -84,8 +84,9 @@ class ScenePublisher(Node):
         self.create_timer(STATUS_PERIOD, self._diagnostics.publish)
 
     def _publisher(self, topic: Topic) -> Publisher:
-        """Return a publisher of pictures."""
-        profile = quality_of_service.publisher_profile(topic.kind, DEPTH)
+        """Return a publisher of pictures; of those for late readers, the last one is kept."""
+        depth = 1 if topic.kind is TopicKind.TRACKS else DEPTH
+        profile = quality_of_service.publisher_profile(topic.kind, depth)
         return self.create_publisher(message_class(topic.message_type), topic.name, profile)
 
     def _listen(self, topic: Topic, show: Callable[[Any], None]) -> None:

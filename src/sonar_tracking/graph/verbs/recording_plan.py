@@ -7,9 +7,16 @@ from pathlib import Path
 from typing import Any
 
 from sonar_tracking.bags.storage.log_time import CLOCK_TYPE
+from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.bags.storage.recording_information import RecordingInformation, Role
+from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
-from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC, Topic, TopicRole
+from sonar_tracking.graph.catalogue.topics import (
+    CLOCK_TOPIC,
+    DIAGNOSTICS_TOPIC,
+    Topic,
+    TopicRole,
+)
 from sonar_tracking.graph.orchestration.graph_plan import resolved
 from sonar_tracking.graph.orchestration.topic_record import TopicRecord
 
@@ -86,9 +93,28 @@ def recording_hint(
         for name, topic in topics.items()
         if topic.role is TopicRole.INPUT and records[name].messages
     )
-    if not inputs:
-        return f"recorded {output}"
-    return (
-        f"recorded {output}; stock ROS 2 tools play its inputs with: "
-        f"ros2 bag play {output} --clock --topics {' '.join(inputs)}"
-    )
+    said = f"recorded {output}"
+    if inputs:
+        said += f"; stock ROS 2 tools play its inputs with: {_play_line(output, inputs)}"
+    if shown := _pictures(output):
+        said += f"; and what it shows, to RViz and Foxglove, with: {_play_line(output, shown)}"
+    return said
+
+
+def _play_line(bag: Path, topics: Iterable[str]) -> str:
+    return f"ros2 bag play {bag} --clock --topics {' '.join(topics)}"
+
+
+def _pictures(output: Path) -> list[str]:
+    """Return the topics for people that hold messages."""
+    try:
+        topics = read_bag(output).topics.values()
+    except ConfigurationError:  # the recorder has said why
+        return []
+    return [
+        topic.name
+        for topic in topics
+        if topic.role == TopicRole.DISPLAY.value
+        and topic.message_count
+        and topic.name != DIAGNOSTICS_TOPIC
+    ]
