@@ -57,11 +57,7 @@ NoDisplayOption = Annotated[
 ]
 
 NoDisplayTopicsOption = Annotated[
-    bool,
-    typer.Option(
-        "--no-display-topics",
-        help="Without the pictures for RViz and Foxglove, live and in the recording.",
-    ),
+    bool, typer.Option("--no-display-topics", help="Without pictures for RViz and Foxglove.")
 ]
 
 

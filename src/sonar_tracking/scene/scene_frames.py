@@ -4,9 +4,9 @@ What belongs where is not told by anybody, so it is found out, message by messag
 
 - a sensor whose messages do not carry its pose is mounted on own ship, where the parameters say;
 - one whose messages carry a pose is mounted, too, if it is near own ship, moves with it, and keeps
-  its place aboard. Its pose in own ship's frame does not change and is told once;
+  its place aboard: its pose in own ship's frame is fixed;
 - any other (a moored or distant one, a towed array that follows a turn late) has its pose in
-  ``map``, told with every message.
+  ``map``, that of each message.
 
 A pose needs own ship's at the same instant: messages wait for the odometry that comes after them.
 """

@@ -63,7 +63,7 @@ def scenario(**nodes: dict[str, Any]) -> Scenario:
 
 def test_an_array_starts_the_passive_chain() -> None:
     names = [node.name for node in started_nodes(load_scenario("doa_fusion"), "here")]
-    assert names == ["array_simulator", "subspace_estimator", "bearing_tracker"]
+    assert names == ["array_simulator", "subspace_estimator", "bearing_tracker", "scene_publisher"]
 
 
 def test_a_node_without_its_sensor_is_refused() -> None:

@@ -75,11 +75,13 @@ def test_inferred_nodes_are_said_in_one_line_and_given_ones_are_not(tmp_path: Pa
     said = io.StringIO()
     display = LineDisplay(Console(file=said, width=1000))
     settings = settings_of(bag, None, display)
-    assert set(settings) == {"hpda_tracker", "tma_tracker"}
+    assert set(settings) == {"hpda_tracker", "tma_tracker", "scene_publisher"}
     assert settings["tma_tracker"]["bearing_topics"] == ("y",)
+    assert settings["scene_publisher"]["bearing_topics"] == ("y",)
     assert said.getvalue().count("\n") == 1 and "tma_tracker, hpda_tracker" in said.getvalue()
     (tmp_path / "own.yaml").write_text("hpda_tracker: {}\n")
-    assert set(settings_of(bag, tmp_path / "own.yaml", display)) == {"hpda_tracker"}
+    given = settings_of(bag, tmp_path / "own.yaml", display)
+    assert set(given) == {"hpda_tracker", "scene_publisher"}
     assert said.getvalue().count("\n") == 1
 
 

@@ -75,6 +75,8 @@ def test_truth_is_played_to_no_node_but_the_recorder(tmp_path: Path) -> None:
         "/a/passive/bearing_tracks": "input",
         "/b/passive/bearing_tracks": "input",
         "/truth/bearing_tracks": "truth",
+        "/passive/markers": "display",
+        "/diagnostics": "display",
     }
     assert plan.consumers()["/truth/bearing_tracks"] == ()
 

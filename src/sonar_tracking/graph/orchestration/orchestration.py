@@ -23,7 +23,12 @@ from sonar_tracking.graph.orchestration.process_supervisor import (
     ProcessSupervisor,
     SupervisedProcess,
 )
-from sonar_tracking.graph.orchestration.run_report import NodeReport, RunReport, TopicReport
+from sonar_tracking.graph.orchestration.reported_figures import (
+    latency_figures,
+    node_reports,
+    topic_reports,
+)
+from sonar_tracking.graph.orchestration.run_report import RunReport
 from sonar_tracking.stop_signals import STOP_SIGNALS
 
 if TYPE_CHECKING:
@@ -136,32 +141,13 @@ class Orchestration:
     def report(self, data_seconds: float, observer: RunObserver) -> RunReport:
         """Return what the run came to, after the processes were stopped."""
         processes = {name: self.supervisor.processes[name] for name in self._nodes}
-        comparable = not any(process.restarts for process in processes.values())
-        latency = observer.latency.summary()
         return RunReport(
             scenario=self._plan.scenario,
             data_seconds=data_seconds,
             wall_seconds=self.wall_seconds,
-            nodes={
-                name: NodeReport(
-                    exit_code=process.exit_code if process.exit_code is not None else -9,
-                    restarts=process.restarts,
-                    cpu_seconds=round(process.cpu_seconds, 3),
-                    messages_in=self.ledger.messages_in(name),
-                    messages_out=self.ledger.messages_out(name),
-                )
-                for name, process in processes.items()
-            },
-            topics={
-                name: TopicReport(record.messages, record.hexdigest(), comparable)
-                for name, record in observer.records.items()
-            },
-            latency_ms={
-                "p50": latency.median,
-                "p99": latency.percentile_99,
-                "algorithmic": latency.algorithmic,
-                "count": latency.count,
-            },
+            nodes=node_reports(processes, self.ledger),
+            topics=topic_reports(observer.records, processes),
+            latency_ms=latency_figures(observer.latency),
             score=observer.score(),
             failures=self.failures,
             warnings=[*self.warnings, *self._notices.values()],
