@@ -30,14 +30,14 @@ def ping(amplitude: list[float]) -> Contacts:
     )
 
 
-def test_contacts_are_points_where_their_place_is_known() -> None:
+def test_contacts_are_spheres_where_their_place_is_known() -> None:
     clear, points = contact_markers(ping([5.0, 10.0, 100.0, 1.0]), POSITIONS, size=50.0).markers
     assert clear.action == Marker.DELETEALL
-    assert points.type == Marker.POINTS
+    assert points.type == Marker.SPHERE_LIST
     assert points.header.frame_id == "map"
     assert [(p.x, p.y, p.z) for p in points.points] == [(10.0, 20.0, 0.0), (30.0, 40.0, 0.0)]
     assert len(points.colors) == 2
-    assert points.scale.x == points.scale.y == 40.0
+    assert points.scale.x == points.scale.y == points.scale.z == 40.0
     weak, strong = points.colors
     assert weak.r < strong.r
     assert {weak.a, strong.a} == {1.0}

@@ -1,7 +1,8 @@
 """Contacts and the gates of the tracks as markers for RViz and Foxglove.
 
-Contacts are points whose colour tells the amplitude: from grey to yellow, which also those see who
-are colour-blind. Gates are outlines, so that they are not taken for uncertainty ellipses, with the
+Contacts are spheres, whose size is in metres in every viewer (that of points is in pixels where the
+view has no perspective). Their colour tells the amplitude, from grey to yellow, which also those
+see who are colour-blind. Gates are outlines, so that they are not taken for uncertainty ellipses, with the
 threshold that is in force there.
 """
 
@@ -15,6 +16,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from sonar_tracking.active.detection.detection_threshold import GATE_SIZE
 from sonar_tracking.filtering.uncertainty_ellipse import uncertainty_ellipse
+from sonar_tracking.graph.message_writing.field_writing import set_vector
 from sonar_tracking.graph.message_writing.marker_writing import (
     LONGEST_ELLIPSE,
     MARKER_SIZE,
@@ -48,7 +50,7 @@ GATE_POINTS = 49
 def contact_markers(
     contacts: Contacts, positions: FloatArray, size: float = MARKER_SIZE
 ) -> MarkerArray:
-    """Return the contacts of a ping as points.
+    """Return the contacts of a ping as one list of spheres.
 
     Parameters
     ----------
@@ -63,9 +65,9 @@ def contact_markers(
     seen = np.isfinite(positions).all(axis=1)
     if not seen.any():
         return picture(header, [])
-    marker = new_marker(header, Marker.POINTS, "contacts", 0)
+    marker = new_marker(header, Marker.SPHERE_LIST, "contacts", 0)
     marker.points = points_from(positions[seen])
-    marker.scale.x = marker.scale.y = 0.8 * size
+    set_vector(marker.scale, (0.8 * size, 0.8 * size, 0.8 * size))
     colours = amplitude_colours(contacts.amplitude, len(positions))[seen]
     marker.colors = [ColorRGBA(r=r, g=g, b=b, a=1.0) for r, g, b in colours.tolist()]
     set_colour(marker, (1.0, 1.0, 1.0), 1.0)
