@@ -29,7 +29,6 @@ ROOMS = (
     "own_ship_interpolation",
     "sensor_pose",
     "filtering",
-    "scene",
     # stages, one package each, independent of one another
     "passive.performance",
     "passive.directions",
@@ -50,6 +49,7 @@ ROOMS = (
     "active.association",
     "active.baselines",
     "active",
+    "scene",
     # the world, and what sensors receive of it
     "simulation.scenarios",
     "simulation.signals",

@@ -32,3 +32,19 @@ class SceneConfiguration:
     sonar_mounting_yaw_deg: float = parameter(
         0.0, "direction of +x of the active sonar, anticlockwise from the bow", unit="deg"
     )
+    sound_speed: float = parameter(
+        1500.0,
+        "by which a moving sonar has gone on when echoes return; 0 = a ping takes no time",
+        unit="m/s",
+        minimum=0.0,
+    )
+    marker_size: float = parameter(
+        100.0,
+        "diameter of the dot at a position; names, lines and contacts are in proportion",
+        unit="m",
+        minimum=0.01,
+        changeable=True,
+    )
+    ray_length: float = parameter(
+        6000.0, "how far a bearing is drawn", unit="m", minimum=0.1, changeable=True
+    )

@@ -25,6 +25,7 @@ from sonar_tracking.records.own_ship import BASE_FRAME, OWN_SHIP_FRAMES, OwnShip
 from sonar_tracking.records.positions import MAP_FRAME
 from sonar_tracking.records.time import nanoseconds
 from sonar_tracking.scene.rigid_pose import RigidPose, unit_quaternion
+from sonar_tracking.scene.waiting_for_own_ship import WaitingForOwnShip
 from sonar_tracking.sensor_pose import (
     LARGEST_DISTANCE,
     SAME_ANGLE,
@@ -42,9 +43,6 @@ MEMORY = nanoseconds(60.0)
 
 NEW_BEGINNING = nanoseconds(10.0)
 """Stamps that go back by more begin the data again; those that go back by less are late, ns."""
-
-MOST_WAITING = 1000
-"""Messages that wait for odometry; if it stays away the oldest are given up."""
 
 
 @dataclass(frozen=True)
@@ -121,7 +119,7 @@ class SceneFrames:
         self._prefix = prefix
         self._base = prefix + BASE_FRAME
         self._own_ship: deque[OwnShipPose] = deque()
-        self._waiting: deque[HeardSensor] = deque(maxlen=MOST_WAITING)
+        self._waiting: WaitingForOwnShip[HeardSensor] = WaitingForOwnShip()
         self._loose: set[str] = set()
         self._owners: dict[str, str] = {}
         self._told: dict[str, int] = {}
@@ -152,7 +150,7 @@ class SceneFrames:
         self._base = self._prefix + (child.lstrip("/") or BASE_FRAME)
         moving = [
             self._moving(stamp, parent.lstrip("/") or MAP_FRAME, self._base, own_ship.pose),
-            *(self._placed(heard) for heard in self._no_longer_waiting(stamp)),
+            *(self._placed(heard) for heard in self._waiting.released(stamp)),
         ]
         return [transform for transform in moving if transform is not None]
 
@@ -166,23 +164,37 @@ class SceneFrames:
         odometry : bool
             Whether own ship's motion is known at some stamps, or will be.
         """
-        newest = self._own_ship[-1].state.stamp if self._own_ship else None
-        if odometry and (newest is None or heard.stamp > newest):
-            self._waiting.append(heard)
+        if odometry and not self.knows_own_ship(heard.stamp):
+            self._waiting.keep(heard.stamp, heard)
             return []
         moving = self._placed(heard)
         return [] if moving is None else [moving]
 
-    def _no_longer_waiting(self, stamp: int) -> list[HeardSensor]:
-        ready = [heard for heard in self._waiting if heard.stamp <= stamp]
-        if ready:
-            late = [heard for heard in self._waiting if heard.stamp > stamp]
-            self._waiting = deque(late, maxlen=MOST_WAITING)
-        return ready
+    def knows_own_ship(self, stamp: int) -> bool:
+        """Return whether odometry has come as far as a stamp, ns."""
+        return bool(self._own_ship) and stamp <= self._own_ship[-1].state.stamp
+
+    def own_ship_at(self, stamp: int) -> OwnShipPose | None:
+        """Return own ship at an instant within what is remembered; the stamp is in ns."""
+        if not self._own_ship or stamp < self._own_ship[0].state.stamp:
+            return None
+        index = bisect_left(self._own_ship, stamp, key=lambda each: each.state.stamp)
+        if index == len(self._own_ship):
+            return None
+        after = self._own_ship[index]
+        if after.state.stamp == stamp:
+            return after
+        before = self._own_ship[index - 1]
+        interval = after.state.stamp - before.state.stamp
+        fraction = (stamp - before.state.stamp) / interval
+        return OwnShipPose(
+            interpolate_own_ship(before.state, after.state, fraction),
+            before.pose.towards(after.pose, fraction),
+        )
 
     def _placed(self, heard: HeardSensor) -> FrameTransform | None:
         """Return the transform of a sensor that is not mounted; keep that of one that is."""
-        own_ship = self._own_ship_at(heard.stamp)
+        own_ship = self.own_ship_at(heard.stamp)
         mounted = None if own_ship is None else heard.mounting.placed_in(own_ship.pose)
         told = _told_pose(heard.sensor, mounted)
         if own_ship is not None and (told is None or _nobody_set(heard, own_ship)):
@@ -238,24 +250,6 @@ class SceneFrames:
             return frame
         name = sensor.sensor_id or "sensor"
         return self._prefix + (OWN_SHIP_FRAMES + name if aboard else name)
-
-    def _own_ship_at(self, stamp: int) -> OwnShipPose | None:
-        """Return own ship at an instant within what is remembered."""
-        if not self._own_ship or stamp < self._own_ship[0].state.stamp:
-            return None
-        index = bisect_left(self._own_ship, stamp, key=lambda each: each.state.stamp)
-        if index == len(self._own_ship):
-            return None
-        after = self._own_ship[index]
-        if after.state.stamp == stamp:
-            return after
-        before = self._own_ship[index - 1]
-        interval = after.state.stamp - before.state.stamp
-        fraction = (stamp - before.state.stamp) / interval
-        return OwnShipPose(
-            interpolate_own_ship(before.state, after.state, fraction),
-            before.pose.towards(after.pose, fraction),
-        )
 
 
 def _told_pose(sensor: Sensor, mounted: RigidPose | None) -> RigidPose | None:

@@ -12,7 +12,6 @@ import pytest
 from sonar_tracking_msgs.msg import Contacts as ContactsMessage
 
 from sonar_tracking.graph.catalogue.topics import (
-    ACTIVE_MARKERS,
     ACTIVE_THRESHOLD,
     ACTIVE_TRACKS,
     CONTACTS,
@@ -85,7 +84,6 @@ class Tracker:
         self.probe = probe
         self.outputs = probe.listen(ACTIVE_TRACKS)
         self.thresholds = probe.listen(ACTIVE_THRESHOLD)
-        self.markers = probe.listen(ACTIVE_MARKERS)
         self.publisher = probe.publisher(CONTACTS)
         self.odometry = probe.publisher(ODOMETRY)
         self.sent = 0
@@ -94,7 +92,7 @@ class Tracker:
     def new_run(self) -> int:
         """Return the start of a run that lies so far back that the node begins again."""
         self._run -= 10_000 * SECOND
-        for heard in (self.outputs, self.thresholds, self.markers, self.probe.diagnostics):
+        for heard in (self.outputs, self.thresholds, self.probe.diagnostics):
             heard.clear()
         return self._run
 
@@ -162,9 +160,6 @@ def test_every_ping_gives_one_picture(tracker: Tracker) -> None:
     thresholds = thresholds_from_message(tracker.thresholds[-1])
     assert thresholds.track_id.tolist() == [identifier]
     assert thresholds.threshold == 5.0
-    tracker.probe.wait_for_count(tracker.markers.__len__, SETTLED + 1, "marker arrays")
-    names = [marker.text for marker in tracker.markers[-1].markers if marker.text]
-    assert str(identifier) in names
 
 
 def test_bad_pings_are_named_and_the_track_is_predicted_over_them(tracker: Tracker) -> None:

@@ -8,7 +8,6 @@ from sonar_tracking.active.contacts.sensor_location import MountingConfiguration
 from sonar_tracking.graph.catalogue.node_configuration import NodeConfiguration
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.topics import (
-    ACTIVE_MARKERS,
     ACTIVE_THRESHOLD,
     ACTIVE_TRACKS,
     CONTACTS,
@@ -28,5 +27,4 @@ HPDA_TRACKER = NodeDescription(
     inputs=(CONTACTS,),
     optional_inputs=(ODOMETRY,),
     outputs=(ACTIVE_TRACKS, ACTIVE_THRESHOLD),
-    markers=(ACTIVE_MARKERS,),
 )

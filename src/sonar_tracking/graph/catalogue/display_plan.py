@@ -39,4 +39,7 @@ def with_mountings(given: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str
         for name, value in given.get(tracker, {}).items():
             if name.startswith("mounting_"):
                 scene.setdefault(f"{sensor}_{name}", value)
+    pings = given.get(HPDA_TRACKER.name, {})
+    if "sound_speed" in pings:
+        scene.setdefault("sound_speed", pings["sound_speed"])
     return {name: dict(values) for name, values in given.items()} | {SCENE_PUBLISHER.name: scene}

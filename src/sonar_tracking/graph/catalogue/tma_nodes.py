@@ -11,7 +11,6 @@ from sonar_tracking.graph.catalogue.topics import (
     BEARING_TRACKS,
     FREQUENCY_LINES,
     ODOMETRY,
-    PASSIVE_MARKERS,
     PASSIVE_TRACKS,
 )
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
@@ -25,6 +24,5 @@ TMA_TRACKER = NodeDescription(
     optional_inputs=(ODOMETRY,),
     outputs=(PASSIVE_TRACKS,),
     topic_parameters={"bearing_topics": BEARING_TRACKS, "line_topics": FREQUENCY_LINES},
-    markers=(PASSIVE_MARKERS,),
     on_request=True,
 )

@@ -162,6 +162,34 @@ ACTIVE_MARKERS = Topic(
     TopicRole.DISPLAY,
     "active/tracks for RViz and Foxglove, with uncertainty ellipses",
 )
+BEARING_MARKERS = Topic(
+    "passive/bearing_markers",
+    "visualization_msgs/msg/MarkerArray",
+    TopicKind.TRACKS,
+    TopicRole.DISPLAY,
+    "bearing tracks of all stations as rays, for RViz and Foxglove",
+)
+CONTACT_MARKERS = Topic(
+    "active/contact_markers",
+    "visualization_msgs/msg/MarkerArray",
+    TopicKind.TRACKS,
+    TopicRole.DISPLAY,
+    "the contacts of a ping where they are, coloured by their amplitude",
+)
+CONTACT_POINTS = Topic(
+    "active/contact_points",
+    "sensor_msgs/msg/PointCloud2",
+    TopicKind.DATA,
+    TopicRole.DISPLAY,
+    "the contacts of a ping as a point cloud: x, y, z, amplitude, range, azimuth",
+)
+GATE_MARKERS = Topic(
+    "active/gate_markers",
+    "visualization_msgs/msg/MarkerArray",
+    TopicKind.TRACKS,
+    TopicRole.DISPLAY,
+    "the gates of the tracks, and the thresholds that are in force there",
+)
 TRANSFORMS = Topic(
     "/tf",
     "tf2_msgs/msg/TFMessage",

@@ -32,7 +32,7 @@ from sonar_tracking.graph.message_writing.marker_writing import (
 )
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import FloatArray
-from sonar_tracking.records.bearings import AngleKind, BearingTracks, TrackStatus
+from sonar_tracking.records.bearings import AngleKind, BearingTracks
 from sonar_tracking.records.positions import MAP_FRAME, TrackHypothesis
 from sonar_tracking.tma.targets.station_view import StationView
 
@@ -102,8 +102,9 @@ def bearing_markers(
 
 def _rays(tracks: BearingTracks, view: StationView, row: int) -> Iterator[_Ray]:
     """Yield one ray, or one on either side; none of what has ended or has no angle."""
-    angle, status = float(tracks.arrival_angle[row]), TrackStatus(int(tracks.status[row]))
-    if status is TrackStatus.TERMINATED or not math.isfinite(angle):
+    angle = float(tracks.arrival_angle[row])
+    opacity = OPACITY.get(int(tracks.status[row]), 0.0)
+    if not opacity or not math.isfinite(angle):
         return
     variance = float(tracks.covariance[row, 0, 0])
     half = DEVIATIONS * math.sqrt(variance) if 0.0 < variance < math.inf else math.nan
@@ -116,10 +117,9 @@ def _rays(tracks: BearingTracks, view: StationView, row: int) -> Iterator[_Ray]:
     ]
     both = (TrackHypothesis.LEFT, TrackHypothesis.RIGHT)
     hypotheses = both if len(sides[0]) > 1 else (TrackHypothesis.SINGLE,)
-    opacity = OPACITY[status] / len(hypotheses)
     for hypothesis, azimuth, first, last in zip(hypotheses, *sides, strict=True):
         width = float(wrap_angle(last - first)) if high - low < WIDEST else math.nan
-        yield _Ray(azimuth, first, width, hypothesis, opacity)
+        yield _Ray(azimuth, first, width, hypothesis, opacity / len(hypotheses))
 
 
 def _of_ray(

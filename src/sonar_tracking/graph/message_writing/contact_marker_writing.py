@@ -2,8 +2,8 @@
 
 Contacts are spheres, whose size is in metres in every viewer (that of points is in pixels where the
 view has no perspective). Their colour tells the amplitude, from grey to yellow, which also those
-see who are colour-blind. Gates are outlines, so that they are not taken for uncertainty ellipses, with the
-threshold that is in force there.
+see who are colour-blind. Gates are outlines, so that they are not taken for uncertainty ellipses,
+with the threshold that is in force there.
 """
 
 from __future__ import annotations

@@ -42,13 +42,17 @@ AREA_OPACITY = 0.3
 TEXT_OPACITY = 0.7
 """Of the name of what is fainter: it can be read, or it is not there."""
 
-COLOURS: dict[TrackHypothesis, Colour] = {
+COLOURS: dict[int, Colour] = {
     TrackHypothesis.SINGLE: (0.00, 0.62, 0.45),
     TrackHypothesis.LEFT: (0.84, 0.37, 0.00),
     TrackHypothesis.RIGHT: (0.34, 0.71, 0.91),
 }
-OPACITY = {TrackStatus.CONFIRMED: 1.0, TrackStatus.TENTATIVE: 0.4, TrackStatus.COASTED: 0.2}
-"""Of what is drawn of a track; one that has ended is not drawn."""
+OPACITY: dict[int, float] = {
+    TrackStatus.CONFIRMED: 1.0,
+    TrackStatus.TENTATIVE: 0.4,
+    TrackStatus.COASTED: 0.2,
+}
+"""Of what is drawn of a track, by its status; one that has ended is not drawn."""
 
 
 def picture_header(stamp: int, frame_id: str) -> Header:

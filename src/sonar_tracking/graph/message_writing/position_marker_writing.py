@@ -26,7 +26,6 @@ from sonar_tracking.graph.message_writing.marker_writing import (
     set_colour,
     set_turn,
 )
-from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks, TrackHypothesis
 
 ARROW_SECONDS = 60.0
@@ -51,14 +50,12 @@ def position_markers(tracks: PositionTracks, size: float = MARKER_SIZE) -> Marke
     header = picture_header(tracks.stamp, tracks.frame_id)
     markers = []
     for row in range(len(tracks)):
-        status = TrackStatus(int(tracks.status[row]))
-        if status is TrackStatus.TERMINATED or not np.all(np.isfinite(tracks.state[row])):
-            continue
         probability = float(tracks.hypothesis_probability[row])
-        opacity = OPACITY[status] * (probability if math.isfinite(probability) else 1.0)
-        if opacity < FAINTEST:
+        opacity = OPACITY.get(int(tracks.status[row]), 0.0)
+        opacity *= probability if math.isfinite(probability) else 1.0
+        if opacity < FAINTEST or not np.all(np.isfinite(tracks.state[row])):
             continue
-        colour = COLOURS[TrackHypothesis(int(tracks.hypothesis[row]))]
+        colour = COLOURS.get(int(tracks.hypothesis[row]), COLOURS[TrackHypothesis.SINGLE])
         special = {"ellipse": AREA_OPACITY * opacity, "name": max(opacity, TEXT_OPACITY)}
         for marker in _of_track(header, tracks, row, size):
             set_colour(marker, colour, special.get(marker.ns, opacity))

@@ -12,14 +12,12 @@ from typing import Any, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
-from rclpy.publisher import Publisher
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
 from sonar_tracking.errors import ConfigurationError, InputError, Notice, Severity
 from sonar_tracking.graph.catalogue.node_configuration import NodeConfiguration
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.topics import DIAGNOSTICS_TOPIC, Topic
-from sonar_tracking.graph.message_writing.field_writing import message_class
 from sonar_tracking.graph.node_base import parameters, quality_of_service
 from sonar_tracking.graph.node_base.changeable_parameters import ChangeableParameters
 from sonar_tracking.graph.node_base.data_flow import (
@@ -119,11 +117,6 @@ class SonarNode(Node):
             output = DataOutput(self, topic, depth, self.progress, overriding)
         self.data_outputs.append(output)
         return output
-
-    def marker_publisher(self, topic: Topic) -> Publisher:
-        """Return a publisher of pictures, which nobody waits for or counts."""
-        profile = quality_of_service.publisher_profile(topic.kind)
-        return self.create_publisher(message_class(topic.message_type), topic.name, profile)
 
     def data_subscriptions(
         self,

@@ -23,14 +23,12 @@ from sonar_tracking.active.contacts.sensor_location import (
 from sonar_tracking.errors import Notice
 from sonar_tracking.graph.catalogue.active_nodes import HPDA_TRACKER
 from sonar_tracking.graph.catalogue.topics import (
-    ACTIVE_MARKERS,
     ACTIVE_THRESHOLD,
     ACTIVE_TRACKS,
     CONTACTS,
     ODOMETRY,
 )
 from sonar_tracking.graph.message_writing.contact_writing import thresholds_to_message
-from sonar_tracking.graph.message_writing.position_marker_writing import position_markers
 from sonar_tracking.graph.message_writing.position_writing import position_tracks_to_message
 from sonar_tracking.graph.node_base.data_flow import Received
 from sonar_tracking.graph.node_base.event_time_join import JoinedItem
@@ -60,7 +58,6 @@ class HpdaTracker(SonarNode):
         self._tracker = make_contact_tracker(self._configuration)
         self._tracks = self.data_publisher(ACTIVE_TRACKS)
         self._thresholds = self.data_publisher(ACTIVE_THRESHOLD)
-        self._markers = self.marker_publisher(ACTIVE_MARKERS)
         own_ship = OwnShipReader(partial(self.report_state, ODOMETRY))
         self.data_subscriptions(
             {CONTACTS: contacts_from_message},
@@ -104,7 +101,6 @@ class HpdaTracker(SonarNode):
     def _publish(self, update: ContactTrackerUpdate) -> None:
         self._thresholds.publish(thresholds_to_message(update.thresholds))
         self._tracks.publish(position_tracks_to_message(update.tracks))
-        self._markers.publish(position_markers(update.tracks))
 
 
 def main() -> int:

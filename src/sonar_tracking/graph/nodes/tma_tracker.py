@@ -15,11 +15,9 @@ from sonar_tracking.graph.catalogue.topics import (
     BEARING_TRACKS,
     FREQUENCY_LINES,
     ODOMETRY,
-    PASSIVE_MARKERS,
     PASSIVE_TRACKS,
     Topic,
 )
-from sonar_tracking.graph.message_writing.position_marker_writing import position_markers
 from sonar_tracking.graph.message_writing.position_writing import position_tracks_to_message
 from sonar_tracking.graph.node_base.data_flow import Received
 from sonar_tracking.graph.node_base.event_time_join import JoinedItem
@@ -65,7 +63,6 @@ class TmaTracker(SonarNode):
         self._stage = TmaTrackerStage(self._configuration, len(bearings))
         self._published = 0
         self._tracks = self.data_publisher(PASSIVE_TRACKS)
-        self._markers = self.marker_publisher(PASSIVE_MARKERS)
         group: dict[Topic, Callable[[Any], Any]] = {
             topic: _or_error(measured_directions_from_message) for topic in bearings
         }
@@ -147,7 +144,6 @@ class TmaTracker(SonarNode):
     def _publish(self, tracks: PositionTracks) -> None:
         self._published = tracks.stamp
         self._tracks.publish(position_tracks_to_message(tracks))
-        self._markers.publish(position_markers(tracks))
 
 
 def _or_error(convert: Callable[[Any], Any]) -> Callable[[Any], Any]:
