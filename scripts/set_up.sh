@@ -31,8 +31,8 @@ fingerprint() {
         export LC_ALL=C
         {
             echo "$project"
-            sha256sum requirements/* setup.py setup.cfg package.xml scripts/set_up.py \
-                msg_defs/*.* msg_defs/msg/*
+            sha256sum requirements/* setup.py setup.cfg package.xml scripts/set_up.py
+            find msg_defs -type f | sort | xargs -d "\n" sha256sum
             find config launch -name "*.*" ! -name "*.pyc" | sort # each has a link
         } | sha256sum | cut -d " " -f 1
     )

@@ -75,8 +75,6 @@ def test_truth_is_played_to_no_node_but_the_recorder(tmp_path: Path) -> None:
         "/a/passive/bearing_tracks": "input",
         "/b/passive/bearing_tracks": "input",
         "/truth/bearing_tracks": "truth",
-        "/passive/markers": "display",
-        "/diagnostics": "display",
     }
     assert plan.consumers()["/truth/bearing_tracks"] == ()
 
@@ -90,6 +88,8 @@ def test_a_recorded_replay_keeps_truth_and_knows_its_inputs(tmp_path: Path) -> N
         "/b/passive/bearing_tracks": "input",
         "/passive/tracks": "output",
         "/truth/bearing_tracks": "truth",
+        "/passive/markers": "display",
+        "/diagnostics": "display",
     }
 
 

@@ -45,7 +45,6 @@ LOST_SECONDS = 60.0
 REMATCH_SECONDS = 0.5
 FOREIGN_PATIENCE = 3.0
 DISPLAY_PATIENCE = 3.0
-"""Data do not flow before what shows them is there, but for no longer than this."""
 _LONGEST_WAIT = 0.05
 _WATCH_SECONDS = 0.1
 
@@ -301,10 +300,8 @@ class Orchestration:
             return
         self._watched = wall
         for process in self.supervisor.poll():
-            if process.plan.name in self._nodes:
-                self._ended.append(process)
-            else:
-                self._go_on_without(process)
+            ours = process.plan.name in self._nodes
+            (self._ended.append if ours else self._go_on_without)(process)
         self._take_notices(control)
         if self.ledger.changes != self._progress[0]:
             self._progress = (self.ledger.changes, wall)
@@ -334,12 +331,9 @@ class Orchestration:
 
     def _go_on_without(self, process: SupervisedProcess) -> None:
         """Tell that a node has ended which only showed what the others find."""
-        sentence = (
-            f"{process.plan.name} {process.end_in_words}; the run goes on without it; its log is "
-            f"{process.log}."
-        )
-        self.warnings.append(sentence)
-        self._display.say(f"warning: {sentence}")
+        words = f"{process.plan.name} {process.end_in_words}; the run goes on without it"
+        self.warnings.append(f"{words}; its log is {process.log}.")
+        self._display.say(f"warning: {self.warnings[-1]}")
 
     def _take_notices(self, control: ControlNode) -> None:
         """Show what the nodes have said for the first time; errors of their own are failures."""
