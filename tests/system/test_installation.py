@@ -41,6 +41,23 @@ def test_compiled_messages_are_those_of_the_tree(definition: Path) -> None:
     assert typestore.hash_rihs01(name) == hashes[name]
 
 
+def test_the_message_of_tf_is_the_official_one() -> None:
+    """Whoever built it, other nodes take it for theirs only if the hash is that of ROS 2 Jazzy."""
+    share = Path(get_package_share_directory("tf2_msgs"))
+    compiled = json.loads((share / "msg" / "TFMessage.json").read_text())
+    hashes = {entry["type_name"]: entry["hash_string"] for entry in compiled["type_hashes"]}
+    official = get_typestore(Stores.ROS2_JAZZY)
+    assert len(hashes) == 7
+    for name, compiled_hash in hashes.items():
+        assert compiled_hash == official.hash_rihs01(name), name
+
+
+def test_colcon_builds_no_package_that_ros_has() -> None:
+    packages = [path.parent for path in (PROJECT / "msg_defs").rglob("package.xml")]
+    built = [path.name for path in packages if not (path / "COLCON_IGNORE").exists()]
+    assert built == ["msg_defs"]
+
+
 def test_every_definition_is_compiled() -> None:
     build = (PROJECT / "msg_defs" / "CMakeLists.txt").read_text()
     assert [path.name for path in DEFINITIONS if f'"msg/{path.name}"' not in build] == []

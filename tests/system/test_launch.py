@@ -15,7 +15,12 @@ SCENARIOS = PROJECT / "config" / "scenarios"
 
 def test_every_node_gets_the_parameters_of_the_scenario() -> None:
     nodes = launched_nodes("pipeline")
-    assert list(nodes) == ["array_simulator", "subspace_estimator", "bearing_tracker"]
+    assert list(nodes) == [
+        "array_simulator",
+        "subspace_estimator",
+        "bearing_tracker",
+        "scene_publisher",
+    ]
     first = {name: node.keywords["parameters"][0] for name, node in nodes.items()}
     assert first["array_simulator"]["scenario"] == "doa_fusion"
     assert first["subspace_estimator"]["n_subspaces"] == 7

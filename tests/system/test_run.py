@@ -120,7 +120,7 @@ def test_ctrl_c_ends_a_healthy_run_in_order(
     running.append(command)
     command.wait_for_text(FLOWING)
     nodes = command.node_processes()
-    assert len(nodes) == 4
+    assert len(nodes) == 5
     command.wait_for(lambda: recorded_count(bag, "/array/snapshots") > 5)
     command.interrupt(number)
     assert command.wait() == 0, command.output
@@ -142,7 +142,7 @@ def test_ctrl_c_ends_a_healthy_run_in_order(
 def test_an_early_ctrl_c_is_no_failure(tmp_path: Path, running: list[RunningCommand]) -> None:
     command = RunningCommand(tmp_path, "run")
     running.append(command)
-    command.wait_for(lambda: len(command.node_processes()) == 3)
+    command.wait_for(lambda: len(command.node_processes()) == 4)
     command.interrupt()
     assert command.wait() == 0, command.output
 

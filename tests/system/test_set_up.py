@@ -212,6 +212,7 @@ def test_second_start_goes_straight_to_the_pipeline(project: Path, machine: Path
         "setup.py",
         "msg_defs/msg/Tracks.msg",
         "msg_defs/msg/New.msg",
+        "msg_defs/tf2_msgs/msg/TFMessage.msg",
         "launch/new.launch.py",
     ],
 )

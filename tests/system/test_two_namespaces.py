@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
-from sonar_tracking.graph.catalogue.topics import ACTIVE_TRACKS, Topic
+from sonar_tracking.graph.catalogue.topics import ACTIVE_TRACKS, TRANSFORMS, Topic
 from tests.ros_domain import ros_domain
 from tests.system.launch_stand_ins import launched_nodes
 
@@ -61,6 +61,13 @@ def named(name: str) -> Topic:
     return Topic(name, ACTIVE_TRACKS.message_type, ACTIVE_TRACKS.kind, ACTIVE_TRACKS.role, "")
 
 
+def children(messages: list[Any]) -> set[str]:
+    """Return the frames whose pose in ``map`` has been heard."""
+    told = [transform for message in messages for transform in message.transforms]
+    assert all(transform.header.frame_id == "map" for transform in told)
+    return {transform.child_frame_id for transform in told}
+
+
 def test_two_graphs_run_side_by_side_and_do_not_hear_each_other(tmp_path: Path) -> None:
     scenario = tmp_path / "one_ship.yaml"
     scenario.write_text(SCENARIO)
@@ -77,14 +84,19 @@ def test_two_graphs_run_side_by_side_and_do_not_hear_each_other(tmp_path: Path) 
         probe.listen(named(name))
         for name in ("ship_a/active/tracks", "ship_b/picture", "active/tracks", "picture")
     )
+    transforms = probe.listen(TRANSFORMS)
     with ExitStack() as stack:
         for node in (*first.values(), *second.values()):
             log = tmp_path / f"{node.keywords['namespace']}_{node.keywords['name']}.log"
             stack.enter_context(process(node, log))
         probe.wait(lambda: len(here) >= 3 and len(there) >= 3, "tracks of both ships")
+        ships = {f"{ship}/own_ship/base_link" for ship in ("ship_a", "ship_b")}
+        probe.wait(lambda: children(transforms) == ships, "frames of both ships in one tree")
         for ship in ("ship_a", "ship_b"):
             (publisher,) = probe.node.get_publishers_info_by_topic(f"/{ship}/active/contacts")
-            (reader,) = probe.node.get_subscriptions_info_by_topic(f"/{ship}/active/contacts")
-            assert publisher.node_namespace == reader.node_namespace == f"/{ship}"
+            readers = probe.node.get_subscriptions_info_by_topic(f"/{ship}/active/contacts")
+            assert {reader.node_name for reader in readers} == {"hpda_tracker", "scene_publisher"}
+            for endpoint in (publisher, *readers):
+                assert endpoint.node_namespace == f"/{ship}"
     assert not nowhere and not stray
     probe.close()

@@ -14,6 +14,8 @@ from tests.bags.bag_fixtures import (
     snapshots_cdr,
 )
 
+EMPTY_SEQUENCE = b"\x00\x01\x00\x00" + bytes(4)
+
 
 def test_the_log_time_is_the_stamp_of_the_header() -> None:
     clock = LogClock(frozenset({SNAPSHOTS}))
@@ -28,6 +30,17 @@ def test_a_message_without_header_has_the_time_of_the_last_clock() -> None:
         clock.log_time("/name", "std_msgs/msg/String", b"\x00\x01\x00\x00\x01\x00\x00\x00\x00")
         == (EPOCH + 9) * SECOND
     )
+
+
+def test_a_sequence_of_headed_messages_has_the_stamp_of_its_first() -> None:
+    """Pictures and transforms; an empty one has no time of its own."""
+    clock = LogClock(frozenset())
+    kinds = ("tf2_msgs/msg/TFMessage", "visualization_msgs/msg/MarkerArray")
+    assert [clock.log_time(kind, kind, EMPTY_SEQUENCE) for kind in kinds] == [0, 0]
+    clock.log_time("/clock", CLOCK, clock_cdr(9))
+    one = b"\x00\x01\x00\x00\x01\x00\x00\x00" + clock_cdr(7)[4:] + bytes(40)
+    assert [clock.log_time(kind, kind, one) for kind in kinds] == [(EPOCH + 7) * SECOND] * 2
+    assert clock.log_time("/tf", kinds[0], EMPTY_SEQUENCE) == (EPOCH + 9) * SECOND
 
 
 def test_a_stamp_that_steps_back_keeps_its_place_in_its_own_topic_only() -> None:

@@ -18,6 +18,7 @@ STANDARD = [
     "nav_msgs/msg/Odometry",
     "rosgraph_msgs/msg/Clock",
     "sensor_msgs/msg/Image",
+    "tf2_msgs/msg/TFMessage",
     "visualization_msgs/msg/MarkerArray",
 ]
 
