@@ -231,7 +231,7 @@ def test_nodes_do_not_outlive_a_killed_orchestration(
     running.append(command)
     command.wait_for_text(FLOWING)
     nodes = command.node_processes()
-    assert len(nodes) == 3
+    assert len(nodes) == 4
     command.interrupt(signal.SIGKILL)
     command.wait()
     deadline = time.monotonic() + PATIENCE
