@@ -85,6 +85,7 @@ ROOMS = (
     "graph.orchestration",
     "graph.verbs",
     "graph",
+    "cli_options",
     "cli",
     "",
 )

@@ -23,42 +23,25 @@ except ModuleNotFoundError:
 if tuple(map(int, typer.__version__.split(".")[:2])) < (0, 13):
     sys.exit(f"sonar-tracking: typer {typer.__version__} is too old; pip install --upgrade typer")
 
+from sonar_tracking.cli_options import (
+    CutoffOption,
+    GraphNamespaceOption,
+    GraphRemapOption,
+    JsonOption,
+    NamespaceOption,
+    NoDisplayOption,
+    NoDisplayTopicsOption,
+    RateOption,
+    RecordOption,
+    RemapOption,
+)
+
 REFUSED = 2
 """Exit code: what was asked cannot be done, and nothing was started."""
 
-app = typer.Typer(
-    no_args_is_help=True,
-    pretty_exceptions_enable=False,
-    add_completion=True,
-)
+app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
 import_app = typer.Typer(help="Bring recorded data into a bag.", no_args_is_help=True)
 app.add_typer(import_app, name="import")
-
-RateOption = Annotated[
-    str, typer.Option(help="Factor of real time, or max: as fast as the graph takes it.")
-]
-RecordOption = Annotated[
-    Path | None, typer.Option(help="Record all data topics and /clock in this bag.")
-]
-JsonOption = Annotated[Path | None, typer.Option(help="Write the figures to this file.")]
-CutoffOption = Annotated[
-    float,
-    typer.Option(help="Distance from which on a track is scored as none of a target, m."),
-]
-RemapOption = Annotated[
-    list[str] | None,
-    typer.Option(help="OLD:=NEW, a topic of the bag and its name in the graph; may be repeated."),
-]
-NamespaceOption = Annotated[
-    str, typer.Option(help="Take topics of the bag below this namespace for those of the graph.")
-]
-NoDisplayOption = Annotated[
-    bool, typer.Option("--no-display", help="Lines of text instead of the live table.")
-]
-
-NoDisplayTopicsOption = Annotated[
-    bool, typer.Option("--no-display-topics", help="Without pictures for RViz and Foxglove.")
-]
 
 
 def _print_version(wanted: bool) -> None:
@@ -88,6 +71,8 @@ def run(
     parameters: Annotated[
         Path | None, typer.Option(help="YAML file: node, parameter, value; overrides the scenario.")
     ] = None,
+    remap: GraphRemapOption = None,
+    namespace: GraphNamespaceOption = "",
     no_display: NoDisplayOption = False,
     json: JsonOption = None,
     cutoff: CutoffOption = CUTOFF_M,
@@ -95,10 +80,11 @@ def run(
 ) -> None:
     """Run a scenario through the live graph: every node a process of its own."""
     module = _load("sonar_tracking.graph.verbs.run_command")
+    names = _load("sonar_tracking.graph.catalogue.graph_names").graph_names(remap or (), namespace)
     raise typer.Exit(
         module.run(
             *(scenario, duration, rate, record, parameters),
-            *(not no_display, json, cutoff, not no_display_topics),
+            *(not no_display, json, cutoff, not no_display_topics, names),
         )
     )
 

@@ -7,10 +7,15 @@ import pytest
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.launch_plan import CHAINS
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
+from sonar_tracking.graph.catalogue.node_configuration import NodeConfiguration
+from sonar_tracking.graph.verbs.run_options import RunOptions
+from sonar_tracking.graph.verbs.run_scenario import plan_scenario
+from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
 from tests.system.launch_stand_ins import launched_nodes
 
 PROJECT = Path(__file__).resolve().parents[2]
 SCENARIOS = PROJECT / "config" / "scenarios"
+USUAL_DEPTH = NodeConfiguration().flow_depth
 
 
 def test_every_node_gets_the_parameters_of_the_scenario() -> None:
@@ -133,3 +138,45 @@ def test_a_wrong_argument_is_an_error_before_any_node_starts(
     with pytest.raises(ConfigurationError) as caught:
         launched_nodes(file, **{argument: value})
     assert sentence in str(caught.value)
+
+
+def launched_depths(file: str, **given: str) -> dict[str, int]:
+    """Return the depth of the queues of every launched node, where it is not the default."""
+    depths = {}
+    for name, node in launched_nodes(file, **given).items():
+        for values in node.keywords["parameters"]:
+            if isinstance(values, dict) and "flow_depth" in values:
+                depths[name] = values["flow_depth"]
+    return depths
+
+
+@pytest.mark.parametrize("scenario", sorted(path.stem for path in SCENARIOS.glob("*.yaml")))
+def test_launched_nodes_have_queues_as_deep_as_those_of_a_run(
+    scenario: str, tmp_path: Path
+) -> None:
+    plan = plan_scenario(load_scenario(scenario), RunOptions(), tmp_path, scenario)
+    needed = {node.name: node.parameters["flow_depth"] for node in plan.nodes}
+    depths = launched_depths("pipeline", scenario=scenario)
+    assert {name: depths.get(name, USUAL_DEPTH) for name in needed} == needed
+    # Frequency lines come in bursts: at the default depth the oldest of them would be lost.
+    assert (depths.get("line_tracker", 0) > USUAL_DEPTH) == (scenario == "tonals")
+
+
+@pytest.mark.parametrize("key", ["line_tracker", "/**/line_tracker", "/ship_a/line_tracker", "/**"])
+def test_queues_follow_the_parameter_file(tmp_path: Path, key: str) -> None:
+    mine = tmp_path / "mine.yaml"
+    mine.write_text(f"{key}: {{ros__parameters: {{frame_length: 1.0, use_sim_time: true}}}}\n")
+    usual = launched_depths("trackers", chain="samples")
+    halved = launched_depths("trackers", chain="samples", parameters=str(mine))
+    assert halved["line_tracker"] > usual["line_tracker"] > USUAL_DEPTH
+    mine.write_text(f"{key}: {{ros__parameters: {{flow_depth: 500}}}}\n")
+    assert "line_tracker" not in launched_depths("trackers", chain="samples", parameters=str(mine))
+
+
+def test_a_file_with_a_parameter_out_of_range_is_an_error_before_any_node_starts(
+    tmp_path: Path,
+) -> None:
+    mine = tmp_path / "mine.yaml"
+    mine.write_text("/**/hpda_tracker: {ros__parameters: {seed: -1}}\n")
+    with pytest.raises(ConfigurationError, match=r"hpda_tracker\.seed is -1"):
+        launched_nodes("trackers", parameters=str(mine))

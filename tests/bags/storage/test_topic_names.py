@@ -24,6 +24,14 @@ def test_a_namespace_is_taken_off_and_a_rule_counts_more() -> None:
         "/b/active/contacts": "/other/contacts",
         "/clock": "/clock",
     }
+    # What the recorder has noted counts more than the namespace, and less than a rule.
+    noted = {"/a/active/contacts": "/echoes", "/b/active/contacts": "/active/contacts"}
+    assert names.all_of(RECORDED, "bag", noted) == {
+        "/a/active/contacts": "/echoes",
+        "/a/own_ship/odometry": "/own_ship/odometry",
+        "/b/active/contacts": "/other/contacts",
+        "/clock": "/clock",
+    }
     assert topic_names(["clock:=/time"], "").of("/clock") == "/time"
     assert topic_names([], "/a/").of("/ab/contacts") == "/ab/contacts"
 
@@ -36,6 +44,8 @@ def test_a_namespace_is_taken_off_and_a_rule_counts_more() -> None:
         (["/a:=/"], "", "give the recorded name"),
         (["/a:=/b", "a:=/c"], "", "/a is given twice"),
         (["/c/contacts:=/active/contacts"], "", "holds no topic /c/contacts"),
+        (["/b/active/contacts:=/my contacts"], "", "'/my contacts' is no name in ROS"),
+        ([], "a//b", "'a//b' is no name in ROS"),
         ([], "/c", "holds no topic below /c"),
         (["/b/active/contacts:=/active/contacts"], "a", "would both be called /active/contacts"),
     ],

@@ -25,6 +25,20 @@ def test_one_at_a_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         pass
 
 
+def test_namespaces_of_a_domain_are_held_one_by_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", "17")
+    with (
+        domain_lock(tmp_path),
+        domain_lock(tmp_path, "/shipA"),
+        domain_lock(tmp_path, "/shipA/bow"),
+        pytest.raises(ConfigurationError, match="domain 17, namespace /shipA: wait for its end"),
+        domain_lock(tmp_path, "/shipA"),
+    ):
+        pass
+
+
 def test_without_a_place_for_the_lock_the_run_goes_on(tmp_path: Path) -> None:
     with domain_lock(tmp_path / "nowhere"):
         pass

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import yaml
 
+from sonar_tracking.graph.catalogue.graph_names import GraphNames
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
 from sonar_tracking.graph.catalogue.topics import BEARING_TRACKS, SNAPSHOTS, SUBSPACES
 from sonar_tracking.graph.catalogue.transport_profile import TransportChoice
@@ -42,6 +43,30 @@ def test_every_connection_has_to_be_matched() -> None:
         "tracker has 0 of 1 connections on /array/subspaces",
         "tracker has 0 of 2 connections on /passive/bearing_tracks",
     }
+
+
+def test_in_a_namespace_everything_is_below_it_but_what_is_transported_largely(
+    tmp_path: Path,
+) -> None:
+    names = GraphNames("/shipA", {"/shipA/array/subspaces": "/shipA/spaces"})
+    nodes = names.planned([ESTIMATOR, TRACKER])
+    transport = TransportChoice(large_publishers={"PROFILE": "large"}, others={"PROFILE": "none"})
+    plan = GraphPlan("a_scenario", nodes, transport=transport, naming=names)
+    estimator, tracker = plan.nodes
+    edges = plan.edges()
+    edges.report("tracker", {})
+    assert set(edges.missing(["tracker"])) == {
+        "tracker has 0 of 1 connections on /shipA/clock",
+        "tracker has 0 of 1 connections on /shipA/flow/done",
+        "tracker has 0 of 1 connections on /shipA/spaces",
+        "tracker has 0 of 1 connections on /shipA/passive/bearing_tracks",
+    }
+    process = plan.process(tracker, tmp_path)
+    rules = {"__ns:=/shipA", "/clock:=/shipA/clock", "/shipA/array/subspaces:=/shipA/spaces"}
+    assert rules == set(process.arguments) - {"--ros-args", "-r"} - set(process.arguments[-2:])
+    parameters = yaml.safe_load((tmp_path / "tracker.yaml").read_text())
+    assert list(parameters) == ["/shipA/tracker"]
+    assert plan.process(estimator, tmp_path).environment["PROFILE"] == "large"
 
 
 def test_a_parameter_file_holds_what_ros_can_read(tmp_path: Path) -> None:

@@ -136,7 +136,8 @@ class Bag:
             If a rule fits no topic, or two topics would have one name.
         """
         known = self.recording.topic_roles if self.recording else {}
-        new_names = names.all_of(self.topics, str(self.path))
+        noted = self.recording.topic_names if self.recording else {}
+        new_names = names.all_of(self.topics, str(self.path), noted)
         renamed = copy(self)
         renamed._recorded_names = {
             new_names[name]: recorded for name, recorded in self._recorded_names.items()

@@ -48,11 +48,15 @@ class RecordingInformation:
         Every parameter of every node: node name, parameter name, value.
     topic_roles : mapping
         Resolved topic name to its :data:`Role`.
+    topic_names : mapping
+        Resolved topic name to the name the nodes know it by, where a namespace or a rule of the
+        run made them differ.
     """
 
     scenario: Mapping[str, Any] = field(default_factory=dict)
     node_parameters: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     topic_roles: Mapping[str, Role] = field(default_factory=dict)
+    topic_names: Mapping[str, str] = field(default_factory=dict)
 
     def to_json(self) -> str:
         """Return the information as one line of JSON."""
@@ -61,6 +65,8 @@ class RecordingInformation:
             "node_parameters": self.node_parameters,
             "topic_roles": self.topic_roles,
         }
+        if self.topic_names:
+            values["topic_names"] = self.topic_names
         return json.dumps(values, sort_keys=True, default=_plain)
 
     @staticmethod
@@ -85,7 +91,7 @@ class RecordingInformation:
             raise ConfigurationError(
                 f"The recording information in {where} is not JSON ({error})."
             ) from error
-        names = ("scenario", "node_parameters", "topic_roles")
+        names = ("scenario", "node_parameters", "topic_roles", "topic_names")
         if not isinstance(values, dict) or not all(
             isinstance(values.get(name, {}), dict) for name in names
         ):
@@ -103,6 +109,7 @@ class RecordingInformation:
             scenario=values.get("scenario", {}),
             node_parameters=values.get("node_parameters", {}),
             topic_roles=roles,
+            topic_names=values.get("topic_names", {}),
         )
 
 

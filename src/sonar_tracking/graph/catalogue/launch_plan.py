@@ -17,6 +17,12 @@ from sonar_tracking.graph.catalogue.display_nodes import SCENE_PUBLISHER
 from sonar_tracking.graph.catalogue.display_plan import with_mountings
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
+from sonar_tracking.graph.catalogue.node_settings import (
+    NodeSettings,
+    read_settings,
+    resolved_settings,
+    with_room_for_bursts,
+)
 from sonar_tracking.graph.catalogue.passive_nodes import (
     BAND_DEMODULATOR,
     BEARING_TRACKER,
@@ -27,7 +33,6 @@ from sonar_tracking.graph.catalogue.scenario_graph import started_nodes, with_pu
 from sonar_tracking.graph.catalogue.tma_nodes import TMA_TRACKER
 from sonar_tracking.graph.catalogue.transport_profile import choose_transport
 from sonar_tracking.one_thread import ONE_THREAD
-from sonar_tracking.simulation.scenarios.scenario_file import read_yaml_mapping
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
 
 _METHODS = {
@@ -44,6 +49,9 @@ CHAINS: Mapping[str, tuple[NodeDescription, ...]] = {
     "contacts": (HPDA_TRACKER,),
 }
 """The trackers behind a sensor, by what it delivers."""
+
+SENSOR_BLOCK = 1.0
+"""Longest block of data expected of a sensor of one's own, s."""
 
 _FOR_ALL = {
     "namespace": ("", "of all nodes and their topics"),
@@ -121,7 +129,7 @@ def nodes_of_scenario(given: Mapping[str, str]) -> list[LaunchedNode]:
         node.name: transport.large_publishers if node.serves_clock else transport.others
         for node in nodes
     }
-    return _launched(nodes, parameters, environments, given)
+    return _launched(nodes, parameters, environments, given, scenario.step)
 
 
 def nodes_of_chain(given: Mapping[str, str]) -> list[LaunchedNode]:
@@ -152,22 +160,24 @@ def nodes_of_chain(given: Mapping[str, str]) -> list[LaunchedNode]:
         parameters = with_published_topics(nodes, {}, {})
     nodes = (*nodes, SCENE_PUBLISHER)
     environment = choose_transport(0, n_publishers=0).others
-    return _launched(nodes, parameters, dict.fromkeys((n.name for n in nodes), environment), given)
+    environments = dict.fromkeys((node.name for node in nodes), environment)
+    return _launched(nodes, parameters, environments, given, SENSOR_BLOCK)
 
 
 def _launched(
-    nodes: Iterable[NodeDescription],
+    nodes: tuple[NodeDescription, ...],
     parameters: Mapping[str, Mapping[str, Any]],
     environments: Mapping[str, Mapping[str, str]],
     given: Mapping[str, str],
+    block_seconds: float,
 ) -> list[LaunchedNode]:
     shown = _flag("display_topics", given)
     nodes = tuple(node for node in nodes if shown or not node.is_display)
     methods = _methods(nodes, given)
     file = [given["parameters"]] if given["parameters"] else []
-    for each in file:
-        # ROS would start every node and let each of them fail over a file that is not there.
-        read_yaml_mapping(Path(each))
+    # ROS would start every node and let each of them fail over a file that is not there.
+    of_file = read_settings(Path(given["parameters"])) if file else {}
+    depths = _depths(nodes, (parameters, _known(nodes, of_file), methods), block_seconds)
     use_sim_time = _flag("use_sim_time", given)
     remappings = _remappings(given["remap"])
     return [
@@ -179,7 +189,7 @@ def _launched(
                 _without_empty(parameters.get(node.name, {})),
                 {"use_sim_time": use_sim_time},
                 *file,
-                *methods.get(node.name, ()),
+                *filter(None, (methods.get(node.name), depths.get(node.name))),
             ],
             remappings=remappings,
             additional_env={**ONE_THREAD, **environments[node.name]},
@@ -190,8 +200,8 @@ def _launched(
 
 def _methods(
     nodes: tuple[NodeDescription, ...], given: Mapping[str, str]
-) -> dict[str, list[dict[str, str]]]:
-    """Return the methods asked for, as last parameters of their nodes."""
+) -> dict[str, dict[str, str]]:
+    """Return the methods asked for, each as a parameter of its node."""
     methods = {}
     for argument, entry in _METHODS.items():
         if not given[argument]:
@@ -202,8 +212,46 @@ def _methods(
             raise ConfigurationError(
                 f"{argument} is given, but {name} is not started; there are {names}."
             )
-        methods[name] = [{"method": str(checked_value(entry, given[argument], name))}]
+        methods[name] = {"method": str(checked_value(entry, given[argument], name))}
     return methods
+
+
+def _known(
+    nodes: tuple[NodeDescription, ...], settings: Mapping[str, Mapping[str, Any]]
+) -> dict[str, dict[str, Any]]:
+    """Return what a parameter file says of the parameters of some nodes, also by ``/**``.
+
+    Names are those without the namespace; what else ROS may be told stays between it and the node.
+    """
+    by_name = {name.rpartition("/")[2]: values for name, values in settings.items()}
+    known = {}
+    for node in nodes:
+        values = {**by_name.get("**", {}), **by_name.get(node.name, {})}
+        names = {entry.name for entry in node.parameters}
+        known[node.name] = {name: value for name, value in values.items() if name in names}
+    return known
+
+
+def _depths(
+    nodes: tuple[NodeDescription, ...],
+    layers: Iterable[Mapping[str, Mapping[str, Any]]],
+    block_seconds: float,
+) -> dict[str, dict[str, Any]]:
+    """Return the ``flow_depth`` of every node whose queues need more than its parameters say."""
+    given: dict[str, dict[str, Any]] = {node.name: {} for node in nodes}
+    for layer in layers:
+        for name in given:
+            given[name] |= layer.get(name, {})
+    settings: NodeSettings = {}
+    for node in nodes:
+        # One by one: whether they fit together is for the nodes to say, some may be elsewhere.
+        settings |= resolved_settings({node.name: given[node.name]}, (node,), "parameters")
+    deepened = with_room_for_bursts(settings, block_seconds)
+    return {
+        name: {"flow_depth": values["flow_depth"]}
+        for name, values in deepened.items()
+        if values["flow_depth"] != settings[name]["flow_depth"]
+    }
 
 
 def _remappings(text: str) -> list[tuple[str, str]]:

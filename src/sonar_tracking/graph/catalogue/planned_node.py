@@ -26,6 +26,8 @@ class PlannedNode:
         Its ROS parameters, checked.
     gives_identifiers : bool
         Whether it has a parameter ``first_id``.
+    remaps : mapping of str to str
+        Full name of a topic in the namespace of the node to its name in the graph.
     """
 
     name: str
@@ -34,3 +36,4 @@ class PlannedNode:
     publishers: tuple[Topic, ...] = ()
     parameters: Mapping[str, Any] = field(default_factory=dict)
     gives_identifiers: bool = False
+    remaps: Mapping[str, str] = field(default_factory=dict)

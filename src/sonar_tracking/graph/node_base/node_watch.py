@@ -73,6 +73,7 @@ class NodeWatch:
         self._waiting_for = waiting_for
         self._release = release
         self._by_clock_topic = bool(node.get_parameter("use_sim_time").value)
+        self._clock_topic = node.resolve_topic_name(CLOCK_TOPIC)
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._started = self._steady.now().nanoseconds
         self._inputs = inputs
@@ -136,7 +137,7 @@ class NodeWatch:
         patience = max(patience, STALLED_STEPS * self._clock_step())
         stalled = now - since > patience and source.guard.expected != END_OF_DATA
         severity = Severity.WARN if stalled and self._waiting_for(source) else Severity.OK
-        by = f" of {CLOCK_TOPIC}" if self._by_clock_topic else ""
+        by = f" of {self._clock_topic}" if self._by_clock_topic else ""
         sentence = (
             f"{source.name}: nothing received for {(now - since) / NANOSECONDS:.1f} s{by}; "
             "check that its publisher is running and connected."
@@ -152,7 +153,7 @@ class NodeWatch:
             counts[publisher.topic_name] = publisher.get_subscription_count()
         flow = self._progress.publisher
         counts[flow.topic_name] = flow.get_subscription_count()
-        counts[CLOCK_TOPIC] = _clock_publishers(self._node)
+        counts[self._clock_topic] = clock_publishers(self._node)
         return counts
 
     def _clock_step(self) -> int:
@@ -165,6 +166,8 @@ def _full_name(info: TopicEndpointInfo) -> str:
     return f"{info.node_namespace.rstrip('/')}/{info.node_name}"
 
 
-def _clock_publishers(node: Node) -> int:
-    clocks = [s for s in node.subscriptions if s.topic_name == CLOCK_TOPIC]
+def clock_publishers(node: Node) -> int:
+    """Return how many publishers every subscription of a node to the clock is matched with."""
+    clock = node.resolve_topic_name(CLOCK_TOPIC)
+    clocks = [s for s in node.subscriptions if s.topic_name == clock]
     return min((s.get_publisher_count() for s in clocks), default=0)

@@ -35,7 +35,7 @@ from sonar_tracking.graph.node_base import parameters, quality_of_service
 from sonar_tracking.graph.node_base.data_flow import ProgressReporter
 from sonar_tracking.graph.node_base.diagnostics import MATCHED, Diagnostics
 from sonar_tracking.graph.node_base.node_process import run_node
-from sonar_tracking.graph.node_base.node_watch import STATUS_PERIOD
+from sonar_tracking.graph.node_base.node_watch import STATUS_PERIOD, clock_publishers
 from sonar_tracking.graph.node_base.ready_reports import ReadyReports
 
 NAME = "recorder"
@@ -66,8 +66,10 @@ class Recorder(Node):
         publisher = self.create_publisher(
             DiagnosticArray, DIAGNOSTICS_TOPIC, quality_of_service.DIAGNOSTICS
         )
-        self._diagnostics = Diagnostics(self.get_name(), self.get_logger(), publisher.publish)
+        name = self.get_fully_qualified_name().lstrip("/")
+        self._diagnostics = Diagnostics(name, self.get_logger(), publisher.publish)
         self._progress = ProgressReporter(self)
+        self._fixed_transforms = self.resolve_topic_name(FIXED_TRANSFORMS.name)
         self._counts: dict[str, int] = {}
         self._topics: dict[str, Any] = {}
         self._writer: BagWriter | None = None
@@ -141,7 +143,7 @@ class Recorder(Node):
             )
         self._writer = BagWriter(output, _recording_information(values["recording"]))
         for topic, type_name, role in zip(topics, types, roles, strict=True):
-            kept = type_name in _KEPT_TYPES or topic == FIXED_TRANSFORMS.name
+            kept = type_name in _KEPT_TYPES or topic == self._fixed_transforms
             quality = OfferedQuality(
                 self._depth, durability="transient_local" if kept else "volatile"
             )
@@ -157,7 +159,7 @@ class Recorder(Node):
 
         self._counts[topic] = 0
         profile = quality_of_service.subscription_profile(self._depth if paces else 100)
-        if topic == FIXED_TRANSFORMS.name:
+        if topic == self._fixed_transforms:
             profile = quality_of_service.LATE_READER
         self._topics[topic] = self.create_subscription(
             message_class(type_name),
@@ -208,8 +210,7 @@ class Recorder(Node):
         }
         own = self._progress.publisher
         counts[own.topic_name] = own.get_subscription_count()
-        clocks = [s for s in self.subscriptions if s.topic_name == CLOCK_TOPIC]
-        counts[CLOCK_TOPIC] = min((s.get_publisher_count() for s in clocks), default=0)
+        counts[self.resolve_topic_name(CLOCK_TOPIC)] = clock_publishers(self)
         return counts
 
     def _written(self) -> dict[str, object]:

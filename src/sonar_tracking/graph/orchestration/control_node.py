@@ -8,7 +8,7 @@ display and score. What it hears goes into plain objects; decisions are made els
 from __future__ import annotations
 
 import time
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from types import TracebackType
 from typing import Any
 
@@ -22,6 +22,7 @@ from rclpy.signals import SignalHandlerOptions
 from rosgraph_msgs.msg import Clock
 from sonar_tracking_msgs.msg import Progress
 
+from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
 from sonar_tracking.graph.catalogue.topics import (
     CLOCK_TOPIC,
     DIAGNOSTICS_TOPIC,
@@ -55,6 +56,8 @@ class ControlNode:
         Names of the nodes of the graph: what others say on ``/diagnostics`` is not theirs.
     sources : tuple of str
         Nodes that serve the clock.
+    naming : GraphNames
+        Where the graph is.
 
     Attributes
     ----------
@@ -71,11 +74,13 @@ class ControlNode:
         observer: RunObserver,
         nodes: Collection[str],
         sources: tuple[str, ...] = (),
+        naming: GraphNames = ROOT_NAMES,
     ) -> None:
         self._ledger = ledger
         self._matched = matched
         self._observer = observer
-        self._nodes = frozenset(nodes)
+        # Diagnostics call a node by its full name, without the slash before it.
+        self._nodes = {naming.of_node(name).removeprefix("/"): name for name in nodes}
         self._observed: dict[str, int] = {}
         self._publishers: dict[str, Publisher] = {}
         self._served: dict[str, int | None] = dict.fromkeys(sources)
@@ -83,10 +88,15 @@ class ControlNode:
         self.errors: dict[str, str] = {}
         self._context = Context()
         rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
-        self._node = Node(CONTROL_NODE, context=self._context, use_global_arguments=False)
-        self._clock = self._node.create_publisher(Clock, CLOCK_TOPIC, quality_of_service.CLOCK)
+        self._node = Node(
+            CONTROL_NODE,
+            context=self._context,
+            namespace=naming.namespace,
+            use_global_arguments=False,
+        )
+        self._clock = self._node.create_publisher(Clock, naming.clock, quality_of_service.CLOCK)
         self._node.create_subscription(
-            Progress, PROGRESS_TOPIC, self._progress, quality_of_service.PROGRESS
+            Progress, naming.of(PROGRESS_TOPIC), self._progress, quality_of_service.PROGRESS
         )
         self._node.create_subscription(
             DiagnosticArray, DIAGNOSTICS_TOPIC, self._diagnostics, quality_of_service.DIAGNOSTICS
@@ -114,8 +124,12 @@ class ControlNode:
         everyone = len(instants) == len(self._served)
         return min(instants) if instants and everyone else None
 
-    def observe(self, topic: Topic) -> None:
-        """Subscribe to a data topic as raw bytes."""
+    def observe(self, topics: Iterable[Topic]) -> None:
+        """Subscribe to data topics as raw bytes."""
+        for topic in topics:
+            self._subscribe(topic)
+
+    def _subscribe(self, topic: Topic) -> None:
         name = resolved(topic)
         self._observed[name] = 0
 
@@ -124,7 +138,7 @@ class ControlNode:
 
         self._node.create_subscription(
             message_class(topic.message_type),
-            topic.name,
+            name,
             observe,
             quality_of_service.subscription_profile(_OBSERVER_DEPTH),
             raw=True,
@@ -132,9 +146,10 @@ class ControlNode:
 
     def offer(self, topic: Topic, depth: int) -> None:
         """Become the publisher of a data topic."""
-        self._publishers[resolved(topic)] = self._node.create_publisher(
+        name = resolved(topic)
+        self._publishers[name] = self._node.create_publisher(
             message_class(topic.message_type),
-            topic.name,
+            name,
             quality_of_service.publisher_profile(topic.kind, depth),
         )
 
@@ -145,6 +160,17 @@ class ControlNode:
     def publish(self, topic: str, data: bytes) -> None:
         """Publish a serialised message on a topic offered before."""
         self._publishers[topic].publish(data)
+
+    def alone(self) -> bool:
+        """Return whether nobody else publishes topics of the graph."""
+        return not self.foreign()
+
+    def foreign(self) -> list[str]:
+        """Return the topics that somebody else publishes too, the clock included, and who does."""
+        topics = {*self._matched.foreign_publishers()}
+        if len(self.publishers_of(self._clock.topic_name)) > 1:
+            topics.add(self._clock.topic_name)
+        return [f"{topic} by {', '.join(self.publishers_of(topic))}" for topic in sorted(topics)]
 
     def publishers_of(self, topic: str) -> list[str]:
         """Return the full names of the nodes that publish a topic."""
@@ -180,8 +206,9 @@ class ControlNode:
 
     def _diagnostics(self, message: Any) -> None:
         for status in message.status:
-            node, _, concern = status.name.partition(": ")
-            if node not in self._nodes:
+            full_name, _, concern = status.name.partition(": ")
+            node = self._nodes.get(full_name)
+            if node is None:
                 continue
             if concern == MATCHED:
                 self._matched.report(node, {item.key: int(item.value) for item in status.values})

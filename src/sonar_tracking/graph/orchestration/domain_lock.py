@@ -1,4 +1,4 @@
-"""One run at a time in a ROS domain: two would take each other's data for their own (no ROS)."""
+"""One run at a time in a namespace of a ROS domain: two would mix their data up (no ROS)."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ LARGEST_DOMAIN = 232
 
 
 @contextmanager
-def domain_lock(folder: Path | None = None) -> Iterator[None]:
-    """Hold the ROS domain of this process as long as the run lasts.
+def domain_lock(folder: Path | None = None, namespace: str = "") -> Iterator[None]:
+    """Hold a namespace of the ROS domain of this process as long as the run lasts.
 
     The lock ends with the process, however that ends. It guards one machine; a run on another one
     is noticed when the nodes meet.
@@ -26,6 +26,8 @@ def domain_lock(folder: Path | None = None) -> Iterator[None]:
     ----------
     folder : Path, optional
         Where the lock files are; default: the folder for temporary files.
+    namespace : str
+        Of the graph, e.g. ``"/shipA"``; default: the root.
 
     Raises
     ------
@@ -38,7 +40,8 @@ def domain_lock(folder: Path | None = None) -> Iterator[None]:
             f"ROS_DOMAIN_ID is {domain!r}; set it to a number from 0 to {LARGEST_DOMAIN}, "
             "or unset it."
         )
-    path = (folder or Path(tempfile.gettempdir())) / f"sonar_tracking-domain-{domain}.lock"
+    place = namespace.replace("/", "-")
+    path = (folder or Path(tempfile.gettempdir())) / f"sonar_tracking-domain-{domain}{place}.lock"
     try:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
     except OSError:
@@ -50,9 +53,11 @@ def domain_lock(folder: Path | None = None) -> Iterator[None]:
     except BlockingIOError:
         holder = os.read(descriptor, 20).decode(errors="replace").strip() or "unknown"
         os.close(descriptor)
+        where = f", namespace {namespace}" if namespace else ""
         raise ConfigurationError(
-            f"another run (process {holder}) uses ROS domain {domain}: wait for its end, or set "
-            "ROS_DOMAIN_ID to another number for this one."
+            f"another run (process {holder}) uses ROS domain {domain}{where}: wait for its end, "
+            "or set ROS_DOMAIN_ID to another number for this one, or give run a --namespace of "
+            "its own."
         ) from None
     try:
         os.ftruncate(descriptor, 0)

@@ -12,8 +12,17 @@ from pathlib import Path
 
 import yaml
 
+from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
-from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC, PROGRESS_TOPIC, Topic
+from sonar_tracking.graph.catalogue.topics import (
+    CLOCK_TOPIC,
+    LOFAR,
+    PROGRESS_TOPIC,
+    SAMPLES,
+    SNAPSHOTS,
+    SUBSPACES,
+    Topic,
+)
 from sonar_tracking.graph.catalogue.transport_profile import TransportChoice
 from sonar_tracking.graph.orchestration.flow_ledger import FlowLedger
 from sonar_tracking.graph.orchestration.matched_edges import MatchedEdges
@@ -22,6 +31,8 @@ from sonar_tracking.one_thread import ONE_THREAD
 
 CONTROL_NODE = "orchestration"
 """Name of the orchestration's own node."""
+
+_LARGE_TYPES = {topic.message_type for topic in (SNAPSHOTS, SAMPLES, SUBSPACES, LOFAR)}
 
 
 @dataclass(frozen=True)
@@ -42,6 +53,8 @@ class GraphPlan:
         Transport of the processes.
     displays : tuple of PlannedNode
         Nodes that only show what the others find: the graph does not wait for them.
+    naming : GraphNames
+        Namespace, clock and names of nodes. Topics of the nodes have their full names already.
     """
 
     scenario: str
@@ -50,10 +63,11 @@ class GraphPlan:
     sources: tuple[str, ...] = ()
     transport: TransportChoice = field(default_factory=TransportChoice)
     displays: tuple[PlannedNode, ...] = ()
+    naming: GraphNames = ROOT_NAMES
 
     def names(self) -> tuple[str, ...]:
-        """Return the names of the nodes."""
-        return tuple(node.name for node in self.nodes)
+        """Return the names of the nodes, those nobody waits for included."""
+        return tuple(node.name for node in (*self.nodes, *self.displays))
 
     def display_names(self) -> tuple[str, ...]:
         """Return the names of the nodes nobody waits for."""
@@ -96,6 +110,10 @@ class GraphPlan:
             consumers[name].append(CONTROL_NODE)
         return {name: tuple(nodes) for name, nodes in consumers.items()}
 
+    def process(self, node: PlannedNode, log_directory: Path, restarts: int = 0) -> ProcessPlan:
+        """Return how to start a node; see :func:`process_plan`."""
+        return process_plan(node, self.transport, log_directory, restarts, self.naming)
+
     def ledger(self) -> FlowLedger:
         """Return the empty ledger of the graph."""
         return FlowLedger(self.consumers(), self.producers())
@@ -104,7 +122,7 @@ class GraphPlan:
         """Return what each node must be matched with before data may flow; displays should be."""
         consumers, producers = self.consumers(), self.producers()
         subscriptions = {
-            node.name: {CLOCK_TOPIC: 1}
+            node.name: {self.naming.clock: 1}
             | {resolved(topic): 1 for topic in node.subscriptions if resolved(topic) in producers}
             for node in self.nodes
         }
@@ -112,7 +130,7 @@ class GraphPlan:
             heard = [resolved(topic) for topic in node.subscriptions]
             subscriptions[node.name] = {name: 1 for name in heard if name in producers}
         publishers = {
-            node.name: {f"/{PROGRESS_TOPIC}": 1}
+            node.name: {self.naming.of(PROGRESS_TOPIC): 1}
             | {resolved(topic): len(consumers[resolved(topic)]) for topic in node.publishers}
             for node in self.nodes
         }
@@ -120,12 +138,16 @@ class GraphPlan:
 
 
 def resolved(topic: Topic) -> str:
-    """Return the full name of a topic in the root namespace."""
-    return topic.name if topic.name.startswith("/") else f"/{topic.name}"
+    """Return the full name of a topic of a plan; one that is not full is in the root namespace."""
+    return ROOT_NAMES.of(topic)
 
 
 def process_plan(
-    node: PlannedNode, transport: TransportChoice, log_directory: Path, restarts: int = 0
+    node: PlannedNode,
+    transport: TransportChoice,
+    log_directory: Path,
+    restarts: int = 0,
+    naming: GraphNames = ROOT_NAMES,
 ) -> ProcessPlan:
     """Return how to start a node, and write its parameter file into the log directory.
 
@@ -139,6 +161,8 @@ def process_plan(
         Where parameter files and logs go.
     restarts : int
         How often the node was started before; identifiers begin anew far above the old ones.
+    naming : GraphNames
+        Where the node is.
     """
     values = dict(node.parameters)
     if node.gives_identifiers:
@@ -151,16 +175,30 @@ def process_plan(
         for name, value in values.items()
         if value != ()
     }
-    parameter_file.write_text(yaml.safe_dump({node.name: {"ros__parameters": plain}}))
-    large = any(topic.name.startswith("array/") for topic in node.publishers)
+    full_name = naming.of_node(node.name) if naming.namespace else node.name
+    parameter_file.write_text(yaml.safe_dump({full_name: {"ros__parameters": plain}}))
+    large = any(topic.message_type in _LARGE_TYPES for topic in node.publishers)
     return ProcessPlan(
         name=node.name,
         module=node.module,
-        arguments=("--ros-args", "--params-file", str(parameter_file)),
+        arguments=(
+            "--ros-args",
+            *_name_rules(node, naming),
+            "--params-file",
+            str(parameter_file),
+        ),
         environment=_environment(
             transport.large_publishers if large else transport.others, log_directory
         ),
     )
+
+
+def _name_rules(node: PlannedNode, naming: GraphNames) -> tuple[str, ...]:
+    """Return the arguments that give a node and its topics their names; none in the root."""
+    rules = dict(node.remaps)
+    if naming.namespace:
+        rules |= {"__ns": naming.namespace, CLOCK_TOPIC: naming.clock}
+    return tuple(text for old, new in rules.items() for text in ("-r", f"{old}:={new}"))
 
 
 def _environment(transport: Mapping[str, str], log_directory: Path) -> dict[str, str]:

@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING
 from sonar_tracking.display.run_display import RunDisplay
 from sonar_tracking.display.track_table import GraphState
 from sonar_tracking.errors import SonarTrackingError
-from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC
+from sonar_tracking.graph.catalogue.topics import TRUE_TRACKS
 from sonar_tracking.graph.orchestration.data_source import DataSource
-from sonar_tracking.graph.orchestration.graph_plan import GraphPlan, process_plan
+from sonar_tracking.graph.orchestration.graph_plan import GraphPlan
 from sonar_tracking.graph.orchestration.process_supervisor import (
     ProcessSupervisor,
     SupervisedProcess,
@@ -105,7 +105,7 @@ class Orchestration:
         for warning in self.warnings:
             self._display.say(f"warning: {warning}")
         for node in (*self._plan.nodes, *self._plan.displays):
-            self.supervisor.start(process_plan(node, self._plan.transport, self._log_directory))
+            self.supervisor.start(self._plan.process(node, self._log_directory))
 
     def run(self, control: ControlNode, source: DataSource) -> None:
         """Wait until all nodes are matched, let the data flow, drain."""
@@ -151,6 +151,8 @@ class Orchestration:
             failures=self.failures,
             warnings=[*self.warnings, *self._notices.values()],
             interrupted=self.interrupted,
+            namespace=self._plan.naming.namespace,
+            true_positions=self._plan.naming.of(TRUE_TRACKS),
         )
 
     def _stop_requested(self, number: int, frame: FrameType | None) -> None:
@@ -242,24 +244,16 @@ class Orchestration:
             )
         number = process.restarts + 1
         self._fail(f"{words}; it was started again ({number} of {RESTART_LIMIT}).")
-        node = self._nodes[name]
-        self.supervisor.start(process_plan(node, self._plan.transport, self._log_directory, number))
+        self.supervisor.start(self._plan.process(self._nodes[name], self._log_directory, number))
 
     def _refuse_foreign(self, control: ControlNode, source: DataSource) -> None:
         """Refuse to start where somebody else publishes our topics."""
-
-        def foreign() -> list[str]:
-            names = set(self.edges.foreign_publishers())
-            return sorted(names | {t for t in (CLOCK_TOPIC,) if len(control.publishers_of(t)) > 1})
-
         # Nodes of a run that has just ended may be listed for a moment.
-        if self._wait(control, source, lambda: not foreign(), FOREIGN_PATIENCE, "starting"):
-            return
-        if not self.interrupted:
-            found = "; ".join(f"{t} by {', '.join(control.publishers_of(t))}" for t in foreign())
+        alone = self._wait(control, source, control.alone, FOREIGN_PATIENCE, "starting")
+        if not alone and not self.interrupted:
             raise RunFailedError(
-                f"somebody else publishes too ({found}): end it, or choose another ROS_DOMAIN_ID "
-                "for this run."
+                f"somebody else publishes too ({'; '.join(control.foreign())}): end it, or choose "
+                "another ROS_DOMAIN_ID or --namespace for this run."
             )
 
     def _displays_connected(self) -> bool:
@@ -321,11 +315,7 @@ class Orchestration:
         if self._display.due(wall):
             backlog = backlogs[0].messages if backlogs else 0
             state = GraphState(
-                self._plan.scenario,
-                source.data_seconds,
-                self.wall_seconds,
-                backlog,
-                activity,
+                self._plan.scenario, source.data_seconds, self.wall_seconds, backlog, activity
             )
             self._display.show(state, wall)
 

@@ -10,6 +10,7 @@ from rclpy.serialization import deserialize_message
 
 from sonar_tracking.bags.storage.log_time import head_stamp
 from sonar_tracking.display.run_display import RunDisplay
+from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
 from sonar_tracking.graph.catalogue.topics import (
     ACTIVE_TRACKS,
     BEARING_TRACKS,
@@ -23,7 +24,6 @@ from sonar_tracking.graph.catalogue.topics import (
     TopicRole,
 )
 from sonar_tracking.graph.message_writing.field_writing import message_class
-from sonar_tracking.graph.orchestration.graph_plan import resolved
 from sonar_tracking.graph.orchestration.latency_meter import LatencyMeter
 from sonar_tracking.graph.orchestration.topic_record import TopicRecord
 from sonar_tracking.message_reading.array_reading import (
@@ -56,6 +56,8 @@ class RunObserver:
         Distance from which on the score takes a position track for none of a target, m.
     keep_steps : bool
         Keep digests of output topics after every message, to find the first that differs.
+    naming : GraphNames
+        Names of the topics the project knows.
     """
 
     def __init__(
@@ -64,6 +66,7 @@ class RunObserver:
         display: RunDisplay,
         cutoff_m: float,
         keep_steps: bool = False,
+        naming: GraphNames = ROOT_NAMES,
     ) -> None:
         self.latency = LatencyMeter()
         self.records = {
@@ -71,9 +74,10 @@ class RunObserver:
             for name, topic in topics.items()
         }
         self._topics = topics
+        self._naming = naming
         self._display = display
         self._cutoff_m = cutoff_m
-        self._blocks, self._estimates, self._timed = _timed_chain(topics)
+        self._blocks, self._estimates, self._timed = _timed_chain(topics, naming)
         self._first_block = 0
         self._bearings: list[BearingTracks] = []
         self._positions: dict[str, list[PositionTracks]] = {}
@@ -118,13 +122,13 @@ class RunObserver:
         Bearings are scored at the top, positions under ``positions`` by topic.
         """
         score: dict[str, object] = {}
-        true_bearings = self._truth.get(resolved(TRUE_BEARING_TRACKS))
+        true_bearings = self._truth.get(self._naming.of(TRUE_BEARING_TRACKS))
         if true_bearings and self._bearings:
             from sonar_tracking.evaluation.metrics.bearing_score import score_bearing_tracks
 
             truth = [tracks_from_bytes(data) for data in true_bearings]
             score |= score_bearing_tracks(truth, self._bearings).to_mapping()
-        true_positions = self._truth.get(resolved(TRUE_TRACKS))
+        true_positions = self._truth.get(self._naming.of(TRUE_TRACKS))
         if true_positions and self._positions:
             from sonar_tracking.evaluation.metrics.position_score import score_position_tracks
 
@@ -141,7 +145,10 @@ class RunObserver:
 
     def _take_bearings(self, topic: str, tracks: BearingTracks) -> None:
         # Bearings simulated at a station are measurements, not tracks to be scored.
-        if topic == resolved(BEARING_TRACKS) and self._topics[topic].role is TopicRole.OUTPUT:
+        if (
+            topic == self._naming.of(BEARING_TRACKS)
+            and self._topics[topic].role is TopicRole.OUTPUT
+        ):
             if self._scored:
                 self._bearings.append(tracks)
             self._display.tracks(tracks)
@@ -158,9 +165,9 @@ class RunObserver:
                 self.latency.estimate_described(estimates.stamp, estimates.newest_offset)
 
 
-def _timed_chain(topics: Mapping[str, Topic]) -> tuple[str, str, str]:
+def _timed_chain(topics: Mapping[str, Topic], naming: GraphNames) -> tuple[str, str, str]:
     for blocks, estimates, tracks in _CHAINS:
-        names = [resolved(topic) if topic else "" for topic in (blocks, estimates, tracks)]
+        names = [naming.of(topic) if topic else "" for topic in (blocks, estimates, tracks)]
         if all(name in topics for name in names if name):
             return names[0], names[1], names[2]
     return "", "", ""

@@ -76,6 +76,10 @@ class RunReport:
         Sentences; any failure makes the exit code 1.
     interrupted : bool
         Whether it was ended by the user.
+    namespace : str
+        Of the graph; empty = the root.
+    true_positions : str
+        Topic of the true positions.
     """
 
     scenario: str
@@ -89,6 +93,8 @@ class RunReport:
     failures: list[str] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     interrupted: bool = False
+    namespace: str = ""
+    true_positions: str = "/truth/tracks"
 
     @property
     def exit_code(self) -> int:
@@ -114,9 +120,11 @@ class RunReport:
     def lines(self) -> list[str]:
         """Return the summary for people."""
         rate = self.data_seconds / self.wall_seconds if self.wall_seconds else 0.0
+        place = f" in {self.namespace}" if self.namespace else ""
         lines = [
-            f"{self.scenario}: {self.data_seconds:.1f} s of data in {self.wall_seconds:.1f} s "
-            f"({rate:.1f} x real time)" + (", ended by the user" if self.interrupted else "")
+            f"{self.scenario}{place}: {self.data_seconds:.1f} s of data in "
+            f"{self.wall_seconds:.1f} s ({rate:.1f} x real time)"
+            + (", ended by the user" if self.interrupted else "")
         ]
         lines += [_node_line(name, node) for name, node in self.nodes.items()]
         lines += [_topic_line(name, topic) for name, topic in self.topics.items()]
@@ -130,13 +138,12 @@ class RunReport:
             )
         lines += _score_lines(self.score, _BEARING_LINES)
         for topic, score in self.score.get("positions", {}).items():
-            lines += [f"  {topic} against {TRUTH_TOPIC}:", *_score_lines(score, _POSITION_LINES)]
+            lines.append(f"  {topic} against {self.true_positions}:")
+            lines += _score_lines(score, _POSITION_LINES)
         lines += [f"warning: {text}" for text in self.warnings]
         lines += [f"failed: {text}" for text in self.failures]
         return lines
 
-
-TRUTH_TOPIC = "/truth/tracks"
 
 _IDENTITY_LINES = (
     ("identity_swaps", "identity swaps", ""),

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from sonar_tracking.bags.storage.log_time import CLOCK_TYPE
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.bags.storage.recording_information import RecordingInformation, Role
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.graph.catalogue.graph_names import GraphNames
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
 from sonar_tracking.graph.catalogue.topics import (
-    CLOCK_TOPIC,
     DIAGNOSTICS_TOPIC,
+    FIXED_TRANSFORMS,
     Topic,
     TopicRole,
 )
@@ -28,8 +29,8 @@ def planned_recorder(
     output: Path,
     topics: Iterable[Topic],
     shown: Iterable[Topic],
-    scenario: Mapping[str, Any],
-    settings: Mapping[str, Mapping[str, Any]],
+    information: RecordingInformation,
+    names: GraphNames,
     log_directory: Path,
 ) -> PlannedNode:
     """Return the recorder, and write what the bag shall know into the log directory.
@@ -39,20 +40,22 @@ def planned_recorder(
     output : Path
         The bag.
     topics : iterable of Topic
-        What to record, besides ``/clock``.
+        What to record, besides the clock, by full names.
     shown : iterable of Topic
         What to record, too, without that the data wait for it.
-    scenario : mapping
-        The resolved scenario.
-    settings : mapping
-        Every parameter of every node.
+    information : RecordingInformation
+        What the bag shall know, besides the roles of its topics.
+    names : GraphNames
+        Of the graph.
     log_directory : Path
         Where files of the run go.
     """
     recorded = sorted(topics, key=lambda topic: topic.name)
     written = [*recorded, *sorted(shown, key=lambda topic: topic.name)]
     roles: dict[str, Role] = {resolved(topic): topic.role.value for topic in written}
-    information = RecordingInformation(scenario, settings, roles)
+    information = replace(information, topic_roles=roles)
+    settings = information.node_parameters
+    fixed = {FIXED_TRANSFORMS.name: names.of(FIXED_TRANSFORMS)}
     information_file = log_directory / "recording.json"
     information_file.write_text(information.to_json(), encoding="utf-8")
     return PlannedNode(
@@ -61,7 +64,7 @@ def planned_recorder(
         subscriptions=tuple(recorded),
         parameters={
             "output": str(output.resolve()),
-            "topics": (*roles, CLOCK_TOPIC),
+            "topics": (*roles, names.clock),
             "types": (*(topic.message_type for topic in written), CLOCK_TYPE),
             "roles": (*roles.values(), "other"),
             "recording": str(information_file),
@@ -71,6 +74,7 @@ def planned_recorder(
                 if "flow_depth" in values
             ),
         },
+        remaps={old: new for old, new in fixed.items() if old != new},
     )
 
 

@@ -12,6 +12,7 @@ from rich.console import Console
 
 from sonar_tracking.display.run_display import LineDisplay, LiveDisplay, RunDisplay
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
 from sonar_tracking.graph.orchestration.domain_lock import domain_lock
 from sonar_tracking.graph.orchestration.run_report import RunReport
 from sonar_tracking.graph.verbs.run_options import RunOptions, make_log_directory, rate_from_text
@@ -33,6 +34,7 @@ def run(
     json: Path | None,
     cutoff_m: float,
     display_topics: bool,
+    names: GraphNames = ROOT_NAMES,
 ) -> int:
     """Run a scenario through the live graph and return the exit code.
 
@@ -48,7 +50,10 @@ def run(
     return _shown(
         display,
         json,
-        lambda screen, log: run_scenario(scenario, duration, parameters, options, screen, log),
+        lambda screen, log: run_scenario(
+            scenario, duration, parameters, names, options, screen, log
+        ),
+        names.namespace,
     )
 
 
@@ -82,22 +87,23 @@ def replay(
     )
 
 
-def _shown(display: bool, json: Path | None, work: Work) -> int:
+def _shown(display: bool, json: Path | None, work: Work, namespace: str = "") -> int:
     for package in ("rclpy", "sonar_tracking_msgs"):
         # Told before any process is started, which could only fail for the same reason.
         if find_spec(package) is None:
             raise ModuleNotFoundError(package, name=package)
     with interruptible():
-        return _reported(display, json, work)
+        return _reported(display, json, work, namespace)
 
 
-def _reported(display: bool, json: Path | None, work: Work) -> int:
+def _reported(display: bool, json: Path | None, work: Work, namespace: str) -> int:
     """Do the work, print its report, return the exit code; interrupted before it began, 0."""
     console = Console()
     log_directory = make_log_directory()
     live = display and console.is_terminal
     try:
-        with domain_lock(), LiveDisplay(console) if live else LineDisplay(console) as screen:
+        screens = LiveDisplay(console) if live else LineDisplay(console)
+        with domain_lock(namespace=namespace), screens as screen:
             report = work(screen, log_directory)
     except ConfigurationError:
         shutil.rmtree(log_directory)

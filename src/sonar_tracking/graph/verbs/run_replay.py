@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from sonar_tracking.bags.storage.reader import Bag, read_bag
+from sonar_tracking.bags.storage.recording_information import RecordingInformation
 from sonar_tracking.bags.storage.repair import repair_bag
 from sonar_tracking.display.run_display import RunDisplay
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.display_nodes import SCENE_PUBLISHER
 from sonar_tracking.graph.catalogue.display_plan import shown_topics, with_mountings
+from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.node_settings import (
@@ -125,12 +127,11 @@ def _play(
     replayed = observer.records if selection.whole else {}
     comparison = ReplayComparison(bag, replayed, inputs | truth)
     try:
-        names = (*plan.names(), *plan.display_names())
+        names = plan.names()
         with ControlNode(orchestration.ledger, orchestration.edges, observer, names) as control:
             for topic in plan.offered:
                 control.offer(topic, 2 * FLOW_WINDOW + 2)
-            for topic in plan.observed().values():
-                control.observe(topic)
+            control.observe(plan.observed().values())
             source = Player(
                 control,
                 orchestration.ledger,
@@ -169,8 +170,9 @@ def plan_replay(
     if options.record is not None:
         topics = [*offered, *(topic for node in nodes for topic in node.publishers)]
         shown = shown_topics(descriptions) if options.display_topics else ()
+        information = RecordingInformation(scenario, settings)
         nodes += (
-            planned_recorder(options.record, topics, shown, scenario, settings, log_directory),
+            planned_recorder(options.record, topics, shown, information, ROOT_NAMES, log_directory),
         )
     return GraphPlan(
         scenario=str(scenario.get("name") or bag.path.name),
@@ -269,9 +271,23 @@ def _offered(bag: Bag, nodes: tuple[PlannedNode, ...]) -> tuple[Topic, ...]:
         )
         raise ConfigurationError(
             f"{bag.path} holds no message of {', '.join(missing)} to replay; "
-            f"its topics are {there}; --remap OLD:=NEW gives a topic the name the nodes know."
+            f"its topics are {there}; {_advice(bag, missing)}"
         )
     return (*offered, *_true_pictures(bag, {resolved(topic) for topic in offered}))
+
+
+def _advice(bag: Bag, missing: Collection[str]) -> str:
+    """Return how a bag's topics get the names the nodes know: by one namespace if that does it."""
+    spaces = {
+        name.removesuffix(wanted)
+        for wanted in missing
+        for name in bag.topics
+        if name.endswith(wanted)
+    }
+    for space in sorted(spaces):
+        if all(space + wanted in bag.topics for wanted in missing):
+            return f"--namespace {space} takes off {space}."
+    return "--remap OLD:=NEW gives a topic the name the nodes know."
 
 
 def _true_pictures(bag: Bag, inputs: set[str]) -> tuple[Topic, ...]:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
+from sonar_tracking.bags.storage.recording_information import RecordingInformation
 from sonar_tracking.configuration import describe, from_mapping
 from sonar_tracking.display.run_display import RunDisplay
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.display_plan import shown_topics, with_mountings
+from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from sonar_tracking.graph.catalogue.node_settings import (
     NodeSettings,
@@ -18,12 +21,13 @@ from sonar_tracking.graph.catalogue.node_settings import (
     with_room_for_bursts,
 )
 from sonar_tracking.graph.catalogue.passive_nodes import SUBSPACE_ESTIMATOR
-from sonar_tracking.graph.catalogue.planned_node import FLOW_WINDOW
+from sonar_tracking.graph.catalogue.planned_node import FLOW_WINDOW, PlannedNode
 from sonar_tracking.graph.catalogue.scenario_graph import (
     planned_nodes,
     started_nodes,
     with_published_topics,
 )
+from sonar_tracking.graph.catalogue.topics import Topic
 from sonar_tracking.graph.catalogue.transport_profile import choose_transport
 from sonar_tracking.graph.orchestration.graph_plan import GraphPlan
 from sonar_tracking.graph.orchestration.orchestration import Orchestration
@@ -41,11 +45,17 @@ from sonar_tracking.simulation.scenarios.scenario_mapping import (
     scenario_to_yaml,
 )
 
+_CLOCK_HINT = (
+    "the time of this run is {0}: another node with use_sim_time takes it with "
+    "--ros-args -r /clock:={0}"
+)
+
 
 def run_scenario(
     name_or_path: str,
     duration: float | None,
     parameters: Path | None,
+    names: GraphNames,
     options: RunOptions,
     display: RunDisplay,
     log_directory: Path,
@@ -60,6 +70,8 @@ def run_scenario(
         Length of the data, s; None = as the scenario says.
     parameters : Path or None
         File with parameters of nodes, before those of the scenario.
+    names : GraphNames
+        Of nodes and topics.
     options : RunOptions
         Rate, recording, report.
     display : RunDisplay
@@ -73,8 +85,10 @@ def run_scenario(
         If scenario, parameters or options cannot be used; nothing was started then.
     """
     scenario, where = _with_file(read_scenario(name_or_path, duration), name_or_path, parameters)
-    plan = plan_scenario(scenario, options, log_directory, where)
+    plan = plan_scenario(scenario, options, log_directory, where, names)
     orchestration = Orchestration(plan, display, log_directory)
+    if names.namespace:
+        display.say(_CLOCK_HINT.format(names.clock))
     orchestration.start_processes()
     os.environ.update(plan.transport.others)
     # rclpy takes a second to load: meanwhile the nodes do the same.
@@ -82,17 +96,12 @@ def run_scenario(
     from sonar_tracking.graph.orchestration.run_observer import RunObserver
     from sonar_tracking.graph.orchestration.simulated_source import SimulatedSource
 
-    observer = RunObserver(plan.topics(), display, options.cutoff_m)
+    observer = RunObserver(plan.topics(), display, options.cutoff_m, naming=names)
     try:
         with ControlNode(
-            orchestration.ledger,
-            orchestration.edges,
-            observer,
-            (*plan.names(), *plan.display_names()),
-            plan.sources,
+            orchestration.ledger, orchestration.edges, observer, plan.names(), plan.sources, names
         ) as control:
-            for topic in plan.observed().values():
-                control.observe(topic)
+            control.observe(plan.observed().values())
             master = _time_master(scenario, options.rate)
             start = scenario.stamp(scenario.start)
             source = SimulatedSource(control, orchestration.ledger, master, start)
@@ -125,14 +134,18 @@ def read_scenario(name_or_path: str, duration: float | None) -> Scenario:
 
 
 def plan_scenario(
-    scenario: Scenario, options: RunOptions, log_directory: Path, where: str
+    scenario: Scenario,
+    options: RunOptions,
+    log_directory: Path,
+    where: str,
+    names: GraphNames = ROOT_NAMES,
 ) -> GraphPlan:
     """Return the graph of a scenario.
 
     Raises
     ------
     ConfigurationError
-        If the parameters of a node cannot be used.
+        If the parameters of a node cannot be used, or a rule for names.
     """
     descriptions = started_nodes(scenario, where)
     sources = tuple(node.name for node in descriptions if node.serves_clock)
@@ -148,23 +161,34 @@ def plan_scenario(
     for name in sources:
         settings[name] = {**settings[name], "scenario": str(scenario_file)}
     planned = planned_nodes(descriptions, settings, scenario.namespaces)
-    nodes = tuple(node for node in planned if not NODES[node.name].is_display)
+    names.check(_topics_of(planned))
+    nodes = names.planned(node for node in planned if not NODES[node.name].is_display)
     if options.record is not None:
         topics = {topic.name: topic for node in nodes for topic in node.publishers}.values()
-        mapping = scenario_to_mapping(scenario)
+        shown = shown_topics(descriptions) if options.display_topics else ()
+        noted = names.noted([*(topic for node in planned for topic in node.publishers), *shown])
         for name in sources:
             settings[name] = {**settings[name], "scenario": scenario.name}
-        shown = shown_topics(descriptions) if options.display_topics else ()
-        nodes += (
-            planned_recorder(options.record, topics, shown, mapping, settings, log_directory),
-        )
+        known = RecordingInformation(scenario_to_mapping(scenario), settings, topic_names=noted)
+        shown = names.topics(shown)
+        nodes += (planned_recorder(options.record, topics, shown, known, names, log_directory),)
     return GraphPlan(
         scenario=scenario.name,
         nodes=nodes,
         sources=sources,
         transport=choose_transport(_largest_message_bytes(scenario, settings), n_publishers=2),
-        displays=tuple(node for node in planned if NODES[node.name].is_display),
+        displays=names.planned(node for node in planned if NODES[node.name].is_display),
+        naming=names,
     )
+
+
+def _topics_of(nodes: Iterable[PlannedNode]) -> list[Topic]:
+    """Return every topic that nodes publish or take, markers included."""
+    return [
+        topic
+        for node in nodes
+        for topic in (*node.publishers, *node.subscriptions, *NODES[node.name].markers)
+    ]
 
 
 def _with_file(scenario: Scenario, name: str, path: Path | None) -> tuple[Scenario, str]:
