@@ -250,7 +250,7 @@ def _depths(
     return {
         name: {"flow_depth": values["flow_depth"]}
         for name, values in deepened.items()
-        if values["flow_depth"] != settings[name]["flow_depth"]
+        if values.get("flow_depth") != settings[name].get("flow_depth")
     }
 
 
