@@ -71,6 +71,7 @@ class Recorder(Node):
         self._progress = ProgressReporter(self)
         self._fixed_transforms = self.resolve_topic_name(FIXED_TRANSFORMS.name)
         self._counts: dict[str, int] = {}
+        self._pacing: set[str] = set()
         self._topics: dict[str, Any] = {}
         self._writer: BagWriter | None = None
         self._log_clock = LogClock(frozenset())
@@ -82,7 +83,7 @@ class Recorder(Node):
             raise ConfigurationError(f"{self.get_name()}: {error}") from error
         self._diagnostics.add(MATCHED, self._matched)
         self._diagnostics.add(RECORDING, self._written)
-        ReadyReports(self, self._diagnostics, self._matched, lambda: any(self._counts.values()))
+        ReadyReports(self, self._diagnostics, self._matched, self._data_flow)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(FLUSH_PERIOD / 2, self._flush, clock=steady)
         self.create_timer(STATUS_PERIOD, self._diagnostics.publish)
@@ -153,6 +154,8 @@ class Recorder(Node):
     def _subscribe(self, topic: str, type_name: str, role: Role) -> None:
         """Subscribe to serialised messages; /clock and pictures are recorded without pacing."""
         paces = role not in ("other", "display")
+        if paces:
+            self._pacing.add(topic)
 
         def record(data: Any) -> None:
             self._record(topic, type_name, paces, data)
@@ -202,6 +205,10 @@ class Recorder(Node):
     def _fail(self, concern: str, sentence: str) -> None:
         self.failed = True
         self._diagnostics.report(concern, sentence, Severity.ERROR, sentence, lasting=True)
+
+    def _data_flow(self) -> bool:
+        """Return whether data have come; what nodes say of themselves comes before them."""
+        return any(self._counts[topic] for topic in self._pacing)
 
     def _matched(self) -> dict[str, object]:
         counts: dict[str, object] = {
