@@ -22,3 +22,18 @@ def test_a_second_publisher_is_named_but_a_second_reader_is_welcome() -> None:
     edges = MatchedEdges(EDGES, OUTPUTS)
     edges.report("tracker", {"/clock": 2, "/array/subspaces": 1, "/passive/bearing_tracks": 9})
     assert edges.foreign_publishers() == ["/clock"]
+
+
+def test_who_only_shows_a_topic_does_not_pass_for_one_who_has_to_hear_it() -> None:
+    """Else data would flow before the tracker hears them, and the run would wait for those lost."""
+    shown = {"display": {"/array/subspaces": 1, "/passive/bearing_tracks": 1}}
+    edges = MatchedEdges(EDGES | shown, OUTPUTS, ["display"])
+    edges.report("tracker", {"/clock": 1, "/array/subspaces": 1, "/passive/bearing_tracks": 2})
+    assert edges.missing(["tracker"]) == []
+    edges.report("display", {"/array/subspaces": 1, "/passive/bearing_tracks": 1})
+    assert edges.visitors("/passive/bearing_tracks") == 1
+    assert edges.missing(["tracker"]) == [
+        "tracker has 2 of 3 connections on /passive/bearing_tracks"
+    ]
+    edges.forget("display")
+    assert edges.missing(["tracker"]) == []

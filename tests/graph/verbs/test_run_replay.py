@@ -88,7 +88,6 @@ def test_a_recorded_replay_keeps_truth_and_knows_its_inputs(tmp_path: Path) -> N
         "/b/passive/bearing_tracks": "input",
         "/passive/tracks": "output",
         "/truth/bearing_tracks": "truth",
-        "/passive/markers": "display",
         "/diagnostics": "display",
     }
 

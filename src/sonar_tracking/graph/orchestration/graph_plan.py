@@ -134,7 +134,7 @@ class GraphPlan:
             | {resolved(topic): len(consumers[resolved(topic)]) for topic in node.publishers}
             for node in self.nodes
         }
-        return MatchedEdges(subscriptions, publishers)
+        return MatchedEdges(subscriptions, publishers, self.display_names())
 
 
 def resolved(topic: Topic) -> str:

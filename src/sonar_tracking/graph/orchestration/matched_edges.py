@@ -2,6 +2,9 @@
 
 A publisher drops what it sends before its readers are matched. Every node therefore reports, on
 ``/diagnostics``, how many remote endpoints each of its topics is matched with. No ROS here.
+
+A publisher does not know by whom it is heard: nodes that only show the data, and hear it already,
+must not be counted for one that has to.
 """
 
 from __future__ import annotations
@@ -18,15 +21,20 @@ class MatchedEdges:
         Node, resolved topic, publishers it must see.
     publishers : mapping of str to mapping of str to int
         Node, resolved topic, subscriptions it must at least see.
+    visitors : collection of str, optional
+        Nodes among the first that nobody waits for: where they hear a topic, its publisher must
+        see as many subscriptions more.
     """
 
     def __init__(
         self,
         subscriptions: Mapping[str, Mapping[str, int]],
         publishers: Mapping[str, Mapping[str, int]],
+        visitors: Collection[str] = (),
     ) -> None:
         self._subscriptions = subscriptions
         self._publishers = publishers
+        self._visitors = visitors
         self._matched: dict[str, Mapping[str, int]] = {}
 
     def report(self, node: str, matched: Mapping[str, int]) -> None:
@@ -36,6 +44,10 @@ class MatchedEdges:
     def forget(self, node: str) -> None:
         """Forget what a node has reported, because it has ended."""
         self._matched.pop(node, None)
+
+    def visitors(self, topic: str) -> int:
+        """Return how many nodes that nobody waits for say that they hear a topic."""
+        return sum(self._matched.get(node, {}).get(topic, 0) > 0 for node in self._visitors)
 
     def missing(self, nodes: Collection[str] | None = None) -> list[str]:
         """Return what is still missing, one phrase an item; empty when data may flow.
@@ -52,7 +64,9 @@ class MatchedEdges:
             if matched is None:
                 phrases.append(f"{node} has not reported")
                 continue
-            needed = {**self._publishers.get(node, {}), **self._subscriptions.get(node, {})}
+            heard = self._publishers.get(node, {})
+            needed = {topic: count + self.visitors(topic) for topic, count in heard.items()}
+            needed |= self._subscriptions.get(node, {})
             phrases.extend(
                 f"{node} has {matched.get(topic, 0)} of {count} connections on {topic}"
                 for topic, count in sorted(needed.items())

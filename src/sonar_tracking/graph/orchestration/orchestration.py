@@ -44,7 +44,7 @@ LOST_SECONDS = 60.0
 """What no node has moved a message for so long is taken for lost: the run goes on, and fails."""
 REMATCH_SECONDS = 0.5
 FOREIGN_PATIENCE = 3.0
-DISPLAY_PATIENCE = 3.0
+DISPLAY_PATIENCE = 10.0
 _LONGEST_WAIT = 0.05
 _WATCH_SECONDS = 0.1
 
@@ -196,6 +196,10 @@ class Orchestration:
     def _bring_up(self, control: ControlNode, source: DataSource) -> None:
         """Start what has ended until every node runs and is matched."""
         restarted: set[str] = set()
+        if self._flow_started is None:
+            # Not counted among the readers of a topic until it says so, a display would pass for
+            # one that data must not be published without.
+            self._wait(control, source, self._displays_connected, DISPLAY_PATIENCE, "starting")
         deadline = time.monotonic() + START_PATIENCE
         asked = self._nodes.keys() if self._flow_started is None else restarted
         while not self.interrupted:
@@ -220,7 +224,6 @@ class Orchestration:
             )
         if self._flow_started is None:
             self._refuse_foreign(control, source)
-            self._wait(control, source, self._displays_connected, DISPLAY_PATIENCE, "starting")
         elif not self.interrupted:
             # The others match the new process a moment after it has matched them; their own counts
             # still hold the old one, which nobody has said goodbye for.
@@ -257,15 +260,18 @@ class Orchestration:
             )
 
     def _displays_connected(self) -> bool:
-        """Tell whether the nodes that show the data, as far as they run, hear them."""
+        """Tell whether what shows the data hears them, as far as it and all others run."""
         running = self.supervisor.running()
-        return not self.edges.missing([n for n in self._plan.display_names() if n in running])
+        return bool(self._ended) or not self.edges.missing(
+            [n for n in self._plan.display_names() if n in running]
+        )
 
     def _connected(self, control: ControlNode, nodes: Collection[str]) -> bool:
         """Tell whether some nodes and what the orchestration offers are matched."""
         consumers = self._plan.consumers()
         return not self.edges.missing(nodes) and all(
-            control.matched_subscriptions(topic) >= len(consumers[topic])
+            control.matched_subscriptions(topic)
+            >= len(consumers[topic]) + self.edges.visitors(topic)
             for topic in self._plan.offered_names()
         )
 
@@ -321,6 +327,7 @@ class Orchestration:
 
     def _go_on_without(self, process: SupervisedProcess) -> None:
         """Tell that a node has ended which only showed what the others find."""
+        self.edges.forget(process.plan.name)
         words = f"{process.plan.name} {process.end_in_words}; the run goes on without it"
         self.warnings.append(f"{words}; its log is {process.log}.")
         self._display.say(f"warning: {self.warnings[-1]}")
