@@ -16,6 +16,7 @@ from sonar_tracking.graph.verbs.machine_state import (
     MESSAGE_PACKAGE,
     OPTIONAL,
     REQUIRED,
+    TRANSFORM_PACKAGE,
     MachineState,
 )
 
@@ -26,7 +27,7 @@ HASHES = {
 NAMES = {*REQUIRED, *(name for names in OPTIONAL.values() for name in names)}
 WHOLE = MachineState(
     python=(3, 12),
-    versions=dict.fromkeys((*NAMES, "rclpy", MESSAGE_PACKAGE), "1.2"),
+    versions=dict.fromkeys((*NAMES, "rclpy", MESSAGE_PACKAGE, TRANSFORM_PACKAGE), "1.2"),
     ros_origin="/opt/ros/jazzy/lib/python3.12/site-packages/rclpy",
     installed_hashes=HASHES,
     shipped_hashes=HASHES,
@@ -65,6 +66,7 @@ def test_a_machine_that_has_everything_needs_no_remedy() -> None:
         (replace(WHOLE, ros_origin=""), "ROS 2", "sonar_tracking[ros]"),
         (replace(WHOLE, import_error="ImportError: librcl.so"), "ROS 2", "new shell"),
         (without_packages(MESSAGE_PACKAGE), "messages", "build msg_defs"),
+        (without_packages(TRANSFORM_PACKAGE), "messages", "ros-jazzy-tf2-msgs"),
         (
             replace(WHOLE, installed_hashes=HASHES | {f"{MESSAGE_PACKAGE}/msg/Tracks": "RIHS01_3"}),
             "messages",

@@ -226,7 +226,7 @@ class ScenePublisher(Node):
         self._publish(self._frames.sensor_told(heard, self._expects_odometry()))
 
     def _publish(self, moving: list[FrameTransform]) -> None:
-        if moving:
+        if moving and self._is_watched(TRANSFORMS):
             self._transforms.publish(transforms_to_message(moving))
         fixed = tuple(self._frames.fixed.values())
         if fixed != self._fixed:

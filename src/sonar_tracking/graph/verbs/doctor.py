@@ -20,6 +20,7 @@ from sonar_tracking.graph.verbs.machine_state import (
     MESSAGE_PACKAGE,
     OPTIONAL,
     REQUIRED,
+    TRANSFORM_PACKAGE,
     MachineState,
     examined_machine,
 )
@@ -146,6 +147,9 @@ def check_messages(machine: MachineState) -> Finding:
     if MESSAGE_PACKAGE not in machine.versions:
         remedy = "use ./scripts/run.sh, or build msg_defs with colcon and source the workspace"
         return Finding(subject, Verdict.MISSING, f"no {MESSAGE_PACKAGE}", remedy)
+    if TRANSFORM_PACKAGE not in machine.versions:
+        remedy = "use ./scripts/run.sh, or sudo apt install ros-jazzy-tf2-msgs"
+        return Finding(subject, Verdict.MISSING, f"no {TRANSFORM_PACKAGE}, of /tf", remedy)
     version = machine.versions[MESSAGE_PACKAGE]
     found = f"{MESSAGE_PACKAGE} {version}, {len(machine.installed_hashes)} types, hash "
     found += package_hash(machine.installed_hashes)

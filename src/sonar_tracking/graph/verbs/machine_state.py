@@ -19,6 +19,7 @@ from sonar_tracking.graph.catalogue.transport_profile import SHARED_MEMORY
 from sonar_tracking.resources import find_resource
 
 MESSAGE_PACKAGE = "sonar_tracking_msgs"
+TRANSFORM_PACKAGE = "tf2_msgs"
 
 REQUIRED = {
     "numpy": "numpy",
@@ -114,7 +115,9 @@ def examined_machine() -> MachineState:
         python=(int(major), int(minor)),
         executable=sys.executable,
         environment=dict(os.environ),
-        versions=_versions(names | {"rclpy": "rclpy", MESSAGE_PACKAGE: MESSAGE_PACKAGE}),
+        versions=_versions(
+            names | {name: name for name in ("rclpy", MESSAGE_PACKAGE, TRANSFORM_PACKAGE)}
+        ),
         ros_origin=str(Path(rclpy.origin).parent) if rclpy and rclpy.origin else "",
         ros_wheels=_distribution_version("ros-rclpy") != "",
         import_error=_import_error() if there else "",

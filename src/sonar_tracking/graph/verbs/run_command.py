@@ -15,6 +15,7 @@ from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
 from sonar_tracking.graph.orchestration.domain_lock import domain_lock
 from sonar_tracking.graph.orchestration.run_report import RunReport
+from sonar_tracking.graph.verbs.machine_state import MESSAGE_PACKAGE, TRANSFORM_PACKAGE
 from sonar_tracking.graph.verbs.run_options import RunOptions, make_log_directory, rate_from_text
 from sonar_tracking.stop_signals import interruptible
 
@@ -88,7 +89,7 @@ def replay(
 
 
 def _shown(display: bool, json: Path | None, work: Work, namespace: str = "") -> int:
-    for package in ("rclpy", "sonar_tracking_msgs"):
+    for package in ("rclpy", MESSAGE_PACKAGE, TRANSFORM_PACKAGE):
         # Told before any process is started, which could only fail for the same reason.
         if find_spec(package) is None:
             raise ModuleNotFoundError(package, name=package)
