@@ -59,8 +59,9 @@ def test_the_bag_holds_the_names_of_the_run_and_knows_those_of_the_graph(
     named_run: NamedRun,
 ) -> None:
     bag = read_bag(named_run.bag)
-    below = {*named_run.report["topics"], "/shipA/active/markers", "/shipA/clock"}
-    assert set(bag.topics) == below | {"/diagnostics", "/tf", "/tf_static"}
+    below = set(bag.topics) - {"/diagnostics", "/tf", "/tf_static"}
+    assert below > {*named_run.report["topics"], "/shipA/active/markers", "/shipA/clock"}
+    assert all(topic.startswith("/shipA/") for topic in below)
     assert bag.topics["/shipA/clock"].message_count > 0
     assert bag.recording is not None
     assert bag.recording.topic_names == {name: in_root(name) for name in below}
