@@ -151,16 +151,6 @@ def test_two_runs_share_a_domain_each_with_its_own_clock(
         assert report["topics"][f"/{ship}/active/tracks"]["messages"] > 0
 
 
-def test_two_runs_that_would_publish_one_topic_are_refused(
-    running: dict[str, RunningCommand], tmp_path: Path
-) -> None:
-    running["shipA"].wait_for_text("data flow")
-    rule = "own_ship/odometry:=/shipA/own_ship/odometry"
-    done = run_command(tmp_path, *RUN, "--namespace", "shipC", "--remap", rule)
-    assert done.returncode == 1
-    assert "somebody else publishes too (/shipA/own_ship/odometry" in done.stdout
-
-
 @pytest.mark.parametrize(
     ("names", "sentence"),
     [
