@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from sonar_tracking.graph.catalogue.active_nodes import HPDA_TRACKER
 from sonar_tracking.graph.catalogue.display_nodes import SCENE_PUBLISHER
+from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
+from sonar_tracking.graph.catalogue.planned_node import PlannedNode
 from sonar_tracking.graph.catalogue.tma_nodes import TMA_TRACKER
 from sonar_tracking.graph.catalogue.topics import DIAGNOSTICS, Topic
 
@@ -24,6 +27,22 @@ def shown_topics(nodes: Iterable[NodeDescription]) -> tuple[Topic, ...]:
         The nodes of the graph.
     """
     return (*(topic for node in nodes for topic in node.markers), DIAGNOSTICS)
+
+
+def planned_displays(planned: Iterable[PlannedNode], recorded: bool) -> tuple[PlannedNode, ...]:
+    """Return those of some nodes that only show the data.
+
+    Parameters
+    ----------
+    planned : iterable of PlannedNode
+        The nodes.
+    recorded : bool
+        Whether somebody looks at all their pictures from the begin on.
+    """
+    displays = (node for node in planned if NODES[node.name].is_display)
+    return tuple(
+        replace(node, publishers=NODES[node.name].markers if recorded else ()) for node in displays
+    )
 
 
 def with_mountings(given: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, Any]]:

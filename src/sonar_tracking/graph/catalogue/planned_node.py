@@ -26,6 +26,8 @@ class PlannedNode:
         Its ROS parameters, checked.
     gives_identifiers : bool
         Whether it has a parameter ``first_id``.
+    needs_clock : bool
+        Whether it listens to ``/clock``; to hear every tick costs more than to draw a picture.
     remaps : mapping of str to str
         Full name of a topic in the namespace of the node to its name in the graph.
     """
@@ -36,4 +38,5 @@ class PlannedNode:
     publishers: tuple[Topic, ...] = ()
     parameters: Mapping[str, Any] = field(default_factory=dict)
     gives_identifiers: bool = False
+    needs_clock: bool = True
     remaps: Mapping[str, str] = field(default_factory=dict)

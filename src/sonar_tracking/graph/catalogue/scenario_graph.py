@@ -122,6 +122,7 @@ def _planned(
         publishers=_outputs(node, namespaces),
         parameters=parameters,
         gives_identifiers="first_id" in parameters,
+        needs_clock=not node.is_display,
     )
 
 

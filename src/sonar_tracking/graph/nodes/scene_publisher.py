@@ -8,16 +8,20 @@ from __future__ import annotations
 
 import math
 import sys
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.publisher import Publisher
+from rclpy.serialization import deserialize_message
 
 from sonar_tracking.active.contacts.sensor_location import MountingConfiguration
+from sonar_tracking.bags.storage.log_time import head_stamp
 from sonar_tracking.errors import InputError, Severity
 from sonar_tracking.graph.catalogue.display_nodes import SCENE_PUBLISHER
 from sonar_tracking.graph.catalogue.topics import (
@@ -84,6 +88,9 @@ Draw = Callable[[KinematicState | None], None]
 DEPTH = 1000
 """Messages kept per topic: the scene may fall behind the data for a while."""
 
+AUDIENCE_PERIOD = 0.05
+"""Between two looks whether anybody looks at the pictures, s of steady time."""
+
 
 class ScenePublisher(Node):
     """Shell around :class:`sonar_tracking.scene.scene_frames.SceneFrames`.
@@ -106,6 +113,7 @@ class ScenePublisher(Node):
         )
         self._diagnostics = Diagnostics(name, self.get_logger(), reports.publish)
         self._received: dict[str, int] = {}
+        self._asked, self._audience = -AUDIENCE_PERIOD, False
         self._own_ship = OwnShipReader()
         namespace = self.get_namespace().strip("/")
         self._frames = SceneFrames(namespace and f"{namespace}/")
@@ -125,7 +133,9 @@ class ScenePublisher(Node):
             self._listen(replace(BEARING_TRACKS, name=topic), self._show_bearings)
         self._diagnostics.add(MATCHED, self._matched)
         ReadyReports(self, self._diagnostics, self._matched, lambda: any(self._received.values()))
-        self.create_timer(STATUS_PERIOD, self._diagnostics.publish)
+        # Nothing here needs the clock of the data, each tick of which costs as much as a picture.
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(STATUS_PERIOD, self._diagnostics.publish, clock=steady)
 
     def _publisher(self, topic: Topic) -> Publisher:
         """Return a publisher of pictures; of those for late readers, the last one is kept."""
@@ -134,13 +144,18 @@ class ScenePublisher(Node):
         return self.create_publisher(message_class(topic.message_type), topic.name, profile)
 
     def _listen(self, topic: Topic, show: Callable[[Any], None]) -> None:
-        """Let every message of a topic be shown; what cannot be read is left out, and said."""
+        """Let every message of a topic be shown; what cannot be read is left out, and said.
 
-        def receive(message: Any) -> None:
+        While nobody looks at any picture messages are not even decoded: that is most of the cost.
+        """
+
+        def receive(data: bytes) -> None:
             self._received[name] += 1
-            self._diagnostics.advance(stamp_from_time(message.header.stamp))
+            self._diagnostics.advance(head_stamp(data))
+            if not self._has_audience():
+                return
             try:
-                show(message)
+                show(deserialize_message(data, kind))
             except InputError as error:
                 sentence = f"{name}: not shown: {error}"
                 self._diagnostics.report(
@@ -149,7 +164,8 @@ class ScenePublisher(Node):
 
         profile = quality_of_service.subscription_profile(DEPTH)
         kind = message_class(topic.message_type)
-        name: str = self.create_subscription(kind, topic.name, receive, profile).topic_name
+        subscription = self.create_subscription(kind, topic.name, receive, profile, raw=True)
+        name: str = subscription.topic_name
         self._received[name] = 0
 
     def _show_own_ship(self, message: Any) -> None:
@@ -201,6 +217,14 @@ class ScenePublisher(Node):
         """Publish a picture, which is not drawn while nobody looks at it."""
         if self._is_watched(topic):
             self._pictures[topic].publish(picture())
+
+    def _has_audience(self) -> bool:
+        """Return whether anybody looks at any picture; asked again after a moment."""
+        now = time.monotonic()
+        if now >= self._asked + AUDIENCE_PERIOD:
+            self._asked = now
+            self._audience = any(map(self._is_watched, self._pictures))
+        return self._audience
 
     def _is_watched(self, topic: Topic) -> bool:
         return self._pictures[topic].get_subscription_count() > 0

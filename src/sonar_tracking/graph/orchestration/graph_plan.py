@@ -134,6 +134,10 @@ class GraphPlan:
             | {resolved(topic): len(consumers[resolved(topic)]) for topic in node.publishers}
             for node in self.nodes
         }
+        # What is not recorded of a display, nobody has to look at.
+        publishers |= {
+            node.name: {resolved(topic): 1 for topic in node.publishers} for node in self.displays
+        }
         return MatchedEdges(subscriptions, publishers, self.display_names())
 
 
@@ -167,7 +171,7 @@ def process_plan(
     values = dict(node.parameters)
     if node.gives_identifiers:
         values["first_id"] = (restarts << 32) + int(values.get("first_id", 1))
-    values["use_sim_time"] = True
+    values["use_sim_time"] = node.needs_clock
     parameter_file = log_directory / f"{node.name}.yaml"
     # A list without entries has no type in a parameter file; it is the default wherever allowed.
     plain = {

@@ -15,7 +15,11 @@ from sonar_tracking.bags.storage.repair import repair_bag
 from sonar_tracking.display.run_display import RunDisplay
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.display_nodes import SCENE_PUBLISHER
-from sonar_tracking.graph.catalogue.display_plan import shown_topics, with_mountings
+from sonar_tracking.graph.catalogue.display_plan import (
+    planned_displays,
+    shown_topics,
+    with_mountings,
+)
 from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
@@ -179,7 +183,7 @@ def plan_replay(
         nodes=nodes,
         offered=offered,
         transport=choose_transport(_largest_input_bytes(bag, offered), n_publishers=2),
-        displays=tuple(node for node in planned if NODES[node.name].is_display),
+        displays=planned_displays(planned, options.record is not None),
     )
 
 

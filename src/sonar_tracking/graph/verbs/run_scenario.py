@@ -11,7 +11,11 @@ from sonar_tracking.bags.storage.recording_information import RecordingInformati
 from sonar_tracking.configuration import describe, from_mapping
 from sonar_tracking.display.run_display import RunDisplay
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.graph.catalogue.display_plan import shown_topics, with_mountings
+from sonar_tracking.graph.catalogue.display_plan import (
+    planned_displays,
+    shown_topics,
+    with_mountings,
+)
 from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from sonar_tracking.graph.catalogue.node_settings import (
@@ -177,7 +181,7 @@ def plan_scenario(
         nodes=nodes,
         sources=sources,
         transport=choose_transport(_largest_message_bytes(scenario, settings), n_publishers=2),
-        displays=names.planned(node for node in planned if NODES[node.name].is_display),
+        displays=names.planned(planned_displays(planned, options.record is not None)),
         naming=names,
     )
 
