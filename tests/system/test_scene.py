@@ -102,6 +102,9 @@ def test_what_is_shown_is_recorded_but_neither_compared_nor_played(tmp_path: Pat
     shown = {*SHOWN, "/active/markers"}
     assert shown <= {name for name, role in roles.items() if role == "display"}
     assert not shown & set(report_of(tmp_path / "run.json")["topics"])
+    counts = {name: topic.message_count for name, topic in read_bag(bag).topics.items()}
+    assert counts["/tf"] == counts["/own_ship/odometry"]
+    assert counts["/active/markers"] == counts["/active/tracks"]
     # Nothing is said before the data: a player would wait there for decades.
     times = [message.log_time for message in read_bag(bag).messages()]
     assert times[-1] - times[0] <= 200e9

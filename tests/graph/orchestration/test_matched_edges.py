@@ -30,10 +30,11 @@ def test_who_only_shows_a_topic_does_not_pass_for_one_who_has_to_hear_it() -> No
     edges = MatchedEdges(EDGES | shown, OUTPUTS, ["display"])
     edges.report("tracker", {"/clock": 1, "/array/subspaces": 1, "/passive/bearing_tracks": 2})
     assert edges.missing(["tracker"]) == []
-    edges.report("display", {"/array/subspaces": 1, "/passive/bearing_tracks": 1})
+    edges.report("display", {"/array/subspaces": 1, "/passive/bearing_tracks": 1, "/tf": 1})
     assert edges.visitors("/passive/bearing_tracks") == 1
     assert edges.missing(["tracker"]) == [
         "tracker has 2 of 3 connections on /passive/bearing_tracks"
     ]
+    assert edges.visitors("/tf") == 0, "what it publishes itself it does not hear"
     edges.forget("display")
     assert edges.missing(["tracker"]) == []

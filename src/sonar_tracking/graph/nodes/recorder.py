@@ -161,7 +161,7 @@ class Recorder(Node):
             self._record(topic, type_name, paces, data)
 
         self._counts[topic] = 0
-        profile = quality_of_service.subscription_profile(self._depth if paces else 100)
+        profile = quality_of_service.subscription_profile(self._depth if paces else 1000)
         if topic == self._fixed_transforms:
             profile = quality_of_service.LATE_READER
         self._topics[topic] = self.create_subscription(

@@ -47,7 +47,10 @@ class MatchedEdges:
 
     def visitors(self, topic: str) -> int:
         """Return how many nodes that nobody waits for say that they hear a topic."""
-        return sum(self._matched.get(node, {}).get(topic, 0) > 0 for node in self._visitors)
+        return sum(
+            topic in self._subscriptions[node] and self._matched.get(node, {}).get(topic, 0) > 0
+            for node in self._visitors
+        )
 
     def missing(self, nodes: Collection[str] | None = None) -> list[str]:
         """Return what is still missing, one phrase an item; empty when data may flow.

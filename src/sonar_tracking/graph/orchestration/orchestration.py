@@ -45,6 +45,7 @@ LOST_SECONDS = 60.0
 REMATCH_SECONDS = 0.5
 FOREIGN_PATIENCE = 3.0
 DISPLAY_PATIENCE = 10.0
+DISPLAY_SECONDS = 0.5
 _LONGEST_WAIT = 0.05
 _WATCH_SECONDS = 0.1
 
@@ -125,6 +126,8 @@ class Orchestration:
 
     def stop_processes(self) -> None:
         """Stop every node in bounded time; a second Ctrl-C kills them at once."""
+        if not self.interrupted and any(node.publishers for node in self._plan.displays):
+            time.sleep(DISPLAY_SECONDS)  # the last pictures are on their way into the recording
         names = self.supervisor.running()
         self.supervisor.stop(names, hurry=lambda: self._stops > 1)
         # Told to stop while it was starting, a node may end by the signal itself.
