@@ -180,13 +180,17 @@ def test_a_chunk_holds_no_more_than_it_says_and_is_allowed(
     data = bytearray(path.read_bytes())
     assert read(path) == WRITTEN
     with monkeypatch.context() as patch:
-        patch.setattr("sonar_tracking.bags.storage.mcap_scan.LARGEST_CHUNK", 1000)
+        patch.setattr(decompression, "LARGEST_CHUNK", 1000)
         with pytest.raises(TooLargeError, match=r"chunk of .*k\.mcap would decompress"):
             read_bag(path)
     at = 8
     while data[at] != Opcode.CHUNK:
         at += 9 + struct.unpack_from("<Q", data, at + 1)[0]
     struct.pack_into("<Q", data, at + 9 + 16, 100)
+    path.write_bytes(data)
+    # The closing part knows the size, too; where that is damaged, the chunk is taken at its word.
+    assert read(path) == WRITTEN
+    data[-12] ^= 1
     path.write_bytes(data)
     with pytest.raises(ConfigurationError, match=r"a compressed chunk at byte \d+ cannot be"):
         read_bag(path)

@@ -33,7 +33,7 @@ from sonar_tracking.bags.importers.contact_messages import (
 from sonar_tracking.bags.importers.own_ship_track import OwnShipMotion, interpolated, own_ship_at
 from sonar_tracking.bags.storage.metadata import OfferedQuality
 from sonar_tracking.bags.storage.recording_information import RecordingInformation
-from sonar_tracking.bags.storage.writer import BagWriter
+from sonar_tracking.bags.storage.writer import new_bag
 from sonar_tracking.configuration import parameter
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.motion import wrap_angle
@@ -291,15 +291,14 @@ def _information(
 
 
 def _write(path: Path, recorded: RecordedPings, information: RecordingInformation) -> None:
-    writer = BagWriter(path, information)
-    writer.add_topic(CONTACTS_TOPIC, CONTACTS_TYPE, role="input")
-    writer.add_topic(ODOMETRY_TOPIC, ODOMETRY_TYPE, role="input")
-    if recorded.truth:
-        quality = OfferedQuality(durability="transient_local")
-        writer.add_topic(TRUTH_TOPIC, TRACKS_TYPE, role="truth", qos=quality)
-    for stamp, topic, data in _messages(recorded):
-        writer.write(topic, stamp, data)
-    writer.close()
+    with new_bag(path, information) as writer:
+        writer.add_topic(CONTACTS_TOPIC, CONTACTS_TYPE, role="input")
+        writer.add_topic(ODOMETRY_TOPIC, ODOMETRY_TYPE, role="input")
+        if recorded.truth:
+            quality = OfferedQuality(durability="transient_local")
+            writer.add_topic(TRUTH_TOPIC, TRACKS_TYPE, role="truth", qos=quality)
+        for stamp, topic, data in _messages(recorded):
+            writer.write(topic, stamp, data)
 
 
 def _messages(recorded: RecordedPings) -> Iterator[_Message]:

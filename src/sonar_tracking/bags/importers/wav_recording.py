@@ -12,7 +12,7 @@ from sonar_tracking.bags.importers.wav_file import WavFile
 from sonar_tracking.bags.storage.bag_records import BEARING_TRACKS_TYPE
 from sonar_tracking.bags.storage.metadata import OfferedQuality
 from sonar_tracking.bags.storage.recording_information import RecordingInformation
-from sonar_tracking.bags.storage.writer import BagWriter
+from sonar_tracking.bags.storage.writer import new_bag
 from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS
 
 TRUTH_TOPIC = "/truth/bearing_tracks"
@@ -64,18 +64,22 @@ def write_messages(
         Topic and message type of the data.
     messages : iterable
         By rising stamp.
+
+    Raises
+    ------
+    ConfigurationError
+        If the bag cannot be written to its end; nothing is left of it then.
     """
-    writer = BagWriter(output, information)
-    for topic, type_name in inputs.items():
-        writer.add_topic(topic, type_name, role="input")
-    if TRUTH_TOPIC in information.topic_roles:
-        quality = OfferedQuality(durability="transient_local")
-        writer.add_topic(TRUTH_TOPIC, BEARING_TRACKS_TYPE, role="truth", qos=quality)
     counts: dict[str, int] = dict.fromkeys((*inputs, TRUTH_TOPIC), 0)
     total = 0
-    for stamp, topic, data, count in messages:
-        writer.write(topic, stamp, data)
-        counts[topic] += 1
-        total += count
-    writer.close()
+    with new_bag(output, information) as writer:
+        for topic, type_name in inputs.items():
+            writer.add_topic(topic, type_name, role="input")
+        if TRUTH_TOPIC in information.topic_roles:
+            quality = OfferedQuality(durability="transient_local")
+            writer.add_topic(TRUTH_TOPIC, BEARING_TRACKS_TYPE, role="truth", qos=quality)
+        for stamp, topic, data, count in messages:
+            writer.write(topic, stamp, data)
+            counts[topic] += 1
+            total += count
     return writer.path, counts, total

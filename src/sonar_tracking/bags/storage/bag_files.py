@@ -10,6 +10,7 @@ from pathlib import Path
 from sonar_tracking.bags.storage.bag_information import BagInformation
 from sonar_tracking.bags.storage.compressed_messages import with_whole_messages
 from sonar_tracking.bags.storage.decompression import decompressed_file
+from sonar_tracking.bags.storage.loss import Loss
 from sonar_tracking.bags.storage.storage_file import Storage, UnreadableFileError
 from sonar_tracking.errors import ConfigurationError
 
@@ -117,15 +118,17 @@ def open_file(path: Path) -> Storage:
     except OSError as error:
         raise UnreadableFileError(f"{path} cannot be read ({error.strerror}).") from error
     storage.damage = damage or storage.damage
+    if damage and not storage.losses:
+        storage.losses.append(Loss())
     return storage
 
 
 def _opened(path: Path, name: str) -> Storage:
     storage: Storage
     if path.suffix == ".db3":
-        from sonar_tracking.bags.storage.sqlite_storage import SqliteStorage
+        from sonar_tracking.bags.storage.sqlite_storage import open_sqlite
 
-        storage = SqliteStorage(path, name)
+        storage = open_sqlite(path, name)
     else:
         from sonar_tracking.bags.storage.mcap_storage import McapStorage
 
@@ -167,7 +170,9 @@ def _check_compression(name: str, information: BagInformation, modes: Collection
         The modes of compression that matter: a file that is open is not compressed as a file.
     """
     compression = information.compression_format
-    if information.compression_mode in modes and compression not in ("", "zstd"):
+    # A name with one wrong letter is a damaged one; the data tell whether they are compressed.
+    damaged = len(compression) == 4 and sum(map(str.__ne__, compression, "zstd")) <= 1
+    if information.compression_mode in modes and compression and not damaged:
         raise ConfigurationError(
             f"{name} is compressed by {compression}, which cannot be read here; only zstd can: "
             "decompress it with the tool that wrote it."

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-import yaml
+from sonar_tracking.bags.storage.stored_text import LARGEST_YAML, StoredTextError, yaml_value
 
 FILE_NAME = "metadata.yaml"
 WRAPPING_KEY = "rosbag2_bagfile_information"
@@ -53,7 +53,8 @@ class BagInformation:
 def read_metadata_file(directory: Path) -> BagInformation | None:
     """Return what ``metadata.yaml`` says, or None where it is missing or unreadable."""
     try:
-        text = (directory / FILE_NAME).read_text(encoding="utf-8")
+        with (directory / FILE_NAME).open(encoding="utf-8") as file:
+            text = file.read(LARGEST_YAML + 1)
     except (OSError, UnicodeDecodeError):
         return None
     information = information_from_text(text)
@@ -63,8 +64,8 @@ def read_metadata_file(directory: Path) -> BagInformation | None:
 def information_from_text(text: str) -> BagInformation | None:
     """Return what a mapping written as YAML says, wrapped or bare; None where it is none."""
     try:
-        values = yaml.safe_load(text)
-    except yaml.YAMLError:
+        values = yaml_value(text)
+    except StoredTextError:
         return None
     if not isinstance(values, dict):
         return None
@@ -73,13 +74,13 @@ def information_from_text(text: str) -> BagInformation | None:
     if not isinstance(values, dict):
         return None
     custom_data = values.get("custom_data")
-    mode = str(values.get("compression_mode") or "").upper()
+    mode = _text(values.get("compression_mode")).upper()
     return BagInformation(
         message_count=_count(values.get("message_count")),
         file_names=_file_names(values.get("relative_file_paths")),
         custom_data=_texts(custom_data) if isinstance(custom_data, dict) else {},
         compression_mode="" if mode in ("NONE", "STORAGE") else mode,
-        compression_format=str(values.get("compression_format") or "").lower(),
+        compression_format=_text(values.get("compression_format")).lower(),
         wrapped=wrapped,
     )
 
@@ -91,8 +92,16 @@ def _count(value: Any) -> int | None:
 def _file_names(value: Any) -> tuple[str, ...]:
     """Return the names alone: bags before version 4 name the directory of the bag as well."""
     entries = value if isinstance(value, list) else []
-    return tuple(PurePosixPath(str(entry)).name for entry in entries)
+    return tuple(PurePosixPath(entry).name for entry in entries if isinstance(entry, str))
+
+
+def _text(value: Any) -> str:
+    return value if isinstance(value, str) else ""
 
 
 def _texts(values: Mapping[Any, Any]) -> dict[str, str]:
-    return {str(name): text for name, text in values.items() if isinstance(text, str)}
+    return {
+        name: text
+        for name, text in values.items()
+        if isinstance(name, str) and isinstance(text, str)
+    }

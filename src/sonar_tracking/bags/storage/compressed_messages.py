@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Iterator
 from dataclasses import replace
+from itertools import islice
 
 from sonar_tracking.bags.storage.decompression import (
     LARGEST_MESSAGE,
@@ -12,8 +13,12 @@ from sonar_tracking.bags.storage.decompression import (
     DamagedDataError,
     decompressed,
 )
+from sonar_tracking.bags.storage.loss import Loss
 from sonar_tracking.bags.storage.message_merge import merged_messages
 from sonar_tracking.bags.storage.storage_file import BagMessage, Part, Storage
+
+_MESSAGES_ASKED = 3
+"""One of them may be damaged."""
 
 
 class CompressedMessages:
@@ -48,6 +53,7 @@ class CompressedMessages:
         ]
         told = [f"{count} messages of {topic} are damaged" for topic, count in damaged.items()]
         self.damage = "; ".join([*([storage.damage] if storage.damage else []), *told])
+        self.losses = storage.losses + [Loss(topic, n) for topic, n in damaged.items()]
         self.parts = [self._part(part) for part in storage.parts]
 
     def _damaged(self, storage: Storage) -> Counter[str]:
@@ -78,10 +84,10 @@ class CompressedMessages:
 def with_whole_messages(storage: Storage, name: str) -> Storage:
     """Return the file as it is, or, where its messages are compressed, as if they were not.
 
-    A file tells it by its first message: compressed ones begin as no serialised one does.
+    A file tells it by its first messages: compressed ones begin as no serialised one does.
     """
     names = {topic.name for topic in storage.topics}
-    first = next(merged_messages(storage.parts, names), None)
-    if first is None or not first.data.startswith(ZSTD_MAGIC):
+    first = islice(merged_messages(storage.parts, names), _MESSAGES_ASKED)
+    if not any(message.data.startswith(ZSTD_MAGIC) for message in first):
         return storage
     return CompressedMessages(storage, name)

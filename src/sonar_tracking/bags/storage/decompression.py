@@ -20,9 +20,12 @@ ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 """First bytes of anything compressed by zstd; a serialised message begins with zero."""
 
 LARGEST_FILE = 8 << 30
-LARGEST_CHUNK = 1 << 30
-LARGEST_MESSAGE = 256 << 20
+LARGEST_CHUNK = 128 << 20
+LARGEST_MESSAGE = 128 << 20
 """Most bytes of a file, a chunk of an MCAP file, and a message."""
+
+_LARGEST_RATIO = 200
+"""What sensor data never compress by, not even those of a sensor that is switched off."""
 
 _BLOCK = 1 << 20
 
@@ -33,6 +36,11 @@ class DamagedDataError(Exception):
 
 class TooLargeError(ConfigurationError):
     """Compressed data exceed their bound."""
+
+
+def largest_total(compressed_bytes: int) -> int:
+    """Return the most bytes that this many may decompress to, taken together."""
+    return min(2 * LARGEST_MESSAGE + _LARGEST_RATIO * compressed_bytes, LARGEST_FILE)
 
 
 def decompressed(data: bytes, compression: str, limit: int, what: str) -> bytes:
@@ -110,13 +118,14 @@ def decompressed_file(path: Path) -> Iterator[tuple[Path, str]]:
 def _decompress_file(path: Path, plain: Path) -> str:
     """Write the decompressed file; return why it is not whole."""
     size = 0
+    limit = largest_total(path.stat().st_size)
     with path.open("rb") as source, plain.open("wb") as target:
         try:
             for block in _blocks(source, _decompressor("zstd")):
                 size += len(block)
-                if size > LARGEST_FILE:
+                if size > limit:
                     raise TooLargeError(
-                        f"{path} would decompress to more than {_mebibytes(LARGEST_FILE)}; if "
+                        f"{path} would decompress to more than {_mebibytes(limit)}; if "
                         f"that is right, decompress it first: unzstd {path.name}."
                     )
                 target.write(block)

@@ -10,7 +10,8 @@ from sonar_tracking.bags.storage.bag_information import (
     RECORD_NAME,
     information_from_text,
 )
-from sonar_tracking.bags.storage.mcap_scan import MessageRun, places_of, scan_mcap
+from sonar_tracking.bags.storage.mcap_scan import MessageRun, places_of
+from sonar_tracking.bags.storage.mcap_scanner import scan_mcap
 from sonar_tracking.bags.storage.message_definitions import MessageDefinition
 from sonar_tracking.bags.storage.metadata import quality_from_text
 from sonar_tracking.bags.storage.recording_information import CUSTOM_DATA_KEY
@@ -36,6 +37,7 @@ class McapStorage:
     def __init__(self, path: Path, name: str) -> None:
         self._scan = scan_mcap(path, name)
         self.damage = self._scan.damage
+        self.losses = self._scan.losses
         record = self._scan.metadata.get(RECORD_NAME, {})
         self.information = information_from_text(record.get(RECORD_KEY, ""))
         self.custom_data = dict(self._scan.metadata.get(CUSTOM_DATA_KEY, {}))

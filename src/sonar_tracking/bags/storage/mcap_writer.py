@@ -3,7 +3,8 @@
 The file is an ordinary indexed MCAP (profile ``ros2``). Schemas and channels stand before the
 chunks, so that every chunk that reached the disk can be read without the rest of the file. Chunks
 are not compressed: sensor data do not compress, and the whole messages of a chunk that was cut
-off can still be read.
+off can still be read. Every record that matters has a checksum of its own
+(:mod:`~sonar_tracking.bags.storage.mcap_checksums`), every chunk and the whole file those of MCAP.
 """
 
 from __future__ import annotations
@@ -31,6 +32,8 @@ from mcap.records import (
     Statistics,
     SummaryOffset,
 )
+
+from sonar_tracking.bags.storage.mcap_checksums import RecordChecksum, checksums_record
 
 MAGIC = b"\x89MCAP0\r\n"
 MESSAGE_HEAD = struct.Struct("<BQHIQQ")
@@ -60,7 +63,9 @@ class McapWriter:
         self._chunk_indexes: list[ChunkIndex] = []
         self._counts: dict[int, int] = {}
         self._times: tuple[int, int] | None = None
+        self._data_checksum = 0
         self._parts: list[bytes] = []
+        self._checksums: list[RecordChecksum] = []
         self._chunk_size = 0
         self._message_indexes: dict[int, list[tuple[int, int]]] = {}
         self._write(MAGIC)
@@ -74,8 +79,7 @@ class McapWriter:
     def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
         """Write a metadata record (names and texts)."""
         self._finish_chunk()
-        start = self._position
-        length = self._write_record(Metadata(name=name, metadata=dict(values)))
+        start, length = self._write_checked(Metadata(name=name, metadata=dict(values)))
         self._metadata_indexes.append(MetadataIndex(offset=start, length=length, name=name))
 
     def add_schema(self, name: str, encoding: str, text: str) -> int:
@@ -83,7 +87,7 @@ class McapWriter:
         self._finish_chunk()
         schema = Schema(len(self._schemas) + 1, text.encode(), encoding, name)
         self._schemas.append(schema)
-        self._write_record(schema)
+        self._write_checked(schema)
         return schema.id
 
     def add_channel(self, topic: str, schema: int, metadata: Mapping[str, str]) -> int:
@@ -98,7 +102,7 @@ class McapWriter:
         )
         self._channels.append(channel)
         self._counts[channel.id] = 0
-        self._write_record(channel)
+        self._write_checked(channel)
         return channel.id
 
     def add_message(self, channel: int, log_time: int, data: bytes) -> None:
@@ -119,7 +123,10 @@ class McapWriter:
         )
         self._message_indexes.setdefault(channel, []).append((log_time, self._chunk_size))
         self._parts += (head, data)
-        self._chunk_size += len(head) + len(data)
+        length = len(head) + len(data)
+        checksum = zlib.crc32(data, zlib.crc32(head))
+        self._checksums.append(RecordChecksum(length, channel, checksum))
+        self._chunk_size += length
         self._counts[channel] = sequence + 1
         if self._chunk_size >= CHUNK_BYTES:
             self._finish_chunk()
@@ -132,7 +139,7 @@ class McapWriter:
     def close(self) -> None:
         """Write the summary and close the file."""
         self._finish_chunk()
-        self._write_record(DataEnd(0))
+        self._write_record(DataEnd(self._data_checksum))
         summary_start = self._position
         summary = RecordBuilder()
         offsets = []
@@ -182,6 +189,9 @@ class McapWriter:
     def _finish_chunk(self) -> None:
         if not self._parts:
             return
+        if not self._chunk_indexes:
+            self._repeat_descriptions()
+        self._write(checksums_record(self._checksums))
         data = self._parts[0] if len(self._parts) == 1 else b"".join(self._parts)
         times = [time for index in self._message_indexes.values() for time, _ in index]
         first, last = min(times), max(times)
@@ -207,7 +217,13 @@ class McapWriter:
         )
         known = self._times or (first, last)
         self._times = (min(known[0], first), max(known[1], last))
-        self._parts, self._chunk_size, self._message_indexes = [], 0, {}
+        self._parts, self._checksums = [], []
+        self._chunk_size, self._message_indexes = 0, {}
+
+    def _repeat_descriptions(self) -> None:
+        """Write schemas and channels once more: a killed recorder leaves no summary with them."""
+        for record in (*self._schemas, *self._channels):
+            self._write_checked(record)
 
     def _write_chunk(self, data: bytes, first: int, last: int) -> int:
         """Write a chunk record without copying the data once more; return its length."""
@@ -220,13 +236,27 @@ class McapWriter:
         self._write(data)
         return len(head) + len(data)
 
+    def _write_checked(self, record: McapRecord) -> tuple[int, int]:
+        """Write a record behind its checksum; return where it begins and its length."""
+        data = _encoded(record)
+        entry = RecordChecksum(len(data), 0, zlib.crc32(data))
+        self._write(checksums_record([entry]))
+        start = self._position
+        self._write(data)
+        return start, len(data)
+
     def _write_record(self, record: McapRecord) -> int:
-        builder = RecordBuilder()
-        record.write(builder)
-        data = builder.end()
+        data = _encoded(record)
         self._write(data)
         return len(data)
 
     def _write(self, data: bytes) -> None:
         self._file.write(data)
         self._position += len(data)
+        self._data_checksum = zlib.crc32(data, self._data_checksum)
+
+
+def _encoded(record: McapRecord) -> bytes:
+    builder = RecordBuilder()
+    record.write(builder)
+    return builder.end()

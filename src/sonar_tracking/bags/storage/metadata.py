@@ -9,7 +9,9 @@ from typing import Any, Literal
 import yaml
 
 from sonar_tracking.bags.storage.bag_information import WRAPPING_KEY
+from sonar_tracking.bags.storage.stored_text import yaml_value
 
+_LARGEST_DEPTH = 1 << 20
 _INFINITE = {"sec": 9223372036, "nsec": 854775807}
 
 
@@ -135,15 +137,17 @@ def quality_from_text(text: str) -> OfferedQuality:
     2 volatile.
     """
     try:
-        profiles = yaml.safe_load(text)
+        profiles = yaml_value(text)
         profile = profiles[0] if isinstance(profiles, list) and profiles else {}
         depth = int(profile.get("depth", 0))
-        reliability = str(profile.get("reliability", "")).lower()
-        durability = str(profile.get("durability", "")).lower()
-    except (yaml.YAMLError, AttributeError, TypeError, ValueError):
+        reliability, durability = (
+            str(value).lower() if isinstance(value, (str, int)) else ""
+            for value in (profile.get("reliability"), profile.get("durability"))
+        )
+    except (AttributeError, TypeError, ValueError, OverflowError):
         return OfferedQuality()
     return OfferedQuality(
-        depth=depth if depth > 0 else OfferedQuality.depth,
+        depth=depth if 0 < depth <= _LARGEST_DEPTH else OfferedQuality.depth,
         reliability="best_effort" if reliability in ("best_effort", "2") else "reliable",
         durability="transient_local" if durability in ("transient_local", "1") else "volatile",
     )

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
 from sonar_tracking.bags.storage.bag_files import BagFiles, chosen_files, open_file, plain_name
 from sonar_tracking.bags.storage.bag_information import FILE_NAME, BagInformation
+from sonar_tracking.bags.storage.loss import Loss, losses_text
 from sonar_tracking.bags.storage.storage_file import Storage, UnreadableFileError
 
 
@@ -20,12 +22,15 @@ class OpenedFiles:
         In order of recording.
     reasons : list of str
         Why not all of the bag can be read.
+    losses : list of Loss
+        Messages that were recorded and cannot be read.
     by_name : dict
         All files found, by their names without compression.
     """
 
     storages: list[Storage]
     reasons: list[str]
+    losses: list[Loss]
     by_name: dict[str, Path]
 
 
@@ -33,29 +38,49 @@ def opened_files(files: BagFiles) -> OpenedFiles:
     """Open all files; one in which nothing can be read is missed, if others are there."""
     storages: list[Storage] = []
     reasons = [f"{name} is missing" for name in files.missing]
+    losses = [Loss()] if files.missing else []
     unreadable: list[UnreadableFileError] = []
+    counts: Counter[str] = Counter()
     for file in files.found:
         try:
             storage = open_file(file)
         except UnreadableFileError as error:
             unreadable.append(error)
+            losses.append(Loss(intact_before=dict(counts)))
             continue
         storages.append(storage)
+        losses += [loss.after(counts) for loss in storage.losses]
+        for topic in storage.topics:
+            counts[topic.name] += topic.message_count
         if storage.damage:
             where = f"{file.name}: " if len(files.found) > 1 else ""
             reasons.append(f"{where}{storage.damage}")
     if not storages:
         raise unreadable[0]
     reasons += [str(error).rstrip(".") for error in unreadable]
-    return OpenedFiles(storages, reasons, {plain_name(file.name): file for file in files.found})
+    return OpenedFiles(
+        storages, reasons, losses, {plain_name(file.name): file for file in files.found}
+    )
 
 
 def recovery_sentence(
-    path: Path, files: OpenedFiles, metadata: BagInformation | None
+    path: Path, files: OpenedFiles, metadata: BagInformation | None, unreadable: str
 ) -> str | None:
-    """Return the sentence on what is missing, or None."""
+    """Return the sentence on what is missing, or None.
+
+    Parameters
+    ----------
+    path : Path
+        The bag.
+    files : OpenedFiles
+        What could be opened of it.
+    metadata : BagInformation or None
+        What its ``metadata.yaml`` says.
+    unreadable : str
+        What else of it cannot be read; empty = nothing.
+    """
     count = sum(topic.message_count for storage in files.storages for topic in storage.topics)
-    reasons = list(files.reasons)
+    reasons = [*files.reasons, *([unreadable] if unreadable else [])]
     last = _last_information(files.storages)
     stated = metadata.message_count if metadata else _count_of_records(path, last)
     if path.is_dir() and metadata is None:
@@ -66,6 +91,9 @@ def recovery_sentence(
         reasons.append(f"its {source} speaks of {stated} messages")
     if not reasons:
         return None
+    begin = min((part.first for storage in files.storages for part in storage.parts), default=0)
+    if files.losses:
+        reasons.append(losses_text(files.losses, begin))
     of_all = f" of {stated}" if stated and stated > count else ""
     return f"{path} is not whole ({'; '.join(reasons)}); {count}{of_all} messages were recovered."
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -22,6 +22,7 @@ from sonar_tracking.bags.storage.bag_information import (
     BagInformation,
     read_metadata_file,
 )
+from sonar_tracking.bags.storage.loss import MISSING_KEY, losses_from_json
 from sonar_tracking.bags.storage.message_definitions import MessageDefinition
 from sonar_tracking.bags.storage.message_merge import merged_messages
 from sonar_tracking.bags.storage.metadata import OfferedQuality
@@ -81,6 +82,8 @@ class Bag:
         None where the bag was recorded by something else.
     recovery : str or None
         A sentence that says what is missing and how much could be read; None = the bag is whole.
+    losses : tuple of Loss
+        Messages that were recorded and cannot be read; also those a repaired bag speaks of.
     outdated : str or None
         A sentence that says why other tools cannot open the bag, whole or not; None = they can.
     """
@@ -88,11 +91,16 @@ class Bag:
     def __init__(self, path: Path, files: OpenedFiles, metadata: BagInformation | None) -> None:
         storages = files.storages
         self.path = path
-        self.recovery = recovery_sentence(path, files, metadata)
         self.outdated = _outdated(path, storages)
         self._storages = storages
         self.custom_data = _custom_data(storages, metadata)
-        self.recording = self._recording_information()
+        self.recording, unreadable = _recording_information(path, storages, metadata)
+        if self.recording is None:
+            self.custom_data.pop(CUSTOM_DATA_KEY, None)
+        self.recovery = recovery_sentence(path, files, metadata, unreadable)
+        missing = self.custom_data.get(MISSING_KEY)
+        known = losses_from_json(missing) if missing is not None else []
+        self.losses = (*known, *files.losses)
         self.topics = self._merged_topics()
         self._recorded_names = {name: name for name in self.topics}
         self._span: tuple[int, float] | None = None
@@ -139,6 +147,8 @@ class Bag:
         noted = self.recording.topic_names if self.recording else {}
         new_names = names.all_of(self.topics, str(self.path), noted)
         renamed = copy(self)
+        by_recorded = {old: new_names[name] for name, old in self._recorded_names.items()}
+        renamed.losses = tuple(loss.renamed(by_recorded) for loss in self.losses)
         renamed._recorded_names = {
             new_names[name]: recorded for name, recorded in self._recorded_names.items()
         }
@@ -189,10 +199,6 @@ class Bag:
         }
         return chosen
 
-    def _recording_information(self) -> RecordingInformation | None:
-        text = self.custom_data.get(CUSTOM_DATA_KEY)
-        return None if text is None else RecordingInformation.from_json(text, str(self.path))
-
     def _merged_topics(self) -> dict[str, BagTopic]:
         known = self.recording.topic_roles if self.recording else {}
         merged: dict[str, BagTopic] = {}
@@ -232,7 +238,7 @@ def read_bag(path: Path | str) -> Bag:
     files = files_of(path, metadata)
     bag = Bag(path, opened_files(files), metadata)
     if not bag.topics:
-        reason = f" ({bag.recovery})" if bag.recovery else ""
+        reason = f" ({bag.recovery.rstrip('.')})" if bag.recovery else ""
         raise ConfigurationError(f"{path} holds no topics; nothing was recorded{reason}.")
     if not any(topic.type_name.startswith(_SONAR_PACKAGE) for topic in bag.topics.values()):
         there = ", ".join(f"{topic.name} ({topic.type_name})" for topic in bag.topics.values())
@@ -259,3 +265,22 @@ def _custom_data(storages: list[Storage], metadata: BagInformation | None) -> di
         merged |= storage.information.custom_data if storage.information else {}
         merged |= storage.custom_data
     return merged
+
+
+def _recording_information(
+    path: Path, storages: list[Storage], metadata: BagInformation | None
+) -> tuple[RecordingInformation | None, str]:
+    """Return what a bag says of its making, and in words which copies of it cannot be read."""
+    stated = [storage.information for storage in storages if storage.information]
+    said: list[Mapping[str, str]] = [storage.custom_data for storage in storages]
+    said += [information.custom_data for information in (*stated, metadata) if information]
+    texts = dict.fromkeys(copy[CUSTOM_DATA_KEY] for copy in said if CUSTOM_DATA_KEY in copy)
+    unreadable = ""
+    for text in texts:
+        try:
+            recording = RecordingInformation.from_json(text, str(path))
+        except ConfigurationError as error:
+            unreadable = unreadable or str(error).rstrip(".")
+        else:
+            return recording, unreadable and "one copy of what it says of its making is damaged"
+    return None, unreadable

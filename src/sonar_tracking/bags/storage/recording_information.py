@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
+from sonar_tracking.bags.storage.stored_text import StoredTextError, json_value
 from sonar_tracking.errors import ConfigurationError
 
 Role = Literal["input", "output", "truth", "display", "other"]
@@ -86,10 +87,10 @@ class RecordingInformation:
             If the text is not such information.
         """
         try:
-            values = json.loads(text)
-        except ValueError as error:
+            values = json_value(text)
+        except StoredTextError as error:
             raise ConfigurationError(
-                f"The recording information in {where} is not JSON ({error})."
+                f"The recording information in {where} cannot be read as JSON ({error})."
             ) from error
         names = ("scenario", "node_parameters", "topic_roles", "topic_names")
         if not isinstance(values, dict) or not all(
@@ -99,6 +100,11 @@ class RecordingInformation:
                 f"The recording information in {where} must be a mapping of {', '.join(names)}."
             )
         roles = values.get("topic_roles", {})
+        parameters = values.get("node_parameters", {})
+        if not all(isinstance(of_node, dict) for of_node in parameters.values()):
+            raise ConfigurationError(
+                f"The node parameters in {where} must be a mapping of node, parameter, value."
+            )
         for topic, role in roles.items():
             if role not in get_args(Role):
                 raise ConfigurationError(
@@ -107,7 +113,7 @@ class RecordingInformation:
                 )
         return RecordingInformation(
             scenario=values.get("scenario", {}),
-            node_parameters=values.get("node_parameters", {}),
+            node_parameters=parameters,
             topic_roles=roles,
             topic_names=values.get("topic_names", {}),
         )

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from sonar_tracking.bags.storage.loss import MISSING_KEY, losses_to_json
 from sonar_tracking.bags.storage.reader import read_bag
-from sonar_tracking.bags.storage.writer import BagWriter
+from sonar_tracking.bags.storage.writer import new_bag
 
 
 def repair_bag(path: Path | str) -> Path:
     """Write what can be read of a bag into a whole one beside it.
 
-    The original stays as it is.
+    The original stays as it is; the new bag says what it lacked.
 
     Parameters
     ----------
@@ -26,7 +27,7 @@ def repair_bag(path: Path | str) -> Path:
     Raises
     ------
     ConfigurationError
-        If nothing can be read, or the repaired bag exists already.
+        If nothing can be read, or the repaired bag exists already or cannot be written.
     """
     path = Path(path)
     bag = read_bag(path)
@@ -34,10 +35,12 @@ def repair_bag(path: Path | str) -> Path:
         return path
     resolved = path.resolve()
     target = resolved.with_name(f"{resolved.stem}_repaired")
-    writer = BagWriter(target, bag.recording, bag.custom_data)
-    for topic in bag.topics.values():
-        writer.add_topic(topic.name, topic.type_name, topic.definition, topic.role, topic.quality)
-    for message in bag.messages():
-        writer.write(message.topic, message.log_time, message.data)
-    writer.close()
-    return writer.path
+    missing = {MISSING_KEY: losses_to_json(bag.losses)} if bag.losses else {}
+    with new_bag(target, bag.recording, {**bag.custom_data, **missing}) as writer:
+        for topic in bag.topics.values():
+            writer.add_topic(
+                topic.name, topic.type_name, topic.definition, topic.role, topic.quality
+            )
+        for message in bag.messages():
+            writer.write(message.topic, message.log_time, message.data)
+    return target

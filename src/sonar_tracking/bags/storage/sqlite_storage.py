@@ -9,14 +9,33 @@ from pathlib import Path
 from typing import Any
 
 from sonar_tracking.bags.storage.bag_information import BagInformation, information_from_text
+from sonar_tracking.bags.storage.decompression import LARGEST_MESSAGE
+from sonar_tracking.bags.storage.loss import Loss
 from sonar_tracking.bags.storage.message_definitions import MessageDefinition
 from sonar_tracking.bags.storage.metadata import quality_from_text
+from sonar_tracking.bags.storage.sqlite_salvage import SqliteSalvage
 from sonar_tracking.bags.storage.storage_file import (
     BagMessage,
     Part,
     StoredTopic,
     UnreadableFileError,
 )
+
+_TABLES = ("messages", "topics", "metadata", "message_definitions")
+# Without index: a damaged one would put messages out of order, or hide some.
+_MESSAGES = (
+    "FROM messages NOT INDEXED WHERE typeof(timestamp) = 'integer' AND timestamp >= 0 "
+    "AND typeof(topic_id) = 'integer' AND typeof(data) = 'blob' "
+    f"AND length(data) <= {LARGEST_MESSAGE}"
+)
+_ROUND = 1_000_000
+_BYTES_A_ROUND = 50_000
+_SMALLEST_ROUNDS = 50
+"""A file is checked in so many rounds of instructions for its bytes, and no more."""
+
+
+class DamagedDatabaseError(UnreadableFileError):
+    """sqlite does not read a file to its end; its pages may hold messages."""
 
 
 class SqliteStorage:
@@ -38,17 +57,19 @@ class SqliteStorage:
     def __init__(self, path: Path, name: str) -> None:
         self._name = name
         self.damage = ""
+        self.losses: list[Loss] = []
         self.custom_data: dict[str, str] = {}
         try:
             self._connection = self._opened(path)
             weakref.finalize(self, self._connection.close)
+            self._check()
             self.information = self._information()
             topics = self._topics()
             self._topic_names = {number: topic.name for number, topic in topics.items()}
             self.topics = list(topics.values())
-            (first,) = self._connection.execute("SELECT MIN(timestamp) FROM messages").fetchone()
-        except sqlite3.Error as error:
-            raise UnreadableFileError(f"{name} cannot be read as a bag ({error}).") from error
+            (first,) = self._connection.execute(f"SELECT MIN(timestamp) {_MESSAGES}").fetchone()
+        except (sqlite3.Error, MemoryError, OverflowError) as error:
+            raise DamagedDatabaseError(f"{name} cannot be read as a bag ({error}).") from error
         held = frozenset(topic.name for topic in self.topics if topic.message_count)
         self.parts = [Part(first, held, self._messages)] if held else []
 
@@ -56,21 +77,48 @@ class SqliteStorage:
         """Open the file, with what a recorder that was killed left in its journal."""
         address = path.resolve().as_uri()
         journal = path.with_name(f"{path.name}-wal")
+        size = path.stat().st_size
         if journal.is_file() and journal.stat().st_size:
             try:
-                return _connected(f"{address}?mode=ro")
+                return _connected(f"{address}?mode=ro", size + journal.stat().st_size)
             except sqlite3.Error:
                 self.damage = f"its journal {journal.name} cannot be read where it lies"
-        connection = _connected(f"{address}?immutable=1")
+                self.losses = [Loss()]
+        connection = _connected(f"{address}?immutable=1", size)
         (page_bytes,) = connection.execute("PRAGMA page_size").fetchone()
-        if path.stat().st_size % page_bytes:
+        (pages,) = connection.execute("PRAGMA page_count").fetchone()
+        if size % page_bytes or size != pages * page_bytes:
             # sqlite itself would take what is missing of the last page for zeros.
             connection.close()
-            raise UnreadableFileError(
-                f"{self._name} is damaged: it is cut off in the middle of a page; "
-                f"sqlite3 {path.name} .recover may save the rest."
+            raise DamagedDatabaseError(
+                f"{self._name} is damaged: it has another size than its pages."
             )
         return connection
+
+    def _check(self) -> None:
+        """Refuse what only looks like the tables of a bag, or has lost its order.
+
+        A view or a computed column would run whatever its maker has thought of.
+        """
+        for name in _TABLES:
+            row = self._connection.execute(
+                "SELECT type, sql FROM sqlite_master WHERE lower(name) = ?", (name,)
+            ).fetchone()
+            hidden = self._connection.execute(f"PRAGMA table_xinfo({name})").fetchall()
+            if row and (
+                row[0] != "table"
+                or str(row[1]).upper().startswith("CREATE VIRTUAL")
+                or any(column[6] for column in hidden)
+            ):
+                raise UnreadableFileError(
+                    f"{self._name} is no bag: its {name} is not a table that holds data, but "
+                    "computes them; give a file as a recorder has written it."
+                )
+        (said,) = self._connection.execute("PRAGMA quick_check(1)").fetchone()
+        # Indexes are not used here, and may be damaged.
+        if said != "ok" and "index" not in said:
+            raise DamagedDatabaseError(f"{self._name} is damaged ({' '.join(said.split())}).")
+        self._connection.set_progress_handler(None, 0)
 
     def _information(self) -> BagInformation | None:
         if not self._columns("metadata"):
@@ -86,7 +134,7 @@ class SqliteStorage:
         there = self._columns("topics")
         columns = [name if name in there else "''" for name in wanted]
         counts: dict[int, int] = dict(
-            self._connection.execute("SELECT topic_id, COUNT(*) FROM messages GROUP BY topic_id")
+            self._connection.execute(f"SELECT topic_id, COUNT(*) {_MESSAGES} GROUP BY topic_id")
         )
         definitions = self._definitions()
         rows = self._connection.execute(f"SELECT {', '.join(columns)} FROM topics ORDER BY id")
@@ -100,7 +148,9 @@ class SqliteStorage:
                 counts.get(number, 0),
                 quality_from_text(quality),
             )
-            for number, name, type_name, quality, type_hash in rows
+            for number, *texts in rows
+            if isinstance(number, int)
+            for name, type_name, quality, type_hash in [map(_text, texts)]
         }  # fmt: skip
 
     def _definitions(self) -> dict[str, tuple[str, str]]:
@@ -110,7 +160,7 @@ class SqliteStorage:
         rows: Any = self._connection.execute(
             "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions"
         )
-        return {name: (encoding, text) for name, encoding, text in rows}
+        return {_text(name): (_text(encoding), _text(text)) for name, encoding, text in rows}
 
     def _columns(self, table: str) -> set[str]:
         return {row[1] for row in self._connection.execute(f"PRAGMA table_info({table})")}
@@ -122,7 +172,7 @@ class SqliteStorage:
             # Only numbers are put in order: older files have no index of times, and all data
             # would be sorted with them.
             in_order = self._connection.execute(
-                f"SELECT rowid FROM messages WHERE topic_id IN ({listed}) ORDER BY timestamp, rowid"
+                f"SELECT rowid {_MESSAGES} AND topic_id IN ({listed}) ORDER BY timestamp, rowid"
             )
             for row in in_order:
                 number, log_time, data = self._connection.execute(
@@ -133,10 +183,46 @@ class SqliteStorage:
             raise UnreadableFileError(f"{self._name} is damaged ({error}).") from error
 
 
-def _connected(address: str) -> sqlite3.Connection:
-    """Open a file; raise :class:`sqlite3.Error` if it is no database."""
-    connection = sqlite3.connect(address, uri=True)
+def open_sqlite(path: Path, name: str) -> SqliteStorage | SqliteSalvage:
+    """Open a file; of one that sqlite does not read to its end, what its pages hold.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    name : str
+        What to call it in errors.
+
+    Raises
+    ------
+    UnreadableFileError
+        If there is no message in it, or it is no bag.
+    """
     try:
+        return SqliteStorage(path, name)
+    except DamagedDatabaseError as error:
+        reason = str(error).removeprefix(f"{name} ").rstrip(".")
+        if not path.stat().st_size:
+            raise
+        salvage = SqliteSalvage(path, name, f"it {reason}")
+        if not salvage.parts:
+            raise
+        return salvage
+
+
+def _text(value: object) -> str:
+    return value if isinstance(value, str) else ""
+
+
+def _connected(address: str, size: int) -> sqlite3.Connection:
+    """Open a file of ``size`` bytes; raise :class:`sqlite3.Error` if it is no database."""
+    connection = sqlite3.connect(address, uri=True)
+    connection.text_factory = lambda data: data.decode("utf-8", "replace")
+    rounds = iter(range(1 + size // _BYTES_A_ROUND + _SMALLEST_ROUNDS))
+    connection.set_progress_handler(lambda: next(rounds, None) is None, _ROUND)
+    try:
+        for pragma in ("trusted_schema = OFF", "ignore_check_constraints = ON"):
+            connection.execute(f"PRAGMA {pragma}")
         connection.execute("SELECT COUNT(*) FROM sqlite_master")
     except sqlite3.Error:
         connection.close()

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from sonar_tracking.bags.storage.bag_information import BagInformation
+from sonar_tracking.bags.storage.loss import Loss
 from sonar_tracking.bags.storage.message_definitions import MessageDefinition
 from sonar_tracking.bags.storage.metadata import OfferedQuality
 from sonar_tracking.errors import ConfigurationError
@@ -73,6 +74,8 @@ class Storage(Protocol):
         Names and texts of the application that stand apart from that.
     damage : str
         Why not all of it can be read; empty where it can.
+    losses : list of Loss
+        Messages that were recorded and cannot be read.
     parts : list of Part
         All its messages, in order of recording.
     """
@@ -81,4 +84,5 @@ class Storage(Protocol):
     information: BagInformation | None
     custom_data: dict[str, str]
     damage: str
+    losses: list[Loss]
     parts: list[Part]

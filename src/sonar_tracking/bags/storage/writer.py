@@ -7,8 +7,10 @@ the operating system. ``metadata.yaml`` is there from the start and completed at
 from __future__ import annotations
 
 import os
+import shutil
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -28,7 +30,7 @@ from sonar_tracking.bags.storage.recording_information import (
     RecordingInformation,
     Role,
 )
-from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.errors import ConfigurationError, SonarTrackingError
 
 FLUSH_PERIOD = 0.5
 """Longest time a message waits before it is handed to the operating system, s."""
@@ -200,5 +202,48 @@ class BagWriter:
     def _store_metadata(self) -> None:
         """Replace ``metadata.yaml`` in one step: a reader never sees half a file."""
         temporary = self.path / f".{FILE_NAME}"
-        temporary.write_text(metadata_file_text(self._metadata()), encoding="utf-8")
-        temporary.replace(self.path / FILE_NAME)
+        try:
+            temporary.write_text(metadata_file_text(self._metadata()), encoding="utf-8")
+            temporary.replace(self.path / FILE_NAME)
+        except OSError:
+            temporary.unlink(missing_ok=True)
+            raise
+
+
+@contextmanager
+def new_bag(
+    path: Path | str,
+    recording: RecordingInformation | None = None,
+    custom_data: Mapping[str, str] | None = None,
+) -> Iterator[BagWriter]:
+    """Write a bag that is whole at the end, or not there at all.
+
+    Parameters
+    ----------
+    path, recording, custom_data
+        See :class:`BagWriter`.
+
+    Yields
+    ------
+    BagWriter
+        Closed at the end of the block.
+
+    Raises
+    ------
+    ConfigurationError
+        If the bag exists, cannot be made or not be written to its end.
+    """
+    existed = Path(path).exists()
+    try:
+        writer = BagWriter(path, recording, custom_data)
+        yield writer
+        writer.close()
+    except (OSError, SonarTrackingError) as error:
+        if not existed:
+            shutil.rmtree(path, ignore_errors=True)
+        if isinstance(error, OSError):
+            raise ConfigurationError(
+                f"The bag {path} cannot be written ({error.strerror}); make room or give another "
+                "path. Nothing is left of it."
+            ) from error
+        raise

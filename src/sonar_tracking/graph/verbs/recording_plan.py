@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from sonar_tracking.bags.storage.log_time import CLOCK_TYPE
-from sonar_tracking.bags.storage.reader import read_bag
+from sonar_tracking.bags.storage.reader import Bag, read_bag
 from sonar_tracking.bags.storage.recording_information import RecordingInformation, Role
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.graph_names import GraphNames
@@ -83,6 +83,8 @@ def recording_hint(
 ) -> str:
     """Return what to say of a finished recording: how the stock ROS 2 tools play its inputs.
 
+    Of one that is not whole, e.g. because the disk was full, what is missing is said instead.
+
     Parameters
     ----------
     output : Path
@@ -97,10 +99,16 @@ def recording_hint(
         for name, topic in topics.items()
         if topic.role is TopicRole.INPUT and records[name].messages
     )
+    try:
+        bag = read_bag(output)
+    except ConfigurationError as error:
+        return f"this run was not recorded: {error}"
+    if bag.recovery is not None:
+        return f"this run was recorded in part: {bag.recovery}"
     said = f"recorded {output}"
     if inputs:
         said += f"; stock ROS 2 tools play its inputs with: {_play_line(output, inputs)}"
-    if shown := _pictures(output):
+    if shown := _pictures(bag):
         said += f"; and what it shows, to RViz and Foxglove, with: {_play_line(output, shown)}"
     return said
 
@@ -109,15 +117,11 @@ def _play_line(bag: Path, topics: Iterable[str]) -> str:
     return f"ros2 bag play {bag} --clock --topics {' '.join(topics)}"
 
 
-def _pictures(output: Path) -> list[str]:
+def _pictures(bag: Bag) -> list[str]:
     """Return the topics for people that hold messages."""
-    try:
-        topics = read_bag(output).topics.values()
-    except ConfigurationError:  # the recorder has said why
-        return []
     return [
         topic.name
-        for topic in topics
+        for topic in bag.topics.values()
         if topic.role == TopicRole.DISPLAY.value
         and topic.message_count
         and topic.name != DIAGNOSTICS_TOPIC

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 
+from sonar_tracking.bags.storage.loss import Loss
 from sonar_tracking.bags.storage.reader import Bag
 from sonar_tracking.bags.storage.storage_file import BagMessage
 from sonar_tracking.graph.orchestration.topic_record import TopicRecord, first_difference
@@ -40,7 +41,8 @@ class ReplayComparison:
             and (topic.message_count or bag.recording)
         }
         self._replayed = replayed
-        self._cut_off = bag.recovery is not None
+        self._losses = [loss for loss in bag.losses if loss.topic in {"", *played, *self._recorded}]
+        self._played = frozenset(played)
         self.topics = set(self._recorded)
 
     def take(self, message: BagMessage) -> None:
@@ -53,19 +55,34 @@ class ReplayComparison:
         return {name: self._phrase(name) for name in self._recorded}
 
     def differs(self) -> bool:
-        """Return whether any output is not what was recorded."""
-        return any(not phrase.startswith("identical") for phrase in self.result().values())
+        """Return whether any output is not what was recorded, where that can be compared."""
+        return any(phrase.startswith("different") for phrase in self.result().values())
 
     def _phrase(self, name: str) -> str:
         recorded, replayed = self._recorded[name], self._replayed[name]
         number = first_difference(recorded, replayed)
-        if number is not None:
+        losses = [loss for loss in self._losses if loss.topic in {"", name, *self._played}]
+        comparable = min(
+            (loss.intact_before.get(name, 0) for loss in losses), default=recorded.messages
+        )
+        if number is not None and number <= comparable:
             return f"different from message {number} of {recorded.messages} on"
-        if recorded.messages == replayed.messages:
+        if number is None and recorded.messages == replayed.messages:
             return f"identical: {recorded.messages} messages"
-        if self._cut_off and recorded.messages < replayed.messages:
+        if not losses or replayed.messages < comparable:
+            return f"different: {recorded.messages} messages recorded, {replayed.messages} replayed"
+        if number is None and comparable == recorded.messages:
             return (
                 f"identical as far as it was recorded: {recorded.messages} of "
                 f"{replayed.messages} messages"
             )
-        return f"different: {recorded.messages} messages recorded, {replayed.messages} replayed"
+        return _incomparable(comparable, recorded.messages, losses)
+
+
+def _incomparable(comparable: int, recorded: int, losses: Sequence[Loss]) -> str:
+    """Return why the messages after the first ``comparable`` ones say nothing."""
+    lacking = ", ".join(sorted({loss.topic or "any topic" for loss in losses}))
+    reason = f"messages of {lacking} are missing in the recording"
+    if not comparable:
+        return f"not comparable: {reason}"
+    return f"identical for {comparable} of {recorded} messages, then not comparable: {reason}"
