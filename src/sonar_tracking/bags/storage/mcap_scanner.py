@@ -6,10 +6,8 @@ import struct
 import zlib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TypeVar
 
 from mcap.opcode import Opcode
-from mcap.records import Channel, Metadata, Schema
 
 from sonar_tracking.bags.storage import decompression
 from sonar_tracking.bags.storage.decompression import TooLargeError
@@ -29,6 +27,7 @@ from sonar_tracking.bags.storage.mcap_chunks import (
     has_its_checksum,
 )
 from sonar_tracking.bags.storage.mcap_damage import DamageReport
+from sonar_tracking.bags.storage.mcap_descriptions import Descriptions
 from sonar_tracking.bags.storage.mcap_resynchronisation import Resynchronisation
 from sonar_tracking.bags.storage.mcap_scan import (
     MESSAGE_FIELDS,
@@ -38,8 +37,6 @@ from sonar_tracking.bags.storage.mcap_scan import (
 )
 from sonar_tracking.bags.storage.mcap_summary import (
     RECORD_HEAD,
-    check_content,
-    parsed,
     read_summary,
 )
 from sonar_tracking.bags.storage.mcap_writer import MAGIC, MESSAGE_HEAD
@@ -50,7 +47,6 @@ _LOOSE_MESSAGES = 1000
 _SHIFT = 4096
 """How far from its place a record is looked for after bytes were inserted or lost."""
 _PLACES_TRIED = 16
-Record = TypeVar("Record", Schema, Channel)
 
 
 def scan_mcap(path: Path, name: str) -> McapScan:
@@ -98,10 +94,7 @@ class _Scanner:
         self._search = Resynchronisation(self._data, self._limit, self._summary)
         self._report = DamageReport(self._summary)
         self._room = decompression.largest_total(len(self._data))
-        scan.schemas.update(self._summary.schemas)
-        scan.channels.update(self._summary.channels)
-        verified = [(Schema, n) for n in scan.schemas] + [(Channel, n) for n in scan.channels]
-        self._verified: set[tuple[type, int]] = set(verified)
+        self._descriptions = Descriptions(scan, self._summary)
         self._pending: list[RecordChecksum] = []
         self._loose: MessageRun | None = None
         self._known_chunks = sorted(self._summary.chunks, reverse=True)
@@ -200,32 +193,9 @@ class _Scanner:
 
     def _take_description(self, opcode: int, content: bytes, position: int, verified: bool) -> None:
         try:
-            if opcode == Opcode.SCHEMA:
-                schema = parsed(Schema, content)
-                self._describe(self._scan.schemas, schema, position, verified)
-            elif opcode == Opcode.CHANNEL:
-                channel = parsed(Channel, content)
-                self._describe(self._scan.channels, channel, position, verified)
-            elif opcode == Opcode.METADATA:
-                record = parsed(Metadata, content)
-                self._scan.metadata[record.name] = record.metadata
-            elif opcode in (Opcode.MESSAGE_INDEX, Opcode.ATTACHMENT):
-                check_content(opcode, content)
+            self._descriptions.take(opcode, content, verified)
         except ValueError as error:
             raise DamageError(f"the record at byte {position} is damaged") from error
-
-    def _describe(
-        self, known: dict[int, Record], record: Record, position: int, verified: bool
-    ) -> None:
-        """Keep the first description that has a checksum; the first of all where none has."""
-        key = (type(record), record.id)
-        before = known.get(record.id)
-        if before is None or (verified and key not in self._verified):
-            known[record.id] = record
-        elif before != record and not verified:
-            raise DamageError(f"the record at byte {position} is damaged")
-        if verified:
-            self._verified.add(key)
 
     def _take_chunk(self, position: int, pending: list[RecordChecksum]) -> int:
         """Take up the messages of the chunk at ``position``; return where to go on."""
