@@ -205,3 +205,15 @@ def test_a_repaired_bag_says_what_the_damaged_one_lacked(tmp_path: Path) -> None
     assert json.loads(repaired.custom_data["sonar_tracking.missing"])[0]["topic"] == loss.topic
     names = yaml.safe_load((repaired.path / "metadata.yaml").read_text())
     assert "rosbag2_bagfile_information" in names
+
+
+def test_what_is_missing_behind_a_cut_is_one_short_sentence(tmp_path: Path) -> None:
+    writer = open_writer(tmp_path / "run")
+    write_messages(writer, 200)
+    writer.close()
+    file = tmp_path / "run" / "run_0.mcap"
+    data = file.read_bytes()
+    file.write_bytes(data[: len(data) // 2])
+    said = read_bag(tmp_path / "run").recovery
+    assert said is not None and said.count("it ends at") == 1 and len(said) < 500
+    assert "of /array/snapshots" in said and "of /clock" in said

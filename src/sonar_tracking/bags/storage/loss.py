@@ -48,22 +48,27 @@ class Loss:
 
 def losses_text(losses: Sequence[Loss], begin: int) -> str:
     """Return what is missing in words; ``begin`` is the log time of the first message, ns."""
-    return "; ".join(dict.fromkeys(_text(loss, begin) for loss in losses))
+    by_times: dict[str, list[Loss]] = {}
+    for loss in losses:
+        by_times.setdefault(_times(loss, begin), []).append(loss)
+    return "; ".join(_text(times, together) for times, together in by_times.items())
 
 
-def _text(loss: Loss, begin: int) -> str:
-    what = {0: "messages", 1: "1 message"}.get(loss.messages, f"{loss.messages} messages")
+def _text(times: str, losses: Sequence[Loss]) -> str:
+    if len(losses) == 1 and losses[0].messages == 1:
+        return f"1 message of {losses[0].topic or 'any topic'} missing{times}"
+    counted = (f"{loss.messages or 'some'} of {loss.topic or 'any topic'}" for loss in losses)
+    return f"messages missing{times}: {', '.join(dict.fromkeys(counted))}"
+
+
+def _times(loss: Loss, begin: int) -> str:
     first = None if loss.first is None else f"{(loss.first - begin) / NANOSECONDS:.3f} s"
     last = None if loss.last is None else f"{(loss.last - begin) / NANOSECONDS:.3f} s"
-    if first == last is not None:
-        return f"{what} of {loss.topic or 'any topic'} missing at {first}"
-    times = {
-        (False, False): "",
-        (True, False): f" from {first} on",
-        (False, True): f" until {last}",
-        (True, True): f" between {first} and {last}",
-    }[first is not None, last is not None]
-    return f"{what} of {loss.topic or 'any topic'} missing{times}"
+    if first is None:
+        return "" if last is None else f" until {last}"
+    if last is None:
+        return f" from {first} on"
+    return f" at {first}" if first == last else f" between {first} and {last}"
 
 
 def losses_to_json(losses: Sequence[Loss]) -> str:

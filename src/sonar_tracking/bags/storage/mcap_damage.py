@@ -56,12 +56,12 @@ class DamageReport:
         self._may_lack = True
         self._say(reason)
 
-    def lose(self, position: int, channel: int, length: int) -> None:
-        """Take that a message in the chunk at ``position`` is damaged."""
+    def lose(self, channel: int, length: int, reason: str) -> None:
+        """Take that a message of a chunk is not what was written, in so many bytes of the file."""
         self._recorded[channel] = self._recorded.get(channel, 0) + 1
         self._bytes += length
-        self._n_places += 1
-        self._say(f"the chunk at byte {position} is damaged")
+        self._n_places += reason not in self._places
+        self._say(reason)
 
     def orphan(self, position: int) -> None:
         """Take that nothing says of which topic the message at ``position`` is."""
@@ -138,8 +138,8 @@ class DamageReport:
         if self._before is None:
             self._before = (self._latest, Counter(self._counts))
         self._after = None
-        is_new = len(self._places) < _PLACES_NAMED and reason not in self._places
-        if is_new or "it ends at" in reason:
+        room = len(self._places) < _PLACES_NAMED or "it ends at" in reason
+        if room and reason not in self._places:
             self._places.append(reason)
 
 

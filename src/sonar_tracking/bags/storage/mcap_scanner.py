@@ -285,13 +285,16 @@ class _Scanner:
 
     def _take_checked(self, position: int, chunk: Chunk, entries: Sequence[RecordChecksum]) -> int:
         """Take up the messages of a damaged chunk one by one; return where to go on."""
+        hit = f"the chunk at byte {position} is damaged"
+        cut_off = f"it ends at byte {len(self._data)} in the middle of a chunk"
         run: MessageRun | None = None
         whole_until = expected = chunk.start
         for entry in entries:
             start = self._place_of(entry, whole_until, expected)
             expected = (expected if start is None else start) + entry.length
             if start is None:
-                self._report.lose(position, entry.channel, entry.length)
+                left = max(min(entry.length, self._limit - (expected - entry.length)), 0)
+                self._report.lose(entry.channel, left, cut_off if expected > self._limit else hit)
                 run = None
                 continue
             if run is None or run.end != start:
@@ -299,7 +302,7 @@ class _Scanner:
             self._take_message(self._data, start, expected, run, True)
             whole_until = expected
         if expected > self._limit:
-            raise DamageError(f"it ends at byte {len(self._data)} in the middle of a chunk")
+            return self._next_record(whole_until)
         if self._search.are_records(expected, 2):
             return expected
         return self._next_record(whole_until)
