@@ -95,11 +95,20 @@ def test_a_recorded_replay_keeps_truth_and_knows_its_inputs(tmp_path: Path) -> N
 def test_the_hint_names_only_inputs_that_hold_messages(tmp_path: Path) -> None:
     topics = replay_plan(tmp_path, None).topics()
     records = {name: TopicRecord(topic.message_type) for name, topic in topics.items()}
-    assert recording_hint(Path("bag"), topics, records) == "recorded bag"
+    (bag,) = (entry for entry in tmp_path.iterdir() if entry.is_dir())
+    assert recording_hint(bag, topics, records) == f"recorded {bag}"
     for name in ("/b/passive/bearing_tracks", "/truth/bearing_tracks"):
         records[name].add(tracks_cdr(1))
-    hint = recording_hint(Path("bag"), topics, records)
-    assert hint.endswith("ros2 bag play bag --clock --topics /b/passive/bearing_tracks")
+    hint = recording_hint(bag, topics, records)
+    assert hint.endswith(f"ros2 bag play {bag} --clock --topics /b/passive/bearing_tracks")
+
+
+def test_what_was_recorded_in_part_does_not_pass_for_recorded(tmp_path: Path) -> None:
+    (file,) = station_bag(tmp_path).glob("*.mcap")
+    file.write_bytes(file.read_bytes()[:-400])
+    hint = recording_hint(file.parent, {}, {})
+    assert hint.startswith("this run was recorded in part: ") and "is not whole" in hint
+    assert recording_hint(tmp_path / "none", {}, {}).startswith("this run was not recorded: ")
 
 
 @pytest.mark.parametrize("cutoff", [0.0, -3.0, float("nan"), float("inf")])
