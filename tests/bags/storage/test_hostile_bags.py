@@ -109,6 +109,12 @@ def mcap_with_counts(path: Path) -> None:
     path.write_bytes(b"\x89MCAP0\r\n" + data + b"\x89MCAP0\r\n")
 
 
+def nothing_but_damage(path: Path) -> None:
+    """Write millions of records each of which is damaged."""
+    record = struct.pack("<BQ", Opcode.SCHEMA, 3) + b"abc"
+    path.write_bytes(b"\x89MCAP0\r\n" + record * 1_000_000)
+
+
 def endless_view(path: Path) -> None:
     """Write a database whose messages are computed without end."""
     base = sqlite3.connect(path)
@@ -137,6 +143,7 @@ def computed_column(path: Path) -> None:
 HOSTILE = {
     "bomb.mcap": bomb_file,
     "counts.mcap": mcap_with_counts,
+    "damage.mcap": nothing_but_damage,
     "view.db3": endless_view,
     "column.db3": computed_column,
 }

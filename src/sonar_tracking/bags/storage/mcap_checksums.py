@@ -20,6 +20,8 @@ TAG = b"sonarCRC"
 
 _HEAD = struct.Struct("<BQ8sI")
 _ENTRY = struct.Struct("<IHI")
+_MOST_ENTRIES = 1 << 16
+"""More than the messages of a chunk, even of those without content."""
 
 Buffer = bytes | mmap.mmap
 
@@ -67,8 +69,10 @@ def read_checksums(data: Buffer, start: int) -> list[RecordChecksum] | None:
     if start + _HEAD.size > len(data):
         return None
     opcode, length, tag, checksum = _HEAD.unpack_from(data, start)
+    if (opcode, tag) != (OPCODE, TAG) or length > _HEAD.size + _MOST_ENTRIES * _ENTRY.size:
+        return None
     content = data[start + _HEAD.size : min(start + 9 + length, len(data))]
-    if (opcode, tag) != (OPCODE, TAG) or zlib.crc32(content) != checksum:
+    if zlib.crc32(content) != checksum:
         return None
     if len(content) % _ENTRY.size:
         return None

@@ -25,6 +25,8 @@ class DamageReport:
     ----------
     numbered : bool
         Whether the messages of each topic are numbered without gaps, as our writer does.
+    places : int
+        How many places are damaged.
     finished : bool
         Whether the end of the data was found.
     """
@@ -34,7 +36,7 @@ class DamageReport:
         self.finished = False
         self._summary = summary
         self._places: list[str] = []
-        self._n_places = 0
+        self.places = 0
         self._bytes = 0
         self._counts: Counter[int] = Counter()
         self._recorded: dict[int, int] = {}
@@ -52,7 +54,7 @@ class DamageReport:
     def note(self, start: int, end: int, reason: str) -> None:
         """Take that the bytes from ``start`` to ``end`` are of no use."""
         self._bytes += max(end - start, 0)
-        self._n_places += 1
+        self.places += 1
         self._may_lack = True
         self._say(reason)
 
@@ -60,13 +62,13 @@ class DamageReport:
         """Take that a message of a chunk is not what was written, in so many bytes of the file."""
         self._recorded[channel] = self._recorded.get(channel, 0) + 1
         self._bytes += length
-        self._n_places += reason not in self._places
+        self.places += reason not in self._places
         self._say(reason)
 
     def orphan(self, position: int) -> None:
         """Take that nothing says of which topic the message at ``position`` is."""
         self._may_lack = True
-        self._n_places += 1
+        self.places += 1
         self._say(f"a message at byte {position} belongs to no topic")
 
     def take(self, channel: int, sequence: int, log_time: int, verified: bool) -> None:
@@ -95,8 +97,8 @@ class DamageReport:
     def text(self) -> str:
         """Return what is damaged, in words; empty if nothing is."""
         said = list(self._places)
-        if self._n_places > len(said):
-            said.append(f"{self._n_places} places are damaged")
+        if self.places > len(said):
+            said.append(f"{self.places} places are damaged")
         if self._bytes:
             said.append(f"{self._bytes:,} bytes are of no use")
         if said and self._unverified:

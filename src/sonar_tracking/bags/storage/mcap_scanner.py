@@ -47,6 +47,8 @@ _LOOSE_MESSAGES = 1000
 _SHIFT = 4096
 """How far from its place a record is looked for after bytes were inserted or lost."""
 _PLACES_TRIED = 16
+_MOST_PLACES = 50_000
+"""No more damaged places are looked behind: a file may be made of nothing else."""
 
 
 def scan_mcap(path: Path, name: str) -> McapScan:
@@ -159,6 +161,9 @@ class _Scanner:
             end = position + RECORD_HEAD.size + RECORD_HEAD.unpack_from(self._data, position)[1]
         if pending and not pending[0].channel:
             end = position + pending[0].length
+        if self._report.places >= _MOST_PLACES:
+            self._report.note(position, self._limit, "it is damaged in too many places to read on")
+            return self._limit
         known = self._known_chunks[-1] if self._known_chunks else self._limit
         if end <= self._limit and not position < known < end and self._search.are_records(end, 2):
             following = end
@@ -313,6 +318,7 @@ class _Scanner:
             return expected
         head = RECORD_HEAD.pack(Opcode.MESSAGE, entry.length - RECORD_HEAD.size)
         head += struct.pack("<H", entry.channel)
+        first = max(first, expected - _SHIFT)
         last = expected + _SHIFT + len(head)
         for _ in range(_PLACES_TRIED):
             found = self._data.find(head, first, last)
