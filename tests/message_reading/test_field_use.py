@@ -15,7 +15,8 @@ from nav_msgs.msg import Odometry
 from sonar_tracking_msgs import msg
 
 from sonar_tracking.errors import InputError
-from sonar_tracking.graph.node_base.stamp_guard import StampGuard, Verdict
+from sonar_tracking.graph.node_base.stamp_check import Verdict
+from sonar_tracking.graph.node_base.stamp_guard import StampGuard
 from sonar_tracking.message_reading.array_reading import (
     directions_from_message,
     measured_directions_from_message,

@@ -7,8 +7,8 @@ followed from them. The time master keeps the difference small; no data go this 
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from typing import Any
 
 from builtin_interfaces.msg import Time
@@ -20,7 +20,8 @@ from sonar_tracking.errors import InputError
 from sonar_tracking.graph.catalogue.topics import PROGRESS_TOPIC, Topic
 from sonar_tracking.graph.message_writing.field_writing import message_class, time_from_stamp
 from sonar_tracking.graph.node_base import quality_of_service
-from sonar_tracking.graph.node_base.stamp_guard import StampCheck, StampGuard, Verdict
+from sonar_tracking.graph.node_base.stamp_check import StampCheck, Verdict
+from sonar_tracking.graph.node_base.stamp_guard import StampGuard
 from sonar_tracking.message_reading.field_reading import stamp_from_time
 from sonar_tracking.records.time import UNKNOWN_STAMP
 
@@ -145,6 +146,7 @@ class DataInput:
         self.topic = topic
         self.received = self.rejected = self.duplicates = self.gaps = self.finished = 0
         self.period = 0
+        self._held: list[Received] = []
         self._convert = convert
         self._progress = progress
         self.subscription = node.create_subscription(
@@ -157,32 +159,62 @@ class DataInput:
         self.name: str = self.subscription.topic_name
         self.guard = StampGuard(self.name, reset_after)
 
-    def check(self, message: Any) -> StampCheck:
-        """Count a message and judge its stamps."""
+    def judge(self, message: Any) -> tuple[StampCheck, tuple[Received, ...]]:
+        """Count a message, read it, judge its stamps, and return what is to be used now, in order.
+
+        Content goes first: what cannot be read does not move the time of the input.
+        """
         self.received += 1
-        stamp, before = stamp_from_time(message.header.stamp), self.guard.last_stamp
-        # Messages of other packages, such as Odometry, have no watermark and no sensor.
-        next_stamp = stamp_from_time(getattr(message, "next_stamp", Time()))
-        check = self.guard.check(stamp, next_stamp, getattr(message, "sensor_id", ""))
+        return self._judge(self._read(message))
+
+    def judge_held(self) -> Iterator[tuple[StampCheck, tuple[Received, ...]]]:
+        """Judge once more what was set aside, since something else has begun again."""
+        held, self._held = self._held, []
+        for received in held:
+            yield self._judge(received)
+
+    def _judge(self, received: Received) -> tuple[StampCheck, tuple[Received, ...]]:
+        stamp, before = received.stamp, self.guard.last_stamp
+        check = self.guard.check(
+            stamp,
+            received.next_stamp,
+            # Messages of other packages, such as Odometry, have no sensor.
+            getattr(received.message, "sensor_id", ""),
+            usable=not received.rejection,
+        )
+        self.rejected += check.dropped
         if check.verdict is Verdict.DUPLICATE:
             self.duplicates += 1
-        elif check.verdict is Verdict.REJECT:
+            return check, ()
+        if check.verdict is Verdict.REJECT:
             self.rejected += 1
-        elif check.verdict is Verdict.GAP:
+            return check, ()
+        if check.verdict is Verdict.HOLD:
+            self._held = [*([] if check.dropped else self._held), received]
+            return check, ()
+        held, self._held = self._held, []
+        if check.verdict is Verdict.GAP:
             self.gaps += 1
         if check.verdict is Verdict.ACCEPT and before != UNKNOWN_STAMP:
             # Messages may come in pairs, as odometry does at both ends of a block.
             self.period = max(self.period, stamp - before)
-        return check
+        if check.next_stamp != received.next_stamp:
+            received = _announcing(received, check.next_stamp)
+        return check, (*held, received) if check.confirms else (received,)
 
-    def read(self, message: Any) -> Received:
+    def _read(self, message: Any) -> Received:
         """Return a message with its record, or with the reason why it has none."""
         stamp = stamp_from_time(message.header.stamp)
+        # Messages of other packages have no watermark.
         next_stamp = stamp_from_time(getattr(message, "next_stamp", Time()))
         try:
             return Received(self, stamp, next_stamp, message, self._convert(message))
         except InputError as error:
             return Received(self, stamp, next_stamp, message, None, str(error))
+        except Exception as error:
+            # Values that nothing was made for, such as 1e300 m, end here: as bad input.
+            reason = f"its values cannot be computed with ({type(error).__name__}: {error})"
+            return Received(self, stamp, next_stamp, message, None, reason)
 
     @staticmethod
     def read_stamp(message: Any) -> int:
@@ -204,6 +236,14 @@ class DataInput:
             "finished": self.finished,
             "last_stamp_ns": self.guard.last_stamp,
         }
+
+
+def _announcing(received: Received, next_stamp: int) -> Received:
+    """Return a message that announces another next stamp, as far as it can be read."""
+    record = received.record
+    if hasattr(record, "next_stamp"):
+        record = replace(record, next_stamp=next_stamp)
+    return replace(received, next_stamp=next_stamp, record=record)
 
 
 def input_concern(source: DataInput) -> str:

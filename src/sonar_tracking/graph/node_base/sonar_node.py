@@ -30,7 +30,7 @@ from sonar_tracking.graph.node_base.data_flow import (
 from sonar_tracking.graph.node_base.diagnostics import UNEXPECTED, Diagnostics, kind_of
 from sonar_tracking.graph.node_base.event_time_join import EventTimeJoin, Interpolation, JoinedItem
 from sonar_tracking.graph.node_base.node_watch import NodeWatch
-from sonar_tracking.graph.node_base.stamp_guard import Verdict, seconds_text
+from sonar_tracking.graph.node_base.stamp_check import StampCheck, Verdict, seconds_text
 from sonar_tracking.records.time import NANOSECONDS
 
 ConfigurationType = TypeVar("ConfigurationType")
@@ -49,6 +49,10 @@ class SonarNode(Node):
     description : NodeDescription
         Name, parameters and topics, from the node catalogue.
     """
+
+    uses_rest_of_group = False
+    """Whether a message that cannot be read does not spoil those of the same stamp; the node tells
+    of it then."""
 
     def __init__(self, description: NodeDescription) -> None:
         super().__init__(description.name)
@@ -162,7 +166,7 @@ class SonarNode(Node):
         item : JoinedItem
             Stamp, topic and interpolated series.
         records : mapping of str to record
-            What arrived, by topic name.
+            What arrived and can be used, by topic name.
         """
         return None
 
@@ -236,33 +240,40 @@ class SonarNode(Node):
             ) from error
 
     def _receive(self, source: DataInput, message: Any) -> None:
-        check = source.check(message)
-        concern = input_concern(source)
-        severity = Severity.ERROR if check.verdict is Verdict.REJECT else Severity.WARN
-        if check.verdict in (Verdict.DUPLICATE, Verdict.REJECT):
-            self.report(concern, kind_of(check.sentence), severity, check.sentence)
-            self.watch.check_publishers(source)
-            source.finish(source.read_stamp(message))
-            return
-        if check.verdict is Verdict.RESET:
-            self._begin_again(source)
-        self.diagnostics.advance(source.guard.last_stamp)
-        if check.sentence:
-            self.report(concern, kind_of(check.sentence), severity, check.sentence)
-        received = source.read(message)
-        topic, stamp, next_stamp = source.topic.name, received.stamp, received.next_stamp
-        if topic not in self._series_topics:
-            released = self._join.push(topic, stamp, next_stamp, received)
-        elif received.rejection:
-            self._reject([received], InputError(received.rejection))
-            released = ()
-        else:
-            released = self._join.push(topic, stamp, next_stamp, received.record)
-        for item in released:
-            self._run(item)
+        check, usable = source.judge(message)
+        self._use(source, check, usable)
         # A message that waits in the join is finished as far as flow is concerned: it has left the
         # queue, and counting it would let a slow input stop the clock it waits for.
-        source.finish(stamp)
+        source.finish(source.read_stamp(message))
+
+    def _use(self, source: DataInput, check: StampCheck, usable: Iterable[Received]) -> None:
+        """Run what is to be used of an input, and tell what is wrong with its stamps."""
+        if check.verdict is Verdict.RESET:
+            self._begin_again(source)
+        if check.sentence:
+            severity = Severity.ERROR if check.verdict is Verdict.REJECT else Severity.WARN
+            concern = input_concern(source)
+            self.report(concern, kind_of(check.sentence), severity, check.sentence)
+        if check.verdict not in (Verdict.ACCEPT, Verdict.GAP, Verdict.RESET):
+            self.watch.check_publishers(source)
+        for received in usable:
+            self.diagnostics.advance(received.stamp)
+            for item in self._joined(received):
+                self._run(item)
+        if check.verdict is Verdict.RESET:
+            for other in self.data_inputs:
+                for each in other.judge_held():
+                    self._use(other, *each)
+
+    def _joined(self, received: Received) -> Iterable[JoinedItem]:
+        """Give one message to the join and return what may run now."""
+        topic, stamp, next_stamp = received.source.topic.name, received.stamp, received.next_stamp
+        if topic not in self._series_topics:
+            return self._join.push(topic, stamp, next_stamp, received)
+        if received.rejection:
+            self._reject([received], InputError(received.rejection))
+            return ()
+        return self._join.push(topic, stamp, next_stamp, received.record)
 
     def _begin_again(self, source: DataInput) -> None:
         for item in self._join.flush():
@@ -277,7 +288,7 @@ class SonarNode(Node):
         arrived: list[Received] = list(item.items.values())
         try:
             for received in arrived:
-                if received.rejection:
+                if received.rejection and not self.uses_rest_of_group:
                     raise InputError(received.rejection)
             for topic in item.not_awaited:
                 self.report(
@@ -287,7 +298,11 @@ class SonarNode(Node):
                     f"{item.topic} at {seconds_text(item.stamp)} was processed without "
                     f"{topic}, which is too far behind; check that its publisher is running.",
                 )
-            records = {topic: received.record for topic, received in item.items.items()}
+            records = {
+                topic: received.record
+                for topic, received in item.items.items()
+                if not received.rejection
+            }
             for notice in self.process(item, records) or ():
                 self.report(notice.culprit, notice.culprit, notice.severity, notice.text)
         except Exception as error:
@@ -320,4 +335,12 @@ class SonarNode(Node):
 
 def _any_needs(needs: Callable[[Any], bool]) -> Callable[[dict[str, Received]], bool]:
     """Return the same question about messages as they wait; an unusable one needs nothing."""
-    return lambda items: any(not one.rejection and needs(one.record) for one in items.values())
+
+    def any_needs(items: dict[str, Received]) -> bool:
+        try:
+            return any(not one.rejection and needs(one.record) for one in items.values())
+        except Exception:
+            # What cannot even be asked need not wait: it is rejected when its turn comes.
+            return False
+
+    return any_needs

@@ -1,15 +1,18 @@
-"""Checks of the stamps of one input topic: what is used, ignored, rejected, or starts afresh.
+"""Checks of the stamps of one input topic: what is used, ignored, set aside, or starts afresh.
 
 Pure stamps, no ROS. Streams promise rising stamps and, with ``next_stamp``, when the next message
-is due. The guard holds them to it, so that everything behind it may rely on order.
+is due. The guard holds them to it, so that everything behind it may rely on order. A single message
+that does not go on with the data so far, whoever sent it, moves nothing: it is set aside until
+others follow that go on with it, or the data go on without it.
 """
 
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
+from sonar_tracking.graph.node_base.stamp_check import StampCheck, Verdict, seconds_text
 from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS, UNKNOWN_STAMP
 
 TOLERANCE = 1_000
@@ -20,26 +23,43 @@ _REMEMBERED = 256
 REORDERED_MESSAGES = 5
 """Of data slower than reset_after so many may come late before that is a new beginning."""
 
+PLAUSIBLE_GAP = 3
+"""Usual intervals without data, after which a single message is believed."""
 
-class Verdict(Enum):
-    """What to do with a message."""
+PLAUSIBLE_INTERVAL = 20
+"""Usual intervals until the next message, up to which a single announcement is believed."""
 
-    ACCEPT = "accept"
+ESTABLISHED = 3
+"""Messages in order, which a few others do not outvote at once."""
+
+
+class _Doubt(Enum):
+    """Why a message does not go on with the data so far."""
+
     GAP = "gap"
-    """Use it, but data are missing before it."""
-    DUPLICATE = "duplicate"
-    """Ignore it: it was already received."""
-    REJECT = "reject"
-    RESET = "reset"
-    """Use it after everything was reset: the data begin again."""
+    OVERLAP = "overlap"
+    EARLIER = "earlier"
+    OTHER_SENSOR = "other sensor"
+    BEGINNING = "beginning"
+    AFTER_END = "after the end"
+
+
+_NEEDED = {_Doubt.GAP: 2, _Doubt.OVERLAP: 2, _Doubt.AFTER_END: 2}
+_NEEDED_OTHERWISE = 3
+"""Messages that agree and are believed, the first included."""
+
+_OUTLASTS = {_Doubt.EARLIER, _Doubt.OTHER_SENSOR}
+"""What is believed only if established data are silent for longer than they ever were."""
 
 
 @dataclass(frozen=True)
-class StampCheck:
-    """Verdict on one message, and the sentence for the user (empty when nothing is wrong)."""
+class _Candidate:
+    """A message that does not go on with the data so far."""
 
-    verdict: Verdict
-    sentence: str = ""
+    stamp: int
+    sensor_id: str
+    doubt: _Doubt
+    sentence: str
 
 
 class StampGuard:
@@ -65,6 +85,7 @@ class StampGuard:
         self.expected = UNKNOWN_STAMP
         self._sensor_id: str | None = None
         self._recent: deque[int] = deque(maxlen=_REMEMBERED)
+        self._held: list[_Candidate] = []
         self._begun_again: int | None = None
         self._ignored = 0
 
@@ -79,7 +100,7 @@ class StampGuard:
             self._begun_again = stamp
             self._ignored = 0
 
-    def check(self, stamp: int, next_stamp: int, sensor_id: str) -> StampCheck:
+    def check(self, stamp: int, next_stamp: int, sensor_id: str, usable: bool = True) -> StampCheck:
         """Judge one message and, unless it is refused, remember it.
 
         Parameters
@@ -88,6 +109,8 @@ class StampGuard:
             Of the message, ns.
         sensor_id : str
             Of the message.
+        usable : bool
+            Whether its content is: one that is not proves nothing about time.
 
         Returns
         -------
@@ -103,22 +126,38 @@ class StampGuard:
                     "from before the data began again.",
                 )
             self.reset()
-        check = self._judge(stamp, next_stamp, sensor_id)
-        if check.verdict is Verdict.RESET:
-            self.reset()
-        if check.verdict in (Verdict.ACCEPT, Verdict.GAP, Verdict.RESET):
-            self.last_stamp = stamp
-            self.expected = next_stamp
-            self._sensor_id = sensor_id
-            self._recent.append(stamp)
-        return check
+        judged = self._judge(stamp, next_stamp, sensor_id)
+        if isinstance(judged, _Candidate):
+            judged = self._weigh(judged, next_stamp, usable)
+        elif judged.verdict in (Verdict.ACCEPT, Verdict.GAP):
+            judged = replace(judged, dropped=len(self._held))
+        if judged.verdict in (Verdict.ACCEPT, Verdict.GAP, Verdict.RESET):
+            judged = self._remember(judged, stamp, next_stamp, sensor_id, usable)
+        return judged
 
     def _is_from_before(self, stamp: int, begun_again: int) -> bool:
         """Tell whether a message goes on with the old data, and no queue is longer than it."""
         goes_on = stamp > self.last_stamp and stamp > begun_again + self._reset_after
         return goes_on and self._ignored < _REMEMBERED
 
-    def _judge(self, stamp: int, next_stamp: int, sensor_id: str) -> StampCheck:
+    def _remember(
+        self, judged: StampCheck, stamp: int, next_stamp: int, sensor_id: str, usable: bool
+    ) -> StampCheck:
+        held, self._held = self._held, []
+        if judged.verdict is Verdict.RESET:
+            self.reset()
+        if judged.confirms:
+            self._recent.extend(each.stamp for each in held)
+        usual = self._usual_interval()
+        self._recent.append(stamp)
+        self.last_stamp = stamp
+        self._sensor_id = sensor_id
+        believed = PLAUSIBLE_INTERVAL if usable else PLAUSIBLE_GAP
+        far = usual and next_stamp - stamp > believed * usual
+        self.expected = UNKNOWN_STAMP if far and next_stamp != END_OF_DATA else next_stamp
+        return replace(judged, next_stamp=self.expected)
+
+    def _judge(self, stamp: int, next_stamp: int, sensor_id: str) -> StampCheck | _Candidate:
         at = f"{self._topic}: the message stamped {seconds_text(stamp)}"
         if stamp <= UNKNOWN_STAMP:
             return StampCheck(
@@ -137,71 +176,133 @@ class StampGuard:
         if stamp == self.last_stamp:
             return self._duplicate(at)
         if self.expected == END_OF_DATA:
-            return StampCheck(
-                Verdict.RESET,
-                f"{self._topic}: data begin again at {seconds_text(stamp)} after the end of the "
-                "data; everything was reset.",
-            )
+            return self._judge_after_end(stamp, sensor_id)
         back = self.last_stamp - stamp
         if back > self._largest_step_back():
-            return StampCheck(
-                Verdict.RESET,
+            return _Candidate(
+                stamp,
+                sensor_id,
+                _Doubt.BEGINNING,
                 f"{self._topic}: stamps went back by {back / NANOSECONDS:.3f} s to "
-                f"{seconds_text(stamp)} (a looped recording or a restarted source?); "
-                "everything was reset.",
+                f"{seconds_text(stamp)} (a looped recording or a restarted source?)",
             )
         if sensor_id != self._sensor_id:
-            return StampCheck(
-                Verdict.REJECT,
-                f"{at} was rejected: it comes from sensor {sensor_id!r}, but the data so far come "
-                f"from {self._sensor_id!r}; give each sensor its own namespace.",
+            return _Candidate(
+                stamp,
+                sensor_id,
+                _Doubt.OTHER_SENSOR,
+                f"{at} comes from sensor {sensor_id!r}, but the data so far come from "
+                f"{self._sensor_id!r}; give each sensor its own namespace",
             )
-        return self._judge_order(stamp, at)
+        return self._judge_order(stamp, next_stamp, sensor_id, at)
+
+    def _judge_after_end(self, stamp: int, sensor_id: str) -> StampCheck | _Candidate:
+        ahead = stamp - self.last_stamp
+        if sensor_id == self._sensor_id and 0 < ahead <= PLAUSIBLE_GAP * self._usual_interval():
+            return StampCheck(
+                Verdict.ACCEPT,
+                f"{self._topic}: the end of the data was announced, but they go on at "
+                f"{seconds_text(stamp)}; the sender must announce it with its last message only.",
+            )
+        return _Candidate(
+            stamp,
+            sensor_id,
+            _Doubt.AFTER_END,
+            f"{self._topic}: data begin again at {seconds_text(stamp)} after the end of the data",
+        )
+
+    def _usual_interval(self) -> int:
+        """Return the mean interval between messages, ns; 0 = not known yet."""
+        intervals = len(self._recent) - 1
+        if intervals > 0:
+            return (self._recent[-1] - self._recent[0]) // intervals
+        announced = self.expected not in (UNKNOWN_STAMP, END_OF_DATA)
+        return self.expected - self.last_stamp if announced else 0
 
     def _largest_step_back(self) -> int:
         """Return by how much a late message may be late, ns."""
-        intervals = len(self._recent) - 1
-        usual = (self._recent[-1] - self._recent[0]) // intervals if intervals > 0 else 0
-        return max(self._reset_after, REORDERED_MESSAGES * usual)
+        return max(self._reset_after, REORDERED_MESSAGES * self._usual_interval())
 
-    def _judge_order(self, stamp: int, at: str) -> StampCheck:
+    def _judge_order(
+        self, stamp: int, next_stamp: int, sensor_id: str, at: str
+    ) -> StampCheck | _Candidate:
         if stamp < self.last_stamp:
             if stamp in self._recent:
                 return self._duplicate(at)
             back = (self.last_stamp - stamp) / NANOSECONDS
-            return StampCheck(
-                Verdict.REJECT,
-                f"{at} was rejected: it is {back:.3f} s earlier than the one before; the sender "
-                "must publish in order (a step back by more than "
+            return _Candidate(
+                stamp,
+                sensor_id,
+                _Doubt.EARLIER,
+                f"{at} is {back:.3f} s earlier than the one before; the sender must publish in "
+                "order (a step back by more than "
                 f"{self._largest_step_back() / NANOSECONDS:g} s, parameter reset_after or a few "
-                "messages, is taken as a new beginning).",
+                "messages, is taken as a new beginning)",
             )
-        if self.expected == UNKNOWN_STAMP:
-            return StampCheck(Verdict.ACCEPT)
-        if stamp < self.expected - TOLERANCE:
+        if self.expected != UNKNOWN_STAMP and stamp < self.expected - TOLERANCE:
+            return _Candidate(
+                stamp,
+                sensor_id,
+                _Doubt.OVERLAP,
+                f"{at} is earlier than {seconds_text(self.expected)}, which the message before it "
+                "announced as the next stamp; the sender must not publish overlapping data (is "
+                "there a second publisher?)",
+            )
+        return self._judge_gap(stamp, next_stamp, sensor_id)
+
+    def _judge_gap(self, stamp: int, next_stamp: int, sensor_id: str) -> StampCheck | _Candidate:
+        """Judge a message that comes when it is due, or later."""
+        usual = self._usual_interval()
+        since, announced = self.last_stamp, self.expected != UNKNOWN_STAMP
+        if announced:
+            since = self.expected
+            if stamp <= since + TOLERANCE:
+                return StampCheck(Verdict.ACCEPT)
+        gap = stamp - since
+        sentence = (
+            f"{self._topic}: {gap / NANOSECONDS:.3f} s of data are missing between "
+            f"{seconds_text(since)} and {seconds_text(stamp)}; "
+            "check the source and whether messages are lost on the way."
+        )
+        largest = PLAUSIBLE_GAP * usual
+        if next_stamp == END_OF_DATA:
+            # Nothing follows that could tell.
+            largest = max(PLAUSIBLE_INTERVAL * usual, self._reset_after)
+        if usual and gap > largest:
+            return _Candidate(stamp, sensor_id, _Doubt.GAP, sentence.removesuffix("."))
+        return StampCheck(Verdict.GAP, sentence) if announced else StampCheck(Verdict.ACCEPT)
+
+    def _weigh(self, candidate: _Candidate, next_stamp: int, usable: bool) -> StampCheck:
+        """Judge a message that does not go on with the data by those that came before it."""
+        if not usable:
             return StampCheck(
-                Verdict.REJECT,
-                f"{at} was rejected: the message before it announced "
-                f"{seconds_text(self.expected)} as the next stamp; the sender must not publish "
-                "overlapping data (is there a second publisher?).",
+                Verdict.REJECT, f"{candidate.sentence}; it is not usable and was rejected."
             )
-        if stamp > self.expected + TOLERANCE:
-            gap = (stamp - self.expected) / NANOSECONDS
-            return StampCheck(
-                Verdict.GAP,
-                f"{self._topic}: {gap:.3f} s of data are missing between "
-                f"{seconds_text(self.expected)} and {seconds_text(stamp)}; "
-                "check the source and whether messages are lost on the way.",
-            )
-        return StampCheck(Verdict.ACCEPT)
+        goes_on = self._held and self._goes_on(self._held[-1], candidate)
+        dropped = 0 if goes_on else len(self._held)
+        self._held = [*self._held, candidate] if goes_on else [candidate]
+        first = self._held[0]
+        if not self._outvotes(first.doubt):
+            sentence = f"{candidate.sentence}; it was set aside until the next ones tell."
+            return StampCheck(Verdict.HOLD, sentence, dropped=dropped)
+        if first.doubt in (_Doubt.GAP, _Doubt.OVERLAP):
+            return StampCheck(Verdict.GAP, f"{first.sentence}.", confirms=True)
+        return StampCheck(Verdict.RESET, f"{first.sentence}; everything was reset.", confirms=True)
+
+    def _goes_on(self, before: _Candidate, candidate: _Candidate) -> bool:
+        return candidate.sensor_id == before.sensor_id and candidate.stamp > before.stamp
+
+    def _outvotes(self, doubt: _Doubt) -> bool:
+        """Tell whether the messages set aside are believed, and not the data before them."""
+        if len(self._held) < _NEEDED.get(doubt, _NEEDED_OTHERWISE):
+            return False
+        if doubt not in _OUTLASTS or len(self._recent) < ESTABLISHED:
+            return True
+        span = self._held[-1].stamp - self._held[0].stamp
+        return span > self._largest_step_back() or len(self._held) >= _REMEMBERED
 
     def _duplicate(self, at: str) -> StampCheck:
         return StampCheck(
             Verdict.DUPLICATE,
             f"{at} was ignored: it was already received (is something publishing twice?).",
         )
-
-
-def seconds_text(stamp: int) -> str:
-    """Return a stamp as people read it: seconds with three decimals."""
-    return f"{stamp // NANOSECONDS}.{stamp % NANOSECONDS // 1_000_000:03d} s"

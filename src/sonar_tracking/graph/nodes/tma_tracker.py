@@ -50,6 +50,8 @@ class TmaTracker(SonarNode):
     of its station are predicted.
     """
 
+    uses_rest_of_group = True
+
     def __init__(self) -> None:
         super().__init__(TMA_TRACKER)
         self._configuration = self.configuration(
@@ -64,9 +66,9 @@ class TmaTracker(SonarNode):
         self._published = 0
         self._tracks = self.data_publisher(PASSIVE_TRACKS)
         group: dict[Topic, Callable[[Any], Any]] = {
-            topic: _or_error(measured_directions_from_message) for topic in bearings
+            **dict.fromkeys(bearings, measured_directions_from_message),
+            **dict.fromkeys(lines, frequency_lines_from_message),
         }
-        group |= {topic: _or_error(frequency_lines_from_message) for topic in lines}
         own_ship = OwnShipReader(partial(self.report_state, ODOMETRY))
         self.data_subscriptions(
             {},
@@ -78,17 +80,16 @@ class TmaTracker(SonarNode):
     def process(self, item: JoinedItem, records: Mapping[str, Any]) -> Iterable[Notice]:
         """Feed everything of one stamp and publish the tracks."""
         unusable = []
-        for topic, record in records.items():
-            if isinstance(record, InputError):
-                self.tell_rejected(item.items[topic], record)
+        for topic, received in item.items.items():
+            if received.rejection:
+                self.tell_rejected(received, InputError(received.rejection))
                 if topic in self._bearings:
-                    unusable.append(_unusable(item.items[topic]))
+                    unusable.append(_unusable(received))
         own_ship = item.series[ODOMETRY.name]
         motion = None if own_ship is None else motion_in_map(own_ship)
         usable = {
             topic: self._placed(item.items[topic], record, motion)
             for topic, record in records.items()
-            if not isinstance(record, InputError)
         }
         frame = PassiveFrame(
             stamp=item.stamp,
@@ -126,8 +127,6 @@ class TmaTracker(SonarNode):
         self._configuration = self._stage.configuration = configuration
 
     def _needs_own_ship(self, record: Any) -> bool:
-        if isinstance(record, InputError):
-            return False
         unset = may_be_unset(record.sensor) and self.expects(ODOMETRY)
         return unset or needs_own_ship(record.sensor, self._configuration)
 
@@ -144,18 +143,6 @@ class TmaTracker(SonarNode):
     def _publish(self, tracks: PositionTracks) -> None:
         self._published = tracks.stamp
         self._tracks.publish(position_tracks_to_message(tracks))
-
-
-def _or_error(convert: Callable[[Any], Any]) -> Callable[[Any], Any]:
-    """Return a conversion that returns what is wrong instead of raising it."""
-
-    def read(message: Any) -> Any:
-        try:
-            return convert(message)
-        except InputError as error:
-            return error
-
-    return read
 
 
 def _unusable(received: Received) -> UnusableBearings:
