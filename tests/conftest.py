@@ -11,6 +11,7 @@ import os
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 from sonar_tracking.one_thread import ONE_THREAD
 from tests.without_ros import (  # noqa: F401  (hooks)
@@ -24,6 +25,12 @@ if TYPE_CHECKING:
 for _variable, _value in ONE_THREAD.items():
     os.environ.setdefault(_variable, _value)  # as in the nodes; the workers share the processors
 os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+
+# How long something takes is never asserted: machines may be busy.
+settings.register_profile(
+    "busy_machine", deadline=None, suppress_health_check=[HealthCheck.too_slow]
+)
+settings.load_profile("busy_machine")
 
 MARKS = {
     "tests/system/": pytest.mark.system,
