@@ -20,6 +20,8 @@ from dataclasses import dataclass
 from sonar_tracking.errors import Notice, Severity
 from sonar_tracking.motion import KinematicState, lever_arm, swing_velocity, wrap_angle
 
+Quaternion = tuple[float, float, float, float]
+
 NO_TURNS = ((0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0, 0.0))
 """Quaternions x, y, z, w of a new message: of ROS 2, and of whoever leaves out its defaults."""
 
@@ -97,17 +99,32 @@ def is_unset(
     return rests and not any(position) and is_no_turn(orientation)
 
 
-def yaw_of(orientation: Sequence[float]) -> float:
+def unit_sized(orientation: Quaternion) -> Quaternion:
+    """Return a quaternion of any length as one that can be computed with: the same turn.
+
+    Parameters
+    ----------
+    orientation : tuple of float, shape (4,)
+        Quaternion x, y, z, w. One of about unit length is returned as it is.
+    """
+    largest = max(map(abs, orientation))
+    if not 0.0 < largest < math.inf or 0.25 <= largest <= 2.0:
+        return orientation
+    x, y, z, w = (value / largest for value in orientation)
+    return x, y, z, w
+
+
+def yaw_of(orientation: Quaternion) -> float:
     """Return the azimuth of +x of a frame, rad; NaN if its orientation is unknown.
 
     Parameters
     ----------
-    orientation : sequence of float, shape (4,)
+    orientation : tuple of float, shape (4,)
         Quaternion x, y, z, w.
     """
-    x, y, z, w = orientation
     if not all(map(math.isfinite, orientation)) or not any(orientation):
         return math.nan
+    x, y, z, w = unit_sized(orientation)
     return math.atan2(2.0 * (w * z + x * y), w**2 + x**2 - y**2 - z**2)
 
 

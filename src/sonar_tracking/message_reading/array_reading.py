@@ -13,8 +13,11 @@ from typing import Any
 import numpy as np
 
 from sonar_tracking.errors import InputError
+from sonar_tracking.message_reading.field_limits import check_duration, check_size
 from sonar_tracking.message_reading.field_reading import (
     check_columns,
+    check_largest,
+    check_vector,
     column,
     complex_column,
     count,
@@ -56,6 +59,9 @@ TRACK_WIDTHS = (
 )
 """Values per track of every column of BearingTracks."""
 
+LONGEST_OFFSET = 3600.0
+"""Of a covariance from its stamp, s."""
+
 ARRAY_REALS = ("sample_period", "center_frequency", "bandwidth", "sound_speed")
 
 
@@ -63,6 +69,7 @@ def snapshots_from_message(message: Any) -> ArraySnapshots:
     """Return the block of snapshots a message carries."""
     positions = element_positions(message)
     n_elements = len(positions)
+    check_duration("ArraySnapshots", message.n_snapshots * message.sample_period)
     return ArraySnapshots(
         stamp=stamp_from_time(message.header.stamp),
         data=complex_column(
@@ -85,13 +92,22 @@ def subspaces_from_message(message: Any) -> SubspaceEstimates:
     positions = element_positions(message)
     n_elements = len(positions)
     n_subspaces = int(message.n_subspaces)
+    check_size("SubspaceEstimates", "n_subspaces", n_subspaces)
     if len(message.time_offsets) != n_subspaces:
         raise InputError(
             f"SubspaceEstimates.time_offsets has {len(message.time_offsets)} values, but "
             f"n_subspaces is {n_subspaces}; the sender must give one time per subspace."
         )
     check_eigenvalues(message)
+    for name in ("eigenvalues", "time_offsets"):
+        check_largest(message, name, column(message, name))
     covariance = _square_or_none(message, "covariance", n_elements)
+    if covariance is not None and not abs(message.covariance_time_offset) <= LONGEST_OFFSET:
+        raise InputError(
+            f"SubspaceEstimates.covariance_time_offset is {message.covariance_time_offset:g} s; "
+            f"it must be at most {LONGEST_OFFSET:g} s, from the stamp to the middle of the "
+            "snapshots."
+        )
     counted = len(message.eigenvalues) > 0
     return SubspaceEstimates(
         stamp=stamp_from_time(message.header.stamp),
@@ -198,8 +214,13 @@ def own_ship_from_message(message: Any) -> OwnShipState:
     """Return the horizontal motion odometry carries."""
     position, turn = message.pose.pose.position, message.pose.pose.orientation
     linear, angular = message.twist.twist.linear, message.twist.twist.angular
-    numbers = (position.x, position.y, turn.x, turn.y, turn.z, turn.w, linear.x, linear.y)
-    if not all(map(math.isfinite, numbers)) or not any((turn.x, turn.y, turn.z, turn.w)):
+    check_vector(message, "pose.pose.position", position)
+    check_vector(message, "twist.twist.linear", linear)
+    check_vector(message, "twist.twist.angular", angular)
+    yaw_rate = 0.0 if math.isnan(angular.z) else angular.z
+    orientation = (turn.x, turn.y, turn.z, turn.w)
+    numbers = (position.x, position.y, *orientation, linear.x, linear.y, yaw_rate)
+    if not all(map(math.isfinite, numbers)) or not any(orientation):
         raise InputError(
             "Odometry has a position, orientation or velocity that is not a finite number, or an "
             "orientation of length zero; the sender must give own ship's pose in map and its "
@@ -208,9 +229,9 @@ def own_ship_from_message(message: Any) -> OwnShipState:
     return OwnShipState(
         stamp=stamp_from_time(message.header.stamp),
         position=(position.x, position.y),
-        yaw=yaw_of((turn.x, turn.y, turn.z, turn.w)),
+        yaw=yaw_of(orientation),
         velocity=(linear.x, linear.y),
-        yaw_rate=angular.z,
+        yaw_rate=yaw_rate,
     )
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from sonar_tracking.errors import InputError
 from sonar_tracking.message_reading.field_reading import (
     check_columns,
+    check_vector,
     column,
     known,
     real,
@@ -72,6 +73,8 @@ def contacts_from_message(message: Any) -> Contacts:
     """
     check_contact_columns(message)
     position, velocity = message.sensor_pose.position, message.sensor_velocity
+    check_vector(message, "sensor_pose.position", position)
+    check_vector(message, "sensor_velocity", velocity)
     orientation = sensor_orientation(message)
     return Contacts(
         stamp=stamp_from_time(message.header.stamp),

@@ -16,11 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sonar_tracking.errors import InputError
+from sonar_tracking.message_reading.field_limits import check_magnitude, check_size
 from sonar_tracking.message_reading.field_use import FIELD_USES, FieldUse, Unfilled
 from sonar_tracking.records.arrays import ComplexArray, FloatArray
 from sonar_tracking.records.bearings import Sensor
 from sonar_tracking.records.time import NANOSECONDS
-from sonar_tracking.sensor_pose import is_no_turn
+from sonar_tracking.sensor_pose import is_no_turn, unit_sized
 
 
 def stamp_from_time(time: Any) -> int:
@@ -57,9 +58,10 @@ def real(message: Any, name: str) -> float:
     Raises
     ------
     InputError
-        When it is required, and was not filled in.
+        When it is required, and was not filled in; when it is absurdly large.
     """
     number = float(getattr(message, name))
+    check_magnitude(type_name(message), name, abs(number))
     if number != 0.0 and not math.isnan(number):
         return number
     use = field_use(message, name)
@@ -74,11 +76,12 @@ def count(message: Any, name: str) -> int:
     Raises
     ------
     InputError
-        When there are none.
+        When there are none, or too many.
     """
     number = int(getattr(message, name))
     if number == 0:
         raise unfilled(message, name, "is 0")
+    check_size(type_name(message), name, number)
     return number
 
 
@@ -128,8 +131,43 @@ def complex_column(
             f"{type_name(message)}.{name} has {values.size} values, but {meaning} = {sizes} "
             f"complex numbers need {expected}; the sender must make them agree."
         )
+    check_largest(message, name, values)
     complex_type = np.complex64 if dtype == "float32" else np.complex128
     return values.view(complex_type).reshape(shape).astype(np.complex128)
+
+
+def check_largest(message: Any, name: str, values: NDArray[Any]) -> None:
+    """Check that no value of a column is absurdly large.
+
+    Parameters
+    ----------
+    message : message
+        For its type.
+    name : str
+        The field.
+    values : ndarray, shape (...), real
+        What it holds, in units of the message.
+
+    Raises
+    ------
+    InputError
+        Naming message, field and value.
+    """
+    if values.size:
+        largest = max(float(values.max()), -float(values.min()))
+        check_magnitude(type_name(message), name, largest)
+
+
+def check_vector(message: Any, name: str, vector: Any) -> None:
+    """Check that no component of a vector is absurdly large.
+
+    Raises
+    ------
+    InputError
+        Naming message, field and value.
+    """
+    for component in (vector.x, vector.y, vector.z):
+        check_magnitude(type_name(message), name, abs(component))
 
 
 def check_columns(message: Any, key: str, widths: dict[str, int]) -> int:
@@ -155,6 +193,7 @@ def check_columns(message: Any, key: str, widths: dict[str, int]) -> int:
         Naming message, field and both lengths.
     """
     rows = len(getattr(message, key))
+    check_size(type_name(message), key, rows)
     for name, width in widths.items():
         length = len(getattr(message, name))
         if length not in (0, width * rows):
@@ -182,6 +221,8 @@ def element_positions(message: Any) -> FloatArray:
     positions = np.stack([column(message, f"element_{axis}") for axis in "xyz"], axis=-1)
     if len(positions) == 0:
         raise unfilled(message, "element_x", "is empty")
+    check_size(type_name(message), "element_x", len(positions))
+    check_largest(message, "element_x", positions)
     if len(positions) > 1 and not positions.any():
         raise unfilled(message, "element_x", "and element_y and element_z are 0 for all elements")
     return positions
@@ -193,6 +234,8 @@ def sensor(message: Any) -> Sensor:
     A pose that nobody has set is passed on as it is: only who knows own ship's can tell.
     """
     position, velocity = message.sensor_pose.position, message.sensor_velocity
+    check_vector(message, "sensor_pose.position", position)
+    check_vector(message, "sensor_velocity", velocity)
     return Sensor(
         sensor_id=message.sensor_id,
         frame_id=message.header.frame_id,
@@ -205,6 +248,7 @@ def sensor(message: Any) -> Sensor:
 def sensor_orientation(message: Any) -> tuple[float, float, float, float]:
     """Return the quaternion x, y, z, w of the sensor; NaN = unknown, as beside no position."""
     position, turn = message.sensor_pose.position, message.sensor_pose.orientation
-    orientation = (turn.x, turn.y, turn.z, turn.w)
+    orientation = unit_sized((turn.x, turn.y, turn.z, turn.w))
     located = math.isfinite(position.x) and math.isfinite(position.y)
-    return (math.nan,) * 4 if not located and is_no_turn(orientation) else orientation
+    finite = all(map(math.isfinite, orientation))
+    return orientation if finite and (located or not is_no_turn(orientation)) else (math.nan,) * 4

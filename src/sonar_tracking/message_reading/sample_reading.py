@@ -16,7 +16,9 @@ from typing import Any
 import numpy as np
 
 from sonar_tracking.errors import InputError
+from sonar_tracking.message_reading.field_limits import check_duration
 from sonar_tracking.message_reading.field_reading import (
+    check_largest,
     column,
     count,
     element_positions,
@@ -45,6 +47,9 @@ def samples_from_message(message: Any) -> ArraySamples:
     positions = element_positions(message)
     values = column(message, "data", "float32")
     n_samples = count(message, "n_samples")
+    rate = real(message, "sample_rate")
+    check_duration("ArraySamples", n_samples / rate)
+    check_largest(message, "data", values)
     if values.size != n_samples * len(positions):
         raise InputError(
             f"ArraySamples.data has {values.size} values, but n_samples x elements = {n_samples} x "
@@ -54,7 +59,7 @@ def samples_from_message(message: Any) -> ArraySamples:
         stamp=stamp_from_time(message.header.stamp),
         data=values.reshape(n_samples, len(positions)).astype(np.float64),
         element_positions=positions,
-        sample_rate=real(message, "sample_rate"),
+        sample_rate=rate,
         sound_speed=real(message, "sound_speed"),
         next_stamp=stamp_from_time(message.next_stamp),
         sensor=sensor(message),

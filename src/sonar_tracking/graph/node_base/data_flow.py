@@ -20,7 +20,7 @@ from sonar_tracking.errors import InputError
 from sonar_tracking.graph.catalogue.topics import PROGRESS_TOPIC, Topic
 from sonar_tracking.graph.message_writing.field_writing import message_class, time_from_stamp
 from sonar_tracking.graph.node_base import quality_of_service
-from sonar_tracking.graph.node_base.stamp_check import StampCheck, Verdict
+from sonar_tracking.graph.node_base.stamp_check import StampCheck, Verdict, seconds_text
 from sonar_tracking.graph.node_base.stamp_guard import StampGuard
 from sonar_tracking.message_reading.field_reading import stamp_from_time
 from sonar_tracking.records.time import UNKNOWN_STAMP
@@ -130,6 +130,8 @@ class DataInput:
         Told of every finished message.
     overriding : QoSOverridingOptions or None
         Quality of service that parameters may change.
+    answered : bool
+        Whether each message is to give an output, one that cannot be read as well.
     """
 
     def __init__(
@@ -142,8 +144,10 @@ class DataInput:
         receive: Callable[[DataInput, Any], None],
         progress: ProgressReporter,
         overriding: QoSOverridingOptions | None = None,
+        answered: bool = True,
     ) -> None:
         self.topic = topic
+        self._answered = answered
         self.received = self.rejected = self.duplicates = self.gaps = self.finished = 0
         self.period = 0
         self._held: list[Received] = []
@@ -175,6 +179,10 @@ class DataInput:
 
     def _judge(self, received: Received) -> tuple[StampCheck, tuple[Received, ...]]:
         stamp, before = received.stamp, self.guard.last_stamp
+        if received.rejection and not self._answered:
+            self.rejected += 1
+            at = f"{self.name} at {seconds_text(stamp)}"
+            return StampCheck(Verdict.REJECT, f"{at}: rejected: {received.rejection}"), ()
         check = self.guard.check(
             stamp,
             received.next_stamp,

@@ -51,8 +51,7 @@ class SonarNode(Node):
     """
 
     uses_rest_of_group = False
-    """Whether a message that cannot be read does not spoil those of the same stamp; the node tells
-    of it then."""
+    """Whether a message that cannot be read leaves the others of its stamp; the node reports it."""
 
     def __init__(self, description: NodeDescription) -> None:
         super().__init__(description.name)
@@ -224,6 +223,7 @@ class SonarNode(Node):
                 self._receive,
                 self.progress,
                 overriding,
+                answered=topic.name not in self._series_topics,
             )
         self.data_inputs.append(source)
         self.diagnostics.add(input_concern(source), source.values)
@@ -270,9 +270,6 @@ class SonarNode(Node):
         topic, stamp, next_stamp = received.source.topic.name, received.stamp, received.next_stamp
         if topic not in self._series_topics:
             return self._join.push(topic, stamp, next_stamp, received)
-        if received.rejection:
-            self._reject([received], InputError(received.rejection))
-            return ()
         return self._join.push(topic, stamp, next_stamp, received.record)
 
     def _begin_again(self, source: DataInput) -> None:

@@ -57,6 +57,7 @@ class _Candidate:
     """A message that does not go on with the data so far."""
 
     stamp: int
+    next_stamp: int
     sensor_id: str
     doubt: _Doubt
     sentence: str
@@ -127,10 +128,18 @@ class StampGuard:
                 )
             self.reset()
         judged = self._judge(stamp, next_stamp, sensor_id)
+        if not usable and (isinstance(judged, _Candidate) or not self._is_due(stamp)):
+            return StampCheck(
+                Verdict.REJECT,
+                f"{self._topic}: the message stamped {seconds_text(stamp)} was rejected: it is not "
+                "usable, and not the one that is due.",
+            )
         if isinstance(judged, _Candidate):
-            judged = self._weigh(judged, next_stamp, usable)
+            judged = self._weigh(judged)
         elif judged.verdict in (Verdict.ACCEPT, Verdict.GAP):
-            judged = replace(judged, dropped=len(self._held))
+            # What is missing may have been set aside, if too late a next stamp was announced.
+            fills = self._fills_gap(judged.verdict, stamp, sensor_id)
+            judged = replace(judged, confirms=fills, dropped=0 if fills else len(self._held))
         if judged.verdict in (Verdict.ACCEPT, Verdict.GAP, Verdict.RESET):
             judged = self._remember(judged, stamp, next_stamp, sensor_id, usable)
         return judged
@@ -139,6 +148,14 @@ class StampGuard:
         """Tell whether a message goes on with the old data, and no queue is longer than it."""
         goes_on = stamp > self.last_stamp and stamp > begun_again + self._reset_after
         return goes_on and self._ignored < _REMEMBERED
+
+    def _is_due(self, stamp: int) -> bool:
+        """Tell whether a message comes when the next one is to come."""
+        if self.last_stamp == UNKNOWN_STAMP:
+            return True
+        if self.expected not in (UNKNOWN_STAMP, END_OF_DATA):
+            return abs(stamp - self.expected) <= TOLERANCE
+        return 2 * (stamp - self.last_stamp) <= 3 * self._usual_interval()
 
     def _remember(
         self, judged: StampCheck, stamp: int, next_stamp: int, sensor_id: str, usable: bool
@@ -152,9 +169,9 @@ class StampGuard:
         self._recent.append(stamp)
         self.last_stamp = stamp
         self._sensor_id = sensor_id
-        believed = PLAUSIBLE_INTERVAL if usable else PLAUSIBLE_GAP
-        far = usual and next_stamp - stamp > believed * usual
-        self.expected = UNKNOWN_STAMP if far and next_stamp != END_OF_DATA else next_stamp
+        far = usual and next_stamp - stamp > PLAUSIBLE_INTERVAL * usual
+        believed = usable and (not far or next_stamp == END_OF_DATA)
+        self.expected = next_stamp if believed else UNKNOWN_STAMP
         return replace(judged, next_stamp=self.expected)
 
     def _judge(self, stamp: int, next_stamp: int, sensor_id: str) -> StampCheck | _Candidate:
@@ -176,11 +193,12 @@ class StampGuard:
         if stamp == self.last_stamp:
             return self._duplicate(at)
         if self.expected == END_OF_DATA:
-            return self._judge_after_end(stamp, sensor_id)
+            return self._judge_after_end(stamp, next_stamp, sensor_id)
         back = self.last_stamp - stamp
         if back > self._largest_step_back():
             return _Candidate(
                 stamp,
+                next_stamp,
                 sensor_id,
                 _Doubt.BEGINNING,
                 f"{self._topic}: stamps went back by {back / NANOSECONDS:.3f} s to "
@@ -189,6 +207,7 @@ class StampGuard:
         if sensor_id != self._sensor_id:
             return _Candidate(
                 stamp,
+                next_stamp,
                 sensor_id,
                 _Doubt.OTHER_SENSOR,
                 f"{at} comes from sensor {sensor_id!r}, but the data so far come from "
@@ -196,7 +215,9 @@ class StampGuard:
             )
         return self._judge_order(stamp, next_stamp, sensor_id, at)
 
-    def _judge_after_end(self, stamp: int, sensor_id: str) -> StampCheck | _Candidate:
+    def _judge_after_end(
+        self, stamp: int, next_stamp: int, sensor_id: str
+    ) -> StampCheck | _Candidate:
         ahead = stamp - self.last_stamp
         if sensor_id == self._sensor_id and 0 < ahead <= PLAUSIBLE_GAP * self._usual_interval():
             return StampCheck(
@@ -206,6 +227,7 @@ class StampGuard:
             )
         return _Candidate(
             stamp,
+            next_stamp,
             sensor_id,
             _Doubt.AFTER_END,
             f"{self._topic}: data begin again at {seconds_text(stamp)} after the end of the data",
@@ -232,6 +254,7 @@ class StampGuard:
             back = (self.last_stamp - stamp) / NANOSECONDS
             return _Candidate(
                 stamp,
+                next_stamp,
                 sensor_id,
                 _Doubt.EARLIER,
                 f"{at} is {back:.3f} s earlier than the one before; the sender must publish in "
@@ -242,6 +265,7 @@ class StampGuard:
         if self.expected != UNKNOWN_STAMP and stamp < self.expected - TOLERANCE:
             return _Candidate(
                 stamp,
+                next_stamp,
                 sensor_id,
                 _Doubt.OVERLAP,
                 f"{at} is earlier than {seconds_text(self.expected)}, which the message before it "
@@ -269,15 +293,11 @@ class StampGuard:
             # Nothing follows that could tell.
             largest = max(PLAUSIBLE_INTERVAL * usual, self._reset_after)
         if usual and gap > largest:
-            return _Candidate(stamp, sensor_id, _Doubt.GAP, sentence.removesuffix("."))
+            return _Candidate(stamp, next_stamp, sensor_id, _Doubt.GAP, sentence.removesuffix("."))
         return StampCheck(Verdict.GAP, sentence) if announced else StampCheck(Verdict.ACCEPT)
 
-    def _weigh(self, candidate: _Candidate, next_stamp: int, usable: bool) -> StampCheck:
+    def _weigh(self, candidate: _Candidate) -> StampCheck:
         """Judge a message that does not go on with the data by those that came before it."""
-        if not usable:
-            return StampCheck(
-                Verdict.REJECT, f"{candidate.sentence}; it is not usable and was rejected."
-            )
         goes_on = self._held and self._goes_on(self._held[-1], candidate)
         dropped = 0 if goes_on else len(self._held)
         self._held = [*self._held, candidate] if goes_on else [candidate]
@@ -289,8 +309,19 @@ class StampGuard:
             return StampCheck(Verdict.GAP, f"{first.sentence}.", confirms=True)
         return StampCheck(Verdict.RESET, f"{first.sentence}; everything was reset.", confirms=True)
 
+    def _fills_gap(self, verdict: Verdict, stamp: int, sensor_id: str) -> bool:
+        """Tell whether what was set aside leads up to a message that is in order."""
+        if not self._held or self._held[0].doubt is not _Doubt.OVERLAP:
+            return False
+        last = self._held[-1]
+        leads = verdict is Verdict.GAP or abs(last.next_stamp - stamp) <= TOLERANCE
+        return leads and last.stamp < stamp and last.sensor_id == sensor_id
+
     def _goes_on(self, before: _Candidate, candidate: _Candidate) -> bool:
-        return candidate.sensor_id == before.sensor_id and candidate.stamp > before.stamp
+        alike = candidate.doubt is before.doubt or (
+            before.doubt is _Doubt.OVERLAP and candidate.doubt is _Doubt.GAP
+        )
+        return alike and candidate.sensor_id == before.sensor_id and candidate.stamp > before.stamp
 
     def _outvotes(self, doubt: _Doubt) -> bool:
         """Tell whether the messages set aside are believed, and not the data before them."""

@@ -6,6 +6,7 @@ import numpy as np
 
 from sonar_tracking.errors import InputError
 from sonar_tracking.passive.directions.signal_subspace import noise_factor
+from sonar_tracking.passive.subspaces.array_checks import check_array
 from sonar_tracking.records.bearings import SubspaceEstimates
 
 
@@ -32,6 +33,7 @@ def check_estimates(estimates: SubspaceEstimates) -> None:
             f"The subspaces have {shape[-1]} columns; an array of {n_elements} elements needs "
             f"between 1 and {n_elements - 1}."
         )
+    check_array(estimates.element_positions, estimates.center_frequency, estimates.sound_speed)
     if not np.isfinite(estimates.basis).all():
         raise InputError("A subspace holds values that are not finite numbers.")
     if estimates.covariance is not None and not np.isfinite(estimates.covariance).all():

@@ -11,6 +11,7 @@ import numpy as np
 
 from sonar_tracking.errors import InputError
 from sonar_tracking.geometry import aperture, has_grating_lobes, largest_spacing, wavenumber
+from sonar_tracking.passive.subspaces.array_checks import check_array
 from sonar_tracking.records.bearings import ArraySnapshots
 
 MAXIMUM_RELATIVE_BANDWIDTH = 0.1
@@ -128,14 +129,11 @@ def check_next_block(block: ArraySnapshots, first: ArraySnapshots) -> None:
 
 
 def _check_numbers(block: ArraySnapshots) -> None:
-    for name in ("sample_period", "center_frequency", "sound_speed"):
-        value = getattr(block, name)
-        if not (np.isfinite(value) and value > 0.0):
-            raise InputError(f"{name} is {value:g}; it must be above zero.")
+    if not (np.isfinite(block.sample_period) and block.sample_period > 0.0):
+        raise InputError(f"sample_period is {block.sample_period:g}; it must be above zero.")
     if not (np.isfinite(block.bandwidth) and block.bandwidth >= 0.0):
         raise InputError(f"bandwidth is {block.bandwidth:g} Hz; it must be zero or more.")
-    if not np.isfinite(block.element_positions).all():
-        raise InputError("An element position is not a finite number; give all positions in m.")
+    check_array(block.element_positions, block.center_frequency, block.sound_speed)
 
 
 def _check_noise_covariance(block: ArraySnapshots) -> None:

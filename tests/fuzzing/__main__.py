@@ -1,0 +1,162 @@
+"""Feeds a node malformed messages: ``python -m tests.fuzzing NODE [--count N] [--seed S]``.
+
+After each of them the third good message of its topic must be used and answered, whatever it was;
+no message may end the node, take more than a second or fill the memory. What is found is printed
+with the seed and number that repeat it; the exit code is 1 then.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import resource
+import sys
+import time
+from collections import Counter
+from typing import Any
+
+import numpy as np
+from rclpy.logging import LoggingSeverity
+
+from sonar_tracking.errors import Severity
+from tests.fuzzing.chains import CHAINS
+from tests.fuzzing.message_mutation import mutated
+from tests.fuzzing.node_streams import (
+    endless,
+    good_messages,
+    make_nodes,
+)
+from tests.fuzzing.sound_outputs import is_sound
+
+LONGEST = 1.0
+"""That a message may take, s of processor time."""
+
+MOST_MEMORY = 500.0
+"""MB."""
+
+GOOD = 3
+"""Good messages until all is well again."""
+
+
+SILENT = {"/own_ship/odometry", "/passive/frequency_lines"}
+"""Topics whose messages alone are not answered."""
+
+COLLECTED = {"/array/snapshots": 10, "/array/samples": 60}
+"""More messages of a topic until there must be an answer."""
+
+
+class Fuzzer:
+    """One node, its stream of good messages, and what was found."""
+
+    def __init__(self, name: str, seed: int) -> None:
+        self.node, in_front = make_nodes(name)
+        messages = good_messages(self.node, in_front, CHAINS[name].length)
+        self._stream = endless(messages)
+        self._seed = seed
+        self.found: Counter[str] = Counter()
+        self.examples: dict[str, str] = {}
+        self.slowest = 0.0
+        self.number = 0
+        self._unexpected = ""
+        self._refused = False
+        self.node.node.get_logger().set_level(LoggingSeverity.FATAL)
+        self.node.node.report = self._report  # type: ignore[method-assign]
+        for topic, message in (next(self._stream) for _ in range(min(len(messages), 60))):
+            self._feed(topic, message, "good")
+
+    def step(self) -> None:
+        """Feed one malformed message, and the good ones that follow it."""
+        self.number += 1
+        generator = np.random.default_rng([self._seed, self.number])
+        topic, message = next(self._stream)
+        bad = mutated(message, generator)
+        inserted = generator.random() < 0.5
+        self._feed(topic, bad, "malformed", bad)
+        if inserted:
+            self._feed(topic, message, "good", bad)
+        self._recover(topic, bad, GOOD - inserted)
+
+    def _recover(self, topic: str, bad: Any, wanted: int) -> None:
+        (source,) = (each for each in self.node.node.data_inputs if each.name == topic)
+        self.node.outputs.clear()
+        while wanted:
+            name, good = next(self._stream)
+            self._refused = False
+            self._feed(name, good, "good", bad)
+            wanted -= name == topic
+        if self._refused:
+            self._note("the third good message was refused", topic, bad)
+        if source.guard.last_stamp != source.read_stamp(good):
+            self._note("the third good message was set aside", topic, bad)
+        if not self._answers(topic):
+            self._note("no output within three good messages", topic, bad)
+
+    def _answers(self, topic: str) -> bool:
+        """Tell whether there is an output, soon: samples are collected for some blocks first."""
+        if topic in SILENT:
+            return True
+        for _ in range(COLLECTED.get(topic, 0)):
+            if self.node.outputs:
+                break
+            self._feed(*next(self._stream), "good")
+        return any(is_sound(message) for _, message in self.node.outputs)
+
+    def _feed(self, topic: str, message: Any, what: str, bad: Any = None) -> None:
+        begin = time.process_time()
+        self._unexpected = ""
+        try:
+            self.node.feed(topic, message)
+        except Exception as error:
+            self._note(f"a {what} message ends the node: {type(error).__name__}", topic, bad)
+        if self._unexpected:
+            self._note(f"unexpected ({what}): {self._unexpected}", topic, bad)
+        taken = time.process_time() - begin
+        self.slowest = max(self.slowest, taken)
+        if taken > LONGEST:
+            self._note(f"a {what} message takes too long", topic, bad)
+
+    def _report(self, concern: str, culprit: str, severity: Severity, sentence: str) -> None:
+        self._refused |= "rejected: " in sentence
+        if "please report" in sentence:
+            self._unexpected = sentence.partition("unexpected ")[2][:150]
+
+    def _note(self, what: str, topic: str, bad: Any) -> None:
+        kind = f"{topic}: {what}"
+        self.found[kind] += 1
+        text = str(bad)
+        self.examples.setdefault(kind, f"seed {self._seed}, number {self.number}: {text[:1500]}")
+
+
+def main() -> int:
+    """Run the fuzzer and print what was found."""
+    parser = argparse.ArgumentParser(prog="python -m tests.fuzzing", description=__doc__)
+    parser.add_argument("node", choices=CHAINS)
+    parser.add_argument("--count", type=int, default=1000, help="malformed messages")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--examples", action="store_true", help="print the first of each kind")
+    given = parser.parse_args()
+    fuzzer = Fuzzer(given.node, given.seed)
+    begin = time.monotonic()
+    for _ in range(given.count):
+        fuzzer.step()
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+    if memory > MOST_MEMORY:
+        fuzzer.found["memory"] += 1
+    summary = {
+        "node": given.node,
+        "seed": given.seed,
+        "malformed": given.count,
+        "found": dict(fuzzer.found.most_common()),
+        "slowest_s": round(fuzzer.slowest, 3),
+        "memory_mb": round(memory),
+        "seconds": round(time.monotonic() - begin, 1),
+    }
+    print(json.dumps(summary, indent=1))
+    if given.examples:
+        for kind, example in fuzzer.examples.items():
+            print(f"\n== {kind}\n{example}")
+    return 1 if fuzzer.found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
