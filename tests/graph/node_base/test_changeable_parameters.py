@@ -89,7 +89,7 @@ def test_nodes_without_anybody_to_take_a_change_declare_nothing_changeable() -> 
     changeable = {
         name for name, node in NODES.items() if any(e.changeable for e in node.parameters)
     }
-    assert changeable == {"hpda_tracker", "tma_tracker"}
+    assert changeable == {"hpda_tracker", "tma_tracker", "scene_publisher"}
 
 
 def _set(node: Any, **values: Any) -> Any:

@@ -38,6 +38,7 @@ class Watched:
             get_clock=lambda: SimpleNamespace(now=lambda: SimpleNamespace(nanoseconds=self.now)),
             create_timer=self._create_timer,
             get_publishers_info_by_topic=lambda name: [],
+            resolve_topic_name=lambda name: name,
             subscriptions=[],
             publishers=[],
         )

@@ -114,6 +114,27 @@ def test_another_sensor_gets_in_when_the_first_has_been_silent_for_long(guard: S
     assert verdicts[-1] is Verdict.ACCEPT
 
 
+def test_a_new_beginning_is_seen_though_every_message_comes_twice(guard: StampGuard) -> None:
+    early = START - 60 * SECOND
+    checks = [guard.check(early + n // 2 * BLOCK, 0, "array") for n in range(8)]
+    used = [check.verdict for check in checks if check.verdict is not Verdict.DUPLICATE]
+    assert used == [Verdict.HOLD, Verdict.HOLD, Verdict.RESET, Verdict.ACCEPT]
+
+
+def test_a_new_beginning_of_two_messages_that_ends_is_used(guard: StampGuard) -> None:
+    early = START - 60 * SECOND
+    assert guard.check(early, early + BLOCK, "array").verdict is Verdict.HOLD
+    assert guard.check(early + BLOCK, END_OF_DATA, "array").verdict is Verdict.RESET
+
+
+def test_an_input_that_has_begun_already_goes_on() -> None:
+    """Odometry that begins with a new run of pings is not of the old one."""
+    guard = StampGuard("/own_ship/odometry", 10 * SECOND)
+    guard.check(START, 0, "")
+    guard.expect_new_beginning(START + SECOND)
+    assert guard.check(START + SECOND, 0, "").verdict is Verdict.ACCEPT
+
+
 def good_messages(watermarks: bool) -> Iterator[tuple[int, int, str]]:
     """Return stamps, watermarks and sensor of a stream, one message after the other."""
     for stamp in count(START, BLOCK):

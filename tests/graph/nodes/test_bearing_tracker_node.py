@@ -172,7 +172,8 @@ def test_a_duplicate_gives_no_second_picture(tracker: Tracker) -> None:
 
 def test_identifiers_are_not_reused_after_a_reset(tracker: Tracker) -> None:
     start = tracker.new_run()
-    tracker.send(estimates(start, 0), replace(estimates(start, 1), next_stamp=END_OF_DATA))
+    last = replace(estimates(start, 2), next_stamp=END_OF_DATA)
+    tracker.send(estimates(start, 0), estimates(start, 1), last)
     before = set(tracker.outputs[-1].id)
     tracker.outputs.clear()
     tracker.send(estimates(start, 0), estimates(start, 1))

@@ -299,10 +299,12 @@ def test_odometry_tells_where_the_sensor_is_when_the_ping_does_not(tracker: Trac
     start = tracker.new_run()
     for number in range(SETTLED + 1):
         tracker.send(ping(start, number, told=False))
-        assert len(tracker.outputs) == number
+        # The third ping shows that the data have begun again.
+        assert number < 3 or len(tracker.outputs) == number
         for seconds in (-3, 4):
             tracker.odometry.publish(odometry(start + number * INTERVAL + seconds * SECOND, start))
-        tracker.probe.wait_for_count(tracker.outputs.__len__, number + 1, "pictures")
+        if number >= 2:
+            tracker.probe.wait_for_count(tracker.outputs.__len__, number + 1, "pictures")
     tracker.assert_pictures(start, range(SETTLED + 1))
     assert tracker.target(-1)[1] == TrackStatus.CONFIRMED
 
@@ -352,8 +354,9 @@ def test_a_pose_that_contradicts_odometry_is_used_and_said(tracker: Tracker) -> 
 
 def test_the_end_of_the_data_is_passed_on(tracker: Tracker) -> None:
     start = tracker.new_run()
-    tracker.send(ping(start, 0), replace(ping(start, 1), next_stamp=END_OF_DATA))
-    tracker.assert_pictures(start, range(2))
+    last = replace(ping(start, 2), next_stamp=END_OF_DATA)
+    tracker.send(ping(start, 0), ping(start, 1), last)
+    tracker.assert_pictures(start, range(3))
     for heard in (tracker.outputs, tracker.thresholds):
         assert stamp_from_time(heard[-1].next_stamp) == END_OF_DATA
 

@@ -196,9 +196,9 @@ def test_a_duplicate(estimator: Estimator) -> None:
 
 def test_a_stamp_a_little_back(estimator: Estimator) -> None:
     start = estimator.new_run()
-    late = replace(block(start, 2), stamp=start + BLOCK // 3)
-    estimator.send(block(start, 0), block(start, 1), late, block(start, 2), block(start, 3))
-    estimator.probe.wait_sentence(INPUT, "rejected", "0.067 s earlier", "in order")
+    late = replace(block(start, 2), stamp=start + 4 * BLOCK // 3)
+    estimator.send(*(block(start, number) for number in range(3)), late, block(start, 3))
+    estimator.probe.wait_sentence(INPUT, "set aside", "0.067 s earlier", "in order")
     estimator.assert_one_output_each(start + BLOCK, start + 3 * BLOCK)
     assert all(each.n_subspaces == 3 for each in estimator.outputs)
 
@@ -239,7 +239,7 @@ def test_a_dead_channel_is_named_and_the_others_are_used(estimator: Estimator) -
 
 def test_more_sources_than_elements(estimator: Estimator) -> None:
     start = estimator.new_run()
-    estimator.send(block(start, 0, elements=2), block(start, 1, elements=2))
+    estimator.send(*(block(start, number, elements=2) for number in range(3)))
     estimator.probe.wait_sentence(INPUT, "source_count is 2", "only 2 elements", "at most 1")
     start = estimator.new_run()
     estimator.send(*(block(start, number) for number in range(4)))

@@ -205,21 +205,25 @@ def test_missing_odometry_is_named_and_the_lists_come_when_the_data_begin_again(
     tracker.probe.wait_sentence(f"{NODE}: input /own_ship/odometry", "nothing received")
     assert not tracker.outputs
     tracker.new_run()
-    tracker.send(tracker.bearings(0), tracker.lines(0))
-    tracker.probe.wait(lambda: len(tracker.outputs) == 4, "four lists")
-    assert [len(message.id) for message in tracker.outputs] == [0, 0, 0, 1]
+    for number in range(3):
+        tracker.send(tracker.bearings(number), tracker.lines(number))
+    tracker.probe.wait(lambda: len(tracker.outputs) == 6, "six lists")
+    assert [len(message.id) for message in tracker.outputs] == [0, 0, 0, 1, 1, 1]
     tracker.probe.wait_sentence(f"{NODE}: data of array", "own_ship/odometry")
 
 
 def test_identifiers_are_not_reused_after_a_reset(tracker: Tracker) -> None:
     tracker.new_run()
-    last = tracker.bearings(1)
-    tracker.send(tracker.bearings(0), tracker.lines(0))
-    tracker.send(replace(last, next_stamp=END_OF_DATA), tracker.lines(1))
-    before = {number for tracks in tracker.wait_lists(2) for number in tracks.id}
+    for number in range(3):
+        last = tracker.bearings(number)
+        if number == 2:
+            last = replace(last, next_stamp=END_OF_DATA)
+        tracker.send(last, tracker.lines(number))
+    before = {number for tracks in tracker.wait_lists(3) for number in tracks.id}
     tracker.new_run()
-    tracker.send(tracker.bearings(0), tracker.lines(0))
-    (tracks,) = tracker.wait_lists(1)
+    for number in range(2):
+        tracker.send(tracker.bearings(number), tracker.lines(number))
+    tracks, _ = tracker.wait_lists(2)
     assert before.isdisjoint(tracks.id)
 
 

@@ -151,6 +151,7 @@ class DataInput:
         self.received = self.rejected = self.duplicates = self.gaps = self.finished = 0
         self.period = 0
         self._held: list[Received] = []
+        self._reset_after = reset_after
         self._convert = convert
         self._progress = progress
         self.subscription = node.create_subscription(
@@ -171,11 +172,14 @@ class DataInput:
         self.received += 1
         return self._judge(self._read(message))
 
-    def judge_held(self) -> Iterator[tuple[StampCheck, tuple[Received, ...]]]:
-        """Judge once more what was set aside, since something else has begun again."""
+    def judge_held(self, begin: int) -> Iterator[tuple[StampCheck, tuple[Received, ...]]]:
+        """Judge once more what was set aside, since another input has begun again at a stamp."""
         held, self._held = self._held, []
         for received in held:
-            yield self._judge(received)
+            if abs(received.stamp - begin) <= self._reset_after:
+                yield self._judge(received)
+            else:
+                self.rejected += 1
 
     def _judge(self, received: Received) -> tuple[StampCheck, tuple[Received, ...]]:
         stamp, before = received.stamp, self.guard.last_stamp

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -114,13 +114,20 @@ class EventTimeJoin:
         """Return everything that may run now, in order: who needs a series may have changed."""
         return tuple(self._released(flush=False))
 
-    def flush(self) -> tuple[JoinedItem, ...]:
-        """Return everything that still waits, in order, and forget all state."""
+    def flush(self, kept: Collection[str] = ()) -> tuple[JoinedItem, ...]:
+        """Return everything that still waits, in order, and forget all state.
+
+        Parameters
+        ----------
+        kept : collection of str
+            Topics of series whose samples stay: they belong to what follows.
+        """
         rest = tuple(self._released(flush=True))
         for lane in self._lanes:
             lane.clear()
-        for series in self._series.values():
-            series.clear()
+        for topic, series in self._series.items():
+            if topic not in kept:
+                series.clear()
         return rest
 
     def waits_for(self) -> tuple[str, ...]:

@@ -262,7 +262,7 @@ class SonarNode(Node):
                 self._run(item)
         if check.verdict is Verdict.RESET:
             for other in self.data_inputs:
-                for each in other.judge_held():
+                for each in other.judge_held(source.guard.last_stamp):
                     self._use(other, *each)
 
     def _joined(self, received: Received) -> Iterable[JoinedItem]:
@@ -273,11 +273,13 @@ class SonarNode(Node):
         return self._join.push(topic, stamp, next_stamp, received.record)
 
     def _begin_again(self, source: DataInput) -> None:
-        for item in self._join.flush():
+        begin = source.guard.last_stamp
+        begun = {each.topic.name for each in self.data_inputs if each.guard.has_begun(begin)}
+        for item in self._join.flush(begun & self._series_topics):
             self._run(item)
         for other in self.data_inputs:
             if other is not source:
-                other.guard.expect_new_beginning(source.guard.last_stamp)
+                other.guard.expect_new_beginning(begin)
         self.diagnostics.forget()
         self.reset()
 

@@ -90,6 +90,10 @@ class StampGuard:
         self._begun_again: int | None = None
         self._ignored = 0
 
+    def has_begun(self, stamp: int) -> bool:
+        """Tell whether the latest message belongs to data that begin at a stamp, ns."""
+        return abs(self.last_stamp - stamp) <= self._largest_step_back()
+
     def expect_new_beginning(self, stamp: int) -> None:
         """Tell that another input of the node has begun again at a stamp, ns.
 
@@ -97,7 +101,7 @@ class StampGuard:
         """
         if self.last_stamp == UNKNOWN_STAMP or self.expected == END_OF_DATA:
             self.reset()
-        else:
+        elif not self.has_begun(stamp):
             self._begun_again = stamp
             self._ignored = 0
 
@@ -121,19 +125,13 @@ class StampGuard:
         if self._begun_again is not None:
             if self._is_from_before(stamp, self._begun_again):
                 self._ignored += 1
-                return StampCheck(
-                    Verdict.DUPLICATE,
-                    f"{self._topic}: the message stamped {seconds_text(stamp)} was ignored: it is "
-                    "from before the data began again.",
-                )
+                sentence = f"{self._named(stamp)} was ignored: it is from before a new beginning."
+                return StampCheck(Verdict.DUPLICATE, sentence)
             self.reset()
         judged = self._judge(stamp, next_stamp, sensor_id)
         if not usable and (isinstance(judged, _Candidate) or not self._is_due(stamp)):
-            return StampCheck(
-                Verdict.REJECT,
-                f"{self._topic}: the message stamped {seconds_text(stamp)} was rejected: it is not "
-                "usable, and not the one that is due.",
-            )
+            sentence = f"{self._named(stamp)} was rejected: it is not usable, nor is it due."
+            return StampCheck(Verdict.REJECT, sentence)
         if isinstance(judged, _Candidate):
             judged = self._weigh(judged)
         elif judged.verdict in (Verdict.ACCEPT, Verdict.GAP):
@@ -175,7 +173,7 @@ class StampGuard:
         return replace(judged, next_stamp=self.expected)
 
     def _judge(self, stamp: int, next_stamp: int, sensor_id: str) -> StampCheck | _Candidate:
-        at = f"{self._topic}: the message stamped {seconds_text(stamp)}"
+        at = self._named(stamp)
         if stamp <= UNKNOWN_STAMP:
             return StampCheck(
                 Verdict.REJECT,
@@ -298,6 +296,11 @@ class StampGuard:
 
     def _weigh(self, candidate: _Candidate) -> StampCheck:
         """Judge a message that does not go on with the data by those that came before it."""
+        if any(
+            (each.stamp, each.sensor_id) == (candidate.stamp, candidate.sensor_id)
+            for each in self._held
+        ):
+            return self._duplicate(self._named(candidate.stamp))
         goes_on = self._held and self._goes_on(self._held[-1], candidate)
         dropped = 0 if goes_on else len(self._held)
         self._held = [*self._held, candidate] if goes_on else [candidate]
@@ -325,12 +328,18 @@ class StampGuard:
 
     def _outvotes(self, doubt: _Doubt) -> bool:
         """Tell whether the messages set aside are believed, and not the data before them."""
-        if len(self._held) < _NEEDED.get(doubt, _NEEDED_OTHERWISE):
+        agree = len(self._held)
+        if agree > 1 and self._held[-1].next_stamp == END_OF_DATA:
+            agree = _NEEDED_OTHERWISE  # nothing follows that could agree
+        if agree < _NEEDED.get(doubt, _NEEDED_OTHERWISE):
             return False
         if doubt not in _OUTLASTS or len(self._recent) < ESTABLISHED:
             return True
         span = self._held[-1].stamp - self._held[0].stamp
         return span > self._largest_step_back() or len(self._held) >= _REMEMBERED
+
+    def _named(self, stamp: int) -> str:
+        return f"{self._topic}: the message stamped {seconds_text(stamp)}"
 
     def _duplicate(self, at: str) -> StampCheck:
         return StampCheck(
