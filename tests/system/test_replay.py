@@ -85,7 +85,8 @@ def test_a_foreign_bag_with_names_of_its_own_and_parameters(
     foreign.close()
     done = run_command(tmp_path, "replay", tmp_path / "foreign")
     assert done.returncode == 2
-    assert "subspace_estimator, bearing_tracker" in done.stdout and "--remap" in done.stdout
+    assert "subspace_estimator, bearing_tracker" in done.stdout
+    assert "--namespace /port" in done.stdout
     parameters = tmp_path / "parameters.yaml"
     parameters.write_text(
         "subspace_estimator: {ros__parameters: {period: 0.5}}\nbearing_tracker: {}\n"

@@ -86,7 +86,7 @@ def check_magnitude(where: str, name: str, magnitude: float) -> None:
     largest, unit = LIMITS[name]
     if largest < magnitude < float("inf"):
         raise InputError(
-            f"{where}.{name} holds {magnitude:.3g} {unit}".rstrip()
+            f"{where}.{name} holds {magnitude:.7g} {unit}".rstrip()
             + f", and at most {largest:g} {unit}".rstrip()
             + " makes sense; the sender must check value and unit."
         )

@@ -20,10 +20,13 @@ from sonar_tracking.message_reading import array_reading
 from sonar_tracking.records.bearings import ArraySnapshots, BearingTracks, Sensor, SubspaceEstimates
 from sonar_tracking.records.own_ship import OwnShipState
 
-reals = st.floats(allow_nan=True, allow_infinity=True)
+plain = st.floats(-1000.0, 1000.0)
+"""Within what any field can hold."""
+reals = plain | st.sampled_from([math.nan, math.inf, -math.inf])
 told = reals.filter(bool)
 """Numbers that cannot be zero: a zero says that they are unknown."""
-required = st.floats(allow_nan=False).filter(bool)
+required = plain.filter(bool)
+turns = st.tuples(*[st.floats(-1.0, 1.0)] * 4).filter(lambda turn: max(map(abs, turn)) >= 0.25)
 stamps = st.integers(1, 2**31 * 10**9 - 1)
 sizes = st.integers(1, 5)
 
@@ -45,15 +48,16 @@ def complexes(draw: st.DrawFn, *shape: int) -> np.ndarray:
 
 @st.composite
 def sensors(draw: st.DrawFn) -> Sensor:
-    numbers = [draw(reals) for _ in range(10)]
+    numbers = [draw(reals) for _ in range(6)]
+    orientation = draw(turns | st.just((math.nan,) * 4))
     # A place that is unknown beside a turn that nobody has set tells no turn.
-    assume(all(map(math.isfinite, numbers[:2])) or any(numbers[3:6]))
+    assume(all(map(math.isfinite, numbers[:2])) or any(orientation[:3]))
     return Sensor(
         sensor_id=draw(st.text("abc/_7", max_size=8)),
         frame_id="own_ship/array",
         position=tuple(numbers[:3]),  # type: ignore[arg-type]
-        orientation=tuple(numbers[3:7]),  # type: ignore[arg-type]
-        velocity=tuple(numbers[7:]),  # type: ignore[arg-type]
+        orientation=orientation,
+        velocity=tuple(numbers[3:]),  # type: ignore[arg-type]
     )
 
 
@@ -62,14 +66,16 @@ def snapshots(draw: st.DrawFn) -> ArraySnapshots:
     elements = draw(sizes)
     data = draw(
         arrays.arrays(
-            np.float32, (draw(st.integers(1, 4)), elements, 2), elements=st.floats(width=32)
+            np.float32,
+            (draw(st.integers(1, 4)), elements, 2),
+            elements=st.floats(-1024.0, 1024.0, width=32),
         )
     )
     return ArraySnapshots(
         stamp=draw(stamps),
         data=data.view(np.complex64)[..., 0].astype(np.complex128),
         element_positions=positions(draw, elements),
-        sample_period=draw(required),
+        sample_period=draw(st.floats(1e-6, 10.0)),
         center_frequency=draw(required),
         bandwidth=draw(reals),
         sound_speed=draw(required),
@@ -98,7 +104,7 @@ def subspaces(draw: st.DrawFn) -> SubspaceEstimates:
         source_count=draw(st.integers(-1, 9)) if known else -1,
         covariance=complexes(draw, elements, elements) if known else None,
         covariance_snapshots=draw(st.integers(1, 1000)) if known else 0,
-        covariance_time_offset=draw(reals) if known else np.nan,
+        covariance_time_offset=draw(plain) if known else np.nan,
         eigenvalues=floats(draw, elements) if known else np.empty(0),
         noise_power=np.array(draw(told)),
         noise_covariance=complexes(draw, elements, elements) if known else None,

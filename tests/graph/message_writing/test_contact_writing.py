@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import array
 import dataclasses
+import math
 from typing import Any
 
 import numpy as np
@@ -25,7 +26,7 @@ from sonar_tracking.message_reading.contact_reading import (
 )
 from sonar_tracking.records.contacts import Contacts, GateThresholds
 
-reals = st.floats(allow_nan=True, allow_infinity=True)
+reals = st.floats(-1000.0, 1000.0) | st.sampled_from([math.nan, math.inf, -math.inf])
 told = reals.filter(bool)
 """Numbers that cannot be zero: a zero says that they are unknown."""
 stamps = st.integers(1, 2**31 * 10**9 - 1)
