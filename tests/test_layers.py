@@ -83,6 +83,7 @@ ROOMS = (
     "graph.node_base",
     "graph.nodes",
     "graph.orchestration",
+    "graph.chaos",
     "graph.verbs",
     "graph",
     "cli_options",
@@ -91,7 +92,13 @@ ROOMS = (
 )
 """From the ground up; a file belongs to the longest name it begins with."""
 
-ROOMS_WITH_ROS = ("graph.message_writing", "graph.node_base", "graph.nodes", "graph.orchestration")
+ROOMS_WITH_ROS = (
+    "graph.message_writing",
+    "graph.node_base",
+    "graph.nodes",
+    "graph.orchestration",
+    "graph.chaos",
+)
 """Where ROS may be imported; anything else works without."""
 
 STAGES = {"passive", "tma", "active"}

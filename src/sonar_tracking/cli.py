@@ -25,6 +25,7 @@ if tuple(map(int, typer.__version__.split(".")[:2])) < (0, 13):
 
 from sonar_tracking.cli_options import (
     CutoffOption,
+    FaultsOption,
     GraphNamespaceOption,
     GraphRemapOption,
     JsonOption,
@@ -266,6 +267,20 @@ def plot(
 def bench(json: JsonOption = None) -> None:
     """Measure the speed of the algorithms side by side with peers."""
     _needs("sonar_tracking.evaluation.bench.bench").run_bench(json)
+
+
+@app.command()
+def chaos(
+    scenarios: Annotated[list[str], typer.Argument(help="Scenarios, which take turns.")],
+    runs: Annotated[int, typer.Option(min=1, help="Of all scenarios and faults together.")] = 12,
+    seed: Annotated[int, typer.Option(help="Of targets and times.")] = 1,
+    faults: FaultsOption = "",
+    rate: RateOption = "2",
+    json: JsonOption = None,
+) -> None:
+    """Disturb runs on purpose, and report what came of it."""
+    disturb = _needs("sonar_tracking.graph.verbs.chaos_command").chaos
+    raise typer.Exit(disturb(scenarios, runs, seed, faults, rate, json))
 
 
 @app.command()

@@ -38,3 +38,7 @@ NoDisplayOption = Annotated[
 NoDisplayTopicsOption = Annotated[
     bool, typer.Option("--no-display-topics", help="Without pictures for RViz and Foxglove.")
 ]
+FaultsOption = Annotated[
+    str,
+    typer.Option(help="kill, stop, malformed, recorder, orchestration, interrupt; commas between."),
+]

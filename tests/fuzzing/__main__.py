@@ -19,8 +19,8 @@ import numpy as np
 from rclpy.logging import LoggingSeverity
 
 from sonar_tracking.errors import Severity
+from sonar_tracking.graph.chaos.message_mutation import mutated
 from tests.fuzzing.chains import CHAINS
-from tests.fuzzing.message_mutation import mutated
 from tests.fuzzing.node_streams import (
     endless,
     good_messages,
