@@ -20,6 +20,8 @@ from rclpy.logging import LoggingSeverity
 
 from sonar_tracking.errors import Severity
 from sonar_tracking.graph.chaos.message_mutation import mutated
+from sonar_tracking.graph.node_base.stamp_check import seconds_text
+from sonar_tracking.message_reading.field_reading import stamp_from_time
 from tests.fuzzing.chains import CHAINS
 from tests.fuzzing.node_streams import (
     endless,
@@ -59,6 +61,7 @@ class Fuzzer:
         self.number = 0
         self._unexpected = ""
         self._refused = False
+        self._latest = 0
         self.node.node.get_logger().set_level(LoggingSeverity.FATAL)
         self.node.node.report = self._report  # type: ignore[method-assign]
         for topic, message in (next(self._stream) for _ in range(min(len(messages), 60))):
@@ -104,6 +107,7 @@ class Fuzzer:
     def _feed(self, topic: str, message: Any, what: str, bad: Any = None) -> None:
         begin = time.process_time()
         self._unexpected = ""
+        self._latest = stamp_from_time(message.header.stamp)
         try:
             self.node.feed(topic, message)
         except Exception as error:
@@ -116,7 +120,7 @@ class Fuzzer:
             self._note(f"a {what} message takes too long", topic, bad)
 
     def _report(self, concern: str, culprit: str, severity: Severity, sentence: str) -> None:
-        self._refused |= "rejected: " in sentence
+        self._refused |= f"at {seconds_text(self._latest)}: rejected" in sentence
         if "please report" in sentence:
             self._unexpected = sentence.partition("unexpected ")[2][:150]
 

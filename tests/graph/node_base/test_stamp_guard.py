@@ -74,10 +74,10 @@ def test_data_that_go_on_after_their_announced_end_are_used(guard: StampGuard) -
 
 
 def test_a_gap_is_accepted_and_said(guard: StampGuard) -> None:
-    stamp = START + 5 * BLOCK
+    stamp = START + 4 * BLOCK
     check = guard.check(stamp, stamp + BLOCK, "array")
     assert check.verdict is Verdict.GAP
-    assert "0.200 s of data are missing" in check.sentence
+    assert "0.100 s of data are missing" in check.sentence
 
 
 def test_a_long_gap_is_believed_when_the_data_go_on_behind_it(guard: StampGuard) -> None:
@@ -150,6 +150,9 @@ HOSTILE = {
     "soon": lambda good: (good + 9 * SECOND, 0, "array"),
     "soon, with a watermark": lambda good: (good + 9 * SECOND, good + 10 * SECOND, "array"),
     "a block early": lambda good: (good + BLOCK, 0, "array"),
+    "two blocks early": lambda good: (good + 2 * BLOCK, 0, "array"),
+    "two early, with a watermark": lambda good: (good + 2 * BLOCK, good + 3 * BLOCK, "array"),
+    "next, with a late watermark": lambda good: (good + BLOCK, good + 12 * BLOCK, "array"),
     "in thirty years": lambda good: (good + 1_000_000_000 * SECOND, 0, "array"),
     "at the end of time": lambda good: (good + 99 * SECOND, END_OF_DATA, "array"),
     "before": lambda good: (good - 2 * SECOND, 0, "array"),
@@ -171,9 +174,12 @@ def test_one_message_never_makes_an_input_deaf(
         guard.check(*message)
     stamp, next_stamp, sensor_id = HOSTILE[attack](START + before * BLOCK)
     guard.check(stamp, next_stamp, sensor_id if watermarks else "", usable=usable)
-    checks = [guard.check(*message) for message in islice(stream, 5)]
+    good = list(islice(stream, 5))
+    checks = [guard.check(*message) for message in good]
     used = {Verdict.ACCEPT, Verdict.GAP, Verdict.RESET}
-    assert all(check.verdict in used for check in checks[2:]), checks
+    # The malformed one may stand for one of the good ones, if it has the same stamp.
+    third = 3 if good[2][0] == stamp else 2
+    assert all(check.verdict in used for check in checks[third:]), checks
     if before >= 3:
         assert all(check.verdict is not Verdict.RESET for check in checks), checks
 
@@ -186,10 +192,10 @@ def test_unusable_stamps_are_rejected(guard: StampGuard) -> None:
 
 def test_without_watermarks_only_order_counts() -> None:
     guard = StampGuard("/own_ship/odometry", 10 * SECOND)
-    for stamp in (START, START + BLOCK, START + 4 * BLOCK):
+    for stamp in (START, START + BLOCK, START + 3 * BLOCK):
         assert guard.check(stamp, 0, "").verdict is Verdict.ACCEPT
     assert guard.check(START + 2 * BLOCK, 0, "").verdict is Verdict.HOLD
-    assert guard.check(START + 5 * BLOCK, 0, "").dropped == 1
+    assert guard.check(START + 4 * BLOCK, 0, "").dropped == 1
 
 
 def test_what_is_left_from_before_another_input_began_again_is_ignored() -> None:

@@ -23,8 +23,8 @@ _REMEMBERED = 256
 REORDERED_MESSAGES = 5
 """Of data slower than reset_after so many may come late before that is a new beginning."""
 
-PLAUSIBLE_GAP = 3
-"""Usual intervals without data, after which a single message is believed."""
+PLAUSIBLE_GAP = 2.5
+"""Usual intervals since the message before, up to which a single message is believed."""
 
 PLAUSIBLE_INTERVAL = 20
 """Usual intervals until the next message, up to which a single announcement is believed."""
@@ -189,6 +189,8 @@ class StampGuard:
         if self.last_stamp == UNKNOWN_STAMP:
             return StampCheck(Verdict.ACCEPT)
         if stamp == self.last_stamp:
+            if next_stamp != self.expected:
+                self.expected = UNKNOWN_STAMP  # two announcements: neither is believed
             return self._duplicate(at)
         if self.expected == END_OF_DATA:
             return self._judge_after_end(stamp, next_stamp, sensor_id)
@@ -290,7 +292,7 @@ class StampGuard:
         if next_stamp == END_OF_DATA:
             # Nothing follows that could tell.
             largest = max(PLAUSIBLE_INTERVAL * usual, self._reset_after)
-        if usual and gap > largest:
+        if usual and stamp - self.last_stamp > largest:
             return _Candidate(stamp, next_stamp, sensor_id, _Doubt.GAP, sentence.removesuffix("."))
         return StampCheck(Verdict.GAP, sentence) if announced else StampCheck(Verdict.ACCEPT)
 

@@ -144,6 +144,14 @@ class BearingTrackerStage:
         """
         check_estimates(estimates)
         self._check_method(estimates)
+        try:
+            return self._update(estimates)
+        except np.linalg.LinAlgError as error:
+            raise InputError(
+                f"No bearings can be computed from the subspaces and covariance ({error})."
+            ) from error
+
+    def _update(self, estimates: SubspaceEstimates) -> TrackerUpdate:
         state = self._predict(estimates)
         sources = self._estimate_sources(estimates, state)
         updated = self._measure_and_update(estimates, state, sources)

@@ -7,6 +7,7 @@ import numpy as np
 from sonar_tracking.errors import InputError
 from sonar_tracking.passive.directions.signal_subspace import noise_factor
 from sonar_tracking.passive.subspaces.array_checks import check_array
+from sonar_tracking.records.arrays import ComplexArray
 from sonar_tracking.records.bearings import SubspaceEstimates
 
 
@@ -38,6 +39,8 @@ def check_estimates(estimates: SubspaceEstimates) -> None:
         raise InputError("A subspace holds values that are not finite numbers.")
     if estimates.covariance is not None and not np.isfinite(estimates.covariance).all():
         raise InputError("The covariance holds values that are not finite numbers.")
+    if estimates.covariance is not None:
+        _check_powers(estimates.covariance)
     noise = estimates.noise_covariance
     if noise is not None:
         if noise.shape != (n_elements, n_elements) or not np.isfinite(noise).all():
@@ -46,3 +49,20 @@ def check_estimates(estimates: SubspaceEstimates) -> None:
                 f"must be {n_elements} by {n_elements} finite numbers."
             )
         noise_factor(noise)
+
+
+def _check_powers(covariance: ComplexArray) -> None:
+    """Refuse a covariance that no snapshots have."""
+    powers = np.diagonal(covariance, axis1=-2, axis2=-1).real
+    largest = float(powers.max())
+    asymmetry = np.abs(covariance - covariance.conj().swapaxes(-2, -1)).max()
+    if powers.min() < 0.0 or asymmetry > 1e-6 * largest:
+        raise InputError(
+            "The covariance is not Hermitian, or has a negative power on its diagonal; it must be "
+            "the mean of products of snapshots."
+        )
+    if np.abs(covariance).max() > (1.0 + 1e-6) * largest:
+        raise InputError(
+            "The covariance of two elements exceeds the power of both; it must be the mean of "
+            "products of snapshots."
+        )
