@@ -17,16 +17,12 @@ from sonar_tracking.display.run_display import RunDisplay
 from sonar_tracking.display.track_table import GraphState
 from sonar_tracking.errors import SonarTrackingError
 from sonar_tracking.graph.catalogue.topics import TRUE_TRACKS
+from sonar_tracking.graph.orchestration import reported_figures
 from sonar_tracking.graph.orchestration.data_source import DataSource
 from sonar_tracking.graph.orchestration.graph_plan import GraphPlan
 from sonar_tracking.graph.orchestration.process_supervisor import (
     ProcessSupervisor,
     SupervisedProcess,
-)
-from sonar_tracking.graph.orchestration.reported_figures import (
-    latency_figures,
-    node_reports,
-    topic_reports,
 )
 from sonar_tracking.graph.orchestration.run_report import RunReport
 from sonar_tracking.stop_signals import STOP_SIGNALS
@@ -143,15 +139,17 @@ class Orchestration:
     def report(self, data_seconds: float, observer: RunObserver) -> RunReport:
         """Return what the run came to, after the processes were stopped."""
         processes = {name: self.supervisor.processes[name] for name in self._nodes}
+        nodes = reported_figures.node_reports(processes, self.ledger)
+        silent = reported_figures.silent_nodes(nodes, self._nodes, data_seconds)
         return RunReport(
             scenario=self._plan.scenario,
             data_seconds=data_seconds,
             wall_seconds=self.wall_seconds,
-            nodes=node_reports(processes, self.ledger),
-            topics=topic_reports(observer.records, processes),
-            latency_ms=latency_figures(observer.latency),
+            nodes=nodes,
+            topics=reported_figures.topic_reports(observer.records, processes),
+            latency_ms=reported_figures.latency_figures(observer.latency),
             score=observer.score(),
-            failures=self.failures,
+            failures=[*self.failures, *silent] if not self.interrupted else self.failures,
             warnings=[*self.warnings, *self._notices.values()],
             interrupted=self.interrupted,
             namespace=self._plan.naming.namespace,

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from sonar_tracking.graph.catalogue.planned_node import PlannedNode
 from sonar_tracking.graph.orchestration.flow_ledger import FlowLedger
 from sonar_tracking.graph.orchestration.latency_meter import LatencyMeter
 from sonar_tracking.graph.orchestration.process_supervisor import SupervisedProcess
 from sonar_tracking.graph.orchestration.run_report import NodeReport, TopicReport
 from sonar_tracking.graph.orchestration.topic_record import TopicRecord
+
+SOON, ENOUGH = 10.0, 10
+"""Length of the data, s, and messages received, after which a node has put out something."""
 
 
 def node_reports(
@@ -25,6 +29,30 @@ def node_reports(
         )
         for name, process in processes.items()
     }
+
+
+def silent_nodes(
+    nodes: Mapping[str, NodeReport], planned: Mapping[str, PlannedNode], data_seconds: float
+) -> list[str]:
+    """Return a sentence for each node that has heard enough and put out nothing.
+
+    Parameters
+    ----------
+    nodes : mapping of str to NodeReport
+        By name.
+    planned : mapping of str to PlannedNode
+        The same nodes, which may have nothing to publish.
+    data_seconds : float
+        Length of the data, s.
+    """
+    if data_seconds < SOON:
+        return []
+    return [
+        f"{name} has received {nodes[name].messages_in} messages and put out nothing: what it says "
+        "of them is in its log."
+        for name, node in planned.items()
+        if node.publishers and nodes[name].messages_in >= ENOUGH and nodes[name].messages_out == 0
+    ]
 
 
 def topic_reports(
