@@ -21,7 +21,7 @@ NOT_RUN = {
         "needs the data of others; test_extracts.py runs the scripts on files like theirs"
     ),
     r"(ros2|rosdep|colcon|source|export) ": "needs an installation of ROS 2",
-    r"sonar-tracking (evaluate|bench)": "takes minutes; the studies have tests of their own",
+    r"sonar-tracking (evaluate|bench|chaos)": "takes minutes; the studies have tests of their own",
     r"sonar-tracking run (crossing_targets|tma|cross_fix|tonals|active) --rate": (
         "minutes of data; tests/system runs these scenarios"
     ),

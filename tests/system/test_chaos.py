@@ -1,0 +1,27 @@
+"""A reduced campaign: a run that is disturbed goes on, or ends as it should."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from tests.system.command_line import report_of, run_command
+
+
+def test_disturbed_runs_neither_stall_nor_leave_anything_behind(tmp_path: Path) -> None:
+    figures = tmp_path / "chaos.json"
+    done = run_command(
+        tmp_path,
+        *("chaos", "active", "--runs", 2, "--faults", "malformed,interrupt"),
+        *("--rate", 20, "--seed", 2, "--json", figures),
+    )
+    assert done.returncode == 0, done.stdout
+    faults = report_of(figures)["faults"]
+    assert {each["fault"]["kind"] for each in faults} == {"malformed", "interrupt"}
+    for each in faults:
+        assert not (each["stalled"] or each["orphans"] or each["traceback"]), each
+
+
+def test_what_cannot_be_disturbed_is_refused(tmp_path: Path) -> None:
+    done = run_command(tmp_path, "chaos", "active", "--faults", "flood")
+    assert done.returncode == 2
+    assert "--faults" in done.stdout and "Traceback" not in done.stdout
