@@ -12,12 +12,24 @@ from sonar_tracking.graph.catalogue.transport_profile import (
 )
 
 PROFILES = "FASTRTPS_DEFAULT_PROFILES_FILE"
+RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 
 
 @pytest.fixture(autouse=True)
 def no_profile_of_the_user(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in (PROFILES, "FASTDDS_DEFAULT_PROFILES_FILE"):
         monkeypatch.delenv(name, raising=False)
+    for name in ("ROS_STATIC_PEERS", "ROS_DISCOVERY_SERVER", "ROS_LOCALHOST_ONLY"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.delenv(RANGE, raising=False)
+
+
+@pytest.fixture(params=["LOCALHOST", "SUBNET"])
+def reach(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    """Let the graph be found by this machine alone, or by others too."""
+    asked: str = request.param
+    monkeypatch.setenv(RANGE, asked)
+    return asked
 
 
 def numbers(path: str) -> dict[str, int]:
@@ -38,9 +50,10 @@ def test_small_messages_need_no_transport_of_their_own() -> None:
 @pytest.mark.parametrize("name", [PROFILES, "FASTDDS_DEFAULT_PROFILES_FILE"])
 def test_a_profile_of_the_user_is_left_alone(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     monkeypatch.setenv(name, "mine.xml")
-    assert not choose_transport(2400, 2).others
+    assert choose_transport(2400, 2).others == {RANGE: "LOCALHOST"}
 
 
+@pytest.mark.usefixtures("reach")
 def test_every_process_tells_of_itself_often() -> None:
     """A graph is connected as soon as its last node is there, not up to three seconds later."""
     choice = choose_transport(16 * 2**20, 0)
@@ -50,6 +63,7 @@ def test_every_process_tells_of_itself_often() -> None:
         assert found["nanosec"] <= 500_000_000
 
 
+@pytest.mark.usefixtures("reach")
 def test_the_shipped_profile_holds_what_the_code_promises() -> None:
     choice = choose_transport(16 * 2**20, 0)
     sizes = numbers(choice.large_publishers[PROFILES])
@@ -58,7 +72,28 @@ def test_the_shipped_profile_holds_what_the_code_promises() -> None:
     assert "segment_size" not in numbers(choice.others[PROFILES])
 
 
-def test_without_shared_memory_it_falls_back_and_says_so(tmp_path: Path) -> None:
+def test_a_graph_on_one_machine_listens_on_the_loopback_interface_only(tmp_path: Path) -> None:
+    """LOCALHOST alone lets in whoever names this machine as a static peer of its own."""
+    wanting = choose_transport(16 * 2**20, 1, shared_memory=tmp_path / "none")
+    for choice in (choose_transport(2400, 2), choose_transport(16 * 2**20, 0), wanting):
+        for variables in (choice.large_publishers, choice.others):
+            assert variables[RANGE] == "LOCALHOST"
+            profile = Path(variables[PROFILES]).read_text()
+            assert "<useBuiltinTransports>false" in profile
+            assert profile.count("<type>UDPv4") == profile.count("<interfaceWhiteList>") == 1
+            assert "<address>127.0.0.1</address>" in profile
+
+
+def test_without_shared_memory_nothing_is_sent_through_it(tmp_path: Path) -> None:
+    choice = choose_transport(16 * 2**20, 1, shared_memory=tmp_path / "none")
+    assert "SHM" not in Path(choice.others[PROFILES]).read_text()
+    assert "UDP" in choice.warning and "--shm-size" in choice.warning
+
+
+def test_without_shared_memory_other_machines_are_reached_all_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(RANGE, "SUBNET")
     choice = choose_transport(16 * 2**20, 1, shared_memory=tmp_path / "none")
     for variables in (choice.large_publishers, choice.others):
         assert variables["FASTDDS_BUILTIN_TRANSPORTS"] == "UDPv4"

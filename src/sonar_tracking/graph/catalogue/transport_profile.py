@@ -8,7 +8,8 @@ shipped profile gives a publisher of large messages a segment of 128 MB. Receive
 By default a participant that has been there for half a second tells of itself every 3 s only, and
 one that comes later may wait as long before it is known. The shipped profiles make that half a
 second, and a tenth of a second in the first ten. A profile of the user's own goes before the one
-for discovery.
+for discovery. Of each profile there is one in ``config/fastdds/local`` for a graph that stays on
+its machine (:mod:`sonar_tracking.graph.catalogue.discovery_range`).
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from sonar_tracking.graph.catalogue.discovery_range import default_range, is_confined
 from sonar_tracking.resources import find_resource
 
 LARGE_MESSAGE_BYTES = 200_000
@@ -63,7 +65,7 @@ def choose_transport(
     shared_memory : Path
         Where the system keeps shared memory segments.
     """
-    discovery = _discovery_profile()
+    discovery = node_environment()
     if largest_message_bytes < LARGE_MESSAGE_BYTES:
         return TransportChoice(discovery, discovery)
     warning = ""
@@ -76,18 +78,30 @@ def choose_transport(
     needed = n_publishers * SEGMENT_BYTES
     free = shutil.disk_usage(shared_memory).free if shared_memory.is_dir() else 0
     if free < needed:
-        udp = {"FASTDDS_BUILTIN_TRANSPORTS": "UDPv4", **discovery}
+        udp = _without_shared_memory(discovery)
         warning = (
             f"{shared_memory} has {free / 2**20:.0f} MB free and messages of "
             f"{largest_message_bytes / 2**20:.1f} MB want {needed / 2**20:.0f} MB: using UDP, "
             "which is slower; enlarge it (in Docker: --shm-size=512m)."
         )
         return TransportChoice(udp, udp, warning)
-    profile = str(find_resource("config/fastdds/large_messages.xml"))
-    return TransportChoice({_PROFILES: profile}, discovery, warning)
+    large = {**discovery, _PROFILES: _shipped("large_messages")}
+    return TransportChoice(large, discovery, warning)
 
 
-def _discovery_profile() -> dict[str, str]:
+def node_environment() -> dict[str, str]:
+    """Return what the environment of a node lacks: the range of discovery, and its profile."""
     if any(name in os.environ for name in _PROFILES_OF_USER):
-        return {}
-    return {_PROFILES: str(find_resource("config/fastdds/quick_discovery.xml"))}
+        return default_range()
+    return {**default_range(), _PROFILES: _shipped("quick_discovery")}
+
+
+def _without_shared_memory(discovery: Mapping[str, str]) -> dict[str, str]:
+    if is_confined() and _PROFILES in discovery:
+        return {**discovery, _PROFILES: _shipped("without_shared_memory")}
+    return {"FASTDDS_BUILTIN_TRANSPORTS": "UDPv4", **discovery}
+
+
+def _shipped(name: str) -> str:
+    folder = "config/fastdds/local" if is_confined() else "config/fastdds"
+    return str(find_resource(f"{folder}/{name}.xml"))

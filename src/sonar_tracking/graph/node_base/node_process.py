@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 from collections.abc import Callable
 from typing import Any
@@ -16,6 +17,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.graph.catalogue.transport_profile import node_environment
 from sonar_tracking.stop_signals import STOP_SIGNALS, never_end
 
 PATIENCE = 0.2
@@ -25,11 +27,13 @@ PATIENCE = 0.2
 def run_node(make_node: Callable[[], Node]) -> int:
     """Spin a node until SIGINT, SIGTERM or a shutdown from outside; return the exit code.
 
-    It is 1, after a sentence for each, if the parameters given to the node cannot be used.
+    It is 1, after a sentence for each, if the parameters given to the node cannot be used. Unless
+    the environment says otherwise, the node finds, and is found by, participants of this machine.
 
     The handlers only leave a note: however many signals arrive (a terminal sends one to every
     process, and the orchestration forwards its own), a callback is never torn apart.
     """
+    os.environ.update(node_environment())
     stop_requested = False
 
     def request_stop(_number: int, _frame: Any) -> None:

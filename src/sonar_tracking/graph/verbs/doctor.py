@@ -14,6 +14,9 @@ from rich.console import Console
 from rich.table import Table
 
 import sonar_tracking
+from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.graph.catalogue.discovery_range import RANGE, default_range, range_in_words
+from sonar_tracking.graph.catalogue.discovery_server import check_discovery_server
 from sonar_tracking.graph.catalogue.transport_profile import SEGMENT_BYTES, SHARED_MEMORY
 from sonar_tracking.graph.orchestration.domain_lock import LARGEST_DOMAIN
 from sonar_tracking.graph.verbs.machine_state import (
@@ -204,18 +207,21 @@ def check_domain(machine: MachineState) -> Finding:
 
 
 def check_discovery(machine: MachineState) -> Finding:
-    """Check how far nodes look for each other."""
+    """Check how far nodes look for each other, and that a discovery server is there."""
     subject = "discovery range"
-    if machine.environment.get("ROS_LOCALHOST_ONLY") == "1":
-        return Finding(subject, Verdict.FINE, "LOCALHOST (ROS_LOCALHOST_ONLY=1)")
-    asked = machine.environment.get("ROS_AUTOMATIC_DISCOVERY_RANGE") or "SUBNET"
+    try:
+        check_discovery_server(machine.environment)
+    except ConfigurationError as error:
+        return Finding(subject, Verdict.MISSING, range_in_words(machine.environment), str(error))
+    asked = machine.environment.get(RANGE) or default_range(machine.environment).get(RANGE, "")
     if asked == "OFF":
         remedy = "nodes do not find each other: export ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST"
         return Finding(subject, Verdict.MISSING, asked, remedy)
-    if asked not in RANGES:
+    if asked and asked not in RANGES:
         remedy = f"ROS takes SUBNET instead: give one of {', '.join(RANGES[:-1])}"
         return Finding(subject, Verdict.OPTIONAL, asked, remedy)
-    return Finding(subject, Verdict.FINE, asked)
+    found = range_in_words(machine.environment).removeprefix("discovery: ")
+    return Finding(subject, Verdict.FINE, found)
 
 
 def check_shared_memory(machine: MachineState) -> Finding:

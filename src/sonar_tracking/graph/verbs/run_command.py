@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from collections.abc import Callable
 from importlib.util import find_spec
@@ -12,6 +13,8 @@ from rich.console import Console
 
 from sonar_tracking.display.run_display import LineDisplay, LiveDisplay, RunDisplay
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.graph.catalogue.discovery_range import default_range, range_in_words
+from sonar_tracking.graph.catalogue.discovery_server import check_discovery_server
 from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
 from sonar_tracking.graph.orchestration.domain_lock import domain_lock
 from sonar_tracking.graph.orchestration.run_report import RunReport
@@ -104,7 +107,10 @@ def _reported(display: bool, json: Path | None, work: Work, namespace: str) -> i
     live = display and console.is_terminal
     try:
         screens = LiveDisplay(console) if live else LineDisplay(console)
+        check_discovery_server()
+        os.environ.update(default_range())
         with domain_lock(namespace=namespace), screens as screen:
+            screen.say(range_in_words())
             report = work(screen, log_directory)
     except ConfigurationError:
         shutil.rmtree(log_directory)
