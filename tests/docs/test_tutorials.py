@@ -39,6 +39,7 @@ NOT_RUN = {
 NOT_RUN_PAGES = {
     "README.md": "one screen of the commands that the tutorials run",
     "docs/get_started.md": "the two commands",
+    "docs/tutorials/several_machines.md": "two machines; tests/system/test_network_namespaces.py",
     "CONTRIBUTING.md": "a release by hand; tests/system/test_packaging.py makes one",
 }
 
