@@ -67,7 +67,7 @@ CALLS = (
     Call("interface package sonar_tracking_msgs", r"sonar_tracking_msgs/msg/Tracks"),
     Call("interface show sonar_tracking_msgs/msg/Contacts", r"float64\[\] range\b"),
     Call("interface proto sonar_tracking_msgs/msg/Contacts", r"clutter_density"),
-    Call("node list --no-daemon --spin-time 2", r"/contact_simulator\n(.*\n)*/hpda_tracker"),
+    Call("node list --no-daemon --spin-time 2", r"/contact_simulator\n(.*\n)*/hpda_tracker\n(.*\n)*/scene_"),
     Call(
         f"node info --no-daemon --spin-time 2 {TRACKER}",
         r"Subscribers:(.*\n)*.*/active/contacts: sonar_tracking_msgs/msg/Contacts"
@@ -92,6 +92,10 @@ CALLS = (
     Call(
         "topic echo --once /active/markers visualization_msgs/msg/MarkerArray --flow-style",
         r"markers:",
+    ),
+    Call(
+        "topic echo --once /tf tf2_msgs/msg/TFMessage",
+        r"frame_id: map(.*\n)*.*child_frame_id: own_ship/base_link",
     ),
     Call("topic hz /active/tracks", r"average rate: [345]\.\d", measures=True),
     Call("topic bw /active/contacts", r"KB/s|B/s from", measures=True),
