@@ -83,7 +83,7 @@ def test_recorded_contacts_are_tracked_by_the_graph(tmp_path: Path) -> None:
     score = report_of(json)["score"]["positions"]["/active/tracks"]
     assert score["rmse_m"] < 4.0 and score["identity_swaps"] == 0
     assert score["held_share"] > 0.85 and score["cutoff_m"] == 50.0
-    assert "--clock --topics /active/contacts /own_ship/odometry\n" in done.stdout
+    assert "--clock --topics /active/contacts /own_ship/odometry; " in done.stdout
 
     # The truth is in the new recording too: it can be scored and drawn, and has changed nothing.
     again = read_bag(recorded)
