@@ -67,7 +67,10 @@ CALLS = (
     Call("interface package sonar_tracking_msgs", r"sonar_tracking_msgs/msg/Tracks"),
     Call("interface show sonar_tracking_msgs/msg/Contacts", r"float64\[\] range\b"),
     Call("interface proto sonar_tracking_msgs/msg/Contacts", r"clutter_density"),
-    Call("node list --no-daemon --spin-time 2", r"/contact_simulator\n(.*\n)*/hpda_tracker\n(.*\n)*/scene_"),
+    Call(
+        "node list --no-daemon --spin-time 2",
+        r"/contact_simulator\n(.*\n)*/hpda_tracker\n(.*\n)*/scene_",
+    ),
     Call(
         f"node info --no-daemon --spin-time 2 {TRACKER}",
         r"Subscribers:(.*\n)*.*/active/contacts: sonar_tracking_msgs/msg/Contacts"
