@@ -51,7 +51,7 @@ SIZES: Mapping[str, int] = {
     "n_snapshots": 20_000,
     "n_samples": 4_000_000,
     "n_subspaces": 256,
-    "range": 20_000,
+    "range": 12_000,
     "id": 1_000,
     "track_id": 1_000,
     "line_id": 5_000,
