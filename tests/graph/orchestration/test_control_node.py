@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rosgraph_msgs.msg import Clock
 from sonar_tracking_msgs.msg import Progress
 
 from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
@@ -41,15 +42,18 @@ def graph(
     monkeypatch.setenv("ROS_DOMAIN_ID", str(ros_domain()))
     probe = Probe()
     observer: Any = None
-    edges = MatchedEdges({OWN: {}}, {OWN: {"/flow/done": 1}})
+    edges = MatchedEdges({OWN: {}}, {OWN: {"/flow/done": ("orchestration",)}})
     with ControlNode(FlowLedger({}, {}), edges, observer, (OWN,), (OWN,), names) as control:
+        control.publish_clock(0)
         yield probe, control
     probe.close()
 
 
 def report(node: str, concern: str, level: bytes = DiagnosticStatus.WARN) -> DiagnosticArray:
     """Return what a node says."""
-    status = DiagnosticStatus(name=f"{node}: {concern}", level=level, message=f"{node} is ill.")
+    status = DiagnosticStatus(
+        name=f"{node}: {concern}", level=level, message=f"{node} is ill.", hardware_id=node
+    )
     status.values = [KeyValue(key="/flow/done", value="1")]
     return DiagnosticArray(status=[status])
 
@@ -88,3 +92,59 @@ def test_only_nodes_of_the_run_are_heard(
     assert list(control.notices) == [f"{own}: input"]
     assert list(control.errors) == [f"{own}: {UNEXPECTED}"]
     assert control.served == 0
+
+
+def test_what_does_not_bear_the_identity_of_the_run_is_not_believed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Under the right name, and with values that are no counts: neither counts nor ends the run."""
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(ros_domain()))
+    probe = Probe()
+    observer: Any = None
+    edges = MatchedEdges({OWN: {}}, {OWN: {"/flow/done": ("orchestration",)}})
+    ledger = FlowLedger({"/active/contacts": ("tracker",)}, {"/active/contacts": OWN})
+    reports = probe.node.create_publisher(
+        DiagnosticArray, DIAGNOSTICS_TOPIC, quality_of_service.DIAGNOSTICS
+    )
+    progress = probe.node.create_publisher(
+        Progress, f"/{PROGRESS_TOPIC}", quality_of_service.PROGRESS
+    )
+    with ControlNode(
+        ledger, edges, observer, (OWN, "tracker"), (OWN,), run="0123456789abcdef"
+    ) as control:
+        control.publish_clock(10**9)
+
+        def heard() -> bool:
+            for node, count in ((OWN, 2**40), ("tracker@0", 2**40), (f"{OWN}@1", 2**40)):
+                for topic in ("/clock", "/active/contacts"):
+                    progress.publish(Progress(node=node, topic=topic, count=count))
+            late = Progress(node=f"{OWN}@0123456789abcdef", topic="/clock", count=1)
+            late.header.stamp.sec = 99
+            progress.publish(late)
+            reports.publish(report(OWN, UNEXPECTED))
+            believed = report(OWN, "matched", DiagnosticStatus.OK)
+            believed.status[0].hardware_id = f"{OWN}@0123456789abcdef"
+            believed.status[0].values.append(KeyValue(key="motor", value="left"))
+            reports.publish(believed)
+            control.spin_once(0.05)
+            return edges.missing([OWN]) == [f"{OWN} has not found orchestration on /flow/done"]
+
+        probe.wait(heard, "the report that is believed")
+        for _ in range(50):
+            control.spin_once(0.01)
+        assert control.served is None, "nobody has served an instant that was never told"
+        assert ledger.published_messages("/active/contacts") == 0
+        assert control.errors == {}
+    probe.close()
+
+
+def test_who_else_publishes_the_clock_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(ros_domain()))
+    probe = Probe()
+    observer: Any = None
+    with ControlNode(FlowLedger({}, {}), MatchedEdges({}, {}), observer, ()) as control:
+        assert control.other_clocks() == []
+        probe.node.create_publisher(Clock, "/clock", quality_of_service.CLOCK)
+        full_name = probe.node.get_fully_qualified_name()
+        probe.wait(lambda: full_name in control.other_clocks(), "the other clock")
+    probe.close()

@@ -42,6 +42,8 @@ def test_every_connection_has_to_be_matched() -> None:
         "tracker has 0 of 1 connections on /flow/done",
         "tracker has 0 of 1 connections on /array/subspaces",
         "tracker has 0 of 2 connections on /passive/bearing_tracks",
+        "estimator has not found tracker on /array/subspaces",
+        "recorder has not found tracker on /passive/bearing_tracks",
     }
 
 
@@ -60,6 +62,7 @@ def test_in_a_namespace_everything_is_below_it_but_what_is_transported_largely(
         "tracker has 0 of 1 connections on /shipA/flow/done",
         "tracker has 0 of 1 connections on /shipA/spaces",
         "tracker has 0 of 1 connections on /shipA/passive/bearing_tracks",
+        "estimator has not found tracker on /shipA/spaces",
     }
     process = plan.process(tracker, tmp_path)
     rules = {"__ns:=/shipA", "/clock:=/shipA/clock", "/shipA/array/subspaces:=/shipA/spaces"}

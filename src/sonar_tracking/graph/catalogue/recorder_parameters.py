@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+RECORDER = "recorder"
+"""Name of the node."""
+
 RECORDER_PARAMETERS: dict[str, str] = {
     "output": "directory of the bag; if it exists, the next free <output>_2, _3, ... is taken",
     "topics": "resolved names of the topics to record",

@@ -17,6 +17,7 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from sonar_tracking_msgs.msg import Progress
 
 from sonar_tracking.errors import InputError
+from sonar_tracking.graph.catalogue.run_identity import signed
 from sonar_tracking.graph.catalogue.topics import PROGRESS_TOPIC, Topic
 from sonar_tracking.graph.message_writing.field_writing import message_class, time_from_stamp
 from sonar_tracking.graph.node_base import quality_of_service
@@ -30,7 +31,7 @@ class ProgressReporter:
     """Publishes Progress messages of one node on ``flow/done``."""
 
     def __init__(self, node: Node) -> None:
-        self._node_name = node.get_name()
+        self._node_name = signed(node.get_name())
         self.publisher = node.create_publisher(
             Progress, PROGRESS_TOPIC, quality_of_service.PROGRESS
         )

@@ -15,6 +15,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.impl.rcutils_logger import RcutilsLogger
 
 from sonar_tracking.errors import Severity
+from sonar_tracking.graph.catalogue.run_identity import signed
 from sonar_tracking.graph.message_writing.field_writing import time_from_stamp
 from sonar_tracking.records.time import NANOSECONDS
 
@@ -23,6 +24,10 @@ REPEAT_AFTER = 10 * NANOSECONDS
 
 MATCHED = "matched"
 """Concern: number of matched remote endpoints by topic."""
+
+NEIGHBOURS = "neighbours"
+"""Concern: number of endpoints ever found by topic and node, see
+:class:`sonar_tracking.graph.node_base.neighbours.Neighbours`."""
 
 UNEXPECTED = "unexpected errors"
 """Concern: errors of the program itself, not of its input. A run in which they occur has failed."""
@@ -149,6 +154,6 @@ class Diagnostics:
             level=_LEVELS[worst],
             name=f"{self._node_name}: {concern}",
             message=" ".join(problem.sentence for problem in reversed(active)) or "ok",
-            hardware_id=self._node_name,
+            hardware_id=signed(self._node_name),
             values=[KeyValue(key=key, value=str(value)) for key, value in values.items()],
         )

@@ -8,7 +8,6 @@ from itertools import pairwise
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
-from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from sonar_tracking.errors import Severity
 from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC
@@ -19,6 +18,7 @@ from sonar_tracking.graph.node_base.data_flow import (
     input_concern,
 )
 from sonar_tracking.graph.node_base.diagnostics import MATCHED, Diagnostics
+from sonar_tracking.graph.node_base.neighbours import full_name
 from sonar_tracking.graph.node_base.ready_reports import ReadyReports
 from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS
 
@@ -99,7 +99,7 @@ class NodeWatch:
         """Report an input that more than one node publishes."""
         # The name of an endpoint arrives a little later than the endpoint itself.
         publishers = self._node.get_publishers_info_by_topic(source.name)
-        names = sorted(_full_name(info) for info in publishers if "UNKNOWN" not in info.node_name)
+        names = sorted(full_name(info) for info in publishers if "UNKNOWN" not in info.node_name)
         severity, remedy = Severity.OK, ""
         if len(set(names)) > 1:
             severity, remedy = Severity.ERROR, "stop all but one"
@@ -160,10 +160,6 @@ class NodeWatch:
         """Return the usual step of /clock, ns: the median, since a clock may jump once."""
         steps = sorted(later - now for now, later in pairwise(self._instants))
         return max(0, steps[len(steps) // 2]) if steps else 0
-
-
-def _full_name(info: TopicEndpointInfo) -> str:
-    return f"{info.node_namespace.rstrip('/')}/{info.node_name}"
 
 
 def clock_publishers(node: Node) -> int:

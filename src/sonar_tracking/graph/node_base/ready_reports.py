@@ -1,7 +1,9 @@
-"""What a node says until data flow: whether it has found its neighbours, as soon as it has.
+"""What a node says of its neighbours: whom it has found, as soon as it has.
 
-Whoever starts the graph waits for these reports, so they come with every new connection. Once a
-node is connected it has time until the first data: what takes long at its first use is done then.
+Whoever starts the graph, or a node of it again, waits for these reports, so they come with every
+new connection. Once a node is connected it has time until the first data: what takes long at its
+first use is done then. While data flow nothing is looked up until the number of connections
+changes.
 """
 
 from __future__ import annotations
@@ -12,7 +14,8 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from sonar_tracking.graph.catalogue.topics import DIAGNOSTICS_TOPIC
-from sonar_tracking.graph.node_base.diagnostics import Diagnostics
+from sonar_tracking.graph.node_base.diagnostics import NEIGHBOURS, Diagnostics
+from sonar_tracking.graph.node_base.neighbours import Neighbours
 
 LOOK_PERIOD = 0.05
 """Between looks at the connections, s of steady time."""
@@ -21,11 +24,12 @@ LOOKS_PER_REPORT = 4
 """So many looks later a report is repeated, if nothing has changed."""
 
 PATIENCE_LOOKS = 100
-"""After so many looks a node no longer waits for connections that may never come."""
+"""After so many looks a node no longer waits for connections that may never come, nor for the
+name of a neighbour."""
 
 
 class ReadyReports:
-    """Publishes the state of a node whenever its connections change, until data flow.
+    """Publishes the state of a node whenever its connections change.
 
     Parameters
     ----------
@@ -56,22 +60,29 @@ class ReadyReports:
         self._warm_up = warm_up
         self._warm = False
         self._looks = 0
+        self._quiet = False
         self._told: dict[str, object] = {}
-        self._timer = node.create_timer(
-            LOOK_PERIOD, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME)
-        )
+        self._neighbours = Neighbours(node)
+        diagnostics.add(NEIGHBOURS, self._neighbours.values)
+        node.create_timer(LOOK_PERIOD, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def _look(self) -> None:
-        if self._data_flow():
-            self._timer.cancel()
-            self._diagnostics.publish()
-            return
         connections = {**self._connections(), DIAGNOSTICS_TOPIC: self._listeners()}
-        if connections != self._told or self._looks % LOOKS_PER_REPORT == 0:
-            self._told = connections
+        changed = connections != self._told
+        self._told = connections
+        flows = self._data_flow()
+        if changed:
+            self._looks = 0 if flows else self._looks
+            self._quiet = False
+        if self._quiet:
+            return
+        changed |= self._neighbours.look(name for name in connections if name != DIAGNOSTICS_TOPIC)
+        if changed or self._looks % LOOKS_PER_REPORT == 0:
             self._diagnostics.publish()
         self._looks += 1
-        if not self._warm and (all(connections.values()) or self._looks > PATIENCE_LOOKS):
+        patient = self._looks <= PATIENCE_LOOKS
+        self._quiet = flows and not patient
+        if not self._warm and not flows and (all(connections.values()) or not patient):
             self._warm = True
             self._warm_up()
 

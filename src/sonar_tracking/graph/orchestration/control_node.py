@@ -7,13 +7,15 @@ display and score. What it hears goes into plain objects; decisions are made els
 
 from __future__ import annotations
 
+import math
+import re
 import time
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from types import TracebackType
 from typing import Any
 
 import rclpy
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
@@ -23,6 +25,7 @@ from rosgraph_msgs.msg import Clock
 from sonar_tracking_msgs.msg import Progress
 
 from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
+from sonar_tracking.graph.catalogue.run_identity import signed
 from sonar_tracking.graph.catalogue.topics import (
     CLOCK_TOPIC,
     DIAGNOSTICS_TOPIC,
@@ -31,7 +34,9 @@ from sonar_tracking.graph.catalogue.topics import (
 )
 from sonar_tracking.graph.message_writing.field_writing import message_class, time_from_stamp
 from sonar_tracking.graph.node_base import quality_of_service
-from sonar_tracking.graph.node_base.diagnostics import MATCHED, UNEXPECTED
+from sonar_tracking.graph.node_base.diagnostics import MATCHED, NEIGHBOURS, UNEXPECTED
+from sonar_tracking.graph.node_base.neighbours import Neighbours
+from sonar_tracking.graph.node_base.ready_reports import LOOK_PERIOD
 from sonar_tracking.graph.orchestration.flow_ledger import FlowLedger
 from sonar_tracking.graph.orchestration.graph_plan import CONTROL_NODE, resolved
 from sonar_tracking.graph.orchestration.matched_edges import MatchedEdges
@@ -39,6 +44,7 @@ from sonar_tracking.graph.orchestration.run_observer import RunObserver
 from sonar_tracking.message_reading.field_reading import stamp_from_time
 
 _OBSERVER_DEPTH = 10_000
+_COUNT = re.compile(r"[0-9]{1,9}", re.ASCII)
 
 
 class ControlNode:
@@ -58,6 +64,8 @@ class ControlNode:
         Nodes that serve the clock.
     naming : GraphNames
         Where the graph is.
+    run : str
+        Identity of the run: what does not bear it is not believed; empty = nothing bears one.
 
     Attributes
     ----------
@@ -75,12 +83,19 @@ class ControlNode:
         nodes: Collection[str],
         sources: tuple[str, ...] = (),
         naming: GraphNames = ROOT_NAMES,
+        run: str = "",
     ) -> None:
         self._ledger = ledger
         self._matched = matched
         self._observer = observer
         # Diagnostics call a node by its full name, without the slash before it.
         self._nodes = {naming.of_node(name).removeprefix("/"): name for name in nodes}
+        self._signed = {signed(name, run): name for name in nodes}
+        self._hardware = {full: signed(full, run) for full in self._nodes}
+        control = naming.of_node(CONTROL_NODE).removeprefix("/")
+        self._neighbours_by_name = {**self._nodes, control: CONTROL_NODE}
+        self._told: int | None = None
+        self._looked = -math.inf
         self._observed: dict[str, int] = {}
         self._publishers: dict[str, Publisher] = {}
         self._served: dict[str, int | None] = dict.fromkeys(sources)
@@ -94,6 +109,7 @@ class ControlNode:
             namespace=naming.namespace,
             use_global_arguments=False,
         )
+        self._neighbours = Neighbours(self._node)
         self._clock = self._node.create_publisher(Clock, naming.clock, quality_of_service.CLOCK)
         self._node.create_subscription(
             Progress, naming.of(PROGRESS_TOPIC), self._progress, quality_of_service.PROGRESS
@@ -155,6 +171,7 @@ class ControlNode:
 
     def publish_clock(self, stamp: int) -> None:
         """Tell the graph the time, ns."""
+        self._told = stamp
         self._clock.publish(Clock(clock=time_from_stamp(stamp)))
 
     def publish(self, topic: str, data: bytes) -> None:
@@ -168,18 +185,33 @@ class ControlNode:
     def foreign(self) -> list[str]:
         """Return the topics that somebody else publishes too, the clock included, and who does."""
         topics = {*self._matched.foreign_publishers()}
-        if len(self.publishers_of(self._clock.topic_name)) > 1:
+        if self.other_clocks():
             topics.add(self._clock.topic_name)
         return [f"{topic} by {', '.join(self.publishers_of(topic))}" for topic in sorted(topics)]
+
+    def other_clocks(self) -> list[str]:
+        """Return the full names of the nodes that publish the clock of this graph, too."""
+        others = self.publishers_of(self._clock.topic_name)
+        own = self._node.get_fully_qualified_name()
+        if own in others:
+            others.remove(own)
+        return others
 
     def publishers_of(self, topic: str) -> list[str]:
         """Return the full names of the nodes that publish a topic."""
         publishers = self._node.get_publishers_info_by_topic(topic)
         return sorted(f"{p.node_namespace.rstrip('/')}/{p.node_name}" for p in publishers)
 
-    def matched_subscriptions(self, topic: str) -> int:
-        """Return how many subscriptions a topic offered before is matched with."""
-        return self._publishers[topic].get_subscription_count()
+    def report_own(self) -> None:
+        """Report whom the topics offered before have found, as every node does."""
+        wall = time.monotonic()
+        if wall - self._looked < LOOK_PERIOD:
+            return
+        self._looked = wall
+        self._neighbours.look(self._publishers)
+        counts = {name: each.get_subscription_count() for name, each in self._publishers.items()}
+        self._matched.report(CONTROL_NODE, counts)
+        self._report_found(CONTROL_NODE, self._neighbours.values())
 
     def spin_once(self, patience: float) -> None:
         """Handle one event, waiting for it at most ``patience`` seconds."""
@@ -194,24 +226,49 @@ class ControlNode:
     def _progress(self, message: Any) -> None:
         wall = time.monotonic()
         stamp = stamp_from_time(message.header.stamp)
+        node = self._signed.get(message.node)
+        if node is None:
+            return
         if message.topic == CLOCK_TOPIC:
-            if message.node in self._served:
-                self._served[message.node] = stamp
-                self._ledger.changes += 1
-        elif self._ledger.producer(message.topic) == message.node:
-            self._ledger.published(message.node, message.topic, message.count)
+            self._take_served(node, stamp)
+        elif self._ledger.producer(message.topic) == node:
+            self._ledger.published(node, message.topic, message.count)
             self._observer.announced(message.topic, stamp, wall)
         else:
-            self._ledger.finished(message.node, message.topic, message.count)
+            self._ledger.finished(node, message.topic, message.count)
+
+    def _take_served(self, node: str, stamp: int) -> None:
+        """Take how far a source has served the clock, as far as it was told the time."""
+        if node in self._served and self._told is not None and stamp <= self._told:
+            before = self._served[node]
+            self._served[node] = stamp if before is None else max(before, stamp)
+            self._ledger.changes += 1
 
     def _diagnostics(self, message: Any) -> None:
         for status in message.status:
             full_name, _, concern = status.name.partition(": ")
             node = self._nodes.get(full_name)
-            if node is None:
+            if node is None or status.hardware_id != self._hardware[full_name]:
                 continue
             if concern == MATCHED:
-                self._matched.report(node, {item.key: int(item.value) for item in status.values})
+                self._matched.report(node, _counts(status.values))
+            elif concern == NEIGHBOURS:
+                self._report_found(node, _counts(status.values))
             elif status.level != DiagnosticStatus.OK:
                 told = self.errors if concern == UNEXPECTED else self.notices
                 told[status.name] = f"{node}: {status.message}"
+
+    def _report_found(self, node: str, counts: Mapping[str, object]) -> None:
+        found = {}
+        for key, count in counts.items():
+            topic, _, full_name = key.partition(" ")
+            neighbour = self._neighbours_by_name.get(full_name)
+            if neighbour is not None and isinstance(count, int):
+                found[topic, neighbour] = count
+        self._matched.report_found(node, found)
+
+
+def _counts(values: Iterable[KeyValue]) -> dict[str, int]:
+    """Return the counts a status holds; what is none is left out."""
+    counts = {item.key: item.value for item in values}
+    return {key: int(text) for key, text in counts.items() if _COUNT.fullmatch(text)}

@@ -7,13 +7,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import yaml
 
 from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
+from sonar_tracking.graph.catalogue.recorder_parameters import RECORDER
+from sonar_tracking.graph.catalogue.run_identity import VARIABLE, new_identity
 from sonar_tracking.graph.catalogue.topics import (
     CLOCK_TOPIC,
     LOFAR,
@@ -55,6 +57,8 @@ class GraphPlan:
         Nodes that only show what the others find: the graph does not wait for them.
     naming : GraphNames
         Namespace, clock and names of nodes. Topics of the nodes have their full names already.
+    run : str
+        Identity of the run.
     """
 
     scenario: str
@@ -64,6 +68,7 @@ class GraphPlan:
     transport: TransportChoice = field(default_factory=TransportChoice)
     displays: tuple[PlannedNode, ...] = ()
     naming: GraphNames = ROOT_NAMES
+    run: str = field(default_factory=new_identity)
 
     def names(self) -> tuple[str, ...]:
         """Return the names of the nodes, those nobody waits for included."""
@@ -112,33 +117,41 @@ class GraphPlan:
 
     def process(self, node: PlannedNode, log_directory: Path, restarts: int = 0) -> ProcessPlan:
         """Return how to start a node; see :func:`process_plan`."""
-        return process_plan(node, self.transport, log_directory, restarts, self.naming)
+        plan = process_plan(node, self.transport, log_directory, restarts, self.naming)
+        return replace(plan, environment={**plan.environment, VARIABLE: self.run})
 
     def ledger(self) -> FlowLedger:
         """Return the empty ledger of the graph."""
         return FlowLedger(self.consumers(), self.producers())
 
     def edges(self) -> MatchedEdges:
-        """Return what each node must be matched with before data may flow; displays should be."""
+        """Return whom each node must have found before data may flow; displays should have."""
         consumers, producers = self.consumers(), self.producers()
+        control = (CONTROL_NODE,)
+        subscriptions = {node.name: self._heard(node, producers) for node in self.nodes}
         subscriptions = {
-            node.name: {self.naming.clock: 1}
-            | {resolved(topic): 1 for topic in node.subscriptions if resolved(topic) in producers}
-            for node in self.nodes
+            name: {self.naming.clock: control} | heard for name, heard in subscriptions.items()
         }
-        for node in self.displays:
-            heard = [resolved(topic) for topic in node.subscriptions]
-            subscriptions[node.name] = {name: 1 for name in heard if name in producers}
+        subscriptions |= {node.name: self._heard(node, producers) for node in self.displays}
         publishers = {
-            node.name: {self.naming.of(PROGRESS_TOPIC): 1}
-            | {resolved(topic): len(consumers[resolved(topic)]) for topic in node.publishers}
+            node.name: {self.naming.of(PROGRESS_TOPIC): control}
+            | {resolved(topic): consumers[resolved(topic)] for topic in node.publishers}
             for node in self.nodes
         }
+        publishers[CONTROL_NODE] = {name: consumers[name] for name in self.offered_names()}
         # What is not recorded of a display, nobody has to look at.
+        recorders = tuple(node.name for node in self.nodes if node.name == RECORDER)
         publishers |= {
-            node.name: {resolved(topic): 1 for topic in node.publishers} for node in self.displays
+            node.name: {resolved(topic): recorders for topic in node.publishers}
+            for node in self.displays
         }
         return MatchedEdges(subscriptions, publishers, self.display_names())
+
+    @staticmethod
+    def _heard(node: PlannedNode, producers: Mapping[str, str]) -> dict[str, tuple[str, ...]]:
+        """Return who publishes what a node hears, as far as somebody does."""
+        names = [resolved(topic) for topic in node.subscriptions]
+        return {name: (producers[name],) for name in names if name in producers}
 
 
 def resolved(topic: Topic) -> str:

@@ -19,7 +19,7 @@ from sonar_tracking.errors import SonarTrackingError
 from sonar_tracking.graph.catalogue.topics import TRUE_TRACKS
 from sonar_tracking.graph.orchestration import reported_figures
 from sonar_tracking.graph.orchestration.data_source import DataSource
-from sonar_tracking.graph.orchestration.graph_plan import GraphPlan
+from sonar_tracking.graph.orchestration.graph_plan import CONTROL_NODE, GraphPlan
 from sonar_tracking.graph.orchestration.process_supervisor import (
     ProcessSupervisor,
     SupervisedProcess,
@@ -38,10 +38,11 @@ INTERRUPTED_DRAIN_PATIENCE = 2.0
 STALL_SECONDS = 5.0
 LOST_SECONDS = 60.0
 """What no node has moved a message for so long is taken for lost: the run goes on, and fails."""
-REMATCH_SECONDS = 0.5
 FOREIGN_PATIENCE = 3.0
 DISPLAY_PATIENCE = 10.0
 DISPLAY_SECONDS = 0.5
+CLOCK_WATCH_SECONDS = 1.0
+_NAMELESS = "UNKNOWN"
 _LONGEST_WAIT = 0.05
 _WATCH_SECONDS = 0.1
 
@@ -77,6 +78,8 @@ class Orchestration:
         self._flow_ended: float | None = None
         self._notices: dict[str, str] = {}
         self._errors: set[str] = set()
+        self._clock_watched = 0.0
+        self._clocks: set[str] = set()
         self.supervisor = ProcessSupervisor(log_directory)
         self.ledger = plan.ledger()
         self.edges = plan.edges()
@@ -202,7 +205,7 @@ class Orchestration:
             # one that data must not be published without.
             self._wait(control, source, self._displays_connected, DISPLAY_PATIENCE, "starting")
         deadline = time.monotonic() + START_PATIENCE
-        asked = self._nodes.keys() if self._flow_started is None else restarted
+        asked = {*self._nodes, CONTROL_NODE} if self._flow_started is None else restarted
         while not self.interrupted:
             while self._ended:
                 process = self._ended.popleft()
@@ -225,10 +228,6 @@ class Orchestration:
             )
         if self._flow_started is None:
             self._refuse_foreign(control, source)
-        elif not self.interrupted:
-            # The others match the new process a moment after it has matched them; their own counts
-            # still hold the old one, which nobody has said goodbye for.
-            self._wait(control, source, lambda: False, REMATCH_SECONDS, "starting")
         for name in restarted:
             self.ledger.rejoin(name)
 
@@ -268,13 +267,9 @@ class Orchestration:
         )
 
     def _connected(self, control: ControlNode, nodes: Collection[str]) -> bool:
-        """Tell whether some nodes and what the orchestration offers are matched."""
-        consumers = self._plan.consumers()
-        return not self.edges.missing(nodes) and all(
-            control.matched_subscriptions(topic)
-            >= len(consumers[topic]) + self.edges.visitors(topic)
-            for topic in self._plan.offered_names()
-        )
+        """Tell whether some nodes have found all others they need, and those have found them."""
+        control.report_own()
+        return not self.edges.missing(nodes)
 
     def _wait(
         self,
@@ -304,6 +299,7 @@ class Orchestration:
             ours = process.plan.name in self._nodes
             (self._ended.append if ours else self._go_on_without)(process)
         self._take_notices(control)
+        self._watch_clock(control, wall)
         if self.ledger.changes != self._progress[0]:
             self._progress = (self.ledger.changes, wall)
             self._stall_told = wall
@@ -325,6 +321,20 @@ class Orchestration:
                 self._plan.scenario, source.data_seconds, self.wall_seconds, backlog, activity
             )
             self._display.show(state, wall)
+
+    def _watch_clock(self, control: ControlNode, wall: float) -> None:
+        """Tell once of each who publishes the clock of a run that goes on."""
+        if self._flow_started is None or wall - self._clock_watched < CLOCK_WATCH_SECONDS:
+            return
+        self._clock_watched = wall
+        for name in sorted({*control.other_clocks()} - self._clocks):
+            if _NAMELESS in name:
+                continue
+            self._clocks.add(name)
+            self._fail(
+                f"{name} publishes the clock of this run, too: data may have come too early and "
+                "be lost; end it, or choose another ROS_DOMAIN_ID or --namespace."
+            )
 
     def _go_on_without(self, process: SupervisedProcess) -> None:
         """Tell that a node has ended which only showed what the others find."""

@@ -12,6 +12,7 @@ from sonar_tracking.bags.storage.recording_information import RecordingInformati
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.graph_names import GraphNames
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
+from sonar_tracking.graph.catalogue.recorder_parameters import RECORDER
 from sonar_tracking.graph.catalogue.topics import (
     DIAGNOSTICS_TOPIC,
     FIXED_TRANSFORMS,
@@ -21,7 +22,6 @@ from sonar_tracking.graph.catalogue.topics import (
 from sonar_tracking.graph.orchestration.graph_plan import resolved
 from sonar_tracking.graph.orchestration.topic_record import TopicRecord
 
-RECORDER = "recorder"
 _MODULE = "sonar_tracking.graph.nodes.recorder"
 
 

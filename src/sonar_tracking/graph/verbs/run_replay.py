@@ -132,7 +132,9 @@ def _play(
     comparison = ReplayComparison(bag, replayed, inputs | truth)
     try:
         names = plan.names()
-        with ControlNode(orchestration.ledger, orchestration.edges, observer, names) as control:
+        with ControlNode(
+            orchestration.ledger, orchestration.edges, observer, names, run=plan.run
+        ) as control:
             for topic in plan.offered:
                 control.offer(topic, 2 * FLOW_WINDOW + 2)
             control.observe(plan.observed().values())

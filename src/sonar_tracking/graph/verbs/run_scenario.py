@@ -103,7 +103,13 @@ def run_scenario(
     observer = RunObserver(plan.topics(), display, options.cutoff_m, naming=names)
     try:
         with ControlNode(
-            orchestration.ledger, orchestration.edges, observer, plan.names(), plan.sources, names
+            orchestration.ledger,
+            orchestration.edges,
+            observer,
+            plan.names(),
+            plan.sources,
+            names,
+            plan.run,
         ) as control:
             control.observe(plan.observed().values())
             master = _time_master(scenario, options.rate)
