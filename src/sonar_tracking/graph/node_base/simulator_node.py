@@ -19,6 +19,7 @@ from rosgraph_msgs.msg import Clock
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.node_configuration import SimulatorConfiguration
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
+from sonar_tracking.graph.catalogue.resumption import resumes_after
 from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC
 from sonar_tracking.graph.node_base import quality_of_service
 from sonar_tracking.graph.node_base.data_flow import DataOutput
@@ -138,13 +139,15 @@ class SimulatorNode(SonarNode):
     def _skip_past(self, now: int) -> None:
         """Leave out what was published before this process was started (again).
 
-        What may have been lost with the previous process is repeated: consumers ignore
-        duplicates.
+        What may have been lost with the previous process is repeated: what all consumers have
+        finished is not, and of what is not known consumers ignore duplicates.
         """
         repeated = self.node_configuration.flow_depth // 2
+        received = resumes_after()
         while self._next is not None:
             length = self._next.due_stamp - self._next.start_stamp
-            if self._next.due_stamp > now - repeated * length:
+            known = received is not None and self._next.start_stamp <= received
+            if not known and self._next.due_stamp > now - repeated * length:
                 return
             self._next = next(self._data, None)
 

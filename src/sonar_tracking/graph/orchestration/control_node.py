@@ -24,6 +24,7 @@ from rclpy.signals import SignalHandlerOptions
 from rosgraph_msgs.msg import Clock
 from sonar_tracking_msgs.msg import Progress
 
+from sonar_tracking.bags.storage.log_time import head_stamp
 from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
 from sonar_tracking.graph.catalogue.run_identity import signed
 from sonar_tracking.graph.catalogue.topics import (
@@ -37,6 +38,7 @@ from sonar_tracking.graph.node_base import quality_of_service
 from sonar_tracking.graph.node_base.diagnostics import MATCHED, NEIGHBOURS, UNEXPECTED
 from sonar_tracking.graph.node_base.neighbours import Neighbours
 from sonar_tracking.graph.node_base.ready_reports import LOOK_PERIOD
+from sonar_tracking.graph.orchestration.finished_stamps import FinishedStamps
 from sonar_tracking.graph.orchestration.flow_ledger import FlowLedger
 from sonar_tracking.graph.orchestration.graph_plan import CONTROL_NODE, resolved
 from sonar_tracking.graph.orchestration.matched_edges import MatchedEdges
@@ -73,6 +75,8 @@ class ControlNode:
         The latest sentence of every status that is, or was, not in order.
     errors : dict of str to str
         The same of errors of the nodes themselves.
+    finished : FinishedStamps
+        How far each consumer has got.
     """
 
     def __init__(
@@ -101,6 +105,7 @@ class ControlNode:
         self._served: dict[str, int | None] = dict.fromkeys(sources)
         self.notices: dict[str, str] = {}
         self.errors: dict[str, str] = {}
+        self.finished = FinishedStamps()
         self._context = Context()
         rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
         self._node = Node(
@@ -222,6 +227,7 @@ class ControlNode:
         self._observed[topic] += 1
         self._observer.observed(topic, data, wall)
         self._ledger.finished(CONTROL_NODE, topic, self._observed[topic])
+        self.finished.finished(CONTROL_NODE, topic, head_stamp(data))
 
     def _progress(self, message: Any) -> None:
         wall = time.monotonic()
@@ -236,6 +242,7 @@ class ControlNode:
             self._observer.announced(message.topic, stamp, wall)
         else:
             self._ledger.finished(node, message.topic, message.count)
+            self.finished.finished(node, message.topic, stamp)
 
     def _take_served(self, node: str, stamp: int) -> None:
         """Take how far a source has served the clock, as far as it was told the time."""

@@ -58,6 +58,11 @@ class FlowLedger:
         """Return the node that publishes a topic, None if the topic is not counted."""
         return self._producers.get(topic)
 
+    @property
+    def absent(self) -> frozenset[str]:
+        """Nodes that have died and are not counted."""
+        return frozenset(self._absent)
+
     def published(self, node: str, topic: str, count: int) -> None:
         """Note that a producer has published, or is about to publish, message number ``count``."""
         if topic not in self._published or node in self._absent:

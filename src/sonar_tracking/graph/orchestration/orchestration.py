@@ -9,6 +9,7 @@ import signal
 import time
 from collections import deque
 from collections.abc import Callable, Collection
+from dataclasses import replace
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
@@ -16,10 +17,11 @@ from typing import TYPE_CHECKING
 from sonar_tracking.display.run_display import RunDisplay
 from sonar_tracking.display.track_table import GraphState
 from sonar_tracking.errors import SonarTrackingError
-from sonar_tracking.graph.catalogue.topics import TRUE_TRACKS
+from sonar_tracking.graph.catalogue.resumption import VARIABLE
+from sonar_tracking.graph.catalogue.topics import TRUE_TRACKS, TopicRole
 from sonar_tracking.graph.orchestration import reported_figures
 from sonar_tracking.graph.orchestration.data_source import DataSource
-from sonar_tracking.graph.orchestration.graph_plan import CONTROL_NODE, GraphPlan
+from sonar_tracking.graph.orchestration.graph_plan import CONTROL_NODE, GraphPlan, resolved
 from sonar_tracking.graph.orchestration.process_supervisor import (
     ProcessSupervisor,
     SupervisedProcess,
@@ -209,7 +211,7 @@ class Orchestration:
         while not self.interrupted:
             while self._ended:
                 process = self._ended.popleft()
-                self._restart(process)
+                self._restart(process, control)
                 restarted.add(process.plan.name)
             if self._connected(control, asked):
                 break
@@ -231,7 +233,7 @@ class Orchestration:
         for name in restarted:
             self.ledger.rejoin(name)
 
-    def _restart(self, process: SupervisedProcess) -> None:
+    def _restart(self, process: SupervisedProcess, control: ControlNode) -> None:
         name = process.plan.name
         words = f"{name} {process.end_in_words}"
         tail = self.supervisor.log_tail(name)
@@ -247,7 +249,24 @@ class Orchestration:
             )
         number = process.restarts + 1
         self._fail(f"{words}; it was started again ({number} of {RESTART_LIMIT}).")
-        self.supervisor.start(self._plan.process(self._nodes[name], self._log_directory, number))
+        plan = self._plan.process(self._nodes[name], self._log_directory, number)
+        received = self._received_from(name, control)
+        if received is not None:
+            plan = replace(plan, environment={**plan.environment, VARIABLE: str(received)})
+        self.supervisor.start(plan)
+
+    def _received_from(self, name: str, control: ControlNode) -> int | None:
+        """Return the stamp up to which all that live have received what a source publishes, ns."""
+        if name not in self._plan.sources:
+            return None
+        published = self._nodes[name].publishers
+        topics = [resolved(topic) for topic in published if topic.role is TopicRole.INPUT]
+        absent = self.ledger.absent
+        consumers = {
+            topic: [node for node in nodes if node not in absent]
+            for topic, nodes in self._plan.consumers().items()
+        }
+        return control.finished.everywhere(topics, consumers)
 
     def _refuse_foreign(self, control: ControlNode, source: DataSource) -> None:
         """Refuse to start where somebody else publishes our topics."""
