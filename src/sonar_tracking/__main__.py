@@ -2,18 +2,23 @@
 
 import sys
 
-from sonar_tracking.stop_signals import end_at_once, never_end
+from sonar_tracking.stop_signals import end_command_at_once, never_end, stop_code
 
 
 def main() -> int:
     """Run the command; return the exit code."""
-    end_at_once()
+    end_command_at_once()
     from sonar_tracking.cli import main as run_command_line
 
     try:
-        return run_command_line()
+        code = run_command_line()
+    except BaseException:
+        # An interruption ends as one, whatever it has become on its way up.
+        if not stop_code():
+            raise
     finally:
         never_end()
+    return stop_code() or code
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ import sonar_tracking
 from sonar_tracking.errors import ConfigurationError, SonarTrackingError
 from sonar_tracking.evaluation.metrics.cutoff import CUTOFF_M
 from sonar_tracking.one_thread import ONE_THREAD
-from sonar_tracking.stop_signals import end_as_usual
+from sonar_tracking.stop_signals import interruptible
 
 try:
     import typer
@@ -295,7 +295,7 @@ def doctor() -> None:
 def _needs(module: str) -> ModuleType:
     """Import the module that does the work of a verb; from then on it can be interrupted."""
     loaded = _load(module)
-    end_as_usual()
+    interruptible()
     return loaded
 
 

@@ -47,6 +47,37 @@ class Notice:
     text: str
 
 
+LONGEST_TEXT = 64
+"""Characters of a text of a message that are shown."""
+
+LONGEST_SENTENCE = 1000
+"""The same of a whole sentence of somebody else."""
+
+
+def shown(text: str, longest: int = LONGEST_TEXT) -> str:
+    r"""Return a text of a message as it may stand in a sentence: escaped, and shortened.
+
+    A terminal obeys some characters, and others change the order of what it shows: a name could
+    forge lines of its own.
+
+    Parameters
+    ----------
+    text : str
+        E.g. a frame, or the name of a sensor.
+    longest : int
+        Characters of it, of which the rest is left out.
+
+    Examples
+    --------
+    >>> shown("bow\x1b[2J")
+    'bow\\x1b[2J'
+    """
+    kept = text if len(text) <= longest else text[:longest] + "..."
+    return "".join(
+        each if each.isprintable() else each.encode("unicode_escape").decode() for each in kept
+    )
+
+
 def unknown_name_text(full_name: str, name: str, known: Iterable[str]) -> str:
     """Return the sentence for a name that is not known, with the nearest known one.
 

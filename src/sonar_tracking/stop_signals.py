@@ -1,35 +1,57 @@
-"""SIGINT (Ctrl-C) and SIGTERM while a program starts.
+"""SIGINT (Ctrl-C) and SIGTERM: what ends by them says nothing, and what its exit code says.
 
-Until it has done anything a program ends at once, without a word and with exit code 0, wherever
-the signal finds it: most of a start is the import of other packages, and an exception raised there
-may be caught, or come out as another. Later each program ends in its own order.
+Until it has done anything a program ends at once, without a word, wherever the signal finds it:
+most of a start is the import of other packages, and an exception raised there may be caught, or
+come out as another. Later each program ends in its own order. A node that is told to stop has done
+its work: its exit code is 0. A command that is stopped has not: its exit code is 128 and the number
+of the signal (130, 143), as that of any command of a shell.
 """
 
 from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Iterator
-from contextlib import contextmanager
+import sys
 from types import FrameType
 
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
+_received: list[int] = []
+"""The stop signals this process has noted."""
+
 
 def end_at_once() -> None:
-    """Let a stop signal end this process with exit code 0: it has begun nothing yet."""
+    """Let a stop signal end this node with exit code 0: it has begun nothing yet."""
     for number in STOP_SIGNALS:
         signal.signal(number, _end)
 
 
-def end_as_usual() -> None:
-    """Undo :func:`end_at_once`: SIGINT raises KeyboardInterrupt, SIGTERM ends the process."""
-    for number, usual in (
-        (signal.SIGINT, signal.default_int_handler),
-        (signal.SIGTERM, signal.SIG_DFL),
-    ):
-        if signal.getsignal(number) is _end:
-            signal.signal(number, usual)
+def end_command_at_once() -> None:
+    """Let a stop signal end this command with its exit code: it has begun nothing yet."""
+    for number in STOP_SIGNALS:
+        signal.signal(number, _end_command)
+
+
+def interruptible() -> None:
+    """Let stop signals raise KeyboardInterrupt from here on; :func:`stop_code` tells of it."""
+    for number in STOP_SIGNALS:
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, _interrupt)
+
+
+def note_stop(number: int) -> None:
+    """Keep in mind that a stop signal has come; the first decides on the exit code."""
+    _received.append(number)
+
+
+def stop_code() -> int:
+    """Return the exit code of a command that was stopped; 0 = it was not."""
+    return 128 + _received[0] if _received else 0
+
+
+def leave_ctrl_c_to_parent() -> None:
+    """Ignore SIGINT in a worker: a terminal sends it to all, and the parent decides."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def never_end() -> None:
@@ -41,20 +63,18 @@ def never_end() -> None:
         signal.signal(number, signal.SIG_IGN)
 
 
-@contextmanager
-def interruptible() -> Iterator[None]:
-    """Let stop signals raise KeyboardInterrupt for the length of a block."""
-    before = {number: signal.signal(number, _interrupt) for number in STOP_SIGNALS}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-
 def _end(_number: int, _frame: FrameType | None) -> None:
     os._exit(0)
 
 
-def _interrupt(_number: int, _frame: FrameType | None) -> None:
+def _end_command(number: int, _frame: FrameType | None) -> None:
+    os._exit(128 + number)
+
+
+def _interrupt(number: int, _frame: FrameType | None) -> None:
+    if not _received:
+        # Where an exception cannot go on (a callback of C, the end of an object), Python tells of
+        # it with a traceback: nobody wants that of an interruption.
+        sys.unraisablehook = lambda _ignored: None
+    note_stop(number)
     raise KeyboardInterrupt

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -173,7 +174,7 @@ def test_a_loop_begins_again_until_it_is_interrupted(
     try:
         running.wait_for_text("everything was reset")
         running.interrupt()
-        assert running.wait() == 0, running.output
+        assert running.wait() == 128 + signal.SIGINT, running.output
     finally:
         running.clean_up()
     assert "ended by the user" in running.output

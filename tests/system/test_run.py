@@ -123,10 +123,11 @@ def test_ctrl_c_ends_a_healthy_run_in_order(
     assert len(nodes) == 5
     command.wait_for(lambda: recorded_count(bag, "/array/snapshots") > 5)
     command.interrupt(number)
-    assert command.wait() == 0, command.output
+    assert command.wait() == 128 + number, command.output
     assert not any((Path("/proc") / str(process)).exists() for process in nodes)
     report = report_of(json)
     assert report["interrupted"]
+    assert report["exit_code"] == 128 + number
     assert report["failures"] == []
     recorded = read_bag(bag)
     assert recorded.recovery is None
@@ -139,12 +140,15 @@ def test_ctrl_c_ends_a_healthy_run_in_order(
     assert all(phrase.startswith("identical:") for phrase in compared.values())
 
 
-def test_an_early_ctrl_c_is_no_failure(tmp_path: Path, running: list[RunningCommand]) -> None:
+def test_an_early_ctrl_c_is_an_interruption_and_no_failure(
+    tmp_path: Path, running: list[RunningCommand]
+) -> None:
     command = RunningCommand(tmp_path, "run")
     running.append(command)
     command.wait_for(lambda: len(command.node_processes()) == 4)
     command.interrupt()
-    assert command.wait() == 0, command.output
+    assert command.wait() == 128 + signal.SIGINT, command.output
+    assert "failed" not in command.output
 
 
 def test_a_killed_tracker_is_restarted_and_reported(

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from sonar_tracking.errors import InputError
+from sonar_tracking.errors import InputError, shown
 from sonar_tracking.message_reading.field_limits import check_duration
 from sonar_tracking.message_reading.field_reading import (
     check_largest,
@@ -79,8 +79,9 @@ def lofar_rows_from_message(message: Any) -> LofarRows:
     expected = 4 * width + size
     if message.encoding != LOFAR_ENCODING or message.is_bigendian or (height and step != expected):
         raise InputError(
-            f"The image has encoding {message.encoding} and {step} bytes a row of {width} columns; "
-            f"LOFAR rows are {LOFAR_ENCODING}, little endian, {expected} bytes a row."
+            f"The image has encoding {shown(message.encoding)} and {step} bytes a row of "
+            f"{width} columns; LOFAR rows are {LOFAR_ENCODING}, little endian, {expected} bytes "
+            "a row."
         )
     data = column(message, "data", "uint8")
     if data.size != height * step:

@@ -18,6 +18,7 @@ import numpy as np
 
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.one_thread import ONE_THREAD
+from sonar_tracking.stop_signals import leave_ctrl_c_to_parent
 
 RUNS_PER_BATCH = 20
 """Runs that are computed together; fixed, since the last digits of a run may depend on it."""
@@ -137,7 +138,8 @@ def _compute_locally(tasks: Sequence[Task], count: int, done: Callable[[], None]
         done()
 
     delayed = [dask.delayed(task.function, pure=False)(task.argument) for task in tasks]
-    with _one_thread_in_children(), Callback(posttask=after_task):
+    workers = dask.config.set({"multiprocessing.initializer": leave_ctrl_c_to_parent})
+    with workers, _one_thread_in_children(), Callback(posttask=after_task):
         return list(dask.compute(*delayed, scheduler="processes", num_workers=count, chunksize=1))
 
 

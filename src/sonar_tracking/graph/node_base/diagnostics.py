@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.impl.rcutils_logger import RcutilsLogger
 
-from sonar_tracking.errors import Severity
+from sonar_tracking.errors import LONGEST_SENTENCE, Severity, shown
 from sonar_tracking.graph.catalogue.run_identity import signed
 from sonar_tracking.graph.message_writing.field_writing import time_from_stamp
 from sonar_tracking.records.time import NANOSECONDS
@@ -105,6 +105,7 @@ class Diagnostics:
         lasting : bool
             True = it stays until withdrawn; otherwise it fades after REPEAT_AFTER.
         """
+        sentence = shown(sentence, LONGEST_SENTENCE)
         problems = self._problems.setdefault(concern, {})
         known = problems.get(culprit)
         if severity is Severity.OK:

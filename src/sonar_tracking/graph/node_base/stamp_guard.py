@@ -12,6 +12,7 @@ from collections import deque
 from dataclasses import dataclass, replace
 from enum import Enum
 
+from sonar_tracking.errors import shown
 from sonar_tracking.graph.node_base.stamp_check import StampCheck, Verdict, seconds_text
 from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS, UNKNOWN_STAMP
 
@@ -210,8 +211,8 @@ class StampGuard:
                 next_stamp,
                 sensor_id,
                 _Doubt.OTHER_SENSOR,
-                f"{at} comes from sensor {sensor_id!r}, but the data so far come from "
-                f"{self._sensor_id!r}; give each sensor its own namespace",
+                f"{at} comes from sensor '{shown(sensor_id)}', but the data so far come from "
+                f"'{shown(self._sensor_id or '')}'; give each sensor its own namespace",
             )
         return self._judge_order(stamp, next_stamp, sensor_id, at)
 

@@ -25,6 +25,7 @@ from rosgraph_msgs.msg import Clock
 from sonar_tracking_msgs.msg import Progress
 
 from sonar_tracking.bags.storage.log_time import head_stamp
+from sonar_tracking.errors import LONGEST_SENTENCE, shown
 from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
 from sonar_tracking.graph.catalogue.run_identity import signed
 from sonar_tracking.graph.catalogue.topics import (
@@ -205,7 +206,7 @@ class ControlNode:
     def publishers_of(self, topic: str) -> list[str]:
         """Return the full names of the nodes that publish a topic."""
         publishers = self._node.get_publishers_info_by_topic(topic)
-        return sorted(f"{p.node_namespace.rstrip('/')}/{p.node_name}" for p in publishers)
+        return sorted(shown(f"{p.node_namespace.rstrip('/')}/{p.node_name}") for p in publishers)
 
     def report_own(self) -> None:
         """Report whom the topics offered before have found, as every node does."""
@@ -263,7 +264,7 @@ class ControlNode:
                 self._report_found(node, _counts(status.values))
             elif status.level != DiagnosticStatus.OK:
                 told = self.errors if concern == UNEXPECTED else self.notices
-                told[status.name] = f"{node}: {status.message}"
+                told[status.name] = f"{node}: {shown(status.message, LONGEST_SENTENCE)}"
 
     def _report_found(self, node: str, counts: Mapping[str, object]) -> None:
         found = {}

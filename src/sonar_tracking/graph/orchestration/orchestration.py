@@ -27,7 +27,7 @@ from sonar_tracking.graph.orchestration.process_supervisor import (
     SupervisedProcess,
 )
 from sonar_tracking.graph.orchestration.run_report import RunReport
-from sonar_tracking.stop_signals import STOP_SIGNALS
+from sonar_tracking.stop_signals import STOP_SIGNALS, note_stop, stop_code
 
 if TYPE_CHECKING:
     from sonar_tracking.graph.orchestration.control_node import ControlNode
@@ -157,12 +157,14 @@ class Orchestration:
             failures=[*self.failures, *silent] if not self.interrupted else self.failures,
             warnings=[*self.warnings, *self._notices.values()],
             interrupted=self.interrupted,
+            stop_code=stop_code() if self.interrupted else 0,
             namespace=self._plan.naming.namespace,
             true_positions=self._plan.naming.of(TRUE_TRACKS),
         )
 
     def _stop_requested(self, number: int, frame: FrameType | None) -> None:
         self._stops += 1
+        note_stop(number)
 
     def _flow(self, control: ControlNode, source: DataSource) -> None:
         source.resume(time.monotonic())

@@ -76,6 +76,8 @@ class RunReport:
         Sentences; any failure makes the exit code 1.
     interrupted : bool
         Whether it was ended by the user.
+    stop_code : int
+        Exit code of a run that was: 128 and the number of the signal.
     namespace : str
         Of the graph; empty = the root.
     true_positions : str
@@ -93,13 +95,14 @@ class RunReport:
     failures: list[str] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     interrupted: bool = False
+    stop_code: int = 0
     namespace: str = ""
     true_positions: str = "/truth/tracks"
 
     @property
     def exit_code(self) -> int:
-        """0 if nothing failed."""
-        return 1 if self.failures else 0
+        """Of the run: 0 if nothing failed and nobody ended it."""
+        return self.stop_code or (1 if self.failures else 0)
 
     def write_json(self, path: Path) -> None:
         """Write the report as JSON; numbers that do not exist become null.
@@ -110,6 +113,7 @@ class RunReport:
             If the file cannot be written.
         """
         values = {**asdict(self), "exit_code": self.exit_code}
+        del values["stop_code"]
         try:
             path.write_text(json.dumps(_finite(values), indent=2, sort_keys=True) + "\n")
         except OSError as error:

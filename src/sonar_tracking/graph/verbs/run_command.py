@@ -17,10 +17,11 @@ from sonar_tracking.graph.catalogue.discovery_range import default_range, range_
 from sonar_tracking.graph.catalogue.discovery_server import check_discovery_server
 from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
 from sonar_tracking.graph.orchestration.domain_lock import domain_lock
+from sonar_tracking.graph.orchestration.orphaned_segments import remove_orphaned_segments
 from sonar_tracking.graph.orchestration.run_report import RunReport
 from sonar_tracking.graph.verbs.machine_state import MESSAGE_PACKAGE, TRANSFORM_PACKAGE
 from sonar_tracking.graph.verbs.run_options import RunOptions, make_log_directory, rate_from_text
-from sonar_tracking.stop_signals import interruptible
+from sonar_tracking.stop_signals import interruptible, stop_code
 
 if TYPE_CHECKING:
     from sonar_tracking.graph.verbs.replay_selection import Selection
@@ -96,12 +97,12 @@ def _shown(display: bool, json: Path | None, work: Work, namespace: str = "") ->
         # Told before any process is started, which could only fail for the same reason.
         if find_spec(package) is None:
             raise ModuleNotFoundError(package, name=package)
-    with interruptible():
-        return _reported(display, json, work, namespace)
+    interruptible()
+    return _reported(display, json, work, namespace)
 
 
 def _reported(display: bool, json: Path | None, work: Work, namespace: str) -> int:
-    """Do the work, print its report, return the exit code; interrupted before it began, 0."""
+    """Do the work, print its report, return the exit code."""
     console = Console()
     log_directory = make_log_directory()
     live = display and console.is_terminal
@@ -111,6 +112,7 @@ def _reported(display: bool, json: Path | None, work: Work, namespace: str) -> i
         os.environ.update(default_range())
         with domain_lock(namespace=namespace), screens as screen:
             screen.say(range_in_words())
+            remove_orphaned_segments()
             report = work(screen, log_directory)
     except ConfigurationError:
         shutil.rmtree(log_directory)
@@ -118,7 +120,7 @@ def _reported(display: bool, json: Path | None, work: Work, namespace: str) -> i
     except KeyboardInterrupt:
         # From the first process on, the orchestration counts signals instead.
         shutil.rmtree(log_directory)
-        return 0
+        return stop_code()
     for line in report.lines():
         console.print(line, highlight=False, markup=False, soft_wrap=True)
     console.print(f"logs in {log_directory}", highlight=False, markup=False, soft_wrap=True)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.errors import InputError
+from sonar_tracking.errors import InputError, shown
 from sonar_tracking.passive.subspaces.sensor_history import SensorHistory
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import Sensor
@@ -194,6 +194,6 @@ def check_unchanged(block: ArraySamples, first: ArraySamples) -> None:
         )
     if first.sensor.sensor_id != block.sensor.sensor_id:
         raise InputError(
-            f"The block comes from sensor {block.sensor.sensor_id!r} but the run is of sensor "
-            f"{first.sensor.sensor_id!r}; stop the second publisher."
+            f"The block comes from sensor '{shown(block.sensor.sensor_id)}' but the run is of "
+            f"sensor '{shown(first.sensor.sensor_id)}'; stop the second publisher."
         )

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sonar_tracking.errors import InputError
+from sonar_tracking.errors import InputError, shown
 from sonar_tracking.geometry import aperture, has_grating_lobes, largest_spacing, wavenumber
 from sonar_tracking.passive.subspaces.array_checks import check_array
 from sonar_tracking.records.bearings import ArraySnapshots
@@ -118,8 +118,8 @@ def check_next_block(block: ArraySnapshots, first: ArraySnapshots) -> None:
             )
     if block.sensor.sensor_id != first.sensor.sensor_id:
         raise InputError(
-            f"The block comes from sensor {block.sensor.sensor_id!r} but the run is of sensor "
-            f"{first.sensor.sensor_id!r}; stop the second publisher."
+            f"The block comes from sensor '{shown(block.sensor.sensor_id)}' but the run is of "
+            f"sensor '{shown(first.sensor.sensor_id)}'; stop the second publisher."
         )
     if block.data.shape[:-2] != first.data.shape[:-2]:
         raise InputError(

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sonar_tracking.errors import InputError
+from sonar_tracking.errors import InputError, shown
 from sonar_tracking.tma.estimators.estimator import Estimator
 from sonar_tracking.tma.estimators.sensor_frame import TmaEstimate, TmaMeasurement
 from sonar_tracking.tma.targets.measurement_log import MeasurementLog
@@ -58,8 +58,8 @@ class BaselineSolver:
         check_observation(observation)
         if observation.stamp <= self._last_stamp:
             raise InputError(
-                f"observation of {observation.sensor_id} is not later than the last one; methods "
-                "for comparison follow one station, in order."
+                f"observation of {shown(observation.sensor_id)} is not later than the last one; "
+                "methods for comparison follow one station, in order."
             )
         if not observation.azimuths:
             return ()

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sonar_tracking.errors import Notice, Severity
+from sonar_tracking.errors import Notice, Severity, shown
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
 from sonar_tracking.records.lines import FrequencyLines
 from sonar_tracking.tma.targets.line_attribution import VAGUEST
@@ -176,7 +176,7 @@ def left_out(sensor_id: str, what: str) -> Notice:
     return Notice(
         Severity.WARN,
         f"data of {sensor_id}",
-        f"{sensor_id}: {what}; it was left out, check the sender.",
+        f"{shown(sensor_id)}: {what}; it was left out, check the sender.",
     )
 
 

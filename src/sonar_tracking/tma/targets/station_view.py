@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.errors import InputError, Notice
+from sonar_tracking.errors import InputError, Notice, shown
 from sonar_tracking.motion import KinematicState, lever_arm, swing_velocity, wrap_angle
 from sonar_tracking.records.bearings import AngleKind, Sensor
 from sonar_tracking.records.own_ship import OWN_SHIP_FRAMES
@@ -158,8 +158,8 @@ def station_view(
     if own_ship is None:
         if not known:
             raise InputError(
-                f"{sensor.sensor_id} does not tell its pose and velocity, and own ship's are not "
-                "known at this stamp; send own_ship/odometry, or the pose with the data."
+                f"{shown(sensor.sensor_id)} does not tell its pose and velocity, and own ship's "
+                "are not known at this stamp; send own_ship/odometry, or the pose with the data."
             )
         turn_rate = 0.0
     else:
@@ -175,8 +175,8 @@ def station_view(
             axis = heading + configuration.mounting_yaw
     if max(map(abs, position)) > FARTHEST or math.hypot(*velocity) >= configuration.sound_speed:
         raise InputError(
-            f"{sensor.sensor_id} is said to be at {position[0]:g}, {position[1]:g} m and to move "
-            f"with {math.hypot(*velocity):g} m/s; check its pose, and own ship's odometry."
+            f"{shown(sensor.sensor_id)} is said to be at {position[0]:g}, {position[1]:g} m and to "
+            f"move with {math.hypot(*velocity):g} m/s; check its pose, and own ship's odometry."
         )
     return StationView(
         sensor_id=sensor.sensor_id,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.errors import InputError
+from sonar_tracking.errors import InputError, shown
 from sonar_tracking.records.arrays import FloatArray
 
 MAXIMUM_LINES = 16
@@ -122,7 +122,7 @@ def check_observation(observation: TargetObservation) -> None:
     InputError
         In a sentence that names the sensor and what is wrong.
     """
-    name = f"observation of {observation.sensor_id}"
+    name = f"observation of {shown(observation.sensor_id)}"
     if not np.all(np.isfinite([*observation.position, *observation.velocity])):
         raise InputError(f"{name} does not know where the sensor is; send its odometry.")
     if not np.all(np.isfinite(observation.azimuths)) or len(observation.azimuths) > 2:

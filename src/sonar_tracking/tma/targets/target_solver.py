@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from sonar_tracking.errors import InputError
+from sonar_tracking.errors import InputError, shown
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.tma.estimators.bank_splitting import split_bank, without_unlikely
@@ -149,11 +149,11 @@ class TargetSolver:
         state, sensor = self._bank.state, observation.sensor_id
         if state is not None and observation.stamp < state.stamp:
             raise InputError(
-                f"observation of {sensor} is older than the last one; keep them in order."
+                f"observation of {shown(sensor)} is older than the last one; keep them in order."
             )
         if self._progress.last_stamp_of.get(sensor) == observation.stamp:
             raise InputError(
-                f"observation of {sensor} repeats its stamp; a sensor observes once a stamp."
+                f"observation of {shown(sensor)} repeats its stamp; a sensor observes once a stamp."
             )
 
     def _begin(self, observation: TargetObservation) -> None:
