@@ -9,7 +9,6 @@ import signal
 import time
 from collections import deque
 from collections.abc import Callable, Collection
-from dataclasses import replace
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
@@ -17,15 +16,16 @@ from typing import TYPE_CHECKING
 from sonar_tracking.display.run_display import RunDisplay
 from sonar_tracking.display.track_table import GraphState
 from sonar_tracking.errors import SonarTrackingError
-from sonar_tracking.graph.catalogue.resumption import VARIABLE
-from sonar_tracking.graph.catalogue.topics import TRUE_TRACKS, TopicRole
+from sonar_tracking.graph.catalogue.topics import TRUE_TRACKS
 from sonar_tracking.graph.orchestration import reported_figures
+from sonar_tracking.graph.orchestration.clock_watch import ClockWatch
 from sonar_tracking.graph.orchestration.data_source import DataSource
-from sonar_tracking.graph.orchestration.graph_plan import CONTROL_NODE, GraphPlan, resolved
+from sonar_tracking.graph.orchestration.graph_plan import CONTROL_NODE, GraphPlan
 from sonar_tracking.graph.orchestration.process_supervisor import (
     ProcessSupervisor,
     SupervisedProcess,
 )
+from sonar_tracking.graph.orchestration.restart_plan import restarted_process
 from sonar_tracking.graph.orchestration.run_report import RunReport
 from sonar_tracking.stop_signals import STOP_SIGNALS, note_stop, stop_code
 
@@ -43,8 +43,6 @@ LOST_SECONDS = 60.0
 FOREIGN_PATIENCE = 3.0
 DISPLAY_PATIENCE = 10.0
 DISPLAY_SECONDS = 0.5
-CLOCK_WATCH_SECONDS = 1.0
-_NAMELESS = "UNKNOWN"
 _LONGEST_WAIT = 0.05
 _WATCH_SECONDS = 0.1
 
@@ -80,8 +78,7 @@ class Orchestration:
         self._flow_ended: float | None = None
         self._notices: dict[str, str] = {}
         self._errors: set[str] = set()
-        self._clock_watched = 0.0
-        self._clocks: set[str] = set()
+        self._clock_watch = ClockWatch()
         self.supervisor = ProcessSupervisor(log_directory)
         self.ledger = plan.ledger()
         self.edges = plan.edges()
@@ -251,24 +248,10 @@ class Orchestration:
             )
         number = process.restarts + 1
         self._fail(f"{words}; it was started again ({number} of {RESTART_LIMIT}).")
-        plan = self._plan.process(self._nodes[name], self._log_directory, number)
-        received = self._received_from(name, control)
-        if received is not None:
-            plan = replace(plan, environment={**plan.environment, VARIABLE: str(received)})
-        self.supervisor.start(plan)
-
-    def _received_from(self, name: str, control: ControlNode) -> int | None:
-        """Return the stamp up to which all that live have received what a source publishes, ns."""
-        if name not in self._plan.sources:
-            return None
-        published = self._nodes[name].publishers
-        topics = [resolved(topic) for topic in published if topic.role is TopicRole.INPUT]
-        absent = self.ledger.absent
-        consumers = {
-            topic: [node for node in nodes if node not in absent]
-            for topic, nodes in self._plan.consumers().items()
-        }
-        return control.finished.everywhere(topics, consumers)
+        known = (self.ledger.absent, control.finished)
+        self.supervisor.start(
+            restarted_process(self._plan, name, self._log_directory, number, *known)
+        )
 
     def _refuse_foreign(self, control: ControlNode, source: DataSource) -> None:
         """Refuse to start where somebody else publishes our topics."""
@@ -320,7 +303,9 @@ class Orchestration:
             ours = process.plan.name in self._nodes
             (self._ended.append if ours else self._go_on_without)(process)
         self._take_notices(control)
-        self._watch_clock(control, wall)
+        if self._flow_started is not None:
+            for sentence in self._clock_watch.news(wall, control.other_clocks):
+                self._fail(sentence)
         if self.ledger.changes != self._progress[0]:
             self._progress = (self.ledger.changes, wall)
             self._stall_told = wall
@@ -342,20 +327,6 @@ class Orchestration:
                 self._plan.scenario, source.data_seconds, self.wall_seconds, backlog, activity
             )
             self._display.show(state, wall)
-
-    def _watch_clock(self, control: ControlNode, wall: float) -> None:
-        """Tell once of each who publishes the clock of a run that goes on."""
-        if self._flow_started is None or wall - self._clock_watched < CLOCK_WATCH_SECONDS:
-            return
-        self._clock_watched = wall
-        for name in sorted({*control.other_clocks()} - self._clocks):
-            if _NAMELESS in name:
-                continue
-            self._clocks.add(name)
-            self._fail(
-                f"{name} publishes the clock of this run, too: data may have come too early and "
-                "be lost; end it, or choose another ROS_DOMAIN_ID or --namespace."
-            )
 
     def _go_on_without(self, process: SupervisedProcess) -> None:
         """Tell that a node has ended which only showed what the others find."""

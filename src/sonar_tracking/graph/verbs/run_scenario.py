@@ -102,19 +102,13 @@ def run_scenario(
 
     observer = RunObserver(plan.topics(), display, options.cutoff_m, naming=names)
     try:
-        with ControlNode(
-            orchestration.ledger,
-            orchestration.edges,
-            observer,
-            plan.names(),
-            plan.sources,
-            names,
-            plan.run,
-        ) as control:
+        ledger, edges = orchestration.ledger, orchestration.edges
+        known = (plan.names(), plan.sources, names, plan.run)
+        with ControlNode(ledger, edges, observer, *known) as control:
             control.observe(plan.observed().values())
             master = _time_master(scenario, options.rate)
             start = scenario.stamp(scenario.start)
-            source = SimulatedSource(control, orchestration.ledger, master, start)
+            source = SimulatedSource(control, ledger, master, start)
             orchestration.run(control, source)
     finally:
         orchestration.stop_processes()
