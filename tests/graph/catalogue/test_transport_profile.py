@@ -1,5 +1,6 @@
 """Large messages get a large shared memory segment where the machine has room for it."""
 
+import re
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
@@ -32,13 +33,10 @@ def reach(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> st
     return asked
 
 
-def numbers(path: str) -> dict[str, int]:
-    """Return the whole numbers of a profile by element; of equal names the last."""
-    return {
-        element.tag.rpartition("}")[2]: int(element.text or 0)
-        for element in ElementTree.parse(path).iter()
-        if (element.text or "").strip().isdigit()
-    }
+def numbers(text: str) -> dict[str, int]:
+    """Return the whole numbers of a part of a profile by element; of equal names the first."""
+    found = re.findall(r"<(\w+)>(\d+)</\1>", text)
+    return {name: int(number) for name, number in reversed(found)}
 
 
 def test_small_messages_need_no_transport_of_their_own() -> None:
@@ -58,7 +56,7 @@ def test_every_process_tells_of_itself_often() -> None:
     """A graph is connected as soon as its last node is there, not up to three seconds later."""
     choice = choose_transport(16 * 2**20, 0)
     for profiles in (choice.large_publishers, choice.others):
-        found = numbers(profiles[PROFILES])
+        found = numbers(Path(profiles[PROFILES]).read_text())
         assert found["count"] == 100
         assert found["nanosec"] <= 500_000_000
 
@@ -66,10 +64,11 @@ def test_every_process_tells_of_itself_often() -> None:
 @pytest.mark.usefixtures("reach")
 def test_the_shipped_profile_holds_what_the_code_promises() -> None:
     choice = choose_transport(16 * 2**20, 0)
-    sizes = numbers(choice.large_publishers[PROFILES])
+    text = Path(choice.large_publishers[PROFILES]).read_text()
+    sizes = numbers(text[text.index("<type>SHM") :].partition("</transport_descriptor>")[0])
     assert sizes["segment_size"] == SEGMENT_BYTES
     assert sizes["maxMessageSize"] == LARGEST_MESSAGE_BYTES
-    assert "segment_size" not in numbers(choice.others[PROFILES])
+    assert "segment_size" not in Path(choice.others[PROFILES]).read_text()
 
 
 def test_a_graph_on_one_machine_listens_on_the_loopback_interface_only(tmp_path: Path) -> None:
@@ -96,8 +95,39 @@ def test_without_shared_memory_other_machines_are_reached_all_the_same(
     monkeypatch.setenv(RANGE, "SUBNET")
     choice = choose_transport(16 * 2**20, 1, shared_memory=tmp_path / "none")
     for variables in (choice.large_publishers, choice.others):
-        assert variables["FASTDDS_BUILTIN_TRANSPORTS"] == "UDPv4"
+        assert "SHM" not in Path(variables[PROFILES]).read_text()
     assert "UDP" in choice.warning and "--shm-size" in choice.warning
+
+
+def test_a_profile_of_the_user_goes_without_shared_memory_by_the_variable(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(PROFILES, "mine.xml")
+    choice = choose_transport(16 * 2**20, 1, shared_memory=tmp_path / "none")
+    assert choice.others["FASTDDS_BUILTIN_TRANSPORTS"] == "UDPv4"
+
+
+def test_between_machines_what_is_lost_is_sent_again_while_it_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A history of 10 messages at 10 a second lasts 1 s; a datagram fits into an Ethernet frame."""
+    monkeypatch.setenv(RANGE, "SUBNET")
+    wanting = choose_transport(16 * 2**20, 1, shared_memory=tmp_path / "none")
+    for choice in (choose_transport(2400, 2), choose_transport(16 * 2**20, 0), wanting):
+        for variables in (choice.large_publishers, choice.others):
+            profile = ElementTree.parse(variables[PROFILES])
+            name = "{http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles}"
+            (period,) = profile.iter(f"{name}heartbeatPeriod")
+            assert {each.tag: each.text for each in period} == {
+                f"{name}sec": "0",
+                f"{name}nanosec": "50000000",
+            }
+            sizes = [
+                int(transport.findtext(f"{name}maxMessageSize") or 0)
+                for transport in profile.iter(f"{name}transport_descriptor")
+                if transport.findtext(f"{name}type") == "UDPv4"
+            ]
+            assert sizes == [1400]
 
 
 def test_a_message_beyond_the_profile_is_announced() -> None:

@@ -9,7 +9,8 @@ By default a participant that has been there for half a second tells of itself e
 one that comes later may wait as long before it is known. The shipped profiles make that half a
 second, and a tenth of a second in the first ten. A profile of the user's own goes before the one
 for discovery. Of each profile there is one in ``config/fastdds/local`` for a graph that stays on
-its machine (:mod:`sonar_tracking.graph.catalogue.discovery_range`).
+its machine (:mod:`sonar_tracking.graph.catalogue.discovery_range`). Those for several machines also
+make good what a network loses: see ``quick_discovery.xml``.
 """
 
 from __future__ import annotations
@@ -97,7 +98,7 @@ def node_environment() -> dict[str, str]:
 
 
 def _without_shared_memory(discovery: Mapping[str, str]) -> dict[str, str]:
-    if is_confined() and _PROFILES in discovery:
+    if _PROFILES in discovery:
         return {**discovery, _PROFILES: _shipped("without_shared_memory")}
     return {"FASTDDS_BUILTIN_TRANSPORTS": "UDPv4", **discovery}
 
