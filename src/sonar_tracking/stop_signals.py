@@ -21,7 +21,7 @@ _received: list[int] = []
 
 
 def end_at_once() -> None:
-    """Let a stop signal end this node with exit code 0: it has begun nothing yet."""
+    """Let a stop signal end this process with exit code 0: a node that starts, or a worker."""
     for number in STOP_SIGNALS:
         signal.signal(number, _end)
 
@@ -47,11 +47,6 @@ def note_stop(number: int) -> None:
 def stop_code() -> int:
     """Return the exit code of a command that was stopped; 0 = it was not."""
     return 128 + _received[0] if _received else 0
-
-
-def leave_ctrl_c_to_parent() -> None:
-    """Ignore SIGINT in a worker: a terminal sends it to all, and the parent decides."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def never_end() -> None:

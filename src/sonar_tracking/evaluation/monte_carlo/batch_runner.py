@@ -18,7 +18,7 @@ import numpy as np
 
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.one_thread import ONE_THREAD
-from sonar_tracking.stop_signals import leave_ctrl_c_to_parent
+from sonar_tracking.stop_signals import end_at_once
 
 RUNS_PER_BATCH = 20
 """Runs that are computed together; fixed, since the last digits of a run may depend on it."""
@@ -138,7 +138,7 @@ def _compute_locally(tasks: Sequence[Task], count: int, done: Callable[[], None]
         done()
 
     delayed = [dask.delayed(task.function, pure=False)(task.argument) for task in tasks]
-    workers = dask.config.set({"multiprocessing.initializer": leave_ctrl_c_to_parent})
+    workers = dask.config.set({"multiprocessing.initializer": end_at_once})
     with workers, _one_thread_in_children(), Callback(posttask=after_task):
         return list(dask.compute(*delayed, scheduler="processes", num_workers=count, chunksize=1))
 
