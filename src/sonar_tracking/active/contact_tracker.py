@@ -45,6 +45,9 @@ class ContactTracker(Protocol):
     def warm_up(self) -> None:
         """Load what the first ping needs, so that it need not wait for it."""
 
+    def continue_from(self, first_id: int) -> None:
+        """Let new tracks have identifiers from one on, if those so far are below it."""
+
     @property
     def next_id(self) -> int:
         """Identifier the next track will get."""

@@ -136,6 +136,10 @@ class MultiTargetTracker:
         self._shown = np.zeros(0, dtype=np.int64)
         self._last: PingOrigin | None = None
 
+    def continue_from(self, first_id: int) -> None:
+        """Let new tracks have identifiers from one on, if those so far are below it."""
+        self._next_id = max(self._next_id, first_id)
+
     @property
     def next_id(self) -> int:
         """Identifier the next track will get."""
@@ -297,9 +301,8 @@ class MultiTargetTracker:
     ) -> TrackBank:
         """Start a candidate at each contact that no track explains."""
         threshold = gating.thresholds.search_threshold
-        below = ping.amplitudes < threshold
         free = association.claimed <= LARGEST_CLAIM_OF_A_NEW_CONTACT
-        rows = np.flatnonzero(free & ~below)
+        rows = np.flatnonzero(free & ~(ping.amplitudes < threshold))
         candidates = start_candidates(
             ping.placed.select(rows),
             self._initial_existence(ping, rows, threshold),
@@ -315,8 +318,7 @@ class MultiTargetTracker:
         initial = self.configuration.initial_existence
         if not self._rule.weighs_amplitudes:
             return np.full(len(rows), initial)
-        amplitudes = ping.amplitudes[rows]
-        ratio = ping.model.amplitude_ratio(amplitudes, np.full(len(rows), threshold))
+        ratio = ping.model.amplitude_ratio(ping.amplitudes[rows], np.full(len(rows), threshold))
         odds = initial / (1.0 - initial) * ratio
         return np.minimum(odds / (1.0 + odds), 0.5 * self.configuration.confirmation_probability)
 

@@ -43,6 +43,10 @@ class GatedPing:
     signal_to_noise_ratio_linear: float
 
 
+def _nothing_to_load() -> None:
+    """Do nothing; a function with a name, so that trackers can be kept in checkpoints."""
+
+
 @dataclass(frozen=True)
 class AssociationRule:
     """How contacts are given to tracks.
@@ -65,7 +69,7 @@ class AssociationRule:
     has_motion_modes: bool = False
     weighs_amplitudes: bool = False
     has_particles: bool = False
-    warm_up: Callable[[], None] = lambda: None
+    warm_up: Callable[[], None] = _nothing_to_load
 
 
 def _integrated(bank: TrackBank, ping: GatedPing) -> BankAssociation:

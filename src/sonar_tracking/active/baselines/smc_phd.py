@@ -85,6 +85,10 @@ class DensityTracker:
         self._next_id = configuration.first_id
         self._last: PingOrigin | None = None
 
+    def continue_from(self, first_id: int) -> None:
+        """Let new tracks have identifiers from one on, if those so far are below it."""
+        self._next_id = max(self._next_id, first_id)
+
     @property
     def next_id(self) -> int:
         """Identifier the next track will get."""

@@ -1,4 +1,4 @@
-"""What the orchestration tells a source that it starts again: after which stamp to go on."""
+"""What the orchestration tells its nodes so that, started again, they go on where they were."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ import os
 
 VARIABLE = "SONAR_TRACKING_RESUME_AFTER"
 """Environment variable that holds the stamp, ns."""
+
+CHECKPOINT = "SONAR_TRACKING_CHECKPOINT"
+"""Environment variable that holds the path of a tracker's checkpoint; without, it writes none."""
 
 
 def resumes_after() -> int | None:

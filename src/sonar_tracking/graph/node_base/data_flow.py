@@ -262,3 +262,16 @@ def _announcing(received: Received, next_stamp: int) -> Received:
 def input_concern(source: DataInput) -> str:
     """Return the name of the status of an input."""
     return f"input {source.name}"
+
+
+def any_needs(needs: Callable[[Any], bool]) -> Callable[[dict[str, Received]], bool]:
+    """Return the same question about messages as they wait; an unusable one needs nothing."""
+
+    def any_needs(items: dict[str, Received]) -> bool:
+        try:
+            return any(not one.rejection and needs(one.record) for one in items.values())
+        except Exception:
+            # What cannot even be asked need not wait: it is rejected when its turn comes.
+            return False
+
+    return any_needs

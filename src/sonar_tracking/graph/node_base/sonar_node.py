@@ -20,11 +20,13 @@ from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.topics import DIAGNOSTICS_TOPIC, Topic
 from sonar_tracking.graph.node_base import parameters, quality_of_service
 from sonar_tracking.graph.node_base.changeable_parameters import ChangeableParameters
+from sonar_tracking.graph.node_base.checkpoint import Checkpoint
 from sonar_tracking.graph.node_base.data_flow import (
     DataInput,
     DataOutput,
     ProgressReporter,
     Received,
+    any_needs,
     input_concern,
 )
 from sonar_tracking.graph.node_base.diagnostics import UNEXPECTED, Diagnostics, kind_of
@@ -68,6 +70,7 @@ class SonarNode(Node):
         self.node_configuration = self.configuration(NodeConfiguration)
         self._join = EventTimeJoin()
         self._series_topics: set[str] = set()
+        self._checkpoint = Checkpoint(self.state, self.take_state, self.report)
         self.watch = NodeWatch(
             self,
             self.data_inputs,
@@ -146,7 +149,7 @@ class SonarNode(Node):
             [topic.name for topic in streams],
             [[topic.name for topic in group] for group in groups],
             {topic.name: interpolate for topic, (_, interpolate) in series.items()},
-            needs_series=None if needs_series is None else _any_needs(needs_series),
+            needs_series=None if needs_series is None else any_needs(needs_series),
         )
         conversions = dict(streams) | {topic: convert for topic, (convert, _) in series.items()}
         for group in groups:
@@ -177,6 +180,13 @@ class SonarNode(Node):
 
     def reset(self) -> None:
         """Begin again: the stage and everything learnt from the data are discarded."""
+
+    def state(self) -> Any:
+        """Return what a process in the place of this one is to go on with; None = nothing."""
+        return None
+
+    def take_state(self, state: Any) -> None:
+        """Go on with the state of the process before; new identifiers are those of this one."""
 
     def report(self, concern: str, culprit: str, severity: Severity, sentence: str) -> None:
         """Report a problem on /diagnostics and in the log."""
@@ -302,8 +312,10 @@ class SonarNode(Node):
                 for topic, received in item.items.items()
                 if not received.rejection
             }
+            self._checkpoint.take_up(item.stamp)
             for notice in self.process(item, records) or ():
                 self.report(notice.culprit, notice.culprit, notice.severity, notice.text)
+            self._checkpoint.keep(item.stamp)
         except Exception as error:
             self._reject(arrived, error)
 
@@ -330,16 +342,3 @@ class SonarNode(Node):
                 self.substitute(received)
             except Exception as second:
                 self.report(concern, "substitute", Severity.ERROR, f"{sentence} ({second})")
-
-
-def _any_needs(needs: Callable[[Any], bool]) -> Callable[[dict[str, Received]], bool]:
-    """Return the same question about messages as they wait; an unusable one needs nothing."""
-
-    def any_needs(items: dict[str, Received]) -> bool:
-        try:
-            return any(not one.rejection and needs(one.record) for one in items.values())
-        except Exception:
-            # What cannot even be asked need not wait: it is rejected when its turn comes.
-            return False
-
-    return any_needs

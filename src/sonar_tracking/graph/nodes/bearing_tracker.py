@@ -74,6 +74,16 @@ class BearingTracker(SonarNode):
         self._stage.reset()
         self._last_estimates = None
 
+    def state(self) -> tuple[BearingTrackerStage, SubspaceEstimates | None]:
+        """Return the stage and what it was fed last."""
+        return self._stage, self._last_estimates
+
+    def take_state(self, state: tuple[BearingTrackerStage, SubspaceEstimates | None]) -> None:
+        """Go on with the tracks of the process before."""
+        first_id = self._stage.configuration.first_id
+        self._stage, self._last_estimates = state
+        self._stage.continue_from(first_id)
+
     def _advance(self, estimates: SubspaceEstimates) -> Iterable[Notice]:
         update = self._stage.update(estimates)
         self._publish(update.tracks)

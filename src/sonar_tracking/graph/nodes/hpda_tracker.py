@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from sonar_tracking.active.contact_tracker import make_contact_tracker
+from sonar_tracking.active.contact_tracker import ContactTracker, make_contact_tracker
 from sonar_tracking.active.contacts.contact_defaults import (
     ContactDefaultsConfiguration,
     with_defaults,
@@ -91,6 +91,16 @@ class HpdaTracker(SonarNode):
         """Forget all tracks; identifiers go on."""
         first_id = self._tracker.next_id
         self._tracker = make_contact_tracker(replace(self._configuration, first_id=first_id))
+
+    def state(self) -> ContactTracker:
+        """Return the tracker."""
+        return self._tracker
+
+    def take_state(self, state: ContactTracker) -> None:
+        """Go on with the tracks of the process before."""
+        self._tracker = state
+        self._tracker.configuration = self._configuration
+        self._tracker.continue_from(self._configuration.first_id)
 
     def _reconfigure(self, configuration: ContactTrackerConfiguration) -> None:
         self._configuration = self._tracker.configuration = configuration

@@ -123,6 +123,16 @@ class TmaTracker(SonarNode):
         """Forget all tracks; identifiers go on."""
         self._stage.reset()
 
+    def state(self) -> TmaTrackerStage:
+        """Return the stage."""
+        return self._stage
+
+    def take_state(self, state: TmaTrackerStage) -> None:
+        """Go on with the tracks of the process before."""
+        self._stage = state
+        self._stage.configuration = self._configuration
+        self._stage.continue_from(self._configuration.first_id)
+
     def _reconfigure(self, configuration: TmaTrackerConfiguration) -> None:
         self._configuration = self._stage.configuration = configuration
 

@@ -15,6 +15,7 @@ import yaml
 from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
 from sonar_tracking.graph.catalogue.recorder_parameters import RECORDER
+from sonar_tracking.graph.catalogue.resumption import CHECKPOINT
 from sonar_tracking.graph.catalogue.run_identity import VARIABLE, new_identity
 from sonar_tracking.graph.catalogue.topics import (
     CLOCK_TOPIC,
@@ -118,7 +119,10 @@ class GraphPlan:
     def process(self, node: PlannedNode, log_directory: Path, restarts: int = 0) -> ProcessPlan:
         """Return how to start a node; see :func:`process_plan`."""
         plan = process_plan(node, self.transport, log_directory, restarts, self.naming)
-        return replace(plan, environment={**plan.environment, VARIABLE: self.run})
+        known = {VARIABLE: self.run}
+        if node.gives_identifiers:
+            known[CHECKPOINT] = str(log_directory / f"{node.name}.checkpoint")
+        return replace(plan, environment={**plan.environment, **known})
 
     def ledger(self) -> FlowLedger:
         """Return the empty ledger of the graph."""

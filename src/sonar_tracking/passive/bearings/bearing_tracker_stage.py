@@ -121,6 +121,13 @@ class BearingTrackerStage:
         """Forget all tracks; identifiers go on."""
         self._state = None
 
+    def continue_from(self, first_id: int) -> None:
+        """Let new tracks have identifiers from one on, if those so far are below it."""
+        self._next_id = max(self._next_id, first_id)
+        if self._state is not None:
+            start = replace(self._state.start, next_id=self._next_id)
+            self._state = replace(self._state, start=start)
+
     def update(self, estimates: SubspaceEstimates) -> TrackerUpdate:
         """Take the subspaces of one sample time.
 

@@ -86,6 +86,10 @@ class TmaTrackerStage:
         self._next_id = self.configuration.first_id
         self.reset()
 
+    def continue_from(self, first_id: int) -> None:
+        """Let new tracks have identifiers from one on, if those so far are below it."""
+        self._next_id = max(self._next_id, first_id)
+
     def warm_up(self) -> None:
         """Load what joins bearings of several stations before the first data need it."""
         if self._n_stations > 1:
