@@ -9,10 +9,16 @@ others follow that go on with it, or the data go on without it.
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass, replace
-from enum import Enum
+from dataclasses import replace
 
 from sonar_tracking.errors import shown
+from sonar_tracking.graph.node_base.stamp_candidate import (
+    NEEDED,
+    NEEDED_OTHERWISE,
+    OUTLASTS,
+    Candidate,
+    Doubt,
+)
 from sonar_tracking.graph.node_base.stamp_check import StampCheck, Verdict, seconds_text
 from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS, UNKNOWN_STAMP
 
@@ -32,36 +38,6 @@ PLAUSIBLE_INTERVAL = 20
 
 ESTABLISHED = 3
 """Messages in order, which a few others do not outvote at once."""
-
-
-class _Doubt(Enum):
-    """Why a message does not go on with the data so far."""
-
-    GAP = "gap"
-    OVERLAP = "overlap"
-    EARLIER = "earlier"
-    OTHER_SENSOR = "other sensor"
-    BEGINNING = "beginning"
-    AFTER_END = "after the end"
-
-
-_NEEDED = {_Doubt.GAP: 2, _Doubt.OVERLAP: 2, _Doubt.AFTER_END: 2}
-_NEEDED_OTHERWISE = 3
-"""Messages that agree and are believed, the first included."""
-
-_OUTLASTS = {_Doubt.EARLIER, _Doubt.OTHER_SENSOR}
-"""What is believed only if established data are silent for longer than they ever were."""
-
-
-@dataclass(frozen=True)
-class _Candidate:
-    """A message that does not go on with the data so far."""
-
-    stamp: int
-    next_stamp: int
-    sensor_id: str
-    doubt: _Doubt
-    sentence: str
 
 
 class StampGuard:
@@ -87,7 +63,7 @@ class StampGuard:
         self.expected = UNKNOWN_STAMP
         self._sensor_id: str | None = None
         self._recent: deque[int] = deque(maxlen=_REMEMBERED)
-        self._held: list[_Candidate] = []
+        self._held: list[Candidate] = []
         self._begun_again: int | None = None
         self._ignored = 0
 
@@ -130,10 +106,10 @@ class StampGuard:
                 return StampCheck(Verdict.DUPLICATE, sentence)
             self.reset()
         judged = self._judge(stamp, next_stamp, sensor_id)
-        if not usable and (isinstance(judged, _Candidate) or not self._is_due(stamp)):
+        if not usable and (isinstance(judged, Candidate) or not self._is_due(stamp)):
             sentence = f"{self._named(stamp)} was rejected: it is not usable, nor is it due."
             return StampCheck(Verdict.REJECT, sentence)
-        if isinstance(judged, _Candidate):
+        if isinstance(judged, Candidate):
             judged = self._weigh(judged)
         elif judged.verdict in (Verdict.ACCEPT, Verdict.GAP):
             # What is missing may have been set aside, if too late a next stamp was announced.
@@ -173,7 +149,7 @@ class StampGuard:
         self.expected = next_stamp if believed else UNKNOWN_STAMP
         return replace(judged, next_stamp=self.expected)
 
-    def _judge(self, stamp: int, next_stamp: int, sensor_id: str) -> StampCheck | _Candidate:
+    def _judge(self, stamp: int, next_stamp: int, sensor_id: str) -> StampCheck | Candidate:
         at = self._named(stamp)
         if stamp <= UNKNOWN_STAMP:
             return StampCheck(
@@ -197,20 +173,20 @@ class StampGuard:
             return self._judge_after_end(stamp, next_stamp, sensor_id)
         back = self.last_stamp - stamp
         if back > self._largest_step_back():
-            return _Candidate(
+            return Candidate(
                 stamp,
                 next_stamp,
                 sensor_id,
-                _Doubt.BEGINNING,
+                Doubt.BEGINNING,
                 f"{self._topic}: stamps went back by {back / NANOSECONDS:.3f} s to "
                 f"{seconds_text(stamp)} (a looped recording or a restarted source?)",
             )
         if sensor_id != self._sensor_id:
-            return _Candidate(
+            return Candidate(
                 stamp,
                 next_stamp,
                 sensor_id,
-                _Doubt.OTHER_SENSOR,
+                Doubt.OTHER_SENSOR,
                 f"{at} comes from sensor '{shown(sensor_id)}', but the data so far come from "
                 f"'{shown(self._sensor_id or '')}'; give each sensor its own namespace",
             )
@@ -218,7 +194,7 @@ class StampGuard:
 
     def _judge_after_end(
         self, stamp: int, next_stamp: int, sensor_id: str
-    ) -> StampCheck | _Candidate:
+    ) -> StampCheck | Candidate:
         ahead = stamp - self.last_stamp
         if sensor_id == self._sensor_id and 0 < ahead <= PLAUSIBLE_GAP * self._usual_interval():
             return StampCheck(
@@ -226,11 +202,11 @@ class StampGuard:
                 f"{self._topic}: the end of the data was announced, but they go on at "
                 f"{seconds_text(stamp)}; the sender must announce it with its last message only.",
             )
-        return _Candidate(
+        return Candidate(
             stamp,
             next_stamp,
             sensor_id,
-            _Doubt.AFTER_END,
+            Doubt.AFTER_END,
             f"{self._topic}: data begin again at {seconds_text(stamp)} after the end of the data",
         )
 
@@ -248,34 +224,34 @@ class StampGuard:
 
     def _judge_order(
         self, stamp: int, next_stamp: int, sensor_id: str, at: str
-    ) -> StampCheck | _Candidate:
+    ) -> StampCheck | Candidate:
         if stamp < self.last_stamp:
             if stamp in self._recent:
                 return self._duplicate(at)
             back = (self.last_stamp - stamp) / NANOSECONDS
-            return _Candidate(
+            return Candidate(
                 stamp,
                 next_stamp,
                 sensor_id,
-                _Doubt.EARLIER,
+                Doubt.EARLIER,
                 f"{at} is {back:.3f} s earlier than the one before; the sender must publish in "
                 "order (a step back by more than "
                 f"{self._largest_step_back() / NANOSECONDS:g} s, parameter reset_after or a few "
                 "messages, is taken as a new beginning)",
             )
         if self.expected != UNKNOWN_STAMP and stamp < self.expected - TOLERANCE:
-            return _Candidate(
+            return Candidate(
                 stamp,
                 next_stamp,
                 sensor_id,
-                _Doubt.OVERLAP,
+                Doubt.OVERLAP,
                 f"{at} is earlier than {seconds_text(self.expected)}, which the message before it "
                 "announced as the next stamp; the sender must not publish overlapping data (is "
                 "there a second publisher?)",
             )
         return self._judge_gap(stamp, next_stamp, sensor_id)
 
-    def _judge_gap(self, stamp: int, next_stamp: int, sensor_id: str) -> StampCheck | _Candidate:
+    def _judge_gap(self, stamp: int, next_stamp: int, sensor_id: str) -> StampCheck | Candidate:
         """Judge a message that comes when it is due, or later."""
         usual = self._usual_interval()
         since, announced = self.last_stamp, self.expected != UNKNOWN_STAMP
@@ -294,10 +270,10 @@ class StampGuard:
             # Nothing follows that could tell.
             largest = max(PLAUSIBLE_INTERVAL * usual, self._reset_after)
         if usual and stamp - self.last_stamp > largest:
-            return _Candidate(stamp, next_stamp, sensor_id, _Doubt.GAP, sentence.removesuffix("."))
+            return Candidate(stamp, next_stamp, sensor_id, Doubt.GAP, sentence.removesuffix("."))
         return StampCheck(Verdict.GAP, sentence) if announced else StampCheck(Verdict.ACCEPT)
 
-    def _weigh(self, candidate: _Candidate) -> StampCheck:
+    def _weigh(self, candidate: Candidate) -> StampCheck:
         """Judge a message that does not go on with the data by those that came before it."""
         if any(
             (each.stamp, each.sensor_id) == (candidate.stamp, candidate.sensor_id)
@@ -311,32 +287,32 @@ class StampGuard:
         if not self._outvotes(first.doubt):
             sentence = f"{candidate.sentence}; it was set aside until the next ones tell."
             return StampCheck(Verdict.HOLD, sentence, dropped=dropped)
-        if first.doubt in (_Doubt.GAP, _Doubt.OVERLAP):
+        if first.doubt in (Doubt.GAP, Doubt.OVERLAP):
             return StampCheck(Verdict.GAP, f"{first.sentence}.", confirms=True)
         return StampCheck(Verdict.RESET, f"{first.sentence}; everything was reset.", confirms=True)
 
     def _fills_gap(self, verdict: Verdict, stamp: int, sensor_id: str) -> bool:
         """Tell whether what was set aside leads up to a message that is in order."""
-        if not self._held or self._held[0].doubt is not _Doubt.OVERLAP:
+        if not self._held or self._held[0].doubt is not Doubt.OVERLAP:
             return False
         last = self._held[-1]
         leads = verdict is Verdict.GAP or abs(last.next_stamp - stamp) <= TOLERANCE
         return leads and last.stamp < stamp and last.sensor_id == sensor_id
 
-    def _goes_on(self, before: _Candidate, candidate: _Candidate) -> bool:
+    def _goes_on(self, before: Candidate, candidate: Candidate) -> bool:
         alike = candidate.doubt is before.doubt or (
-            before.doubt is _Doubt.OVERLAP and candidate.doubt is _Doubt.GAP
+            before.doubt is Doubt.OVERLAP and candidate.doubt is Doubt.GAP
         )
         return alike and candidate.sensor_id == before.sensor_id and candidate.stamp > before.stamp
 
-    def _outvotes(self, doubt: _Doubt) -> bool:
+    def _outvotes(self, doubt: Doubt) -> bool:
         """Tell whether the messages set aside are believed, and not the data before them."""
         agree = len(self._held)
         if agree > 1 and self._held[-1].next_stamp == END_OF_DATA:
-            agree = _NEEDED_OTHERWISE  # nothing follows that could agree
-        if agree < _NEEDED.get(doubt, _NEEDED_OTHERWISE):
+            agree = NEEDED_OTHERWISE  # nothing follows that could agree
+        if agree < NEEDED.get(doubt, NEEDED_OTHERWISE):
             return False
-        if doubt not in _OUTLASTS or len(self._recent) < ESTABLISHED:
+        if doubt not in OUTLASTS or len(self._recent) < ESTABLISHED:
             return True
         span = self._held[-1].stamp - self._held[0].stamp
         return span > self._largest_step_back() or len(self._held) >= _REMEMBERED
