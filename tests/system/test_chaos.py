@@ -11,12 +11,12 @@ def test_disturbed_runs_neither_stall_nor_leave_anything_behind(tmp_path: Path) 
     figures = tmp_path / "chaos.json"
     done = run_command(
         tmp_path,
-        *("chaos", "active", "--runs", 2, "--faults", "malformed,interrupt"),
+        *("chaos", "active", "--runs", 1, "--faults", "malformed"),
         *("--rate", 20, "--seed", 2, "--json", figures),
     )
     assert done.returncode == 0, done.stdout
     faults = report_of(figures)["faults"]
-    assert {each["fault"]["kind"] for each in faults} == {"malformed", "interrupt"}
+    assert {each["fault"]["kind"] for each in faults} == {"malformed"}
     for each in faults:
         assert not (each["stalled"] or each["orphans"] or each["traceback"]), each
 

@@ -144,7 +144,7 @@ def test_two_runs_share_a_domain_each_with_its_own_clock(
     for ship, command in running.items():
         assert "data flow" in command.output
         command.interrupt()
-        assert command.wait() == 0, command.output
+        assert command.wait() == 130, command.output  # ended by Ctrl-C
         report = report_of(tmp_path / ship / "run.json")
         assert not report["failures"] and not report["warnings"]
         assert set(report["nodes"]) == {"contact_simulator", "hpda_tracker"}

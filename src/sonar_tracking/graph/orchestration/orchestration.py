@@ -9,6 +9,7 @@ import signal
 import time
 from collections import deque
 from collections.abc import Callable, Collection
+from functools import partial
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
@@ -202,9 +203,9 @@ class Orchestration:
         """Start what has ended until every node runs and is matched."""
         restarted: set[str] = set()
         if self._flow_started is None:
-            # Not counted among the readers of a topic until it says so, a display would pass for
-            # one that data must not be published without.
-            self._wait(control, source, self._displays_connected, DISPLAY_PATIENCE, "starting")
+            # Until it says what it hears, a display would pass for one that data wait for.
+            shown = partial(self._displays_connected, control)
+            self._wait(control, source, shown, DISPLAY_PATIENCE, "starting")
         deadline = time.monotonic() + START_PATIENCE
         asked = {*self._nodes, CONTROL_NODE} if self._flow_started is None else restarted
         while not self.interrupted:
@@ -263,12 +264,11 @@ class Orchestration:
                 "another ROS_DOMAIN_ID or --namespace for this run."
             )
 
-    def _displays_connected(self) -> bool:
+    def _displays_connected(self, control: ControlNode) -> bool:
         """Tell whether what shows the data hears them, as far as it and all others run."""
         running = self.supervisor.running()
-        return bool(self._ended) or not self.edges.missing(
-            [n for n in self._plan.display_names() if n in running]
-        )
+        displays = [name for name in self._plan.display_names() if name in running]
+        return bool(self._ended) or self._connected(control, displays)
 
     def _connected(self, control: ControlNode, nodes: Collection[str]) -> bool:
         """Tell whether some nodes have found all others they need, and those have found them."""
