@@ -10,7 +10,7 @@ import numpy as np
 
 from sonar_tracking.errors import ConfigurationError, unknown_name_text
 
-FIRST, BETWEEN = 3.0, (5.0, 8.0)
+FIRST, BETWEEN = 2.0, (4.0, 7.0)
 """Until the first fault, and between two of them, s of the wall clock."""
 
 STOPPED = (0.5, 4.0)
