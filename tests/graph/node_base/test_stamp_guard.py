@@ -135,6 +135,16 @@ def test_an_input_that_has_begun_already_goes_on() -> None:
     assert guard.check(START + SECOND, 0, "").verdict is Verdict.ACCEPT
 
 
+def test_what_was_set_aside_can_be_judged_once_more(guard: StampGuard) -> None:
+    """An input that has begun already keeps its data, and its outlier is no duplicate of itself."""
+    outlier = START + 60 * SECOND, 0, "array"
+    assert guard.check(*outlier).verdict is Verdict.HOLD
+    guard.expect_new_beginning(START)
+    assert guard.check(*outlier).verdict is Verdict.HOLD
+    stamp = START + 3 * BLOCK
+    assert guard.check(stamp, stamp + BLOCK, "array").dropped == 1
+
+
 def good_messages(watermarks: bool) -> Iterator[tuple[int, int, str]]:
     """Return stamps, watermarks and sensor of a stream, one message after the other."""
     for stamp in count(START, BLOCK):

@@ -74,8 +74,10 @@ class StampGuard:
     def expect_new_beginning(self, stamp: int) -> None:
         """Tell that another input of the node has begun again at a stamp, ns.
 
-        What still comes from before is ignored, as long as it can be told from the new data.
+        What still comes from before is ignored, as long as it can be told from the new data. What
+        was set aside is forgotten: its messages are judged once more.
         """
+        self._held = []
         if self.last_stamp == UNKNOWN_STAMP or self.expected == END_OF_DATA:
             self.reset()
         elif not self.has_begun(stamp):
