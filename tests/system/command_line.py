@@ -28,10 +28,18 @@ def environment(home: Path) -> dict[str, str]:
     }
 
 
-def run_command(home: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
+def command_of(*arguments: object, pictures: bool) -> list[str]:
+    """Return the command; a graph is started without what RViz shows unless someone looks at it."""
+    unseen = [] if pictures or arguments[0] not in ("run", "replay") else ["--no-display-topics"]
+    return [*COMMAND, *map(str, arguments), *unseen]
+
+
+def run_command(
+    home: Path, *arguments: object, pictures: bool = False
+) -> subprocess.CompletedProcess[str]:
     """Run the command to its end; output and errors are in ``stdout``."""
     return subprocess.run(
-        [*COMMAND, *map(str, arguments)],
+        command_of(*arguments, pictures=pictures),
         env=environment(home),
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
@@ -61,13 +69,15 @@ class RunningCommand:
         Where logs go.
     arguments : object
         Command line.
+    pictures : bool
+        Whether a graph publishes what RViz and Foxglove show.
     """
 
-    def __init__(self, home: Path, *arguments: object) -> None:
+    def __init__(self, home: Path, *arguments: object, pictures: bool = False) -> None:
         self._output = home / "output.txt"
         with self._output.open("w") as output:
             self._process = subprocess.Popen(
-                [*COMMAND, *map(str, arguments)],
+                command_of(*arguments, pictures=pictures),
                 env=environment(home),
                 stdout=output,
                 stderr=subprocess.STDOUT,

@@ -15,7 +15,7 @@ from sonar_tracking.evaluation.offline.offline_sample_chain import run_offline_s
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
 from tests.system.command_line import report_of, run_command
 
-SECONDS = 60.0
+SECONDS = 30.0
 
 
 def test_samples_of_a_wav_give_the_lines_the_simulation_gives(tmp_path: Path) -> None:
@@ -34,13 +34,13 @@ def test_samples_of_a_wav_give_the_lines_the_simulation_gives(tmp_path: Path) ->
         "--output", tmp_path / "bag",
     )  # fmt: skip
     assert done.returncode == 0, done.stdout
-    assert "60000 samples of 12 elements in 120 blocks" in done.stdout
+    assert "30000 samples of 12 elements in 60 blocks" in done.stdout
     done = run_command(
         tmp_path, "replay", tmp_path / "bag", "--rate", "max", "--record", tmp_path / "recorded",
         "--json", tmp_path / "replay.json",
     )  # fmt: skip
     assert done.returncode == 0, done.stdout
-    assert report_of(tmp_path / "replay.json")["topics"]["/array/lofar"]["messages"] == 59
+    assert report_of(tmp_path / "replay.json")["topics"]["/array/lofar"]["messages"] == 29
     recording = read_bag(tmp_path / "recorded")
     lines = list(frequency_lines_of(recording, "/passive/frequency_lines"))
     for heard, expected in zip(lines, offline.lines, strict=True):

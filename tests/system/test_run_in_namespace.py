@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from sonar_tracking.bags.storage.reader import read_bag
+from tests.made_once import made_once
 from tests.system.command_line import RunningCommand, digests, report_of, run_command
 
 RUN = ("run", "active", "--duration", "60", "--rate", "max", "--no-display")
@@ -31,13 +32,15 @@ class NamedRun:
     root: dict[str, Any]
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def named_run(tmp_path_factory: pytest.TempPathFactory) -> NamedRun:
-    folder = tmp_path_factory.mktemp("named")
-    recorded = ("--record", folder / "bag")
-    for name, more in (("root", ()), ("named", (*NAMES, *recorded))):
-        done = run_command(folder, *RUN, "--json", folder / f"{name}.json", *more)
-        assert done.returncode == 0, done.stdout
+    def make(folder: Path) -> None:
+        for name, more in (("root", ()), ("named", (*NAMES, "--record", folder / "bag"))):
+            arguments = (*RUN, "--json", folder / f"{name}.json", *more)
+            done = run_command(folder, *arguments, pictures=True)
+            assert done.returncode == 0, done.stdout
+
+    folder = made_once(tmp_path_factory, "named_run", make)
     named, root = (report_of(folder / f"{name}.json") for name in ("named", "root"))
     return NamedRun(folder / "bag", named, root)
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from sonar_tracking.bags.storage.message_definitions import installed_typestore
 from sonar_tracking.bags.storage.reader import Bag, read_bag
 from sonar_tracking.message_reading.field_reading import stamp_from_time
 from sonar_tracking.scene.rigid_pose import RigidPose
+from tests.made_once import made_once
 from tests.system.command_line import RunningCommand, digests, report_of, run_command
 
 SHOWN = {"/tf", "/tf_static", "/diagnostics"}
@@ -55,11 +57,22 @@ class Tree:
         return pose.placed_in(self.in_map(parent, stamp))
 
 
-def recorded(folder: Path, scenario: str, *more: object) -> Path:
+@pytest.fixture(scope="session")
+def shown(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Record a scenario with what is shown of it, once; return the folder of bag and report."""
+
+    def record(scenario: str) -> Path:
+        make = partial(recorded, scenario=scenario)
+        return made_once(tmp_path_factory, f"shown_{scenario}", make)
+
+    return record
+
+
+def recorded(folder: Path, scenario: str, *, pictures: bool = True) -> Path:
     arguments = ("run", scenario, "--duration", 200, "--rate", "max", "--no-display")
     bag = folder / "bag"
     report = folder / "run.json"
-    done = run_command(folder, *arguments, "--record", bag, "--json", report, *more)
+    done = run_command(folder, *arguments, "--record", bag, "--json", report, pictures=pictures)
     assert done.returncode == 0, done.stdout
     assert "warning" not in done.stdout
     return bag
@@ -73,35 +86,38 @@ def recorded(folder: Path, scenario: str, *more: object) -> Path:
     ],
 )
 def test_frames_put_a_sensor_where_the_tracker_has_it(
-    tmp_path: Path, scenario: str, topic: str, frame: str
+    shown: Callable[[str], Path], scenario: str, topic: str, frame: str
 ) -> None:
-    bag = read_bag(recorded(tmp_path, scenario))
+    bag = read_bag(shown(scenario) / "bag")
     tree = Tree(bag)
     assert tree.fixed[frame][0] == BASE
     compared = 0
     for odometry in decoded(bag, "/own_ship/odometry"):
-        shown = tree.in_map(BASE, stamp_from_time(odometry.header.stamp))
+        there = tree.in_map(BASE, stamp_from_time(odometry.header.stamp))
         pose = odometry.pose.pose
         told = pose_of(pose.position, pose.orientation)
-        assert shown.position == told.position
-        assert shown.angle_to(told) < 1e-9
+        assert there.position == told.position
+        assert there.angle_to(told) < 1e-9
     for message in decoded(bag, topic):
         stamp = stamp_from_time(message.header.stamp)
         if (BASE, stamp) in tree.moving:  # between two poses of own ship a display interpolates
-            shown = tree.in_map(frame, stamp)
+            there = tree.in_map(frame, stamp)
             told = pose_of(message.sensor_pose.position, message.sensor_pose.orientation)
-            assert shown.position == pytest.approx(told.position, abs=1.0)
-            assert shown.angle_to(told) < 0.02
+            assert there.position == pytest.approx(told.position, abs=1.0)
+            assert there.angle_to(told) < 0.02
             compared += 1
     assert compared > 10
 
 
-def test_what_is_shown_is_recorded_but_neither_compared_nor_played(tmp_path: Path) -> None:
-    bag = recorded(tmp_path, "active")
+def test_what_is_shown_is_recorded_but_neither_compared_nor_played(
+    shown: Callable[[str], Path], tmp_path: Path
+) -> None:
+    folder = shown("active")
+    bag = folder / "bag"
     roles = {name: topic.role for name, topic in read_bag(bag).topics.items()}
-    shown = {*SHOWN, "/active/markers"}
-    assert shown <= {name for name, role in roles.items() if role == "display"}
-    assert not shown & set(report_of(tmp_path / "run.json")["topics"])
+    pictures = {*SHOWN, "/active/markers"}
+    assert pictures <= {name for name, role in roles.items() if role == "display"}
+    assert not pictures & set(report_of(folder / "run.json")["topics"])
     counts = {name: topic.message_count for name, topic in read_bag(bag).topics.items()}
     assert counts["/tf"] == counts["/own_ship/odometry"]
     assert counts["/active/markers"] == counts["/active/tracks"]
@@ -111,16 +127,16 @@ def test_what_is_shown_is_recorded_but_neither_compared_nor_played(tmp_path: Pat
 
     arguments = ("--rate", "max", "--no-display", "--json", tmp_path / "replay.json")
     again = tmp_path / "again"
-    done = run_command(tmp_path, "replay", bag, *arguments, "--record", again)
+    done = run_command(tmp_path, "replay", bag, *arguments, "--record", again, pictures=True)
     assert done.returncode == 0, done.stdout
-    replayed, live = report_of(tmp_path / "replay.json"), report_of(tmp_path / "run.json")
+    replayed, live = report_of(tmp_path / "replay.json"), report_of(folder / "run.json")
     assert set(replayed["comparison"]) == {"/active/tracks", "/active/threshold"}
     assert digests(replayed) == {name: digests(live)[name] for name in digests(replayed)}
     assert {name: topic.role for name, topic in read_bag(again).topics.items()} == roles
 
 
 def test_pictures_can_be_left_out(tmp_path: Path) -> None:
-    bag = recorded(tmp_path, "active", "--no-display-topics")
+    bag = recorded(tmp_path, "active", pictures=False)
     roles = {name: topic.role for name, topic in read_bag(bag).topics.items()}
     assert "display" not in roles.values()
     assert "/active/tracks" in roles
@@ -129,7 +145,7 @@ def test_pictures_can_be_left_out(tmp_path: Path) -> None:
 def test_a_run_goes_on_without_what_shows_it(tmp_path: Path) -> None:
     report = tmp_path / "report.json"
     arguments = ("run", "active", "--rate", "100", "--no-display", "--json", report)
-    command = RunningCommand(tmp_path, *arguments)
+    command = RunningCommand(tmp_path, *arguments, pictures=True)
     try:
         command.wait_for_text("data flow")
         command.kill_node("scene_publisher")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,13 +17,14 @@ from tests.system.command_line import digests, report_of, run_command
 TRACKS = "/passive/tracks"
 
 
-@pytest.mark.parametrize("name", ["tma", "cross_fix"])
+@pytest.mark.parametrize(("name", "duration"), [("tma", 720.0), ("cross_fix", 240.0)])
 def test_a_scenario_of_bearings_and_lines_runs_and_replays_identically(
-    tmp_path: Path, name: str
+    tmp_path: Path, name: str, duration: float
 ) -> None:
     bag = tmp_path / "bag"
     done = run_command(
-        tmp_path, "run", name, "--rate", "max", "--record", bag, "--json", tmp_path / "run.json",
+        tmp_path, "run", name, "--duration", duration, "--rate", "max", "--record", bag,
+        "--json", tmp_path / "run.json",
     )  # fmt: skip
     assert done.returncode == 0, done.stdout
     live = report_of(tmp_path / "run.json")
@@ -33,7 +35,7 @@ def test_a_scenario_of_bearings_and_lines_runs_and_replays_identically(
     assert replayed["comparison"][TRACKS].startswith("identical: ")
     assert digests(replayed) == {topic: digests(live)[topic] for topic in digests(replayed)}
 
-    offline = run_offline_tma_chain(load_scenario(name))
+    offline = run_offline_tma_chain(replace(load_scenario(name), duration=duration))
     recorded = list(position_tracks_of(read_bag(bag), TRACKS))
     for found, expected in zip(recorded, offline.tracks, strict=True):
         assert (found.stamp, found.next_stamp) == (expected.stamp, expected.next_stamp)

@@ -35,7 +35,7 @@ from tests.graph.live_graph import NodeProcess, Probe, node_process, stamps
 from tests.passive.sample_scene import Tone, blocks, element_samples
 
 SECOND = 1_000_000_000
-STEP_SECONDS = 20
+STEP_SECONDS = 30
 STEP = STEP_SECONDS * SECOND
 STEPS = 3600 // STEP_SECONDS
 BLOCKS = 4
