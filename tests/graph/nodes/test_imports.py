@@ -39,9 +39,6 @@ STAGES = {
 WARM = {
     "sonar_tracking.passive.lines.band_demodulator_stage:BandDemodulatorStage()": "scipy.special",
     "sonar_tracking.passive.lines.line_tracker_stage:LineTrackerStage()": "scipy.optimize",
-    "sonar_tracking.passive.bearings.bearing_tracker_stage:"
-    "BearingTrackerStage(BearingTrackerConfiguration())": "scipy.optimize",
-    "sonar_tracking.tma.targets.tma_tracker_stage:TmaTrackerStage(None, 2)": "scipy.optimize",
     "sonar_tracking.active.contact_tracker:"
     "make_contact_tracker(ContactTrackerConfiguration(method='hpda_kalman'))": "scipy.special",
     "sonar_tracking.active.contact_tracker:"

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
 
 from sonar_tracking.evaluation.metrics.bearing_truth import BearingTruth
 from sonar_tracking.evaluation.metrics.identity_score import (
@@ -26,6 +25,7 @@ from sonar_tracking.evaluation.metrics.score_statistics import (
     mean,
     median,
     median_period,
+    nees_band,
     normalised_square_error,
 )
 from sonar_tracking.motion import wrap_angle
@@ -131,7 +131,7 @@ def score_bearing_tracks(
         gospa_deg=mean(np.array(gospas)),
         nees_per_dimension=mean(joined(nees)) / 2.0,
         nees_median_per_dimension=median(joined(nees)) / 2.0,
-        nees_band=(float(chi2.ppf(0.025, 2)) / 2.0, float(chi2.ppf(0.975, 2)) / 2.0),
+        nees_band=nees_band(2),
         identities=score_identities(scored, period, true_bearings.first_seen()),
     )
 

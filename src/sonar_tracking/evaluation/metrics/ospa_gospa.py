@@ -20,8 +20,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
+from sonar_tracking.filtering.assignment import least_cost_pairs
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 
 
@@ -58,7 +58,7 @@ def assign(distances: FloatArray, cutoff: float, order: float) -> Assignment:
     order : float
         Exponent p, at least 1.
     """
-    rows, columns = linear_sum_assignment(np.minimum(distances, cutoff) ** order)
+    rows, columns = least_cost_pairs(np.minimum(distances, cutoff) ** order)
     kept = distances[rows, columns] < cutoff
     rows, columns = rows[kept], columns[kept]
     cost = float(np.sum(distances[rows, columns] ** order))

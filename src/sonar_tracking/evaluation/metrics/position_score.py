@@ -14,7 +14,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
 
 from sonar_tracking.evaluation.metrics.cutoff import CUTOFF_M
 from sonar_tracking.evaluation.metrics.identity_score import (
@@ -31,6 +30,7 @@ from sonar_tracking.evaluation.metrics.score_statistics import (
     mean,
     median,
     median_period,
+    nees_band,
     normalised_square_error,
 )
 from sonar_tracking.evaluation.metrics.track_sides import SideChoice, wrong_sides
@@ -163,10 +163,7 @@ def score_position_tracks(
         gospa_m=mean([part.gospa for part in parts]),
         nees_per_dimension=mean(nees),
         nees_median_per_dimension=median(nees),
-        nees_band=(
-            float(chi2.ppf(0.025, STATES)) / STATES,
-            float(chi2.ppf(0.975, STATES)) / STATES,
-        ),
+        nees_band=nees_band(STATES),
         two_sided_share=mean(joined([part.two_sided.astype(float) for part in parts])),
         wrong_side_share=mean(joined([part.wrong_side.astype(float) for part in parts])),
         identities=score_identities(scored, period, true_positions.first_seen()),

@@ -13,6 +13,19 @@ from sonar_tracking.evaluation.metrics.truth_samples import Sample
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.time import seconds
 
+CHI_SQUARE_BAND = {
+    2: (0.05063561596857975, 7.377758908227871),
+    4: (0.4844185570879299, 11.143286781877796),
+}
+"""Quantiles 2.5 and 97.5 % of chi-square by degrees of freedom: ``scipy.stats``, which knows them
+all, takes longer to load than a run of a few minutes takes to score."""
+
+
+def nees_band(n_dimensions: int) -> tuple[float, float]:
+    """Return the chi-square 95 % band of one normalised error squared, per dimension."""
+    low, high = CHI_SQUARE_BAND[n_dimensions]
+    return low / n_dimensions, high / n_dimensions
+
 
 def median_period(lists: Sequence[Sample]) -> float:
     """Return the median time between track lists in order of time, s; 0 for fewer than two."""

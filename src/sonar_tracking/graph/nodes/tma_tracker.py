@@ -115,10 +115,6 @@ class TmaTracker(SonarNode):
         if tracks is not None:
             self._publish(tracks)
 
-    def warm_up(self) -> None:
-        """Let the stage load what its first data need."""
-        self._stage.warm_up()
-
     def reset(self) -> None:
         """Forget all tracks; identifiers go on."""
         self._stage.reset()

@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 
 from sonar_tracking.errors import InputError, Notice
-from sonar_tracking.filtering.assignment import load_solver
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.passive.bearings.bearing_filters import BearingFilters, FilterUpdate
 from sonar_tracking.passive.bearings.bearing_measurement import BearingMeasurement
@@ -111,11 +110,6 @@ class BearingTrackerStage:
         self._filters: BearingFilters[Any] = configuration.entry.make(configuration)
         self._next_id = configuration.first_id
         self._state: _TrackerState | None = None
-
-    def warm_up(self) -> None:
-        """Load what starts tracks before the first data need it."""
-        if self.configuration.start == "automatic":
-            load_solver()
 
     def reset(self) -> None:
         """Forget all tracks; identifiers go on."""

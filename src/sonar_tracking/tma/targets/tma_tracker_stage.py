@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from sonar_tracking.errors import InputError, Notice, Severity
-from sonar_tracking.filtering.assignment import load_solver
 from sonar_tracking.motion import KinematicState
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
 from sonar_tracking.records.lines import FrequencyLines
@@ -89,11 +88,6 @@ class TmaTrackerStage:
     def continue_from(self, first_id: int) -> None:
         """Let new tracks have identifiers from one on, if those so far are below it."""
         self._next_id = max(self._next_id, first_id)
-
-    def warm_up(self) -> None:
-        """Load what joins bearings of several stations before the first data need it."""
-        if self._n_stations > 1:
-            load_solver()
 
     def reset(self) -> None:
         """Forget all targets; identifiers go on."""
