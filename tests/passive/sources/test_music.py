@@ -8,7 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sonar_tracking.geometry import line_array, steering_pair, steering_vectors
-from sonar_tracking.passive.sources import music
 from sonar_tracking.passive.sources.moving_source_counting import sample_covariance
 from sonar_tracking.passive.sources.music import music_bearings
 from tests.passive.crossing_scene import (
@@ -141,11 +140,3 @@ def test_of_more_valleys_than_sources_the_deepest_are_taken() -> None:
     covariance = vectors @ np.diag([100.0, 1.0]) @ vectors.conj().T + np.eye(15)
     found = music_bearings(covariance, 1, POSITIONS, WAVENUMBER)
     assert np.degrees(found) == pytest.approx([-40.0], abs=0.1)
-
-
-def test_many_angles_are_looked_at_in_portions(monkeypatch: pytest.MonkeyPatch) -> None:
-    data = snapshots_of(np.random.default_rng(5), np.broadcast_to([-0.3, 0.4], (100, 2)), 0.0)
-    covariance = sample_covariance(data)
-    whole = music_bearings(covariance, 2, POSITIONS, WAVENUMBER)
-    monkeypatch.setattr(music, "_ANGLES_AT_ONCE", 7)
-    assert np.allclose(music_bearings(covariance, 2, POSITIONS, WAVENUMBER), whole, atol=1e-12)

@@ -2,7 +2,7 @@
 
 The steering vectors of the sources are orthogonal to the noise eigenvectors E_n of the
 (whitened) covariance, so that f(theta) = |E_n^H a(theta)|^2 / |a(theta)|^2 is least there. The
-grid is fine enough to fall into the valley of each resolved source; Gauss-Newton steps inside a
+grid is fine enough to fall into the valley of each resolved source; Newton steps inside a
 grid cell then find its floor. A valley that stays shallow is not taken for a source.
 
 References
@@ -14,15 +14,18 @@ and Propagation 34(3), 1986.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from sonar_tracking.geometry import beamwidth, is_line, steering_pair, steering_vectors
+from sonar_tracking.filtering.leading_eigenvectors import leading_eigenvectors
+from sonar_tracking.geometry import steering_vectors
+from sonar_tracking.passive.sources.angle_grid import AngleGrid, angle_grid
 from sonar_tracking.records.arrays import ComplexArray, FloatArray, IndexArray
 
-_POINTS_PER_BEAM = 16
 _REFINEMENT_STEPS = 8
-_ANGLES_AT_ONCE = 1024
+_FLOOR_REACHED = 1e-13
+"""Change of an angle by one step more, rad: Newton steps square the error."""
 
 SHALLOWEST_VALLEY = 0.3
 """Null spectrum above which a valley is no source: less than 70 % of its steering vector lies in
@@ -39,26 +42,59 @@ class _Pencil:
     signal_vectors: ComplexArray
     factor: ComplexArray | None
 
+    @cached_property
+    def across(self) -> FloatArray:
+        """Positions about their centre, m, shape (2, n_elements, 1)."""
+        places = self.positions[:, :2]
+        return np.asarray((places - places.sum(axis=0) / len(places)).T[:, :, None])
+
+    @cached_property
+    def curvature(self) -> float:
+        """Largest phase of an element, rad: how far a Newton step is from the floor."""
+        return self.wavenumber * float(np.abs(self.across).max())
+
+    def on_grid(self, grid: AngleGrid) -> FloatArray:
+        """Return f at all angles of a grid."""
+        if self.factor is None:
+            power = float(len(self.positions))
+            return np.maximum(power - grid.power(self.signal_vectors), 0.0) / power
+        # With whitened steering vectors L^-1 a: |E^H L^-1 a|^2 and |L^-1 a|^2.
+        whitening = np.asarray(np.linalg.inv(self.factor).conj().T, dtype=np.complex128)
+        whole = grid.power(whitening)
+        inside = grid.power(whitening @ self.signal_vectors)
+        return np.asarray(np.maximum(whole - inside, 0.0) / whole)
+
     def null_spectrum(self, angles: FloatArray) -> FloatArray:
         """Return f at angles of shape (n,)."""
-        # In portions: the steering vectors of a whole grid would fill the memory.
-        portions = np.array_split(angles, -(-len(angles) // _ANGLES_AT_ONCE) or 1)
-        return np.concatenate([self._null_spectrum(portion) for portion in portions])
-
-    def _null_spectrum(self, angles: FloatArray) -> FloatArray:
         vectors = self._white(steering_vectors(self.positions, angles, self.wavenumber))
         inside = self.signal_vectors.conj().T @ vectors
         power = _column_power(vectors)
         return np.maximum(power - _column_power(inside), 0.0) / power
 
     def newton_step(self, angles: FloatArray) -> FloatArray:
-        """Return the Gauss-Newton step of |E_n^H a|^2 at each angle, rad."""
-        vectors, derivatives = steering_pair(
-            self.positions, angles, self.wavenumber, "array_centre"
-        )
-        y, u = self._outside(self._white(vectors)), self._outside(self._white(derivatives))
-        slope = (u.conj() * y).real.sum(axis=0)
-        return -slope / np.maximum(_column_power(u), np.finfo(float).tiny)
+        """Return the Newton step of |E_n^H a|^2 at each angle, rad."""
+        n_angles = len(angles)
+        vectors, first, second = self._steering(angles)
+        # Outside of the signal subspace: y = E_n E_n^H a, u = E_n E_n^H a'.
+        outside = self._outside(np.concatenate([vectors, first], axis=1))
+        y, u = outside[:, :n_angles].conj(), outside[:, n_angles:]
+        slope = (y * u).real.sum(axis=0)
+        square = _column_power(u)
+        # The whole second derivative is |u|^2 + Re(y^H a''); far from the floor it may be negative.
+        bend = np.maximum(square + (y * second).real.sum(axis=0), 0.5 * square)
+        return -slope / np.maximum(bend, np.finfo(float).tiny)
+
+    def _steering(self, angles: FloatArray) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+        """Return steering vectors with the phase of the array centre, and two derivatives."""
+        x, y = self.across
+        sine, cosine = np.sin(angles), np.cos(angles)
+        phase = self.wavenumber * (x * sine + y * cosine)
+        slope = self.wavenumber * (x * cosine - y * sine)
+        vectors = np.exp(1j * phase)
+        first, second = 1j * slope * vectors, -(slope**2 + 1j * phase) * vectors
+        if self.factor is None:
+            return vectors, first, second
+        return self._white(vectors), self._white(first), self._white(second)
 
     def _white(self, vectors: ComplexArray) -> ComplexArray:
         if self.factor is None:
@@ -102,33 +138,26 @@ def music_bearings(
         factor = np.asarray(np.linalg.cholesky(noise_covariance), dtype=np.complex128)
         half = np.linalg.solve(factor, covariance)
         white = np.asarray(np.linalg.solve(factor, half.conj().T), dtype=np.complex128)
-    signal_vectors = np.linalg.eigh(white).eigenvectors[:, -n_sources:]
-    pencil = _Pencil(positions, wavenumber, np.asarray(signal_vectors), factor)
-    grid = _grid(positions, wavenumber)
-    spectrum = pencil.null_spectrum(grid)
+    pencil = _Pencil(positions, wavenumber, leading_eigenvectors(white, n_sources), factor)
+    grid = angle_grid(positions, wavenumber)
+    spectrum = pencil.on_grid(grid)
     # The grid is cyclic: at half a wavelength both ends of a line array are the same wave.
     valley = (spectrum <= np.roll(spectrum, 1)) & (spectrum < np.roll(spectrum, -1))
     found = np.flatnonzero(valley)
     found = found[np.argsort(spectrum[found], kind="stable")][:n_sources]
-    angles = np.sort(_refined(pencil, grid, found))
+    angles = np.sort(_refined(pencil, grid.angles, found))
     return angles[pencil.null_spectrum(angles) < SHALLOWEST_VALLEY]
-
-
-def _grid(positions: FloatArray, wavenumber: float) -> FloatArray:
-    count = int(np.ceil(2.0 * _POINTS_PER_BEAM * np.pi / beamwidth(positions, wavenumber)))
-    middles = (np.arange(count) + 0.5) / count
-    if is_line(positions):
-        return np.arcsin(2.0 * middles - 1.0)
-    return np.pi * (2.0 * middles - 1.0)
 
 
 def _refined(pencil: _Pencil, grid: FloatArray, found: IndexArray) -> FloatArray:
     angles = grid[found]
     low = grid[np.maximum(found - 1, 0)]
     high = grid[np.minimum(found + 1, len(grid) - 1)]
-    for _ in range(_REFINEMENT_STEPS):
-        if len(angles):
-            angles = np.clip(angles + pencil.newton_step(angles), low, high)
+    for _ in range(_REFINEMENT_STEPS if len(angles) else 0):
+        refined = np.minimum(np.maximum(angles + pencil.newton_step(angles), low), high)
+        step, angles = float(np.abs(refined - angles).max()), refined
+        if pencil.curvature * step**2 < _FLOOR_REACHED:
+            break
     return angles
 
 

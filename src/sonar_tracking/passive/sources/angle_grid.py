@@ -1,0 +1,160 @@
+"""A grid of arrival angles that no valley of a null spectrum falls through, and powers on it.
+
+The grid is even in sin(theta) for a line array and in theta for any other one. On a uniform line
+the power |v^H a(theta)|^2 at all angles of the grid is one Fourier transform of the correlation of
+v along the line; other arrays are multiplied with the steering vectors of the grid. Grids are kept
+from call to call, since an array does not change.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from sonar_tracking.geometry import beamwidth, is_line, is_uniform_line, steering_vectors
+from sonar_tracking.records.arrays import ComplexArray, FloatArray, IndexArray
+
+_POINTS_PER_BEAM = 16
+_LARGEST_KEPT = 4_000_000
+"""Entries of the largest matrix of steering vectors that is kept, 64 MB."""
+
+_ANGLES_AT_ONCE = 1024
+
+
+@dataclass(frozen=True)
+class UniformLineGrid:
+    """The grid of a uniform line array.
+
+    Attributes
+    ----------
+    angles : ndarray, shape (n_angles,)
+        Arrival angles, rad, ascending.
+    shift : ndarray, shape (n_elements,), complex
+        Steering vector of the first angle, pure numbers.
+    length : int
+        Angles in one period of the phase between neighbouring elements.
+    period : ndarray, shape (n_angles,), int
+        Which of them each angle is.
+    """
+
+    angles: FloatArray
+    shift: ComplexArray
+    length: int
+    period: IndexArray
+
+    def power(self, vectors: ComplexArray) -> FloatArray:
+        """Return the power of all steering vectors in a subspace, sum_c |v_c^H a(theta)|^2.
+
+        Parameters
+        ----------
+        vectors : ndarray, shape (n_elements, n_columns), complex
+            v_c in the columns, pure numbers.
+
+        Returns
+        -------
+        ndarray, shape (n_angles,)
+            Pure numbers.
+        """
+        n_elements = len(self.shift)
+        spectra = np.fft.fft(vectors.conj().T * self.shift, 2 * n_elements, axis=1)
+        correlation = np.fft.ifft((spectra.real**2 + spectra.imag**2).sum(axis=0))[:n_elements]
+        power = np.fft.irfft(correlation, self.length) * self.length
+        return np.asarray(power[self.period])
+
+
+@dataclass(frozen=True)
+class SteeredGrid:
+    """The grid of any other array.
+
+    Attributes
+    ----------
+    angles : ndarray, shape (n_angles,)
+        Arrival angles, rad, ascending.
+    positions : ndarray, shape (n_elements, 3)
+        m.
+    wavenumber : float
+        rad/m.
+    steering : ndarray, shape (n_elements, n_angles), complex, or None
+        Steering vectors, pure numbers; None = too many to be kept.
+    """
+
+    angles: FloatArray
+    positions: FloatArray
+    wavenumber: float
+    steering: ComplexArray | None
+
+    def power(self, vectors: ComplexArray) -> FloatArray:
+        """Return the power of all steering vectors in a subspace, sum_c |v_c^H a(theta)|^2.
+
+        Parameters
+        ----------
+        vectors : ndarray, shape (n_elements, n_columns), complex
+            v_c in the columns, pure numbers.
+
+        Returns
+        -------
+        ndarray, shape (n_angles,)
+            Pure numbers.
+        """
+        if self.steering is not None:
+            return _column_power(vectors.conj().T @ self.steering)
+        portions = np.array_split(self.angles, -(-len(self.angles) // _ANGLES_AT_ONCE))
+        return np.concatenate(
+            [
+                _column_power(
+                    vectors.conj().T @ steering_vectors(self.positions, portion, self.wavenumber)
+                )
+                for portion in portions
+            ]
+        )
+
+
+AngleGrid = UniformLineGrid | SteeredGrid
+
+
+def angle_grid(positions: FloatArray, wavenumber: float) -> AngleGrid:
+    """Return the grid of an array, finer than its beams by far.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n_elements, 3)
+        Element positions, m.
+    wavenumber : float
+        rad/m.
+    """
+    return _kept(np.ascontiguousarray(positions).tobytes(), wavenumber)
+
+
+@lru_cache(maxsize=4)
+def _kept(position_bytes: bytes, wavenumber: float) -> AngleGrid:
+    positions = np.frombuffer(position_bytes).reshape(-1, 3)
+    count = math.ceil(2.0 * _POINTS_PER_BEAM * np.pi / beamwidth(positions, wavenumber))
+    if is_uniform_line(positions):
+        return _uniform_line_grid(positions, wavenumber, count)
+    middles = (np.arange(count) + 0.5) / count
+    angles = np.pi * (2.0 * middles - 1.0)
+    if is_line(positions):
+        angles = np.arcsin(2.0 * middles - 1.0)
+    kept = len(angles) * len(positions) <= _LARGEST_KEPT
+    steering = steering_vectors(positions, angles, wavenumber) if kept else None
+    return SteeredGrid(angles, positions, wavenumber, steering)
+
+
+def _uniform_line_grid(positions: FloatArray, wavenumber: float, count: int) -> UniformLineGrid:
+    n_elements = len(positions)
+    between = wavenumber * float(np.ptp(positions[:, 0])) / (n_elements - 1)
+    rounding = 1e-9  # at half a wavelength one period of the phase is the whole grid
+    length = max(math.ceil(np.pi * count / between - rounding), 2 * n_elements)
+    step = 2.0 * np.pi / (length * between)
+    n_angles = math.ceil(2.0 / step - 0.5)
+    middles = (np.arange(n_angles) + 0.5) / n_angles
+    sines = 2.0 * middles - 1.0 if n_angles == length else (np.arange(n_angles) + 0.5) * step - 1.0
+    shift = np.exp(1j * between * (0.5 * step - 1.0) * np.arange(n_elements))
+    return UniformLineGrid(np.arcsin(sines), shift, length, np.arange(n_angles) % length)
+
+
+def _column_power(vectors: ComplexArray) -> FloatArray:
+    return np.asarray((vectors.real**2 + vectors.imag**2).sum(axis=0))
