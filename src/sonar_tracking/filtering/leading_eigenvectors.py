@@ -17,7 +17,7 @@ def leading_eigenvectors(matrix: ComplexArray, count: int) -> ComplexArray:
     Parameters
     ----------
     matrix : ndarray, shape (n, n), complex
-        Hermitian.
+        Hermitian, in any unit: linear power, pure numbers.
     count : int
         How many, from 1 to n.
 
