@@ -40,5 +40,8 @@ NoDisplayTopicsOption = Annotated[
 ]
 FaultsOption = Annotated[
     str,
-    typer.Option(help="kill, stop, malformed, recorder, orchestration, interrupt; commas between."),
+    typer.Option(
+        help="nothing, kill, stop, malformed, recorder, start, orchestration, interrupt (default: "
+        "these), and, as root, delay, partition; commas between."
+    ),
 ]

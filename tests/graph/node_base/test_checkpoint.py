@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +36,7 @@ def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     path = tmp_path / "tracker.checkpoint"
     monkeypatch.setenv(resumption.CHECKPOINT, str(path))
     monkeypatch.setenv(run_identity.VARIABLE, "a run")
-    monkeypatch.setattr(checkpoint, "LEAST_SECONDS", 0.0)
+    monkeypatch.setattr(checkpoint, "SHARE", math.inf)
     return path
 
 
@@ -51,10 +52,20 @@ def test_a_new_process_goes_on_with_the_last_state(path: Path) -> None:
     tracker.checkpoint.keep(BEGIN)
     tracker.tracks = [1, 2]
     tracker.checkpoint.keep(BEGIN + NANOSECONDS)
-    assert taken_up(1.5) == [1], "a checkpoint is written every few seconds of data"
-    tracker.checkpoint.keep(BEGIN + 2 * NANOSECONDS)
-    assert taken_up(2.5) == [1, 2]
+    assert taken_up(1.5) == [1, 2]
     assert [each.name for each in path.parent.iterdir()] == [path.name]
+
+
+def test_checkpoints_take_a_small_share_of_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each is followed by a pause that is as much longer as it has taken."""
+    clock = iter([0.0, 0.1, 4.9, 5.2, 5.3])
+    monkeypatch.setattr(checkpoint, "SHARE", 0.02)
+    monkeypatch.setattr(checkpoint.time, "monotonic", lambda: next(clock))
+    tracker = Tracker([1])
+    for second, kept in ((0, [1]), (1, [1]), (2, [1, 2])):
+        tracker.checkpoint.keep(BEGIN + second * NANOSECONDS)
+        assert taken_up(second + 0.5) == kept
+        tracker.tracks = [1, 2]
 
 
 def test_of_another_time_run_or_version_nothing_is_taken_up(

@@ -2,31 +2,45 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 from sonar_tracking.graph.catalogue.topics import Topic
-from sonar_tracking.graph.chaos.fault_plan import ENDS_THE_RUN, Fault, FaultKind
+from sonar_tracking.graph.chaos import network
+from sonar_tracking.graph.chaos.fault_plan import ENDS_THE_RUN, OF_THE_NETWORK, Fault, FaultKind
+from sonar_tracking.graph.chaos.recording_check import (
+    longest_hole,
+    messages_lost,
+    recorded_stamps,
+)
+from sonar_tracking.graph.chaos.run_processes import has_begun, node_processes, nodes_of
+from sonar_tracking.graph.chaos.track_identities import LISTS_AFTER, Identities, identities
 from sonar_tracking.graph.chaos.track_watch import TrackWatch
 
-RECOVERY = 5.0
-"""By then valid lists are to come again, s of the wall clock."""
-
 STALL = 20.0
-"""Without any list that long a run has stalled, s."""
+"""A list that is so much later than due has stalled, s of the wall clock."""
 
 PATIENCE = 90.0
-"""Longest wait for a run to begin or to end, s."""
+"""Longest wait for a run to begin, to find its tracks, or to end, s."""
 
 ORPHAN_PATIENCE = 10.0
-"""By then all nodes of a killed run have ended, s."""
+"""By then all nodes of a run that is over have ended, s."""
+
+LOOK = 0.05
+"""Between looks at a run, s."""
+
+SLOW = 3.0
+"""The network is slow for so long before it parts, and after, s."""
+
+INTERRUPTED = 128 + signal.SIGINT
 
 
 @dataclass
@@ -37,23 +51,38 @@ class Outcome:
     ----------
     fault : Fault
         What happened.
-    recovered_s : float or None
-        Until a list again confirmed a track, s; None = it did not, or none was confirmed before.
-    identities_kept : bool or None
-        Whether all tracks confirmed before are confirmed after it; None = there were none.
+    late : float or None
+        How much later than due a list confirmed a track again, s of the wall clock; what was due
+        before the fault is counted from the fault. None = none did, or the run ended before.
+    tracks : Identities or None
+        Tracks established before, and kept; None = the run ended before that could be told.
     stalled, orphans, traceback : bool
         Whether the run stood still, left processes behind, or printed a traceback.
     exit_code : int or None
-        Of the run that it ended.
+        Of the run, if the fault ended it.
+    lost_messages : int or None
+        Messages of nodes that were not killed the recording lacks; of the first fault of a run.
+    hole : float or None
+        Of a killed recorder: longest hole in the recording, s of the wall clock; the same.
     """
 
     fault: Fault
-    recovered_s: float | None = None
-    identities_kept: bool | None = None
+    late: float | None = None
+    tracks: Identities | None = None
     stalled: bool = False
     orphans: bool = False
     traceback: bool = False
     exit_code: int | None = None
+    lost_messages: int | None = None
+    hole: float | None = None
+
+    @property
+    def failed(self) -> bool:
+        """Whether the run did what no run may do, whatever is done to it."""
+        wrong_end = self.fault.kind in (FaultKind.INTERRUPT, FaultKind.START) and (
+            self.exit_code != INTERRUPTED
+        )
+        return self.stalled or self.orphans or self.traceback or wrong_end
 
 
 @dataclass
@@ -62,111 +91,182 @@ class DisturbedRun:
 
     Attributes
     ----------
-    scenario, rate : str
+    scenario : str
         As typed.
+    rate : float
+        Seconds of data a second.
     folder : Path
-        Where its bag and output go.
+        Where its bag, its output and its logs go.
     tracks : Topic
         Lists of tracks that are watched.
+    cutoff : float
+        Farthest a track is from its target, m or rad.
     inputs : sequence of Topic
         Inputs of nodes.
+    published : mapping of str to sequence of str
+        Node to the full names of the topics it publishes.
     """
 
     scenario: str
-    rate: str
+    rate: float
     folder: Path
     tracks: Topic
+    cutoff: float
     inputs: Sequence[Topic]
+    published: Mapping[str, Sequence[str]]
     outcomes: list[Outcome] = field(default_factory=list)
 
     def suffer(self, faults: Sequence[Fault]) -> list[Outcome]:
         """Start the run, let the faults happen, end it and return what came of each."""
+        kind = faults[0].kind
         self.folder.mkdir(parents=True, exist_ok=True)
         log = self.folder / "output.txt"
-        arguments = ["run", self.scenario, "--rate", self.rate, "--no-display"]
-        arguments += ["--record", str(self.folder / "bag")]
-        arguments += ["--json", str(self.folder / "report.json")]
         with log.open("w") as output:
             run = subprocess.Popen(
-                [sys.executable, "-m", "sonar_tracking", *arguments],
+                self._command(),
                 stdout=output,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
+                env={**os.environ, "ROS_HOME": str(self.folder)},
             )
         try:
-            if faults[0].kind in ENDS_THE_RUN:
-                self._end_by(run, faults[0])
+            if kind in ENDS_THE_RUN:
+                self._end_by(run, faults[0], log)
             else:
                 self._disturb(run, faults, log)
         finally:
             if run.poll() is None:
                 os.kill(run.pid, signal.SIGINT)
                 _ended(run)
-        text = log.read_text(errors="replace")
+            if kind in OF_THE_NETWORK:
+                network.mend()
+        _until(lambda: not nodes_of(self.folder), ORPHAN_PATIENCE)
         for outcome in self.outcomes:
-            outcome.traceback = "Traceback" in text
-            outcome.orphans |= bool(_orphans(run.pid))
+            outcome.traceback = "Traceback" in log.read_text(errors="replace")
+            outcome.orphans = bool(nodes_of(self.folder))
+        if kind not in ENDS_THE_RUN and self.outcomes:
+            self._check_recording(self.outcomes[0])
         return self.outcomes
 
-    def _end_by(self, run: subprocess.Popen[bytes], fault: Fault) -> None:
-        time.sleep(fault.seconds)
+    def _command(self) -> list[str]:
+        return [
+            *(sys.executable, "-m", "sonar_tracking", "run", self.scenario),
+            *("--rate", f"{self.rate:g}", "--no-display"),
+            *("--record", str(self.folder / "bag")),
+            *("--json", str(self.folder / "report.json")),
+        ]
+
+    def _end_by(self, run: subprocess.Popen[bytes], fault: Fault, log: Path) -> None:
+        outcome = Outcome(fault)
+        if fault.kind is FaultKind.START:
+            outcome.stalled = not self._flows(run, log)
+        else:
+            _until(lambda: has_begun(run.pid) or run.poll() is not None, PATIENCE)
+            time.sleep(fault.seconds)
         killed = fault.kind is FaultKind.ORCHESTRATION
-        os.kill(run.pid, signal.SIGKILL if killed else signal.SIGINT)
+        if run.poll() is None:
+            os.kill(run.pid, signal.SIGKILL if killed else signal.SIGINT)
         _ended(run)
-        deadline = time.monotonic() + ORPHAN_PATIENCE
-        while _orphans(run.pid) and time.monotonic() < deadline:
-            time.sleep(0.1)
-        self.outcomes.append(Outcome(fault, exit_code=run.returncode))
+        outcome.exit_code = run.returncode
+        self.outcomes.append(outcome)
+
+    @staticmethod
+    def _flows(run: subprocess.Popen[bytes], log: Path) -> bool:
+        """Wait until data flow; return whether they do."""
+
+        def flows() -> bool:
+            return "data flow" in log.read_text(errors="replace")
+
+        return _until(lambda: flows() or run.poll() is not None, PATIENCE) and flows()
 
     def _disturb(self, run: subprocess.Popen[bytes], faults: Sequence[Fault], log: Path) -> None:
-        deadline = time.monotonic() + PATIENCE
-        while "data flow" not in log.read_text(errors="replace"):
-            if run.poll() is not None or time.monotonic() > deadline:
-                self.outcomes += [Outcome(fault, stalled=True) for fault in faults[:1]]
-                return
-            time.sleep(0.05)
-        begin = time.monotonic()
-        watch = TrackWatch(self.tracks, self.inputs)
+        if not self._flows(run, log):
+            self.outcomes.append(Outcome(faults[0], stalled=True))
+            return
+        watch = TrackWatch(self.tracks, self.inputs if _malformed(faults) else ())
         try:
             for fault in faults:
-                watch.spin(max(0.0, begin + fault.seconds - time.monotonic()))
-                if run.poll() is not None:
+                if not self._is_steady(run, watch):
                     return
-                self.outcomes.append(self._one(run, fault, watch))
+                watch.spin(fault.seconds)
+                if run.poll() is None:
+                    self._one(run, fault, watch)
         finally:
             watch.close()
 
     @staticmethod
-    def _one(run: subprocess.Popen[bytes], fault: Fault, watch: TrackWatch) -> Outcome:
-        before, count, at = watch.confirmed(), len(watch.lists), time.monotonic()
-        if fault.kind is FaultKind.MALFORMED:
-            watch.send_malformed(fault.target, fault.seed)
-            count, at = len(watch.lists), time.monotonic()
-        else:
-            _signal_node(run.pid, fault, watch)
+    def _is_steady(run: subprocess.Popen[bytes], watch: TrackWatch) -> bool:
+        """Wait until lists confirm tracks; without tracks there is nothing to watch."""
+        deadline = time.monotonic() + PATIENCE
+        while not watch.steady and run.poll() is None and time.monotonic() < deadline:
+            watch.spin(LOOK)
+        return watch.steady and run.poll() is None
+
+    def _one(self, run: subprocess.Popen[bytes], fault: Fault, watch: TrackWatch) -> None:
         outcome = Outcome(fault)
-        while time.monotonic() < at + STALL and run.poll() is None:
-            watch.spin(0.05)
-            valid = [when for when, names in watch.lists[count:] if names or not before]
-            if valid:
-                outcome.recovered_s = valid[0] - at
+        before, due, at = len(watch.lists), watch.due, time.monotonic()
+        interval = watch.interval
+        _do(run.pid, fault, watch)
+        if fault.kind is not FaultKind.KILL:
+            before, due, at = len(watch.lists), watch.due, time.monotonic()
+        due = max(due, at)
+        while run.poll() is None and time.monotonic() < due + STALL:
+            valid = [each for each in watch.lists[before:] if each.places]
+            if valid and outcome.late is None:
+                outcome.late = max(0.0, valid[0].wall - due)
+                begin = watch.lists.index(valid[0])
+            watch.spin(LOOK)
+            if valid and len(watch.lists) >= begin + LISTS_AFTER:
+                after = watch.lists[begin:]
+                outcome.tracks = identities(watch.lists[:before], after, watch.truth, self.cutoff)
                 break
-        watch.spin(1.0)
-        outcome.stalled = len(watch.lists) == count and run.poll() is None
-        if before and outcome.recovered_s is not None:
-            outcome.identities_kept = before <= watch.confirmed()
-        return outcome
+            due = max(due, watch.lists[-1].wall + interval if valid else due)
+        ended = run.poll() is not None
+        outcome.stalled = outcome.tracks is None and not ended
+        if outcome.late is not None or outcome.stalled:
+            self.outcomes.append(outcome)
+
+    def _check_recording(self, outcome: Outcome) -> None:
+        """Compare what was recorded with what was published, once for all faults of the run."""
+        report = self.folder / "report.json"
+        if not report.exists():
+            return
+        published = {name for topics in self.published.values() for name in topics}
+        stamps = recorded_stamps(self.folder, published)
+        if outcome.fault.kind is FaultKind.RECORDER:
+            outcome.hole = longest_hole(stamps) / self.rate
+        else:
+            outcome.lost_messages = messages_lost(
+                stamps, json.loads(report.read_text()), self.published
+            )
 
 
 def as_plain(outcome: Outcome) -> dict[str, Any]:
     """Return an outcome as JSON takes it."""
     values = asdict(outcome)
     values["fault"]["kind"] = outcome.fault.kind.value
-    return values
+    return {**values, "failed": outcome.failed}
+
+
+def _malformed(faults: Sequence[Fault]) -> bool:
+    return faults[0].kind is FaultKind.MALFORMED
+
+
+def _do(run: int, fault: Fault, watch: TrackWatch) -> None:
+    """Let a fault happen; return when it is over."""
+    if fault.kind is FaultKind.MALFORMED:
+        watch.send_malformed(fault.target, fault.seed)
+    elif fault.kind in OF_THE_NETWORK:
+        parted = fault.kind is FaultKind.PARTITION
+        for is_parted in (False, True, False) if parted else (False,):
+            network.disturb(is_parted)
+            watch.spin(fault.duration if is_parted or not parted else SLOW)
+    elif fault.target:
+        _signal_node(run, fault, watch)
 
 
 def _signal_node(run: int, fault: Fault, watch: TrackWatch) -> None:
-    for process in _children(run, fault.target):
+    for process in node_processes(run, fault.target):
         if fault.kind is not FaultKind.STOP:
             os.kill(process, signal.SIGKILL)
             continue
@@ -183,33 +283,11 @@ def _ended(run: subprocess.Popen[bytes]) -> None:
         run.wait()
 
 
-def _children(run: int, node: str) -> list[int]:
-    """Return the processes of a node of a run."""
-    return [
-        process
-        for process, (parent, _, arguments) in _processes().items()
-        if parent == run and f"sonar_tracking.graph.nodes.{node}\0" in arguments
-    ]
-
-
-def _orphans(run: int) -> list[int]:
-    """Return the nodes of a session that is over."""
-    return [
-        process
-        for process, (_, session, arguments) in _processes().items()
-        if session == run and "sonar_tracking.graph.nodes." in arguments
-    ]
-
-
-def _processes() -> dict[int, tuple[int, int, str]]:
-    """Return parent, session and command line of every process."""
-    found = {}
-    for stat in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            fields = stat.read_text().rpartition(")")[2].split()
-            arguments = (stat.parent / "cmdline").read_bytes().decode(errors="replace")
-        except OSError:
-            continue
-        if fields[0] != "Z":
-            found[int(stat.parent.name)] = (int(fields[1]), int(fields[3]), arguments)
-    return found
+def _until(condition: Callable[[], bool], patience: float) -> bool:
+    """Wait until something is the case; return whether it is."""
+    deadline = time.monotonic() + patience
+    while not condition():
+        if time.monotonic() > deadline:
+            return False
+        time.sleep(LOOK)
+    return True

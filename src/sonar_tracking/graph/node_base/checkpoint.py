@@ -20,11 +20,8 @@ from sonar_tracking.graph.catalogue.resumption import CHECKPOINT
 from sonar_tracking.graph.catalogue.run_identity import VARIABLE as RUN
 from sonar_tracking.records.time import NANOSECONDS
 
-PERIOD = 2 * NANOSECONDS
-"""Between checkpoints, ns of data."""
-
-LEAST_SECONDS = 0.5
-"""And no sooner than that, s of the wall clock."""
+SHARE = 0.02
+"""Of the time of a node that checkpoints may take: a small one is written after every datum."""
 
 LONGEST_GAP = 60 * NANOSECONDS
 """Of data, after which tracks are not taken up again, ns."""
@@ -54,7 +51,7 @@ class Checkpoint:
         path = os.environ.get(CHECKPOINT, "")
         self._path = Path(path) if path else None
         self._head = (sonar_tracking.__version__, os.environ.get(RUN, ""))
-        self._written = (0, 0.0)
+        self._due = 0.0
 
     def take_up(self, stamp: int) -> None:
         """Let the node go on, with its first data, with what the process before has left."""
@@ -65,12 +62,10 @@ class Checkpoint:
                 self._take_state(state)
 
     def keep(self, stamp: int) -> None:
-        """Write the state after the data up to a stamp, ns, unless that was done just now."""
-        before, wall = self._written
-        now = time.monotonic()
-        if self._path is None or abs(stamp - before) < PERIOD or now - wall < LEAST_SECONDS:
+        """Write the state after the data up to a stamp, ns, unless the last time was too costly."""
+        begin = time.monotonic()
+        if self._path is None or begin < self._due:
             return
-        self._written = (stamp, now)
         state = self._state()
         if state is None:
             return
@@ -81,6 +76,8 @@ class Checkpoint:
         except OSError as error:
             sentence = f"the checkpoint cannot be written ({error}); restarted, tracks begin anew."
             self._report("checkpoint", "write", Severity.WARN, sentence)
+        end = time.monotonic()
+        self._due = end + (end - begin) / SHARE
 
     def _read(self, stamp: int) -> Any:
         """Return the state to go on with at a stamp, ns; None = there is none."""

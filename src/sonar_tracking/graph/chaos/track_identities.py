@@ -1,0 +1,139 @@
+"""Whether tracks keep their identifiers over a fault. No ROS.
+
+Before the fault the last :data:`LISTS` lists count: a track that at least :data:`SEEN` of them
+confirm, the last of them or the one before among these, is *established*. After it, the
+:data:`LISTS_AFTER` lists from the first that confirms a track again count: an established track is
+*kept* if one of them confirms its identifier and, where the truth is published, it is still where
+its target is. Its target is the nearest one, within the cutoff, in the last list before the fault
+that confirms it; in the last list after the fault that confirms the track this very target must be
+within the cutoff. An identifier that has gone to another target, or is given again to a track
+elsewhere, is therefore not kept. A track whose target has left the scene in the meantime does not
+count; one that was at no target is judged by its identifier alone.
+
+How many tracks lose their identifiers without any fault is measured in the same way: see the fault
+``nothing``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+LISTS = 5
+"""Lists before a fault that count."""
+
+SEEN = 3
+"""Of these, those that confirm an established track."""
+
+LISTS_AFTER = 10
+"""Lists after a fault that count."""
+
+Place = tuple[float, ...]
+"""East and north, m; or an angle alone, rad."""
+
+
+@dataclass(frozen=True)
+class TrackList:
+    """One list of tracks, or of targets, as far as it is confirmed.
+
+    Attributes
+    ----------
+    wall : float
+        When it came, s of the monotonic clock.
+    stamp : int
+        Of its data, ns.
+    places : mapping of int to sequence of Place
+        Identifier to where the track is; both sides of an ambiguous bearing are places.
+    """
+
+    wall: float
+    stamp: int
+    places: Mapping[int, Sequence[Place]]
+
+
+@dataclass(frozen=True)
+class Identities:
+    """How many tracks were established before a fault, and how many were kept."""
+
+    established: int
+    kept: int
+
+
+def identities(
+    before: Sequence[TrackList],
+    after: Sequence[TrackList],
+    truth: Sequence[TrackList],
+    cutoff: float,
+) -> Identities:
+    """Return how many established tracks there were, and how many were kept.
+
+    Parameters
+    ----------
+    before, after : sequence of TrackList
+        In the order they came.
+    truth : sequence of TrackList
+        Of the targets; empty = it is not published.
+    cutoff : float
+        Farthest a track is from its target, m or rad.
+    """
+    established = kept = 0
+    following = after[:LISTS_AFTER]
+    for name in _established(before[-LISTS:]):
+        target = _target(name, before, truth, cutoff)
+        last = _latest(name, following)
+        if target is not None and not _is_there(target, last or following[-1:], truth):
+            continue
+        established += 1
+        if last and (target is None or _distance(name, target, last[0], truth) <= cutoff):
+            kept += 1
+    return Identities(established, kept)
+
+
+def _established(lists: Sequence[TrackList]) -> list[int]:
+    times = Counter(name for each in lists for name in each.places)
+    recent = {name for each in lists[-2:] for name in each.places}
+    return [name for name, count in times.items() if count >= SEEN and name in recent]
+
+
+def _latest(name: int, lists: Sequence[TrackList]) -> list[TrackList]:
+    """Return the last list that confirms a track, if one does."""
+    return [each for each in lists if name in each.places][-1:]
+
+
+def _target(
+    name: int, before: Sequence[TrackList], truth: Sequence[TrackList], cutoff: float
+) -> int | None:
+    """Return the target a track is at before the fault, if it is at one."""
+    (last,) = _latest(name, before)
+    targets = _truth_at(last.stamp, truth)
+    nearest = min(targets, key=lambda each: _distance(name, each, last, truth), default=None)
+    if nearest is None or _distance(name, nearest, last, truth) > cutoff:
+        return None
+    return nearest
+
+
+def _is_there(target: int, lists: Iterable[TrackList], truth: Sequence[TrackList]) -> bool:
+    return all(target in _truth_at(each.stamp, truth) for each in lists)
+
+
+def _truth_at(stamp: int, truth: Sequence[TrackList]) -> Mapping[int, Sequence[Place]]:
+    """Return where the targets are, by the true list that is nearest in time."""
+    nearest = min(truth, key=lambda each: abs(each.stamp - stamp), default=None)
+    return {} if nearest is None else nearest.places
+
+
+def _distance(name: int, target: int, tracks: TrackList, truth: Sequence[TrackList]) -> float:
+    """Return how far a track is from a target, m or rad."""
+    true_places = _truth_at(tracks.stamp, truth).get(target, ())
+    return min(
+        (_apart(one, other) for one in tracks.places[name] for other in true_places),
+        default=math.inf,
+    )
+
+
+def _apart(one: Place, other: Place) -> float:
+    if len(one) == 1:
+        return abs(math.remainder(one[0] - other[0], 2 * math.pi))
+    return math.dist(one, other)
