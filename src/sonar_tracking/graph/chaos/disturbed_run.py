@@ -8,22 +8,22 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
-from sonar_tracking.graph.catalogue.topics import Topic
 from sonar_tracking.graph.chaos import network
 from sonar_tracking.graph.chaos.fault_plan import ENDS_THE_RUN, OF_THE_NETWORK, Fault, FaultKind
+from sonar_tracking.graph.chaos.outcome import Outcome
 from sonar_tracking.graph.chaos.recording_check import (
     longest_hole,
     messages_lost,
     recorded_stamps,
 )
 from sonar_tracking.graph.chaos.run_processes import has_begun, node_processes, nodes_of
-from sonar_tracking.graph.chaos.track_identities import LISTS_AFTER, Identities, identities
+from sonar_tracking.graph.chaos.track_identities import LISTS_AFTER, identities
 from sonar_tracking.graph.chaos.track_watch import TrackWatch
+from sonar_tracking.graph.chaos.watched_graph import WatchedGraph
 
 STALL = 20.0
 """A list that is so much later than due has stalled, s of the wall clock."""
@@ -40,50 +40,6 @@ LOOK = 0.05
 SLOW = 3.0
 """The network is slow for so long before it parts, and after, s."""
 
-INTERRUPTED = 128 + signal.SIGINT
-
-
-@dataclass
-class Outcome:
-    """What came of one fault.
-
-    Attributes
-    ----------
-    fault : Fault
-        What happened.
-    late : float or None
-        How much later than due a list confirmed a track again, s of the wall clock; what was due
-        before the fault is counted from the fault. None = none did, or the run ended before.
-    tracks : Identities or None
-        Tracks established before, and kept; None = the run ended before that could be told.
-    stalled, orphans, traceback : bool
-        Whether the run stood still, left processes behind, or printed a traceback.
-    exit_code : int or None
-        Of the run, if the fault ended it.
-    lost_messages : int or None
-        Messages of nodes that were not killed the recording lacks; of the first fault of a run.
-    hole : float or None
-        Of a killed recorder: longest hole in the recording, s of the wall clock; the same.
-    """
-
-    fault: Fault
-    late: float | None = None
-    tracks: Identities | None = None
-    stalled: bool = False
-    orphans: bool = False
-    traceback: bool = False
-    exit_code: int | None = None
-    lost_messages: int | None = None
-    hole: float | None = None
-
-    @property
-    def failed(self) -> bool:
-        """Whether the run did what no run may do, whatever is done to it."""
-        wrong_end = self.fault.kind in (FaultKind.INTERRUPT, FaultKind.START) and (
-            self.exit_code != INTERRUPTED
-        )
-        return self.stalled or self.orphans or self.traceback or wrong_end
-
 
 @dataclass
 class DisturbedRun:
@@ -91,29 +47,17 @@ class DisturbedRun:
 
     Attributes
     ----------
-    scenario : str
-        As typed.
+    graph : WatchedGraph
+        What is run, and watched of it.
     rate : float
         Seconds of data a second.
     folder : Path
         Where its bag, its output and its logs go.
-    tracks : Topic
-        Lists of tracks that are watched.
-    cutoff : float
-        Farthest a track is from its target, m or rad.
-    inputs : sequence of Topic
-        Inputs of nodes.
-    published : mapping of str to sequence of str
-        Node to the full names of the topics it publishes.
     """
 
-    scenario: str
+    graph: WatchedGraph
     rate: float
     folder: Path
-    tracks: Topic
-    cutoff: float
-    inputs: Sequence[Topic]
-    published: Mapping[str, Sequence[str]]
     outcomes: list[Outcome] = field(default_factory=list)
 
     def suffer(self, faults: Sequence[Fault]) -> list[Outcome]:
@@ -150,7 +94,7 @@ class DisturbedRun:
 
     def _command(self) -> list[str]:
         return [
-            *(sys.executable, "-m", "sonar_tracking", "run", self.scenario),
+            *(sys.executable, "-m", "sonar_tracking", "run", self.graph.scenario),
             *("--rate", f"{self.rate:g}", "--no-display"),
             *("--record", str(self.folder / "bag")),
             *("--json", str(self.folder / "report.json")),
@@ -183,7 +127,7 @@ class DisturbedRun:
         if not self._flows(run, log):
             self.outcomes.append(Outcome(faults[0], stalled=True))
             return
-        watch = TrackWatch(self.tracks, self.inputs if _malformed(faults) else ())
+        watch = TrackWatch(self.graph.tracks, self.graph.inputs if _malformed(faults) else ())
         try:
             for fault in faults:
                 if not self._is_steady(run, watch):
@@ -218,7 +162,9 @@ class DisturbedRun:
             watch.spin(LOOK)
             if valid and len(watch.lists) >= begin + LISTS_AFTER:
                 after = watch.lists[begin:]
-                outcome.tracks = identities(watch.lists[:before], after, watch.truth, self.cutoff)
+                outcome.tracks = identities(
+                    watch.lists[:before], after, watch.truth, self.graph.cutoff
+                )
                 break
             due = max(due, watch.lists[-1].wall + interval if valid else due)
         ended = run.poll() is not None
@@ -231,21 +177,14 @@ class DisturbedRun:
         report = self.folder / "report.json"
         if not report.exists():
             return
-        published = {name for topics in self.published.values() for name in topics}
+        published = {name for topics in self.graph.published.values() for name in topics}
         stamps = recorded_stamps(self.folder, published)
         if outcome.fault.kind is FaultKind.RECORDER:
             outcome.hole = longest_hole(stamps) / self.rate
         else:
             outcome.lost_messages = messages_lost(
-                stamps, json.loads(report.read_text()), self.published
+                stamps, json.loads(report.read_text()), self.graph.published
             )
-
-
-def as_plain(outcome: Outcome) -> dict[str, Any]:
-    """Return an outcome as JSON takes it."""
-    values = asdict(outcome)
-    values["fault"]["kind"] = outcome.fault.kind.value
-    return {**values, "failed": outcome.failed}
 
 
 def _malformed(faults: Sequence[Fault]) -> bool:

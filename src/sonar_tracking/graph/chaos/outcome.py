@@ -1,0 +1,61 @@
+"""What came of one fault. No ROS."""
+
+from __future__ import annotations
+
+import signal
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from sonar_tracking.graph.chaos.fault_plan import Fault, FaultKind
+from sonar_tracking.graph.chaos.track_identities import Identities
+
+INTERRUPTED = 128 + signal.SIGINT
+
+
+@dataclass
+class Outcome:
+    """What came of one fault.
+
+    Attributes
+    ----------
+    fault : Fault
+        What happened.
+    late : float or None
+        How much later than due a list confirmed a track again, s of the wall clock; what was due
+        before the fault is counted from the fault. None = none did, or the run ended before.
+    tracks : Identities or None
+        Tracks established before, and kept; None = the run ended before that could be told.
+    stalled, orphans, traceback : bool
+        Whether the run stood still, left processes behind, or printed a traceback.
+    exit_code : int or None
+        Of the run, if the fault ended it.
+    lost_messages : int or None
+        Messages of nodes that were not killed the recording lacks; of the first fault of a run.
+    hole : float or None
+        Of a killed recorder: longest hole in the recording, s of the wall clock; the same.
+    """
+
+    fault: Fault
+    late: float | None = None
+    tracks: Identities | None = None
+    stalled: bool = False
+    orphans: bool = False
+    traceback: bool = False
+    exit_code: int | None = None
+    lost_messages: int | None = None
+    hole: float | None = None
+
+    @property
+    def failed(self) -> bool:
+        """Whether the run did what no run may do, whatever is done to it."""
+        wrong_end = self.fault.kind in (FaultKind.INTERRUPT, FaultKind.START) and (
+            self.exit_code != INTERRUPTED
+        )
+        return self.stalled or self.orphans or self.traceback or wrong_end
+
+
+def as_plain(outcome: Outcome) -> dict[str, Any]:
+    """Return an outcome as JSON takes it."""
+    values = asdict(outcome)
+    values["fault"]["kind"] = outcome.fault.kind.value
+    return {**values, "failed": outcome.failed}
