@@ -20,6 +20,8 @@ from sonar_tracking import cli
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.evaluation.offline.offline_bearing_chain import run_offline_chain
+from sonar_tracking.graph.catalogue.topics import BEARING_TRACKS, SNAPSHOTS
+from sonar_tracking.graph.message_writing.field_writing import message_class
 from sonar_tracking.graph.orchestration.run_observer import tracks_from_bytes
 from sonar_tracking.graph.verbs import run_command as run_command_module
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
@@ -258,20 +260,48 @@ def test_a_second_run_in_the_domain_is_refused_and_harms_nobody(
     assert report_of(json)["topics"][TRACKS]["messages"] == 4
 
 
-def test_a_foreign_clock_is_refused(tmp_path: Path) -> None:
+@pytest.fixture
+def stranger(tmp_path: Path) -> Iterator[Node]:
+    """Yield a node of somebody else in the domain of the runs."""
     context = Context()
     domain = int(environment(tmp_path)["ROS_DOMAIN_ID"])
     rclpy.init(args=[], context=context, domain_id=domain)
-    stranger = Node("stranger", context=context, use_global_arguments=False)
+    node = Node("stranger", context=context, use_global_arguments=False)
+    yield node
+    node.destroy_node()
+    rclpy.shutdown(context=context)
+
+
+def test_a_foreign_clock_is_refused(tmp_path: Path, stranger: Node) -> None:
     stranger.create_publisher(Clock, "/clock", 10)
-    try:
-        done = run_command(tmp_path, "run", "--rate", "max")
-    finally:
-        stranger.destroy_node()
-        rclpy.shutdown(context=context)
+    done = run_command(tmp_path, "run", "--rate", "max")
     assert done.returncode == 1
     assert "/clock by /orchestration, /stranger" in done.stdout
     assert "ROS_DOMAIN_ID" in done.stdout
+
+
+def test_a_stranger_who_listens_at_bring_up_and_then_moves_the_clock_changes_nothing(
+    tmp_path: Path, stranger: Node, running: list[RunningCommand], recorded_run: RecordedRun
+) -> None:
+    """He does not pass for a node that data wait for, nor do data follow him; he is named."""
+    json = tmp_path / "report.json"
+    for topic in (SNAPSHOTS, BEARING_TRACKS):
+        kind = message_class(topic.message_type)
+        stranger.create_subscription(kind, topic.name, lambda _message: None, 10)
+    command = RunningCommand(tmp_path, "run", "--rate", "8", "--json", json)
+    running.append(command)
+    command.wait_for_text(FLOWING)
+    clock = stranger.create_publisher(Clock, "/clock", 10)
+    ahead = Clock()
+    ahead.clock.sec = 2_000_000_000
+
+    def is_named() -> bool:
+        clock.publish(ahead)
+        return "/stranger publishes the clock of this run, too" in command.output
+
+    command.wait_for(is_named)
+    assert command.wait() == 0, command.output
+    assert digests(report_of(json)) == digests(recorded_run.report)
 
 
 BAD_REQUESTS = [

@@ -45,6 +45,11 @@ def test_an_identifier_that_goes_to_another_target_is_lost() -> None:
     assert identities(BEFORE, after, [], CUTOFF) == Identities(2, 2), "without truth nobody knows"
 
 
+def test_a_track_that_drifts_off_keeps_its_identifier() -> None:
+    after = lists(5, {7: (-500.0, 0.0), 8: EAST})
+    assert identities(BEFORE, after, TRUTH, CUTOFF) == Identities(2, 2)
+
+
 def test_a_target_that_leaves_does_not_count() -> None:
     truth = [*TRUTH[:6], *(TrackList(0.0, stamp, {2: [EAST]}) for stamp in range(6, 20))]
     after = lists(5, {8: EAST}, {8: EAST})

@@ -6,8 +6,12 @@ import signal
 from pathlib import Path
 
 import pytest
+from sonar_tracking_msgs.msg import Progress
 
-from sonar_tracking.graph.catalogue.topics import CONTACTS, ODOMETRY, TRUE_TRACKS
+from sonar_tracking.graph.catalogue import run_identity
+from sonar_tracking.graph.catalogue.topics import CONTACTS, ODOMETRY, TIME_TOPIC, TRUE_TRACKS
+from sonar_tracking.graph.message_writing.field_writing import time_from_stamp
+from sonar_tracking.graph.node_base import quality_of_service
 from sonar_tracking.message_reading.contact_reading import contacts_from_message
 from sonar_tracking.message_reading.field_reading import stamp_from_time
 from sonar_tracking.records.time import END_OF_DATA
@@ -77,3 +81,28 @@ def test_a_scenario_without_an_active_sonar_is_named_and_the_node_ends(tmp_path:
     with node_process(MODULE, tmp_path / "log", use_sim_time=True, scenario="doa_fusion") as node:
         assert node.wait() == 1
         assert "doa_fusion has no section active_sonar" in node.output
+
+
+def test_a_simulator_of_a_run_follows_the_time_of_that_run_alone(
+    tmp_path: Path, scenario: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(run_identity.VARIABLE, "0123")
+    probe = Probe()
+    contacts, *_ = [probe.listen(topic) for topic in TOPICS]
+    time = probe.node.create_publisher(Progress, TIME_TOPIC, quality_of_service.CLOCK)
+
+    def tell(who: str, seconds: float) -> None:
+        told = Progress(node=who, topic="/clock")
+        told.header.stamp = time_from_stamp(EPOCH + round(seconds * SECOND))
+        time.publish(told)
+
+    with node_process(MODULE, tmp_path / "log", use_sim_time=True, scenario=scenario):
+        probe.wait_matched(NODE, "/clock", f"/{TIME_TOPIC}", *(f"/{each.name}" for each in TOPICS))
+        probe.tick(EPOCH + 100 * SECOND)
+        tell("orchestration", 100.0)
+        tell("orchestration@4567", 100.0)
+        tell("orchestration@0123", 4.0)
+        probe.wait(lambda: bool(contacts), "the first ping")
+        tell("orchestration@0123", 9.0)
+        probe.wait(lambda: len(contacts) > 1, "the second ping")
+    assert stamps(contacts) == [EPOCH, EPOCH + 5 * SECOND]

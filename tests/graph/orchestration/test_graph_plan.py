@@ -6,9 +6,10 @@ import yaml
 
 from sonar_tracking.graph.catalogue.graph_names import GraphNames
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
+from sonar_tracking.graph.catalogue.run_identity import CONTROL_NODE
 from sonar_tracking.graph.catalogue.topics import BEARING_TRACKS, SNAPSHOTS, SUBSPACES
 from sonar_tracking.graph.catalogue.transport_profile import TransportChoice
-from sonar_tracking.graph.orchestration.graph_plan import CONTROL_NODE, GraphPlan, process_plan
+from sonar_tracking.graph.orchestration.graph_plan import GraphPlan, process_plan
 
 ESTIMATOR = PlannedNode("estimator", "a.module", (SNAPSHOTS,), (SUBSPACES,), {"period": 1.0})
 TRACKER = PlannedNode(

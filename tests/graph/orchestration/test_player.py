@@ -6,8 +6,8 @@ from typing import Any
 import pytest
 
 from sonar_tracking.bags.storage.storage_file import BagMessage
+from sonar_tracking.graph.catalogue.run_identity import CONTROL_NODE
 from sonar_tracking.graph.orchestration.flow_ledger import FlowLedger
-from sonar_tracking.graph.orchestration.graph_plan import CONTROL_NODE
 from sonar_tracking.graph.orchestration.player import CLOCK_PERIOD, Player
 
 BLOCKS, TRACKS = "/array/snapshots", "/passive/bearing_tracks"

@@ -13,10 +13,18 @@ import secrets
 VARIABLE = "SONAR_TRACKING_RUN"
 """Environment variable that holds the identity; nodes started by hand have none."""
 
+CONTROL_NODE = "orchestration"
+"""Name of the node of the orchestration."""
+
 
 def new_identity() -> str:
     """Return the identity of a new run."""
     return secrets.token_hex(8)
+
+
+def own_identity() -> str:
+    """Return the identity of the run that this process was started for; empty = by hand."""
+    return os.environ.get(VARIABLE, "")
 
 
 def signed(node: str, identity: str | None = None) -> str:
@@ -30,5 +38,5 @@ def signed(node: str, identity: str | None = None) -> str:
         Of the run; default: the one this process was given.
     """
     if identity is None:
-        identity = os.environ.get(VARIABLE, "")
+        identity = own_identity()
     return f"{node}@{identity}" if identity else node

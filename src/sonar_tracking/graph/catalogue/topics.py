@@ -8,6 +8,8 @@ from enum import Enum
 CLOCK_TOPIC = "/clock"
 DIAGNOSTICS_TOPIC = "/diagnostics"
 PROGRESS_TOPIC = "flow/done"
+TIME_TOPIC = "flow/time"
+"""The time of a run, for its own sources of data: ``/clock`` is open to whoever publishes it."""
 
 
 class TopicKind(Enum):

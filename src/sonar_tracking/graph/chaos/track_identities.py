@@ -1,14 +1,15 @@
 """Whether tracks keep their identifiers over a fault. No ROS.
 
 Before the fault the last :data:`LISTS` lists count: a track that at least :data:`SEEN` of them
-confirm, the last of them or the one before among these, is *established*. After it, the
-:data:`LISTS_AFTER` lists from the first that confirms a track again count: an established track is
-*kept* if one of them confirms its identifier and, where the truth is published, it is still where
-its target is. Its target is the nearest one, within the cutoff, in the last list before the fault
-that confirms it; in the last list after the fault that confirms the track this very target must be
-within the cutoff. An identifier that has gone to another target, or is given again to a track
-elsewhere, is therefore not kept. A track whose target has left the scene in the meantime does not
-count; one that was at no target is judged by its identifier alone.
+confirm, one of the last two among these, is *established*. After it, the :data:`LISTS_AFTER` lists
+from the first that confirms a track again count: an established track is *kept* if one of them
+confirms its identifier and, where the truth is published, it has not gone to another target. Its
+target is the nearest one, within the cutoff, in the last list before the fault that confirms it. It
+has gone to another if, in the last list after the fault that confirms it, it is within the cutoff
+of that one and beyond the cutoff of its own; an identifier that is given again elsewhere is such a
+track. A track whose target has left the scene in the meantime does not count; one that was at no
+target is judged by its identifier alone, as is one that has drifted off on its own: where positions
+come from bearings alone, many are that far from the truth.
 
 How many tracks lose their identifiers without any fault is measured in the same way: see the fault
 ``nothing``.
@@ -86,7 +87,7 @@ def identities(
         if target is not None and not _is_there(target, last or following[-1:], truth):
             continue
         established += 1
-        if last and (target is None or _distance(name, target, last[0], truth) <= cutoff):
+        if last and (target is None or not _has_gone(name, target, last[0], truth, cutoff)):
             kept += 1
     return Identities(established, kept)
 
@@ -112,6 +113,18 @@ def _target(
     if nearest is None or _distance(name, nearest, last, truth) > cutoff:
         return None
     return nearest
+
+
+def _has_gone(
+    name: int, target: int, last: TrackList, truth: Sequence[TrackList], cutoff: float
+) -> bool:
+    """Tell whether a track is at another target, and not at its own."""
+    near = {
+        each
+        for each in _truth_at(last.stamp, truth)
+        if _distance(name, each, last, truth) <= cutoff
+    }
+    return bool(near) and target not in near
 
 
 def _is_there(target: int, lists: Iterable[TrackList], truth: Sequence[TrackList]) -> bool:

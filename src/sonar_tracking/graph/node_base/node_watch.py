@@ -10,7 +10,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from sonar_tracking.errors import Severity
-from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC
+from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC, TIME_TOPIC
 from sonar_tracking.graph.node_base.data_flow import (
     DataInput,
     DataOutput,
@@ -74,6 +74,7 @@ class NodeWatch:
         self._release = release
         self._by_clock_topic = bool(node.get_parameter("use_sim_time").value)
         self._clock_topic = node.resolve_topic_name(CLOCK_TOPIC)
+        self._time_topic = node.resolve_topic_name(TIME_TOPIC)
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._started = self._steady.now().nanoseconds
         self._inputs = inputs
@@ -145,7 +146,7 @@ class NodeWatch:
         self._diagnostics.report(input_concern(source), "stalled", severity, sentence, lasting=True)
 
     def _matched_endpoints(self) -> dict[str, object]:
-        """Return the matched remote endpoints of every data topic, /clock and flow/done."""
+        """Return the matched remote endpoints of every data topic and of those of the flow."""
         counts: dict[str, object] = {}
         for source in self._inputs:
             counts[source.name] = source.subscription.get_publisher_count()
@@ -154,6 +155,9 @@ class NodeWatch:
         flow = self._progress.publisher
         counts[flow.topic_name] = flow.get_subscription_count()
         counts[self._clock_topic] = clock_publishers(self._node)
+        for subscription in self._node.subscriptions:
+            if subscription.topic_name == self._time_topic:
+                counts[self._time_topic] = subscription.get_publisher_count()
         return counts
 
     def _clock_step(self) -> int:

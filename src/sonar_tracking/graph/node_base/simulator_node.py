@@ -1,9 +1,11 @@
 """Base of the nodes that simulate a sensor: they publish whatever is due.
 
 With simulation time a simulator emits, at each ``/clock``, everything due up to it, so that
-skipped ticks do no harm, and reports on ``flow/done`` how far it has served the clock. Without, the
-scenario begins at the present time of the node's clock, when somebody subscribes to its data: a
-real sensor has no other stamps.
+skipped ticks do no harm, and reports on ``flow/done`` how far it has served the clock. A simulator
+of a run follows the orchestration of that run alone, on ``flow/time``: a ``/clock`` of somebody
+else would make it publish more than its consumers can take. Without simulation time, the scenario
+begins at the present time of the node's clock, when somebody subscribes to its data: a real sensor
+has no other stamps.
 """
 
 from __future__ import annotations
@@ -14,13 +16,16 @@ from dataclasses import replace
 from typing import Any, Protocol
 
 import yaml
+from builtin_interfaces.msg import Time
 from rosgraph_msgs.msg import Clock
+from sonar_tracking_msgs.msg import Progress
 
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.node_configuration import SimulatorConfiguration
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.resumption import resumes_after
-from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC
+from sonar_tracking.graph.catalogue.run_identity import CONTROL_NODE, own_identity, signed
+from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC, TIME_TOPIC
 from sonar_tracking.graph.node_base import quality_of_service
 from sonar_tracking.graph.node_base.data_flow import DataOutput
 from sonar_tracking.graph.node_base.sonar_node import SonarNode
@@ -103,7 +108,7 @@ class SimulatorNode(SonarNode):
         except ConfigurationError as error:
             raise ConfigurationError(f"{self.get_name()}.scenario: {error}") from error
         if self.get_parameter("use_sim_time").value:
-            self.create_subscription(Clock, CLOCK_TOPIC, self._tick, quality_of_service.CLOCK)
+            self._follow_time()
             return
         self._waiting: Scenario | None = scenario
         self.create_timer(scenario.step, self._pace)
@@ -115,13 +120,27 @@ class SimulatorNode(SonarNode):
             self.diagnostics.advance(self._next.start_stamp)
             self._next = next(self._data, None)
 
-    def _tick(self, clock: Clock) -> None:
-        now = stamp_from_time(clock.clock)
+    def _follow_time(self) -> None:
+        profile = quality_of_service.CLOCK
+        if own_identity():
+            self.create_subscription(Progress, TIME_TOPIC, self._take_time, profile)
+        else:
+            self.create_subscription(Clock, CLOCK_TOPIC, self._take_clock, profile)
+
+    def _take_clock(self, clock: Clock) -> None:
+        self._tick(clock.clock)
+
+    def _take_time(self, told: Progress) -> None:
+        if told.node == signed(CONTROL_NODE):
+            self._tick(told.header.stamp)
+
+    def _tick(self, time: Time) -> None:
+        now = stamp_from_time(time)
         if self._ticks == 0:
             self._skip_past(now)
         self.serve(now)
         self._ticks += 1
-        self.progress.report(CLOCK_TOPIC, self._ticks, clock.clock)
+        self.progress.report(CLOCK_TOPIC, self._ticks, time)
 
     def _prepare(self, scenario: Scenario) -> None:
         self._data = self.data(scenario)

@@ -34,6 +34,6 @@ class ClockWatch:
         for name in sorted({name for name in others() if _NAMELESS not in name} - self._told):
             self._told.add(name)
             yield (
-                f"{name} publishes the clock of this run, too: data may have come too early and "
-                "be lost; end it, or choose another ROS_DOMAIN_ID or --namespace."
+                f"{name} publishes the clock of this run, too: the data do not follow it, but "
+                "other nodes may; end it, or choose another ROS_DOMAIN_ID or --namespace."
             )

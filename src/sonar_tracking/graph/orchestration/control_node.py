@@ -27,11 +27,12 @@ from sonar_tracking_msgs.msg import Progress
 from sonar_tracking.bags.storage.log_time import head_stamp
 from sonar_tracking.errors import LONGEST_SENTENCE, shown
 from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
-from sonar_tracking.graph.catalogue.run_identity import signed
+from sonar_tracking.graph.catalogue.run_identity import CONTROL_NODE, signed
 from sonar_tracking.graph.catalogue.topics import (
     CLOCK_TOPIC,
     DIAGNOSTICS_TOPIC,
     PROGRESS_TOPIC,
+    TIME_TOPIC,
     Topic,
 )
 from sonar_tracking.graph.message_writing.field_writing import message_class, time_from_stamp
@@ -41,7 +42,7 @@ from sonar_tracking.graph.node_base.neighbours import Neighbours
 from sonar_tracking.graph.node_base.ready_reports import LOOK_PERIOD
 from sonar_tracking.graph.orchestration.finished_stamps import FinishedStamps
 from sonar_tracking.graph.orchestration.flow_ledger import FlowLedger
-from sonar_tracking.graph.orchestration.graph_plan import CONTROL_NODE, resolved
+from sonar_tracking.graph.orchestration.graph_plan import resolved
 from sonar_tracking.graph.orchestration.matched_edges import MatchedEdges
 from sonar_tracking.graph.orchestration.run_observer import RunObserver
 from sonar_tracking.message_reading.field_reading import stamp_from_time
@@ -117,6 +118,11 @@ class ControlNode:
         )
         self._neighbours = Neighbours(self._node)
         self._clock = self._node.create_publisher(Clock, naming.clock, quality_of_service.CLOCK)
+        self._signature = signed(CONTROL_NODE, run)
+        time_topic = naming.of(TIME_TOPIC)
+        self._time = self._node.create_publisher(Progress, time_topic, quality_of_service.CLOCK)
+        if sources:
+            self._publishers[time_topic] = self._time
         self._node.create_subscription(
             Progress, naming.of(PROGRESS_TOPIC), self._progress, quality_of_service.PROGRESS
         )
@@ -178,7 +184,11 @@ class ControlNode:
     def publish_clock(self, stamp: int) -> None:
         """Tell the graph the time, ns."""
         self._told = stamp
-        self._clock.publish(Clock(clock=time_from_stamp(stamp)))
+        instant = time_from_stamp(stamp)
+        told = Progress(node=self._signature, topic=self._clock.topic_name)
+        told.header.stamp = instant
+        self._time.publish(told)
+        self._clock.publish(Clock(clock=instant))
 
     def publish(self, topic: str, data: bytes) -> None:
         """Publish a serialised message on a topic offered before."""

@@ -16,7 +16,7 @@ from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
 from sonar_tracking.graph.catalogue.recorder_parameters import RECORDER
 from sonar_tracking.graph.catalogue.resumption import CHECKPOINT
-from sonar_tracking.graph.catalogue.run_identity import VARIABLE, new_identity
+from sonar_tracking.graph.catalogue.run_identity import CONTROL_NODE, VARIABLE, new_identity
 from sonar_tracking.graph.catalogue.topics import (
     CLOCK_TOPIC,
     LOFAR,
@@ -24,6 +24,7 @@ from sonar_tracking.graph.catalogue.topics import (
     SAMPLES,
     SNAPSHOTS,
     SUBSPACES,
+    TIME_TOPIC,
     Topic,
 )
 from sonar_tracking.graph.catalogue.transport_profile import TransportChoice
@@ -32,7 +33,6 @@ from sonar_tracking.graph.orchestration.matched_edges import MatchedEdges
 from sonar_tracking.graph.orchestration.process_supervisor import ProcessPlan
 from sonar_tracking.one_thread import ONE_THREAD
 
-CONTROL_NODE = "orchestration"
 """Name of the orchestration's own node."""
 
 _LARGE_TYPES = {topic.message_type for topic in (SNAPSHOTS, SAMPLES, SUBSPACES, LOFAR)}
@@ -134,8 +134,11 @@ class GraphPlan:
         control = (CONTROL_NODE,)
         subscriptions = {node.name: self._heard(node, producers) for node in self.nodes}
         subscriptions = {
-            name: {self.naming.clock: control} | heard for name, heard in subscriptions.items()
+            name: {self.naming.clock: control, **heard} for name, heard in subscriptions.items()
         }
+        time = self.naming.of(TIME_TOPIC)
+        for source in self.sources:
+            subscriptions[source][time] = control
         subscriptions |= {node.name: self._heard(node, producers) for node in self.displays}
         publishers = {
             node.name: {self.naming.of(PROGRESS_TOPIC): control}
@@ -143,6 +146,8 @@ class GraphPlan:
             for node in self.nodes
         }
         publishers[CONTROL_NODE] = {name: consumers[name] for name in self.offered_names()}
+        if self.sources:
+            publishers[CONTROL_NODE][time] = self.sources
         # What is not recorded of a display, nobody has to look at.
         recorders = tuple(node.name for node in self.nodes if node.name == RECORDER)
         publishers |= {

@@ -17,11 +17,12 @@ from typing import TYPE_CHECKING
 from sonar_tracking.display.run_display import RunDisplay
 from sonar_tracking.display.track_table import GraphState
 from sonar_tracking.errors import SonarTrackingError
+from sonar_tracking.graph.catalogue.run_identity import CONTROL_NODE
 from sonar_tracking.graph.catalogue.topics import TRUE_TRACKS
 from sonar_tracking.graph.orchestration import reported_figures
 from sonar_tracking.graph.orchestration.clock_watch import ClockWatch
 from sonar_tracking.graph.orchestration.data_source import DataSource
-from sonar_tracking.graph.orchestration.graph_plan import CONTROL_NODE, GraphPlan
+from sonar_tracking.graph.orchestration.graph_plan import GraphPlan
 from sonar_tracking.graph.orchestration.process_supervisor import (
     ProcessSupervisor,
     SupervisedProcess,
@@ -44,8 +45,7 @@ LOST_SECONDS = 60.0
 FOREIGN_PATIENCE = 3.0
 DISPLAY_PATIENCE = 10.0
 DISPLAY_SECONDS = 0.5
-_LONGEST_WAIT = 0.05
-_WATCH_SECONDS = 0.1
+_LONGEST_WAIT, _WATCH_SECONDS = 0.05, 0.1
 
 
 class RunFailedError(SonarTrackingError):
@@ -302,10 +302,10 @@ class Orchestration:
         for process in self.supervisor.poll():
             ours = process.plan.name in self._nodes
             (self._ended.append if ours else self._go_on_without)(process)
-        self._take_notices(control)
         if self._flow_started is not None:
-            for sentence in self._clock_watch.news(wall, control.other_clocks):
-                self._fail(sentence)
+            news = self._clock_watch.news(wall, control.other_clocks)
+            control.notices.update((sentence, sentence) for sentence in news)
+        self._take_notices(control)
         if self.ledger.changes != self._progress[0]:
             self._progress = (self.ledger.changes, wall)
             self._stall_told = wall

@@ -6,10 +6,10 @@ import math
 from collections.abc import Callable, Iterable, Iterator
 
 from sonar_tracking.bags.storage.storage_file import BagMessage
+from sonar_tracking.graph.catalogue.run_identity import CONTROL_NODE
 from sonar_tracking.graph.orchestration.control_node import ControlNode
 from sonar_tracking.graph.orchestration.data_source import IDLE_SECONDS
 from sonar_tracking.graph.orchestration.flow_ledger import FlowLedger
-from sonar_tracking.graph.orchestration.graph_plan import CONTROL_NODE
 from sonar_tracking.records.time import NANOSECONDS
 
 CLOCK_PERIOD = NANOSECONDS // 10

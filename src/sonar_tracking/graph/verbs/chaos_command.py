@@ -80,11 +80,7 @@ def chaos(
     console.print(outcome_table(outcomes))
     for kind in kinds:
         console.print(f"{kind.value}: {DESCRIPTIONS[kind]}", highlight=False)
-    console.print(
-        f"load {min(loads):.1f} to {max(loads):.1f} on {os.cpu_count()} processors; outputs and "
-        f"bags of the runs are in {folder}",
-        highlight=False,
-    )
+    console.print(f"outputs and bags of the runs are in {folder}", highlight=False)
     if json is not None:
         figures = {
             **{"scenarios": list(scenarios), "runs": runs, "seed": seed, "rate": pace},
