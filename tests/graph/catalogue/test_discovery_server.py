@@ -8,7 +8,11 @@ from collections.abc import Iterator
 import pytest
 
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.graph.catalogue.discovery_server import check_discovery_server, server_problem
+from sonar_tracking.graph.catalogue.discovery_server import (
+    check_discovery_server,
+    server_problem,
+    silence_in_words,
+)
 
 
 @pytest.fixture
@@ -60,3 +64,10 @@ def test_what_is_no_address_is_refused(text: str) -> None:
 def test_a_name_that_does_not_exist_is_refused() -> None:
     with pytest.raises(ConfigurationError, match="no such host"):
         check("nowhere.invalid:11811")
+
+
+def test_a_server_that_nobody_hears_of_is_named() -> None:
+    """As behind a firewall that drops what it does not know."""
+    assert silence_in_words({}) == ""
+    said = silence_in_words({"ROS_DISCOVERY_SERVER": "10.0.0.5:11811"})
+    assert "10.0.0.5:11811" in said and "firewall" in said

@@ -2,7 +2,8 @@
 
 Without its server a node finds nobody, and says nothing. A server does not answer strangers, so
 what can be told is that nobody listens: the name is unknown, the machine refuses, or it is silent
-on its own link. A firewall that drops what it does not know looks like a server.
+on its own link. A firewall that drops what it does not know looks like a server: that is told when
+nodes have waited for each other in vain.
 """
 
 from __future__ import annotations
@@ -47,6 +48,17 @@ def check_discovery_server(environment: Mapping[str, str] = os.environ) -> None:
             f"{SERVER} is {value!r}, but there is no server ({found}): start it "
             f"(fast-discovery-server), correct the address, or unset {SERVER}."
         )
+
+
+def silence_in_words(environment: Mapping[str, str] = os.environ) -> str:
+    """Return a sentence for nodes that do not find each other by way of a server, else nothing."""
+    servers = ", ".join(_entries(environment.get(SERVER, "")))
+    if not servers:
+        return ""
+    return (
+        f" They ask the discovery server {servers} ({SERVER}): see whether it runs, and whether a "
+        "firewall before it drops what they send."
+    )
 
 
 def server_problem(entry: str) -> str:

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 from sonar_tracking.display.run_display import RunDisplay
 from sonar_tracking.display.track_table import GraphState
 from sonar_tracking.errors import SonarTrackingError
+from sonar_tracking.graph.catalogue.discovery_server import silence_in_words
 from sonar_tracking.graph.catalogue.run_identity import CONTROL_NODE
 from sonar_tracking.graph.catalogue.topics import TRUE_TRACKS
 from sonar_tracking.graph.orchestration import reported_figures
@@ -179,23 +180,21 @@ class Orchestration:
     def _drain(self, control: ControlNode, source: DataSource) -> None:
         """Let the nodes finish what was published."""
         patience = INTERRUPTED_DRAIN_PATIENCE if self.interrupted else DRAIN_PATIENCE
-        self._wait(control, source, lambda: self.ledger.largest_backlog() == 0, patience, "ending")
+        self._wait(control, source, self._finished, patience, "ending")
         if self.interrupted:
             return
         for missed in self.ledger.lost():
             self._fail(f"{missed.node} has missed {missed.messages} messages of {missed.topic}.")
 
+    def _finished(self) -> bool:
+        return self.ledger.largest_backlog() == 0
+
     def _recover(self, control: ControlNode, source: DataSource) -> None:
         """Start again what has died while no data flow."""
         for process in self._ended:
             self.ledger.leave(process.plan.name)
-        self._wait(
-            control,
-            source,
-            lambda: self.ledger.largest_backlog() == 0,
-            INTERRUPTED_DRAIN_PATIENCE,
-            "waiting for the nodes to finish",
-        )
+        activity = "waiting for the nodes to finish"
+        self._wait(control, source, self._finished, INTERRUPTED_DRAIN_PATIENCE, activity)
         self._bring_up(control, source)
         source.resume(time.monotonic())
 
@@ -219,6 +218,7 @@ class Orchestration:
                 missing = "; ".join(self.edges.missing(asked))
                 raise RunFailedError(
                     f"the graph was not ready after {START_PATIENCE:.0f} s: {missing}."
+                    f"{silence_in_words()}"
                 )
             activity = ": ".join(["starting", *self.edges.missing(asked)[:1]])
             self._wait(
