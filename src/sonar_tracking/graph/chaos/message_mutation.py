@@ -91,7 +91,7 @@ def _change_time(value: Any, generator: np.random.Generator) -> None:
 
 def _real(generator: np.random.Generator, value: float) -> float:
     if generator.random() < 0.3:
-        return float(value * generator.choice([-1.0, 1e-6, 1e-3, 0.5, 2.0, 1e3, 1e6, 1e12]))
+        return value * float(generator.choice([-1.0, 1e-6, 1e-3, 0.5, 2.0, 1e3, 1e6, 1e12]))
     return REALS[int(generator.integers(len(REALS)))]
 
 
