@@ -8,19 +8,30 @@ import pytest
 from sonar_tracking.filtering.leading_eigenvectors import leading_eigenvectors
 
 
-@pytest.mark.parametrize("size", [3, 48, 49, 120])
+@pytest.mark.parametrize("size", [3, 48, 49, 120, 200])
 @pytest.mark.parametrize("count", [1, 3])
 def test_they_are_those_of_the_largest_eigenvalues(size: int, count: int) -> None:
     generator = np.random.default_rng(size)
     drawn = generator.normal(size=(2, size, size))
     matrix = drawn[0] + 1j * drawn[1]
     matrix = matrix @ matrix.conj().T
-    found = leading_eigenvectors(matrix, count)
-    values, vectors = np.linalg.eigh(matrix)
-    expected = vectors[:, size - count :]
-    assert np.allclose(found @ found.conj().T, expected @ expected.conj().T, atol=1e-11)
-    quotients = (found.conj() * (matrix @ found)).sum(axis=0).real
-    assert np.allclose(quotients, values[size - count :])
+    values, vectors = leading_eigenvectors(matrix, count)
+    all_values, all_vectors = np.linalg.eigh(matrix)
+    expected = all_vectors[:, size - count :]
+    assert np.allclose(vectors @ vectors.conj().T, expected @ expected.conj().T, atol=1e-11)
+    assert np.allclose(values, all_values[: -count - 1 : -1], rtol=1e-12)
+    assert np.allclose(matrix @ vectors, vectors * values, atol=1e-12 * all_values[-1])
+    again = leading_eigenvectors(matrix, count)[1]
+    assert again.tobytes() == vectors.tobytes()
+
+
+@pytest.mark.parametrize("size", [20, 100, 200])
+def test_equal_eigenvalues_have_orthonormal_vectors(size: int) -> None:
+    matrix = np.diag(np.where(np.arange(size) < 3, 5.0, 1.0)).astype(complex)
+    values, vectors = leading_eigenvectors(matrix, 3)
+    assert np.allclose(values, 5.0)
+    assert np.allclose(vectors.conj().T @ vectors, np.eye(3))
+    assert np.allclose(np.abs(vectors[3:]), 0.0, atol=1e-12)
 
 
 @pytest.mark.parametrize("size", [5, 60])

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sonar_tracking.errors import InputError
+from sonar_tracking.filtering.leading_eigenvectors import leading_eigenvectors
 from sonar_tracking.records.arrays import ComplexArray, FloatArray
 
 _LEAST_NOISE_SHARE = 1e-12
@@ -116,12 +117,15 @@ def signal_subspace(
         half = np.linalg.solve(factor, covariance)
         adjoint = np.swapaxes(half, -1, -2).conj()
         white = np.asarray(np.linalg.solve(factor, adjoint), dtype=np.complex128)
-    values, vectors = np.linalg.eigh(white)
-    least = np.maximum(_LEAST_NOISE_SHARE * values.mean(axis=-1), np.finfo(float).tiny)
+    values, vectors = leading_eigenvectors(white, rank)
+    mean = np.trace(white, axis1=-2, axis2=-1).real / n_elements
+    # The mean of the other eigenvalues, which need not be known singly.
+    others = (n_elements * mean - values.sum(axis=-1)) / (n_elements - rank)
+    least = np.maximum(_LEAST_NOISE_SHARE * mean, np.finfo(float).tiny)
     return SignalSubspace(
-        vectors=vectors[..., :, : -rank - 1 : -1],
-        eigenvalues=values[..., : -rank - 1 : -1],
-        noise_power=np.maximum(values[..., : n_elements - rank].mean(axis=-1), least),
+        vectors=vectors,
+        eigenvalues=values,
+        noise_power=np.maximum(others, least),
         factor=factor,
     )
 

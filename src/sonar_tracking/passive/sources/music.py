@@ -138,7 +138,9 @@ def music_bearings(
         factor = np.asarray(np.linalg.cholesky(noise_covariance), dtype=np.complex128)
         half = np.linalg.solve(factor, covariance)
         white = np.asarray(np.linalg.solve(factor, half.conj().T), dtype=np.complex128)
-    pencil = _Pencil(positions, wavenumber, leading_eigenvectors(white, n_sources), factor)
+    # In ascending order of the eigenvalues.
+    vectors = leading_eigenvectors(white, n_sources)[1][:, ::-1]
+    pencil = _Pencil(positions, wavenumber, vectors, factor)
     grid = angle_grid(positions, wavenumber)
     spectrum = pencil.on_grid(grid)
     # The grid is cyclic: at half a wavelength both ends of a line array are the same wave.

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sonar_tracking.filtering.leading_eigenvectors import leading_eigenvectors
 from sonar_tracking.passive.subspaces.subspace_configuration import SubspaceConfiguration
 from sonar_tracking.records.arrays import ComplexArray
 
@@ -86,5 +87,4 @@ class ExponentialCovariance:
         ndarray, shape (..., n_elements, n_columns), complex
             Orthonormal columns, pure numbers.
         """
-        vectors = np.linalg.eigh(state.covariance).eigenvectors
-        return vectors[..., : -state.n_columns - 1 : -1]
+        return leading_eigenvectors(state.covariance, state.n_columns)[1]
