@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy.linalg
-from scipy.sparse.linalg import ArpackError, eigsh
 
 from sonar_tracking.records.arrays import ComplexArray, FloatArray
 
@@ -53,6 +51,8 @@ def leading_eigenvectors(matrix: ComplexArray, count: int) -> tuple[FloatArray, 
         found = _by_lanczos_steps(matrix, count)
         if found is not None:
             return found
+    import scipy.linalg  # takes longer to load than a node of a small array to start
+
     values, vectors = scipy.linalg.eigh(
         matrix, subset_by_index=(size - count, size - 1), driver="evr", check_finite=False
     )
@@ -61,6 +61,8 @@ def leading_eigenvectors(matrix: ComplexArray, count: int) -> tuple[FloatArray, 
 
 def _by_lanczos_steps(matrix: ComplexArray, count: int) -> tuple[FloatArray, ComplexArray] | None:
     """Return eigenvalues and eigenvectors, None if they are not exact to rounding."""
+    from scipy.sparse.linalg import ArpackError, eigsh  # likewise
+
     # A fixed start makes the result a function of the matrix; of noise, so that it leaves no
     # source out.
     start = np.random.default_rng(0).standard_normal((2, len(matrix)))
