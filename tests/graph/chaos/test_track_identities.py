@@ -45,6 +45,14 @@ def test_an_identifier_that_goes_to_another_target_is_lost() -> None:
     assert identities(BEFORE, after, [], CUTOFF) == Identities(2, 2), "without truth nobody knows"
 
 
+def test_what_is_lost_without_the_fault_as_well_does_not_count() -> None:
+    after = lists(5, {9: WEST, 8: EAST})
+    swapped = [*BEFORE, *lists(5, {3: WEST, 8: EAST})]
+    assert identities(BEFORE, after, TRUTH, CUTOFF, swapped) == Identities(1, 1)
+    whole = [*BEFORE, *lists(5, {7: WEST, 8: EAST})]
+    assert identities(BEFORE, after, TRUTH, CUTOFF, whole) == Identities(2, 1)
+
+
 def test_a_track_that_drifts_off_keeps_its_identifier() -> None:
     after = lists(5, {7: (-500.0, 0.0), 8: EAST})
     assert identities(BEFORE, after, TRUTH, CUTOFF) == Identities(2, 2)

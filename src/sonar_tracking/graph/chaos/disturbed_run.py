@@ -10,10 +10,11 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 from sonar_tracking.graph.chaos import network
-from sonar_tracking.graph.chaos.fault_plan import ENDS_THE_RUN, OF_THE_NETWORK, Fault, FaultKind
+from sonar_tracking.graph.chaos.fault_plan import ENDS_THE_RUN, Fault, FaultKind
 from sonar_tracking.graph.chaos.outcome import Outcome
 from sonar_tracking.graph.chaos.recording_check import (
     longest_hole,
@@ -21,7 +22,7 @@ from sonar_tracking.graph.chaos.recording_check import (
     recorded_stamps,
 )
 from sonar_tracking.graph.chaos.run_processes import has_begun, node_processes, nodes_of
-from sonar_tracking.graph.chaos.track_identities import LISTS_AFTER, identities
+from sonar_tracking.graph.chaos.track_identities import LISTS_AFTER, TrackList, identities
 from sonar_tracking.graph.chaos.track_watch import TrackWatch
 from sonar_tracking.graph.chaos.watched_graph import WatchedGraph
 
@@ -37,9 +38,6 @@ ORPHAN_PATIENCE = 10.0
 LOOK = 0.05
 """Between looks at a run, s."""
 
-SLOW = 3.0
-"""The network is slow for so long before it parts, and after, s."""
-
 
 @dataclass
 class DisturbedRun:
@@ -53,12 +51,17 @@ class DisturbedRun:
         Seconds of data a second.
     folder : Path
         Where its bag, its output and its logs go.
+    reference : callable
+        Returns the lists of an undisturbed run, asked for only where a track was lost.
     """
 
     graph: WatchedGraph
     rate: float
     folder: Path
+    reference: Callable[[], Sequence[TrackList]]
     outcomes: list[Outcome] = field(default_factory=list)
+    _windows: list[tuple[Outcome, list[TrackList], list[TrackList]]] = field(default_factory=list)
+    _truth: list[TrackList] = field(default_factory=list)
 
     def suffer(self, faults: Sequence[Fault]) -> list[Outcome]:
         """Start the run, let the faults happen, end it and return what came of each."""
@@ -82,13 +85,12 @@ class DisturbedRun:
             if run.poll() is None:
                 os.kill(run.pid, signal.SIGINT)
                 _ended(run)
-            if kind in OF_THE_NETWORK:
-                network.mend()
         _until(lambda: not nodes_of(self.folder), ORPHAN_PATIENCE)
         for outcome in self.outcomes:
             outcome.traceback = "Traceback" in log.read_text(errors="replace")
             outcome.orphans = bool(nodes_of(self.folder))
         if kind not in ENDS_THE_RUN and self.outcomes:
+            self._judge()
             self._check_recording(self.outcomes[0])
         return self.outcomes
 
@@ -136,6 +138,7 @@ class DisturbedRun:
                 if run.poll() is None:
                     self._one(run, fault, watch)
         finally:
+            self._truth = watch.truth
             watch.close()
 
     @staticmethod
@@ -161,16 +164,21 @@ class DisturbedRun:
                 begin = watch.lists.index(valid[0])
             watch.spin(LOOK)
             if valid and len(watch.lists) >= begin + LISTS_AFTER:
-                after = watch.lists[begin:]
-                outcome.tracks = identities(
-                    watch.lists[:before], after, watch.truth, self.graph.cutoff
-                )
+                self._windows.append((outcome, watch.lists[:before], watch.lists[begin:]))
                 break
             due = max(due, watch.lists[-1].wall + interval if valid else due)
-        ended = run.poll() is not None
-        outcome.stalled = outcome.tracks is None and not ended
+        else:
+            outcome.stalled = run.poll() is None
         if outcome.late is not None or outcome.stalled:
             self.outcomes.append(outcome)
+
+    def _judge(self) -> None:
+        """Tell whether tracks were kept; by an undisturbed run, too, if not."""
+        for outcome, *lists in self._windows:
+            judge = partial(identities, *lists, self._truth, self.graph.cutoff)
+            outcome.tracks = judge()
+            if outcome.tracks.kept < outcome.tracks.established:
+                outcome.tracks = judge(self.reference())
 
     def _check_recording(self, outcome: Outcome) -> None:
         """Compare what was recorded with what was published, once for all faults of the run."""
@@ -195,11 +203,14 @@ def _do(run: int, fault: Fault, watch: TrackWatch) -> None:
     """Let a fault happen; return when it is over."""
     if fault.kind is FaultKind.MALFORMED:
         watch.send_malformed(fault.target, fault.seed)
-    elif fault.kind in OF_THE_NETWORK:
-        parted = fault.kind is FaultKind.PARTITION
-        for is_parted in (False, True, False) if parted else (False,):
-            network.disturb(is_parted)
-            watch.spin(fault.duration if is_parted or not parted else SLOW)
+    elif fault.kind is FaultKind.DELAY:
+        network.slow()
+        watch.spin(fault.duration)
+        network.quicken()
+    elif fault.kind is FaultKind.PARTITION:
+        network.part()
+        watch.spin(fault.duration)
+        network.join()
     elif fault.target:
         _signal_node(run, fault, watch)
 

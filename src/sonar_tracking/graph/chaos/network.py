@@ -1,8 +1,8 @@
 """A network of its own for the runs of one program, which can be slow, lose packets, or part.
 
-The namespace of the program is left for a new one, whose only link is the loopback; what delays and
-loses on it is ``netem`` of the kernel. That takes root (or ``CAP_SYS_ADMIN``) and the programs
-``ip`` and ``tc`` of iproute2.
+The namespace of the program is left for a new one, whose only link is the loopback: it is taken
+down to part all nodes from each other, and ``netem`` of the kernel makes it slow. That takes root
+(or ``CAP_SYS_ADMIN``) and the programs ``ip`` and ``tc`` of iproute2.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.resources import find_resource
 
 DELAY_MS, LOSS_PERCENT = 50, 10
-"""Of every packet, and of all packets, while the network is disturbed."""
+"""Of every packet, and of all packets, while the network is slow."""
 
 _CLONE_NEWNET = 0x40000000
 _LINK = "lo"
@@ -40,21 +40,36 @@ def enter() -> None:
             f"delay and partition need a network of their own ({os.strerror(ctypes.get_errno())}); "
             "run them as root."
         )
-    _command("ip", "link", "set", _LINK, "up")
+    join()
     profile = find_resource("config/fastdds/without_shared_memory.xml")
     os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(profile)
 
 
-def disturb(parted: bool) -> None:
-    """Let the network delay and lose packets; or all of them, if it is parted."""
-    loss = 100 if parted else LOSS_PERCENT
-    delay = ["delay", f"{DELAY_MS}ms", "loss", f"{loss}%", "limit", "100000"]
-    _command("tc", "qdisc", "replace", "dev", _LINK, "root", "netem", *delay)
+def slow() -> None:
+    """Let the network delay every packet, and lose some.
+
+    Raises
+    ------
+    ConfigurationError
+        If the kernel has no ``netem``.
+    """
+    words = ["delay", f"{DELAY_MS}ms", "loss", f"{LOSS_PERCENT}%", "limit", "100000"]
+    _command("tc", "qdisc", "replace", "dev", _LINK, "root", "netem", *words)
 
 
-def mend() -> None:
+def quicken() -> None:
     """Let everything through again, at once."""
-    _command("tc", "qdisc", "replace", "dev", _LINK, "root", "netem")
+    _command("tc", "qdisc", "del", "dev", _LINK, "root")
+
+
+def part() -> None:
+    """Let nothing through."""
+    _command("ip", "link", "set", _LINK, "down")
+
+
+def join() -> None:
+    """Let everything through."""
+    _command("ip", "link", "set", _LINK, "up")
 
 
 def _command(*words: str) -> None:

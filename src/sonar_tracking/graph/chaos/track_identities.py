@@ -11,8 +11,9 @@ track. A track whose target has left the scene in the meantime does not count; o
 target is judged by its identifier alone, as is one that has drifted off on its own: where positions
 come from bearings alone, many are that far from the truth.
 
-How many tracks lose their identifiers without any fault is measured in the same way: see the fault
-``nothing``.
+Tracks also lose their identifiers without any fault, where targets cross or echoes fail. Where an
+undisturbed run of the same data loses the track of the same target between the same stamps, the
+fault has not done it, and the track does not count. The fault ``nothing`` shows what is left.
 """
 
 from __future__ import annotations
@@ -67,6 +68,7 @@ def identities(
     after: Sequence[TrackList],
     truth: Sequence[TrackList],
     cutoff: float,
+    reference: Sequence[TrackList] = (),
 ) -> Identities:
     """Return how many established tracks there were, and how many were kept.
 
@@ -78,18 +80,40 @@ def identities(
         Of the targets; empty = it is not published.
     cutoff : float
         Farthest a track is from its target, m or rad.
+    reference : sequence of TrackList
+        Of an undisturbed run; empty = not known.
     """
-    established = kept = 0
     following = after[:LISTS_AFTER]
+    kept = _kept(before, following, truth, cutoff)
+    if reference and not all(kept.values()):
+        first, last = before[-1].stamp, following[-1].stamp
+        undisturbed = _kept(
+            [each for each in reference if each.stamp <= first],
+            [each for each in reference if first < each.stamp <= last],
+            truth,
+            cutoff,
+        )
+        anyway = {target for (_, target), is_kept in undisturbed.items() if not is_kept}
+        kept = {key: is_kept for key, is_kept in kept.items() if is_kept or key[1] not in anyway}
+    return Identities(len(kept), sum(kept.values()))
+
+
+def _kept(
+    before: Sequence[TrackList],
+    following: Sequence[TrackList],
+    truth: Sequence[TrackList],
+    cutoff: float,
+) -> dict[tuple[int, int | None], bool]:
+    """Return whether each established track was kept, by its identifier and its target."""
+    kept = {}
     for name in _established(before[-LISTS:]):
         target = _target(name, before, truth, cutoff)
         last = _latest(name, following)
         if target is not None and not _is_there(target, last or following[-1:], truth):
             continue
-        established += 1
-        if last and (target is None or not _has_gone(name, target, last[0], truth, cutoff)):
-            kept += 1
-    return Identities(established, kept)
+        gone = target is not None and bool(last) and _has_gone(name, target, last[0], truth, cutoff)
+        kept[name, target] = bool(last) and not gone
+    return kept
 
 
 def _established(lists: Sequence[TrackList]) -> list[int]:

@@ -111,14 +111,17 @@ class TrackWatch:
         self._node.create_subscription(kind, topic.name, take, profile, raw=raw)
 
 
-def _take(lists: list[TrackList], message: Any) -> None:
-    """Keep where the confirmed tracks of a list are."""
-    columns = (
-        [message.arrival_angle] if hasattr(message, "arrival_angle") else [message.x, message.y]
-    )
+def track_list(message: Any, wall: float = 0.0) -> TrackList:
+    """Return where the confirmed tracks of a message are; wall time in s, when it came."""
+    angles = hasattr(message, "arrival_angle")
+    columns = [message.arrival_angle] if angles else [message.x, message.y]
     status = message.status or [message.CONFIRMED] * len(message.id)
     places: dict[int, list[Place]] = {}
     for name, state, *place in zip(message.id, status, *columns, strict=False):
         if state == message.CONFIRMED:
             places.setdefault(int(name), []).append(tuple(map(float, place)))
-    lists.append(TrackList(time.monotonic(), stamp_from_time(message.header.stamp), places))
+    return TrackList(wall, stamp_from_time(message.header.stamp), places)
+
+
+def _take(lists: list[TrackList], message: Any) -> None:
+    lists.append(track_list(message, time.monotonic()))

@@ -26,6 +26,7 @@ from sonar_tracking.graph.chaos.fault_plan import (
 )
 from sonar_tracking.graph.chaos.outcome import Outcome, as_plain
 from sonar_tracking.graph.chaos.outcome_table import outcome_table
+from sonar_tracking.graph.chaos.track_identities import TrackList
 from sonar_tracking.graph.chaos.watched_graph import WatchedGraph, watched_graph
 from sonar_tracking.graph.verbs.run_options import rate_from_text
 
@@ -73,9 +74,11 @@ def chaos(
     folder = Path(mkdtemp(prefix="sonar_tracking-chaos-"))
     outcomes: list[Outcome] = []
     loads = []
+    references: dict[str, Sequence[TrackList]] = {}
     turns = cycle([(graph, kind) for kind in kinds for graph in graphs])
     for number in track(range(runs), "disturbed runs", console=console):
-        outcomes += _suffered(*next(turns), pace, folder / f"run_{number}", [seed, number])
+        place = folder / f"run_{number}"
+        outcomes += _suffered(*next(turns), pace, place, [seed, number], references)
         loads.append(os.getloadavg()[0])
     console.print(outcome_table(outcomes))
     for kind in kinds:
@@ -92,14 +95,26 @@ def chaos(
 
 
 def _suffered(
-    graph: WatchedGraph, kind: FaultKind, rate: float, folder: Path, seed: Sequence[int]
+    graph: WatchedGraph,
+    kind: FaultKind,
+    rate: float,
+    folder: Path,
+    seed: Sequence[int],
+    references: dict[str, Sequence[TrackList]],
 ) -> list[Outcome]:
     """Return what came of the faults of one run."""
     from sonar_tracking.graph.chaos.disturbed_run import DisturbedRun
+    from sonar_tracking.graph.chaos.reference_run import reference_lists
+
+    def reference() -> Sequence[TrackList]:
+        if graph.scenario not in references:
+            path = folder.with_name(f"{folder.name}_reference")
+            references[graph.scenario] = reference_lists(graph, path)
+        return references[graph.scenario]
 
     topics = [topic.name for topic in graph.inputs]
     planned = plan_faults(kind, graph.names, topics, FAULTS_A_RUN, np.random.default_rng(seed))
-    return DisturbedRun(graph, rate, folder).suffer(planned)
+    return DisturbedRun(graph, rate, folder, reference).suffer(planned)
 
 
 def _machine(loads: Sequence[float]) -> dict[str, object]:
