@@ -10,7 +10,6 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 
 from sonar_tracking.graph.chaos import network
@@ -174,11 +173,12 @@ class DisturbedRun:
 
     def _judge(self) -> None:
         """Tell whether tracks were kept; by an undisturbed run, too, if not."""
-        for outcome, *lists in self._windows:
-            judge = partial(identities, *lists, self._truth, self.graph.cutoff)
-            outcome.tracks = judge()
-            if outcome.tracks.kept < outcome.tracks.established:
-                outcome.tracks = judge(self.reference())
+        cutoff = self.graph.cutoff
+        for outcome, before, after in self._windows:
+            tracks = identities(before, after, self._truth, cutoff)
+            if tracks.kept < tracks.established:
+                tracks = identities(before, after, self._truth, cutoff, self.reference())
+            outcome.tracks = tracks
 
     def _check_recording(self, outcome: Outcome) -> None:
         """Compare what was recorded with what was published, once for all faults of the run."""
