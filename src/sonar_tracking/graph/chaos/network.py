@@ -13,6 +13,7 @@ import shutil
 import subprocess
 
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.graph.catalogue.discovery_range import PEERS, RANGE
 from sonar_tracking.resources import find_resource
 
 DELAY_MS, LOSS_PERCENT = 50, 10
@@ -43,6 +44,8 @@ def enter() -> None:
     join()
     profile = find_resource("config/fastdds/without_shared_memory.xml")
     os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(profile)
+    # Confined to this machine, ROS would talk by shared memory whatever the profile says.
+    os.environ |= {RANGE: "SUBNET", PEERS: "127.0.0.1"}
 
 
 def slow() -> None:
