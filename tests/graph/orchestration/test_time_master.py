@@ -40,7 +40,17 @@ def test_full_speed_stops_at_the_flow_window() -> None:
     assert paced.next_tick(0.0, START, 0) == START + WINDOW * BLOCK
     clock = START + WINDOW * BLOCK
     assert paced.next_tick(0.0, clock, WINDOW) is None
-    assert paced.next_tick(0.0, clock, WINDOW - 1) == clock + BLOCK
+    # Half a window at a time: each tick is a message to all nodes.
+    assert paced.next_tick(0.0, clock, WINDOW - 1) is None
+    assert paced.next_tick(0.0, clock, WINDOW - 2) == clock + 2 * BLOCK
+
+
+def test_full_speed_reaches_the_end_whatever_is_left_of_a_window() -> None:
+    paced = master(math.inf, blocks=WINDOW + 1)
+    clock: int | None = START
+    while not paced.at_end:
+        clock = paced.next_tick(0.0, clock, 0) or clock
+    assert clock == START + (WINDOW + 1) * BLOCK
 
 
 def test_blocks_the_source_has_not_served_count() -> None:

@@ -11,6 +11,7 @@ import hashlib
 import struct
 from typing import TYPE_CHECKING
 
+from sonar_tracking.bags.storage.canonical_layout import CanonicalLayout
 from sonar_tracking.bags.storage.message_definitions import (
     MessageDefinition,
     installed_typestore,
@@ -20,6 +21,8 @@ from sonar_tracking.errors import InputError
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
+
+_LITTLE_ENDIAN = b"\0\1"
 
 
 class CanonicalDigest:
@@ -36,6 +39,7 @@ class CanonicalDigest:
     def __init__(self, type_name: str, definition: MessageDefinition | None = None) -> None:
         self._type_name = type_name
         self._store = typestore_of(definition) if definition else installed_typestore(type_name)
+        self._layout = CanonicalLayout(self._store, type_name)
         self._hash = hashlib.sha256()
 
     def add(self, raw_cdr: bytes) -> None:
@@ -51,7 +55,10 @@ class CanonicalDigest:
         InputError
             If the bytes are not a message of this type.
         """
-        self._hash.update(canonical_cdr(self._store, self._type_name, raw_cdr))
+        if self._layout.is_known and raw_cdr[:2] == _LITTLE_ENDIAN:
+            self._hash.update(self._layout.canonical(raw_cdr))
+        else:
+            self._hash.update(canonical_cdr(self._store, self._type_name, raw_cdr))
 
     def hexdigest(self) -> str:
         """Return the digest of all messages added so far, as 64 hexadecimal digits."""

@@ -1,8 +1,9 @@
 """Inputs and outputs of a node: they count, check stamps and report progress.
 
-The progress protocol on ``flow/done``: a producer tells the number of a message just before it
-publishes it; a consumer tells the number of messages it has finished after it has published what
-followed from them. The time master keeps the difference small; no data go this way.
+The progress protocol on ``flow/done``: a producer tells the number of messages it has published
+before it tells that it has finished what they were made from; a consumer tells the number of
+messages it has finished after it has published what followed from them. The time master keeps the
+difference small; no data go this way.
 """
 
 from __future__ import annotations
@@ -14,33 +15,16 @@ from typing import Any
 from builtin_interfaces.msg import Time
 from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions
-from sonar_tracking_msgs.msg import Progress
 
 from sonar_tracking.errors import InputError
-from sonar_tracking.graph.catalogue.run_identity import signed
-from sonar_tracking.graph.catalogue.topics import PROGRESS_TOPIC, Topic
-from sonar_tracking.graph.message_writing.field_writing import message_class, time_from_stamp
+from sonar_tracking.graph.catalogue.topics import Topic
+from sonar_tracking.graph.message_writing.field_writing import message_class
 from sonar_tracking.graph.node_base import quality_of_service
+from sonar_tracking.graph.node_base.progress_reporter import ProgressReporter
 from sonar_tracking.graph.node_base.stamp_check import StampCheck, Verdict, seconds_text
 from sonar_tracking.graph.node_base.stamp_guard import StampGuard
 from sonar_tracking.message_reading.field_reading import stamp_from_time
 from sonar_tracking.records.time import UNKNOWN_STAMP
-
-
-class ProgressReporter:
-    """Publishes Progress messages of one node on ``flow/done``."""
-
-    def __init__(self, node: Node) -> None:
-        self._node_name = signed(node.get_name())
-        self.publisher = node.create_publisher(
-            Progress, PROGRESS_TOPIC, quality_of_service.PROGRESS
-        )
-
-    def report(self, topic: str, count: int, stamp: Time) -> None:
-        """Tell the number of messages of a topic published or finished, and the last stamp."""
-        message = Progress(node=self._node_name, topic=topic, count=count)
-        message.header.stamp = stamp
-        self.publisher.publish(message)
 
 
 class DataOutput:
@@ -55,7 +39,7 @@ class DataOutput:
     depth : int
         Messages kept.
     progress : ProgressReporter
-        Told of every message before it is published.
+        Told of every message.
     overriding : QoSOverridingOptions or None
         Quality of service that parameters may change.
     """
@@ -75,12 +59,19 @@ class DataOutput:
             qos_overriding_options=overriding,
         )
         self.count = 0
+        self.name: str = self.publisher.topic_name
+        self.is_timed = False
+        """Whether each message is announced before it is published, not with the next report."""
         self._progress = progress
 
     def publish(self, message: Any) -> None:
         """Announce and publish one message."""
         self.count += 1
-        self._progress.report(self.publisher.topic_name, self.count, message.header.stamp)
+        stamp = stamp_from_time(message.header.stamp)
+        if self.is_timed:
+            self._progress.report(self.name, self.count, stamp)
+        else:
+            self._progress.announce(self.name, self.count, stamp)
         self.publisher.publish(message)
 
 
@@ -237,7 +228,7 @@ class DataInput:
     def finish(self, stamp: int) -> None:
         """Count a message as finished and tell so."""
         self.finished += 1
-        self._progress.report(self.name, self.finished, time_from_stamp(stamp))
+        self._progress.finish(self.name, self.finished, stamp)
 
     def values(self) -> dict[str, object]:
         """Return the numbers of the status of this input."""

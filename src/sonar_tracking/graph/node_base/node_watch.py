@@ -14,11 +14,11 @@ from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC, TIME_TOPIC
 from sonar_tracking.graph.node_base.data_flow import (
     DataInput,
     DataOutput,
-    ProgressReporter,
     input_concern,
 )
 from sonar_tracking.graph.node_base.diagnostics import MATCHED, Diagnostics
 from sonar_tracking.graph.node_base.neighbours import full_name
+from sonar_tracking.graph.node_base.progress_reporter import ProgressReporter
 from sonar_tracking.graph.node_base.ready_reports import ReadyReports
 from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS
 

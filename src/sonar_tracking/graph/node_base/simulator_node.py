@@ -108,6 +108,8 @@ class SimulatorNode(SonarNode):
         except ConfigurationError as error:
             raise ConfigurationError(f"{self.get_name()}.scenario: {error}") from error
         if self.get_parameter("use_sim_time").value:
+            # What follows of a block is timed from its announcement.
+            self.main_output.is_timed = True
             self._follow_time()
             return
         self._waiting: Scenario | None = scenario
@@ -140,7 +142,7 @@ class SimulatorNode(SonarNode):
             self._skip_past(now)
         self.serve(now)
         self._ticks += 1
-        self.progress.report(CLOCK_TOPIC, self._ticks, time)
+        self.progress.report(CLOCK_TOPIC, self._ticks, now)
 
     def _prepare(self, scenario: Scenario) -> None:
         self._data = self.data(scenario)

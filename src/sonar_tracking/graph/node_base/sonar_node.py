@@ -24,7 +24,6 @@ from sonar_tracking.graph.node_base.checkpoint import Checkpoint
 from sonar_tracking.graph.node_base.data_flow import (
     DataInput,
     DataOutput,
-    ProgressReporter,
     Received,
     any_needs,
     input_concern,
@@ -32,6 +31,7 @@ from sonar_tracking.graph.node_base.data_flow import (
 from sonar_tracking.graph.node_base.diagnostics import UNEXPECTED, Diagnostics, kind_of
 from sonar_tracking.graph.node_base.event_time_join import EventTimeJoin, Interpolation, JoinedItem
 from sonar_tracking.graph.node_base.node_watch import NodeWatch
+from sonar_tracking.graph.node_base.progress_reporter import ProgressReporter
 from sonar_tracking.graph.node_base.stamp_check import StampCheck, Verdict, seconds_text
 from sonar_tracking.records.time import NANOSECONDS
 

@@ -12,7 +12,6 @@ import sys
 from pathlib import Path
 from typing import Any, get_args
 
-from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.clock import Clock, ClockType
@@ -30,12 +29,12 @@ from sonar_tracking.bags.storage.writer import FLUSH_PERIOD, BagWriter
 from sonar_tracking.errors import ConfigurationError, Severity
 from sonar_tracking.graph.catalogue.recorder_parameters import RECORDER_PARAMETERS
 from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC, DIAGNOSTICS_TOPIC, FIXED_TRANSFORMS
-from sonar_tracking.graph.message_writing.field_writing import message_class, time_from_stamp
+from sonar_tracking.graph.message_writing.field_writing import message_class
 from sonar_tracking.graph.node_base import parameters, quality_of_service
-from sonar_tracking.graph.node_base.data_flow import ProgressReporter
 from sonar_tracking.graph.node_base.diagnostics import MATCHED, Diagnostics
 from sonar_tracking.graph.node_base.node_process import run_node
 from sonar_tracking.graph.node_base.node_watch import STATUS_PERIOD, clock_publishers
+from sonar_tracking.graph.node_base.progress_reporter import ProgressReporter
 from sonar_tracking.graph.node_base.ready_reports import ReadyReports
 
 NAME = "recorder"
@@ -183,8 +182,7 @@ class Recorder(Node):
             except OSError as error:
                 self._cannot_write(error)
         if paces:
-            stamp: Time = time_from_stamp(head_stamp(data))
-            self._progress.report(topic, self._counts[topic], stamp)
+            self._progress.finish(topic, self._counts[topic], head_stamp(data))
 
     def _flush(self) -> None:
         if self._writer is not None:

@@ -25,7 +25,7 @@ from rosgraph_msgs.msg import Clock
 from sonar_tracking_msgs.msg import Progress
 
 from sonar_tracking.bags.storage.log_time import head_stamp
-from sonar_tracking.errors import LONGEST_SENTENCE, shown
+from sonar_tracking.errors import LONGEST_SENTENCE, InputError, shown
 from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
 from sonar_tracking.graph.catalogue.run_identity import CONTROL_NODE, signed
 from sonar_tracking.graph.catalogue.topics import (
@@ -45,7 +45,7 @@ from sonar_tracking.graph.orchestration.flow_ledger import FlowLedger
 from sonar_tracking.graph.orchestration.graph_plan import resolved
 from sonar_tracking.graph.orchestration.matched_edges import MatchedEdges
 from sonar_tracking.graph.orchestration.run_observer import RunObserver
-from sonar_tracking.message_reading.field_reading import stamp_from_time
+from sonar_tracking.message_reading.progress_reading import progress_from_bytes
 
 _OBSERVER_DEPTH = 10_000
 _COUNT = re.compile(r"[0-9]{1,9}", re.ASCII)
@@ -124,7 +124,11 @@ class ControlNode:
         if sources:
             self._publishers[time_topic] = self._time
         self._node.create_subscription(
-            Progress, naming.of(PROGRESS_TOPIC), self._progress, quality_of_service.PROGRESS
+            Progress,
+            naming.of(PROGRESS_TOPIC),
+            self._progress,
+            quality_of_service.PROGRESS,
+            raw=True,
         )
         self._node.create_subscription(
             DiagnosticArray, DIAGNOSTICS_TOPIC, self._diagnostics, quality_of_service.DIAGNOSTICS
@@ -240,20 +244,23 @@ class ControlNode:
         self._ledger.finished(CONTROL_NODE, topic, self._observed[topic])
         self.finished.finished(CONTROL_NODE, topic, head_stamp(data))
 
-    def _progress(self, message: Any) -> None:
+    def _progress(self, data: Any) -> None:
         wall = time.monotonic()
-        stamp = stamp_from_time(message.header.stamp)
-        node = self._signed.get(message.node)
+        try:
+            told = progress_from_bytes(data)
+        except InputError:
+            return
+        node = self._signed.get(told.node)
         if node is None:
             return
-        if message.topic == CLOCK_TOPIC:
-            self._take_served(node, stamp)
-        elif self._ledger.producer(message.topic) == node:
-            self._ledger.published(node, message.topic, message.count)
-            self._observer.announced(message.topic, stamp, wall)
+        if told.topic == CLOCK_TOPIC:
+            self._take_served(node, told.stamp)
+        elif self._ledger.producer(told.topic) == node:
+            self._ledger.published(node, told.topic, told.count)
+            self._observer.announced(told.topic, told.stamp, wall)
         else:
-            self._ledger.finished(node, message.topic, message.count)
-            self.finished.finished(node, message.topic, stamp)
+            self._ledger.finished(node, told.topic, told.count)
+            self.finished.finished(node, told.topic, told.stamp)
 
     def _take_served(self, node: str, stamp: int) -> None:
         """Take how far a source has served the clock, as far as it was told the time."""

@@ -72,7 +72,11 @@ class TimeMaster:
         target = min(due, allowed, self._end)
         whole_steps = (target - self._start) // self._step
         tick = self._end if target == self._end else self._start + whole_steps * self._step
-        if tick <= self._clock:
+        least = self._clock + self._step
+        if math.isinf(self._rate):
+            # Half a window at a time: every tick is a message to all, and an answer.
+            least = self._clock + max(1, self._flow_window // 2) * self._step
+        if tick < least and tick < self._end:
             return None
         self._clock = tick
         return tick
