@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 from collections.abc import Callable
@@ -53,6 +54,8 @@ def run_node(make_node: Callable[[], Node]) -> int:
         # nothing: it handled 82,000 messages a second where the standard executor handled 8,000.
         executor = EventsExecutor()
         executor.add_node(node)
+        # What was loaded stays: collections of garbage need not look at it again and again.
+        gc.freeze()
         while rclpy.ok() and not stop_requested:
             executor.spin_once(timeout_sec=PATIENCE)
         executor.shutdown()

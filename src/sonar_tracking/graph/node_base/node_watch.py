@@ -25,6 +25,10 @@ from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS
 STATUS_PERIOD = 1.0
 """Between publications once data flow, s of the node's clock."""
 
+ASKING_PERIOD = NANOSECONDS
+"""Between two questions who publishes the inputs, and no sooner, ns of steady time: data may flow
+many times faster than real time, but the graph changes as people and processes do."""
+
 STALLED_PERIODS = 5
 STALLED_AT_LEAST = 2 * NANOSECONDS
 """An input is stalled after so many of its periods, and not before this, ns of the node's clock."""
@@ -81,6 +85,7 @@ class NodeWatch:
         self._outputs = outputs
         self._diagnostics = diagnostics
         self._progress = progress
+        self._asked = self._started
         self._seen: dict[str, tuple[int, int]] = {}
         self._instants: deque[int] = deque(maxlen=REMEMBERED_STEPS + 1)
         diagnostics.add(MATCHED, self._matched_endpoints)
@@ -121,8 +126,13 @@ class NodeWatch:
     def _watch(self) -> None:
         now = self._node.get_clock().now().nanoseconds
         self._instants.append(now)
+        steady = self._steady.now().nanoseconds
+        asks = steady - self._asked >= ASKING_PERIOD
+        if asks:
+            self._asked = steady
         for source in self._inputs:
-            self.check_publishers(source)
+            if asks:
+                self.check_publishers(source)
             self._check_stalled(source, now)
         self._release()
         self._diagnostics.publish()

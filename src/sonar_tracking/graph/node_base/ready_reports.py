@@ -2,8 +2,8 @@
 
 Whoever starts the graph, or a node of it again, waits for these reports, so they come with every
 new connection. Once a node is connected it has time until the first data: what takes long at its
-first use is done then. While data flow nothing is looked up until the number of connections
-changes.
+first use is done then. With the first data, which come once all have found all, and while they flow
+nothing is looked up until the number of connections changes.
 """
 
 from __future__ import annotations
@@ -22,6 +22,9 @@ LOOK_PERIOD = 0.05
 
 LOOKS_PER_REPORT = 4
 """So many looks later a report is repeated, if nothing has changed."""
+
+EAGER_LOOKS = 10
+"""After so many looks only every few of them asks who is there, where data flow."""
 
 PATIENCE_LOOKS = 100
 """After so many looks a node no longer waits for connections that may never come, nor for the
@@ -60,7 +63,7 @@ class ReadyReports:
         self._warm_up = warm_up
         self._warm = False
         self._looks = 0
-        self._quiet = False
+        self._quiet = self._flowed = False
         self._told: dict[str, object] = {}
         self._neighbours = Neighbours(node)
         diagnostics.add(NEIGHBOURS, self._neighbours.values)
@@ -71,10 +74,15 @@ class ReadyReports:
         changed = connections != self._told
         self._told = connections
         flows = self._data_flow()
+        if flows and not self._flowed:
+            self._flowed = self._quiet = True
         if changed:
             self._looks = 0 if flows else self._looks
             self._quiet = False
         if self._quiet:
+            return
+        if flows and not changed and self._looks > EAGER_LOOKS and self._looks % LOOKS_PER_REPORT:
+            self._looks += 1
             return
         changed |= self._neighbours.look(name for name in connections if name != DIAGNOSTICS_TOPIC)
         if changed or self._looks % LOOKS_PER_REPORT == 0:
