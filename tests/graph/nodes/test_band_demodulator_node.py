@@ -154,6 +154,6 @@ def test_a_run_that_cannot_be_demodulated_is_refused_and_the_next_one_is_used(
 def test_it_ended_well(demodulator: Demodulator) -> None:
     """Last: everything announced, nothing unexpected."""
     announced = [p.count for p in demodulator.probe.progress if p.topic == "/array/snapshots"]
-    assert announced == list(range(1, len(announced) + 1))
+    assert announced == sorted(set(announced))
     assert demodulator.process.stop(signal.SIGINT) == 0
     assert "Traceback" not in demodulator.process.output

@@ -99,9 +99,13 @@ class Peer:
             self.clock.publish(clock_cdr(second))
             sent.append(snapshots_cdr(second))
             self.snapshots.publish(sent[-1])
-            self.wait(lambda second=second: len(self.progress) > second - 4)
-        self.wait(lambda: len(self.progress) == seconds.stop)
+            self.wait(lambda second=second: self.finished() > second - 4)
+        self.wait(lambda: self.finished() == seconds.stop)
         return sent
+
+    def finished(self) -> int:
+        """Return how many blocks the recorder has reported."""
+        return max((each.count for each in self.progress if each.topic == TOPIC), default=0)
 
     def close(self) -> None:
         self.executor.shutdown()

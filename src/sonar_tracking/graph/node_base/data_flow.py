@@ -15,6 +15,7 @@ from typing import Any
 from builtin_interfaces.msg import Time
 from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.serialization import deserialize_message, serialize_message
 
 from sonar_tracking.errors import InputError
 from sonar_tracking.graph.catalogue.topics import Topic
@@ -53,7 +54,7 @@ class DataOutput:
         overriding: QoSOverridingOptions | None = None,
     ) -> None:
         self.publisher = node.create_publisher(
-            message_class(topic.message_type),
+            _used_class(topic.message_type),
             topic.name,
             quality_of_service.publisher_profile(topic.kind, depth),
             qos_overriding_options=overriding,
@@ -147,7 +148,7 @@ class DataInput:
         self._convert = convert
         self._progress = progress
         self.subscription = node.create_subscription(
-            message_class(topic.message_type),
+            _used_class(topic.message_type),
             topic.name,
             lambda message: receive(self, message),
             quality_of_service.subscription_profile(depth),
@@ -240,6 +241,16 @@ class DataInput:
             "finished": self.finished,
             "last_stamp_ns": self.guard.last_stamp,
         }
+
+
+def _used_class(message_type: str) -> Any:
+    """Return the class of messages, once used: ROS loads at the first what it converts them with.
+
+    That takes longer than an estimate, and would be done while the first data wait.
+    """
+    found = message_class(message_type)
+    deserialize_message(serialize_message(found()), found)
+    return found
 
 
 def _announcing(received: Received, next_stamp: int) -> Received:
