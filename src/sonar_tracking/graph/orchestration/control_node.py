@@ -36,6 +36,7 @@ from sonar_tracking.graph.catalogue.topics import (
     Topic,
 )
 from sonar_tracking.graph.message_writing.field_writing import message_class, time_from_stamp
+from sonar_tracking.graph.message_writing.progress_writing import ProgressWriter
 from sonar_tracking.graph.node_base import quality_of_service
 from sonar_tracking.graph.node_base.diagnostics import MATCHED, NEIGHBOURS, UNEXPECTED
 from sonar_tracking.graph.node_base.neighbours import Neighbours
@@ -118,7 +119,7 @@ class ControlNode:
         )
         self._neighbours = Neighbours(self._node)
         self._clock = self._node.create_publisher(Clock, naming.clock, quality_of_service.CLOCK)
-        self._signature = signed(CONTROL_NODE, run)
+        self._time_writer = ProgressWriter(signed(CONTROL_NODE, run), self._clock.topic_name)
         time_topic = naming.of(TIME_TOPIC)
         self._time = self._node.create_publisher(Progress, time_topic, quality_of_service.CLOCK)
         if sources:
@@ -188,11 +189,9 @@ class ControlNode:
     def publish_clock(self, stamp: int) -> None:
         """Tell the graph the time, ns."""
         self._told = stamp
-        instant = time_from_stamp(stamp)
-        told = Progress(node=self._signature, topic=self._clock.topic_name)
-        told.header.stamp = instant
-        self._time.publish(told)
-        self._clock.publish(Clock(clock=instant))
+        if self._served:
+            self._time.publish(self._time_writer.message(0, stamp))
+        self._clock.publish(Clock(clock=time_from_stamp(stamp)))
 
     def publish(self, topic: str, data: bytes) -> None:
         """Publish a serialised message on a topic offered before."""
