@@ -7,6 +7,7 @@ display and score. What it hears goes into plain objects; decisions are made els
 
 from __future__ import annotations
 
+import gc
 import math
 import re
 import time
@@ -136,6 +137,8 @@ class ControlNode:
         )
         self._executor = EventsExecutor(context=self._context)
         self._executor.add_node(self._node)
+        # What was loaded stays: collections of garbage need not look at it again and again.
+        gc.freeze()
 
     def __enter__(self) -> ControlNode:
         return self

@@ -5,7 +5,6 @@ One object runs one graph, for a simulation as for a replay: they differ in thei
 
 from __future__ import annotations
 
-import gc
 import signal
 import time
 from collections import deque
@@ -115,7 +114,6 @@ class Orchestration:
             self._bring_up(control, source)
             if self.interrupted:
                 return
-            gc.freeze()  # what was loaded stays; it need not be looked at again and again
             self._flow_started = time.monotonic()
             self._display.say(f"{len(self._nodes)} nodes are connected: data flow")
             self._flow(control, source)
