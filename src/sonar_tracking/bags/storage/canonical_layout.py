@@ -32,7 +32,7 @@ _COLUMN_SIZES = {**_SIZES, "bool": 1, "float32": 4}
 
 class _Numbers(NamedTuple):
     size: int
-    count: int
+    length: int
 
 
 class _Column(NamedTuple):
@@ -142,7 +142,7 @@ def _merged(fields: list[Any]) -> list[Any]:
     for field in fields:
         last = merged[-1] if merged else None
         if isinstance(field, _Numbers) and isinstance(last, _Numbers) and last.size == field.size:
-            merged[-1] = _Numbers(field.size, last.count + field.count)
+            merged[-1] = _Numbers(field.size, last.length + field.length)
         else:
             merged.append(field)
     return merged
@@ -153,7 +153,7 @@ def _walked(fields: list[Any], data: bytearray, begin: int) -> int:
     position = begin
     for field in fields:
         if isinstance(field, _Numbers):
-            position = _aligned(data, position, field.size) + field.size * field.count
+            position = _aligned(data, position, field.size) + field.size * field.length
             continue
         position = _aligned(data, position, 4)
         (length,) = _LENGTH(data, position)
