@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import parse
 
-from setuptools import find_packages, setup
+from setuptools import Extension, find_packages, setup
 
 PACKAGE = "sonar_tracking"
 VERSION = parse("package.xml").findtext("version")
@@ -25,6 +25,14 @@ NODES = (
     "hpda_tracker",
     "scene_publisher",
     "recorder",
+)
+
+# Without a compiler the package installs all the same, with the coding in numpy alone.
+compiled_past = Extension(
+    f"{PACKAGE}.passive.subspaces.compiled_past",
+    [f"src/{PACKAGE}/passive/subspaces/compiled_past.c"],
+    extra_compile_args=["-O3", "-ffp-contract=off"],
+    optional=True,
 )
 
 node_executables = [f"{node} = {PACKAGE}.graph.nodes.{node}:main" for node in NODES]
@@ -94,6 +102,7 @@ setup(
     package_dir={"": "src"},
     packages=find_packages("src"),
     package_data={PACKAGE: ["py.typed"]},
+    ext_modules=[compiled_past],
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml"]),

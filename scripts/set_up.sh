@@ -33,6 +33,7 @@ fingerprint() {
             echo "$project"
             sha256sum requirements/* setup.py setup.cfg package.xml scripts/set_up.py
             find msg_defs -type f -exec sha256sum {} + | sort
+            find src -name "*.c" -exec sha256sum {} + | sort
             find config launch -name "*.*" ! -name "*.pyc" | sort # each has a link
         } | sha256sum | cut -d " " -f 1
     )

@@ -36,6 +36,7 @@ def project(tmp_path: Path) -> Path:
     copy.mkdir()
     for name in ("scripts", "requirements", "msg_defs", "resource", "config", "launch"):
         shutil.copytree(PROJECT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
+    (copy / "src").mkdir()
     for name in ("setup.py", "setup.cfg", "package.xml"):
         shutil.copy(PROJECT / name, copy)
     return copy
@@ -214,6 +215,7 @@ def test_second_start_goes_straight_to_the_pipeline(project: Path, machine: Path
         "msg_defs/msg/New.msg",
         "msg_defs/tf2_msgs/msg/TFMessage.msg",
         "launch/new.launch.py",
+        "src/new.c",
     ],
 )
 def test_change_of_an_ingredient_is_noticed(project: Path, machine: Path, path: str) -> None:

@@ -1,11 +1,7 @@
 """PAST: projection approximation subspace tracking, one snapshot at a time.
 
-For each snapshot x: y = W^H x; h = P y; g = h / (beta + Re y^H h); P <- (P - g h^H) / beta;
-P <- (P + P^H) / 2; W <- W + (x - W y) g^H, from W = I(:, 1:N) and P = I. Without the third step
-P loses its symmetry after a few hundred snapshots and the recursion diverges.
-
-The vectors are kept as rows (y^H, h^H, g^H), so that a batch of runs and a single run go through
-the same few matrix products.
+The recursion itself is in :mod:`sonar_tracking.passive.subspaces.past_recursion`; it starts from
+W = I(:, 1:N) and P = I.
 
 References
 ----------
@@ -17,8 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
+from sonar_tracking.passive.subspaces.past_recursion import lead_through
 from sonar_tracking.passive.subspaces.subspace_configuration import SubspaceConfiguration
 from sonar_tracking.passive.subspaces.subspace_method import identity_basis
 from sonar_tracking.records.arrays import ComplexArray
@@ -79,26 +74,11 @@ class Past:
         data : ndarray, shape (..., n_snapshots, n_elements), complex
             Linear amplitude.
         """
-        beta = self.forgetting_factor
-        basis = state.basis.copy()
-        inverse = state.inverse_correlation
-        conjugate_rows = data.conj()[..., None, :]
-        columns = data[..., None]
-        for n in range(data.shape[-2]):
-            y_row = conjugate_rows[..., n, :, :] @ basis
-            h_row = y_row @ inverse
-            power = (h_row * y_row.conj()).sum(axis=-1, keepdims=True).real
-            g_row = h_row / (beta + power)
-            inverse = (inverse - _transposed(g_row).conj() * h_row) / beta
-            inverse = 0.5 * (inverse + _transposed(inverse).conj())
-            residual = columns[..., n, :, :] - basis @ _transposed(y_row).conj()
-            basis += residual * g_row
+        basis, inverse = lead_through(
+            data, state.basis, state.inverse_correlation, self.forgetting_factor, False
+        )
         return PastState(basis=basis, inverse_correlation=inverse)
 
     def basis(self, state: PastState) -> ComplexArray:
         """Return W, shape (..., n_elements, n_columns), pure numbers."""
         return state.basis
-
-
-def _transposed(matrix: ComplexArray) -> ComplexArray:
-    return np.swapaxes(matrix, -1, -2)
