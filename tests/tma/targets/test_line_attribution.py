@@ -119,3 +119,11 @@ def test_stations_do_not_share_their_lines() -> None:
         attribution.update(lines(10.0), TRACKS)
     other = replace(lines(20.0), sensor=Sensor("stern"))
     assert attribution.update(other, TRACKS) == [8]
+
+
+def test_of_two_tracks_in_one_direction_the_one_known_better_gets_the_line() -> None:
+    """The density of an angle is higher where the track is sharper: ln(17 / 2) / 2 a frame."""
+    blurred = TrackAngle(TRACKS[3].angle, 16.0 * VARIANCE)
+    attribution = LineAttribution(4.0)
+    found = [attribution.update(lines(10.0), {3: TRACKS[3], 8: blurred})[0] for _ in range(4)]
+    assert found == [0, 0, 3, 3]

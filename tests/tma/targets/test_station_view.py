@@ -85,6 +85,16 @@ def test_a_pose_that_is_told_needs_no_own_ship_unless_the_array_is_towed() -> No
     assert (view.position, view.velocity, view.turn_rate) == ((10.0, 20.0), (1.0, 2.0), 0.0)
 
 
+def test_an_unknown_depth_is_not_an_unknown_place() -> None:
+    """Positions are in the plane: nobody has to tell z, nor how fast it changes."""
+    told = facing(0.0)
+    flat = replace(
+        told, position=(*told.position[:2], np.nan), velocity=(*told.velocity[:2], np.nan)
+    )
+    view = station_view(flat, own_ship(1.0, 0.2), DEFAULT)
+    assert view.position == told.position[:2] and view.velocity == told.velocity[:2]
+
+
 def test_nothing_known_is_refused_with_the_remedy() -> None:
     with pytest.raises(InputError, match="own_ship/odometry"):
         station_view(Sensor(), None, DEFAULT)
