@@ -11,25 +11,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.evaluation.metrics.bearing_truth import BearingTruth
+from sonar_tracking.evaluation.metrics.bearing_truth import BearingTruth, TrueBearings
 from sonar_tracking.evaluation.metrics.identity_score import (
     IdentityScore,
-    ScoredPeriod,
-    score_identities,
+    IdentityTally,
     scored_period,
 )
+from sonar_tracking.evaluation.metrics.online_score import OnlineScore
 from sonar_tracking.evaluation.metrics.ospa_gospa import assign, gospa, ospa
 from sonar_tracking.evaluation.metrics.score_statistics import (
+    Column,
     flat_mapping,
-    joined,
     mean,
     median,
-    median_period,
     nees_band,
     normalised_square_error,
 )
 from sonar_tracking.motion import wrap_angle
-from sonar_tracking.records.arrays import FloatArray, IndexArray
+from sonar_tracking.records.arrays import IndexArray
 from sonar_tracking.records.bearings import BearingTracks
 
 CUTOFF_DEG = 5.0
@@ -92,48 +91,56 @@ def score_bearing_tracks(
     tracks : sequence of BearingTracks
         The tracker's lists, one a period.
     """
-    true_bearings = BearingTruth(truth)
-    tracks = sorted(tracks, key=lambda entry: entry.stamp)
-    scored: list[ScoredPeriod] = []
-    ospas: list[float] = []
-    gospas: list[float] = []
-    errors: list[FloatArray] = []
-    nees: list[FloatArray] = []
-    for entry in tracks:
-        reference = true_bearings.at(entry.stamp)
-        if reference is None:
-            continue
-        rows = _established(entry)
-        error = wrap_angle(entry.arrival_angle[rows] - reference.angle[:, None])
+    online = OnlineBearingScore(BearingTruth(truth))
+    online.add_all(tracks)
+    return online.score()
+
+
+class OnlineBearingScore(OnlineScore[BearingTracks]):
+    """Scores the tracks of a run while it goes on; see :func:`score_bearing_tracks`."""
+
+    def __init__(self, truth: BearingTruth | None = None) -> None:
+        self._truth = truth or BearingTruth()
+        super().__init__(self._truth)
+        self._identities = IdentityTally()
+        self._ospa, self._gospa, self._error, self._nees = (Column() for _ in range(4))
+
+    def count(self, tracks: BearingTracks, truth: TrueBearings) -> None:
+        """Count one list, against what is true at its stamp."""
+        rows = _established(tracks)
+        error = wrap_angle(tracks.arrival_angle[rows] - truth.angle[:, None])
         apart = np.degrees(np.abs(error))
         assignment = assign(apart, CUTOFF_DEG, ORDER)
         pairs = assignment.truths, assignment.estimates
-        scored.append(
-            scored_period(entry.stamp, reference.id, entry.id[rows], assignment, apart < CUTOFF_DEG)
+        self._identities.add(
+            scored_period(tracks.stamp, truth.id, tracks.id[rows], assignment, apart < CUTOFF_DEG)
         )
-        ospas.append(ospa(assignment, CUTOFF_DEG, ORDER))
-        gospas.append(gospa(assignment, CUTOFF_DEG, ORDER))
-        errors.append(apart[pairs])
+        self._ospa.add([ospa(assignment, CUTOFF_DEG, ORDER)])
+        self._gospa.add([gospa(assignment, CUTOFF_DEG, ORDER)])
+        self._error.add(apart[pairs])
         held = rows[pairs[1]]
-        rate_error = entry.arrival_angle_rate[held] - reference.rate[pairs[0]]
+        rate_error = tracks.arrival_angle_rate[held] - truth.rate[pairs[0]]
         both = np.stack([error[pairs], rate_error], axis=-1)
-        nees.append(normalised_square_error(both, entry.covariance[held]))
+        self._nees.add(normalised_square_error(both, tracks.covariance[held]))
 
-    period = median_period(tracks)
-    return BearingScore(
-        periods=len(scored),
-        unscored_periods=len(tracks) - len(scored),
-        targets=len({target for entry in scored for target in entry.truth_ids}),
-        period=period,
-        rmse_deg=mean(joined(errors) ** 2) ** 0.5,
-        median_error_deg=median(joined(errors)),
-        ospa_deg=mean(np.array(ospas)),
-        gospa_deg=mean(np.array(gospas)),
-        nees_per_dimension=mean(joined(nees)) / 2.0,
-        nees_median_per_dimension=median(joined(nees)) / 2.0,
-        nees_band=nees_band(2),
-        identities=score_identities(scored, period, true_bearings.first_seen()),
-    )
+    def score(self) -> BearingScore:
+        """Return the score of all lists; what waits for truth is counted with what is known."""
+        self.finish()
+        error, nees, period = self._error.values, self._nees.values, self.periods.median()
+        return BearingScore(
+            periods=self._identities.periods,
+            unscored_periods=len(self.periods) - self._identities.periods,
+            targets=self._identities.targets,
+            period=period,
+            rmse_deg=mean(error**2) ** 0.5,
+            median_error_deg=median(error),
+            ospa_deg=mean(self._ospa.values),
+            gospa_deg=mean(self._gospa.values),
+            nees_per_dimension=mean(nees) / 2.0,
+            nees_median_per_dimension=median(nees) / 2.0,
+            nees_band=nees_band(2),
+            identities=self._identities.score(period, self._truth.first_seen()),
+        )
 
 
 def _established(entry: BearingTracks) -> IndexArray:

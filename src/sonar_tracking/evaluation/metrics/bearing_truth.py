@@ -38,14 +38,23 @@ class BearingTruth:
     ----------
     samples : sequence of BearingTracks
         Truth at increasing stamps.
+
+    Attributes
+    ----------
+    samples : TruthSamples
+        Those that are known.
     """
 
-    def __init__(self, samples: Sequence[BearingTracks]) -> None:
-        self._samples = TruthSamples(samples)
+    def __init__(self, samples: Sequence[BearingTracks] = ()) -> None:
+        self.samples = TruthSamples(samples)
+
+    def add(self, sample: BearingTracks) -> None:
+        """Take one more sample, the next in time."""
+        self.samples.add(sample)
 
     def first_seen(self) -> dict[int, int]:
         """Return the stamp (ns) of the first appearance of each target."""
-        return self._samples.first_seen()
+        return self.samples.first_seen()
 
     def at(self, stamp: int) -> TrueBearings | None:
         """Return the truth at an instant, or None if the samples do not reach it.
@@ -53,7 +62,7 @@ class BearingTruth:
         Between two samples a target is there if it is in both. Beyond the last sample its rate
         carries on for as long as the last two samples are apart.
         """
-        around = self._samples.around(stamp)
+        around = self.samples.around(stamp)
         if around is None:
             return None
         before, after = around

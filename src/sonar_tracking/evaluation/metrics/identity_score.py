@@ -6,9 +6,8 @@ Works on who was assigned to whom in each period, so that it serves bearings and
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import groupby, pairwise
 
 import numpy as np
 
@@ -135,84 +134,116 @@ def score_identities(
     first_seen : mapping of int to int
         Stamp of the first appearance of each target, ns.
     """
-    targets = sorted({target for entry in periods for target in entry.truth_ids})
-    lives = {target: _life(periods, target) for target in targets}
-    held = {target: [h for h in lives[target].values() if h is not None] for target in targets}
-    continuities = [_continuity(lives[target], held[target]) for target in targets]
-    delays = [
-        _delay_periods(periods, lives[target], first_seen[target], period)
-        for target in targets
-        if held[target]
-    ]
-    n_false = _false_tracks(periods)
-    hours = len(periods) * period / 3600.0
-    n_present = sum(len(life) for life in lives.values())
-    return IdentityScore(
-        identity_swaps=sum(_changes(held[target]) for target in targets),
-        lasting_identity_swaps=sum(_changes(_settled(held[target])) for target in targets),
-        lost_tracks=sum(_losses(lives[target]) for target in targets),
-        targets_never_held=sum(not held[target] for target in targets),
-        held_share=_ratio(sum(len(entries) for entries in held.values()), n_present),
-        continuity=float(np.mean(continuities)) if continuities else np.nan,
-        smallest_continuity=min(continuities, default=np.nan),
-        false_tracks=n_false,
-        false_tracks_per_hour=_ratio(n_false, hours),
-        confirmation_delay_periods=float(np.mean(delays)) if delays else np.nan,
-        confirmation_delay=float(np.mean(delays)) * period if delays else np.nan,
-        largest_confirmation_delay=max(delays, default=np.nan) * period,
-    )
+    tally = IdentityTally()
+    for entry in periods:
+        tally.add(entry)
+    return tally.score(period, first_seen)
 
 
-def _life(periods: Sequence[ScoredPeriod], target: int) -> dict[int, int | None]:
-    """Return the identity (or None) in each period, by index, in which the target is there."""
-    return {
-        index: entry.held.get(target)
-        for index, entry in enumerate(periods)
-        if target in entry.truth_ids
-    }
+class IdentityTally:
+    """Counts identities period by period, and keeps nothing of the periods."""
+
+    def __init__(self) -> None:
+        self.periods = 0
+        self._lives: dict[int, _Life] = {}
+        self._track_lives: Counter[int] = Counter()
+        self._track_near: Counter[int] = Counter()
+
+    @property
+    def targets(self) -> int:
+        """Number of different targets."""
+        return len(self._lives)
+
+    def add(self, entry: ScoredPeriod) -> None:
+        """Count one period, after those before it in time."""
+        for target in entry.truth_ids:
+            life = self._lives.setdefault(target, _Life())
+            life.add(self.periods, entry.stamp, entry.held.get(target))
+        self._track_lives.update(entry.track_ids)
+        self._track_near.update(entry.near)
+        self.periods += 1
+
+    def score(self, period: float, first_seen: Mapping[int, int]) -> IdentityScore:
+        """Return the score of the periods so far; see :func:`score_identities`."""
+        lives = [self._lives[target] for target in sorted(self._lives)]
+        continuities = [life.continuity for life in lives]
+        delays = [
+            self._lives[target].delay_periods(first_seen[target], period)
+            for target in sorted(self._lives)
+            if self._lives[target].n_held
+        ]
+        n_false = self._false_tracks()
+        hours = self.periods * period / 3600.0
+        return IdentityScore(
+            identity_swaps=sum(life.changes for life in lives),
+            lasting_identity_swaps=sum(life.lasting_changes for life in lives),
+            lost_tracks=sum(life.losses for life in lives),
+            targets_never_held=sum(not life.n_held for life in lives),
+            held_share=_ratio(
+                sum(life.n_held for life in lives), sum(life.n_present for life in lives)
+            ),
+            continuity=float(np.mean(continuities)) if continuities else np.nan,
+            smallest_continuity=min(continuities, default=np.nan),
+            false_tracks=n_false,
+            false_tracks_per_hour=_ratio(n_false, hours),
+            confirmation_delay_periods=float(np.mean(delays)) if delays else np.nan,
+            confirmation_delay=float(np.mean(delays)) * period if delays else np.nan,
+            largest_confirmation_delay=max(delays, default=np.nan) * period,
+        )
+
+    def _false_tracks(self) -> int:
+        near, lives = self._track_near, self._track_lives
+        return sum(near[track] < 0.5 * lives[track] for track in lives)
 
 
-def _changes(identities: Iterable[int]) -> int:
-    return sum(before != after for before, after in pairwise(identities))
+class _Life:
+    """What became of one target in the periods in which it was there."""
 
+    def __init__(self) -> None:
+        self.n_present = self.n_held = self.changes = self.lasting_changes = self.losses = 0
+        self._identities: Counter[int] = Counter()
+        self._first_held = 0
+        self._latest: int | None = None
+        self._settled: int | None = None
+        self._run = 0
+        self._missing = 0
+        self._index = -1
 
-def _settled(identities: Iterable[int]) -> list[int]:
-    runs = ((identity, len(list(run))) for identity, run in groupby(identities))
-    return [identity for identity, length in runs if length >= LOST_PERIODS]
+    def add(self, index: int, stamp: int, identity: int | None) -> None:
+        """Take the identity in the period of an index and a stamp, ns; None = it has none."""
+        if index != self._index + 1:
+            self._missing = 0  # the target was away: no track could have been maintained
+        self._index = index
+        self.n_present += 1
+        if identity is not None:
+            self._missing = 0
+            self._hold(stamp, identity)
+            return
+        self._missing += 1
+        self.losses += self.n_held > 0 and self._missing == LOST_PERIODS
 
+    def _hold(self, stamp: int, identity: int) -> None:
+        if not self.n_held:
+            self._first_held = stamp
+        self.n_held += 1
+        self._identities[identity] += 1
+        if identity != self._latest:
+            self.changes += self._latest is not None
+            self._latest, self._run = identity, 0
+        self._run += 1
+        if self._run == LOST_PERIODS:
+            self.lasting_changes += self._settled is not None and self._settled != identity
+            self._settled = identity
 
-def _losses(life: Mapping[int, int | None]) -> int:
-    losses, missing, was_held, previous = 0, 0, False, None
-    for index, identity in life.items():
-        if previous is not None and index != previous + 1:
-            missing = 0  # the target was away: no track could have been maintained
-        previous = index
-        missing = 0 if identity is not None else missing + 1
-        was_held = was_held or identity is not None
-        losses += was_held and missing == LOST_PERIODS
-    return losses
+    @property
+    def continuity(self) -> float:
+        """Share of its life with the identity it has longest."""
+        return max(self._identities.values(), default=0) / self.n_present
 
-
-def _continuity(life: Mapping[int, int | None], held: Sequence[int]) -> float:
-    longest = max(Counter(held).values(), default=0)
-    return longest / len(life)
-
-
-def _delay_periods(
-    periods: Sequence[ScoredPeriod],
-    life: Mapping[int, int | None],
-    first_seen: int,
-    period: float,
-) -> int:
-    index = next(index for index, identity in life.items() if identity is not None)
-    elapsed = seconds(periods[index].stamp - first_seen)
-    return int(np.floor(elapsed / period + 1e-6)) + 1 if period > 0.0 else 1
-
-
-def _false_tracks(periods: Sequence[ScoredPeriod]) -> int:
-    life = Counter(track for entry in periods for track in entry.track_ids)
-    near = Counter(track for entry in periods for track in entry.near)
-    return sum(near[track] < 0.5 * life[track] for track in life)
+    def delay_periods(self, first_seen: int, period: float) -> int:
+        """Return the periods from its first appearance (stamp, ns) to its first identity."""
+        elapsed = seconds(self._first_held - first_seen)
+        return int(np.floor(elapsed / period + 1e-6)) + 1 if period > 0.0 else 1
 
 
 def _ratio(numerator: float, denominator: float) -> float:

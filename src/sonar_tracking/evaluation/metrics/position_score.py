@@ -18,23 +18,22 @@ import numpy as np
 from sonar_tracking.evaluation.metrics.cutoff import CUTOFF_M
 from sonar_tracking.evaluation.metrics.identity_score import (
     IdentityScore,
-    ScoredPeriod,
-    score_identities,
+    IdentityTally,
     scored_period,
 )
+from sonar_tracking.evaluation.metrics.online_score import OnlineScore
 from sonar_tracking.evaluation.metrics.ospa_gospa import assign, gospa, ospa
 from sonar_tracking.evaluation.metrics.position_truth import PositionTruth, TruePositions
 from sonar_tracking.evaluation.metrics.score_statistics import (
+    Column,
     flat_mapping,
-    joined,
     mean,
     median,
-    median_period,
     nees_band,
     normalised_square_error,
 )
 from sonar_tracking.evaluation.metrics.track_sides import SideChoice, wrong_sides
-from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
+from sonar_tracking.records.arrays import IndexArray
 from sonar_tracking.records.positions import PositionTracks
 
 ORDER = 2.0
@@ -101,21 +100,6 @@ class PositionScore:
         return flat_mapping(self)
 
 
-@dataclass(frozen=True)
-class _Period:
-    """What one track list contributes."""
-
-    scored: ScoredPeriod
-    ospa: float
-    gospa: float
-    distance: FloatArray
-    speed_error: FloatArray
-    nearest: FloatArray
-    nees: FloatArray
-    two_sided: BoolArray
-    wrong_side: BoolArray
-
-
 def score_position_tracks(
     truth: Sequence[PositionTracks],
     tracks: Sequence[PositionTracks],
@@ -138,60 +122,69 @@ def score_position_tracks(
         Definitions: :mod:`sonar_tracking.evaluation.metrics.ospa_gospa` and
         :mod:`sonar_tracking.evaluation.metrics.identity_score`.
     """
-    true_positions = PositionTruth(truth)
-    choice = SideChoice()
-    tracks = sorted(tracks, key=lambda entry: entry.stamp)
-    parts: list[_Period] = []
-    for entry in tracks:
-        reference = true_positions.at(entry.stamp)
-        if reference is not None:
-            parts.append(_scored(entry, reference, choice, cutoff_m))
-    period = median_period(tracks)
-    scored = [part.scored for part in parts]
-    nees = joined([part.nees for part in parts]) / STATES
-    return PositionScore(
-        periods=len(parts),
-        unscored_periods=len(tracks) - len(parts),
-        targets=len({target for entry in scored for target in entry.truth_ids}),
-        period=period,
-        cutoff_m=float(cutoff_m),
-        rmse_m=mean(joined([part.distance for part in parts]) ** 2) ** 0.5,
-        median_error_m=median(joined([part.distance for part in parts])),
-        velocity_rmse_m_per_s=mean(joined([part.speed_error for part in parts]) ** 2) ** 0.5,
-        median_nearest_m=median(joined([part.nearest for part in parts])),
-        ospa_m=mean([part.ospa for part in parts]),
-        gospa_m=mean([part.gospa for part in parts]),
-        nees_per_dimension=mean(nees),
-        nees_median_per_dimension=median(nees),
-        nees_band=nees_band(STATES),
-        two_sided_share=mean(joined([part.two_sided.astype(float) for part in parts])),
-        wrong_side_share=mean(joined([part.wrong_side.astype(float) for part in parts])),
-        identities=score_identities(scored, period, true_positions.first_seen()),
-    )
+    online = OnlinePositionScore(cutoff_m, PositionTruth(truth))
+    online.add_all(tracks)
+    return online.score()
 
 
-def _scored(
-    entry: PositionTracks, reference: TruePositions, choice: SideChoice, cutoff_m: float
-) -> _Period:
-    sided = choice.choose(entry, _established(entry))
-    error = entry.state[sided.rows] - reference.state[:, None, :]
-    apart = np.linalg.norm(error[..., :2], axis=-1)
-    assignment = assign(apart, cutoff_m, ORDER)
-    pairs = assignment.truths, assignment.estimates
-    speed_error = np.linalg.norm(error[pairs][:, 2:], axis=-1)
-    return _Period(
-        scored=scored_period(entry.stamp, reference.id, sided.id, assignment, apart < cutoff_m),
-        ospa=ospa(assignment, cutoff_m, ORDER),
-        gospa=gospa(assignment, cutoff_m, ORDER),
-        distance=apart[pairs],
-        speed_error=speed_error[np.isfinite(speed_error)],
-        nearest=np.min(apart, axis=1) if apart.shape[1] else np.empty(0),
-        nees=normalised_square_error(
-            error[pairs], entry.covariance[sided.rows[assignment.estimates]]
-        ),
-        two_sided=sided.other >= 0,
-        wrong_side=wrong_sides(entry, sided, reference.state[:, :2]),
-    )
+class OnlinePositionScore(OnlineScore[PositionTracks]):
+    """Scores the tracks of a run while it goes on; see :func:`score_position_tracks`."""
+
+    def __init__(self, cutoff_m: float = CUTOFF_M, truth: PositionTruth | None = None) -> None:
+        self._truth = truth or PositionTruth()
+        super().__init__(self._truth)
+        self._cutoff_m = cutoff_m
+        self._choice = SideChoice()
+        self._identities = IdentityTally()
+        self._ospa, self._gospa, self._nees = Column(), Column(), Column()
+        self._distance, self._speed_error, self._nearest = Column(), Column(), Column()
+        self._two_sided, self._wrong_side = Column(), Column()
+
+    def count(self, tracks: PositionTracks, truth: TruePositions) -> None:
+        """Count one list, against what is true at its stamp."""
+        cutoff = self._cutoff_m
+        sided = self._choice.choose(tracks, _established(tracks))
+        error = tracks.state[sided.rows] - truth.state[:, None, :]
+        apart = np.linalg.norm(error[..., :2], axis=-1)
+        assignment = assign(apart, cutoff, ORDER)
+        pairs = assignment.truths, assignment.estimates
+        self._identities.add(
+            scored_period(tracks.stamp, truth.id, sided.id, assignment, apart < cutoff)
+        )
+        self._ospa.add([ospa(assignment, cutoff, ORDER)])
+        self._gospa.add([gospa(assignment, cutoff, ORDER)])
+        self._distance.add(apart[pairs])
+        speed_error = np.linalg.norm(error[pairs][:, 2:], axis=-1)
+        self._speed_error.add(speed_error[np.isfinite(speed_error)])
+        self._nearest.add(np.min(apart, axis=1) if apart.shape[1] else ())
+        covariance = tracks.covariance[sided.rows[assignment.estimates]]
+        self._nees.add(normalised_square_error(error[pairs], covariance))
+        self._two_sided.add(sided.other >= 0)
+        self._wrong_side.add(wrong_sides(tracks, sided, truth.state[:, :2]))
+
+    def score(self) -> PositionScore:
+        """Return the score of all lists; what waits for truth is counted with what is known."""
+        self.finish()
+        period, nees = self.periods.median(), self._nees.values / STATES
+        return PositionScore(
+            periods=self._identities.periods,
+            unscored_periods=len(self.periods) - self._identities.periods,
+            targets=self._identities.targets,
+            period=period,
+            cutoff_m=float(self._cutoff_m),
+            rmse_m=mean(self._distance.values**2) ** 0.5,
+            median_error_m=median(self._distance.values),
+            velocity_rmse_m_per_s=mean(self._speed_error.values**2) ** 0.5,
+            median_nearest_m=median(self._nearest.values),
+            ospa_m=mean(self._ospa.values),
+            gospa_m=mean(self._gospa.values),
+            nees_per_dimension=mean(nees),
+            nees_median_per_dimension=median(nees),
+            nees_band=nees_band(STATES),
+            two_sided_share=mean(self._two_sided.values),
+            wrong_side_share=mean(self._wrong_side.values),
+            identities=self._identities.score(period, self._truth.first_seen()),
+        )
 
 
 def _established(entry: PositionTracks) -> IndexArray:

@@ -41,17 +41,23 @@ class PositionTruth:
     ----------
     samples : sequence of PositionTracks
         Truth, at any stamps; targets whose position is not known are left out.
+
+    Attributes
+    ----------
+    samples : TruthSamples
+        Those that are known.
     """
 
-    def __init__(self, samples: Sequence[PositionTracks]) -> None:
-        placed = [
-            sample.selected(np.all(np.isfinite(sample.state[:, :2]), axis=-1)) for sample in samples
-        ]
-        self._samples = TruthSamples(placed)
+    def __init__(self, samples: Sequence[PositionTracks] = ()) -> None:
+        self.samples = TruthSamples([_placed(sample) for sample in samples])
+
+    def add(self, sample: PositionTracks) -> None:
+        """Take one more sample, the next in time."""
+        self.samples.add(_placed(sample))
 
     def first_seen(self) -> dict[int, int]:
         """Return the stamp (ns) of the first appearance of each target."""
-        return self._samples.first_seen()
+        return self.samples.first_seen()
 
     def at(self, stamp: int) -> TruePositions | None:
         """Return the truth at an instant, or None if the samples do not reach it.
@@ -59,7 +65,7 @@ class PositionTruth:
         Between two samples a target is there if it is in both. Beyond the last sample its
         velocity carries on for as long as the last two samples are apart.
         """
-        around = self._samples.around(stamp)
+        around = self.samples.around(stamp)
         if around is None:
             return None
         before, after = around
@@ -71,6 +77,11 @@ class PositionTruth:
         position, velocity = before.state[:, :2], before.state[:, 2:]
         moved = position + elapsed * np.where(np.isfinite(velocity), velocity, 0.0)
         return TruePositions(before.id, np.concatenate([moved, velocity], axis=-1))
+
+
+def _placed(sample: PositionTracks) -> PositionTracks:
+    """Return the targets of a sample whose position is known."""
+    return sample.selected(np.all(np.isfinite(sample.state[:, :2]), axis=-1))
 
 
 def _between(before: PositionTracks, after: PositionTracks, stamp: int) -> TruePositions:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from array import array
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from sonar_tracking.evaluation.metrics.truth_samples import Sample
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray
 from sonar_tracking.records.time import seconds
 
 CHI_SQUARE_BAND = {
@@ -27,16 +27,40 @@ def nees_band(n_dimensions: int) -> tuple[float, float]:
     return low / n_dimensions, high / n_dimensions
 
 
-def median_period(lists: Sequence[Sample]) -> float:
-    """Return the median time between track lists in order of time, s; 0 for fewer than two."""
-    if len(lists) < 2:
-        return 0.0
-    return seconds(float(np.median(np.diff([entry.stamp for entry in lists]))))
+class Column:
+    """Numbers of a run, eight bytes each: an hour of them takes a few hundred kilobytes."""
+
+    def __init__(self) -> None:
+        self._values = array("d")
+
+    def add(self, values: FloatArray | BoolArray | Sequence[float]) -> None:
+        """Add values, shape (n,), in the unit of the column."""
+        self._values.frombytes(np.asarray(values, float).tobytes())
+
+    @property
+    def values(self) -> FloatArray:
+        """All of them, shape (n,), in the unit of the column."""
+        return np.array(self._values)
 
 
-def joined(parts: Sequence[FloatArray]) -> FloatArray:
-    """Return parts, each (n, ...) and in any unit, as one array."""
-    return np.concatenate(parts) if parts else np.empty(0)
+class Periods:
+    """Stamps of track lists, to tell the time between them."""
+
+    def __init__(self) -> None:
+        self._stamps = array("q")
+
+    def add(self, stamp: int) -> None:
+        """Add the stamp of a list, ns."""
+        self._stamps.append(stamp)
+
+    def __len__(self) -> int:
+        return len(self._stamps)
+
+    def median(self) -> float:
+        """Return the median time between lists in order of time, s; 0 for fewer than two."""
+        if len(self._stamps) < 2:
+            return 0.0
+        return seconds(float(np.median(np.diff(sorted(self._stamps)))))
 
 
 def mean(values: FloatArray | Sequence[float]) -> float:

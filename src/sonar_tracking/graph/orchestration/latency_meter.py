@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import bisect
 import math
+from array import array
 from dataclasses import dataclass
 
 import numpy as np
@@ -50,7 +51,7 @@ class LatencyMeter:
         self._block_walls: list[float] = []
         self._window_ends: dict[int, int] = {}
         self._track_walls: dict[int, float] = {}
-        self._latencies: list[float] = []
+        self._latencies = array("d")
         self._algorithmic = math.nan
 
     def block_published(self, stamp: int, wall: float) -> None:

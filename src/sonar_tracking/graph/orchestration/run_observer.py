@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
-
-from rclpy.serialization import deserialize_message
 
 from sonar_tracking.bags.storage.log_time import head_stamp
 from sonar_tracking.display.run_display import RunDisplay
@@ -18,21 +15,19 @@ from sonar_tracking.graph.catalogue.topics import (
     PASSIVE_TRACKS,
     SNAPSHOTS,
     SUBSPACES,
-    TRUE_BEARING_TRACKS,
-    TRUE_TRACKS,
     Topic,
     TopicRole,
 )
-from sonar_tracking.graph.message_writing.field_writing import message_class
 from sonar_tracking.graph.orchestration.latency_meter import LatencyMeter
-from sonar_tracking.graph.orchestration.topic_record import TopicRecord
-from sonar_tracking.message_reading.array_reading import (
-    directions_from_message,
-    subspaces_from_message,
+from sonar_tracking.graph.orchestration.run_score import (
+    RunScore,
+    message_from_bytes,
+    positions_from_bytes,
+    tracks_from_bytes,
 )
-from sonar_tracking.message_reading.position_reading import position_tracks_from_message
+from sonar_tracking.graph.orchestration.topic_record import TopicRecord
+from sonar_tracking.message_reading.array_reading import subspaces_from_message
 from sonar_tracking.records.bearings import BearingTracks
-from sonar_tracking.records.positions import PositionTracks
 
 _CHAINS = (
     (SNAPSHOTS, SUBSPACES, BEARING_TRACKS),
@@ -76,13 +71,9 @@ class RunObserver:
         self._topics = topics
         self._naming = naming
         self._display = display
-        self._cutoff_m = cutoff_m
         self._blocks, self._estimates, self._timed = _timed_chain(topics, naming)
         self._first_block = 0
-        self._bearings: list[BearingTracks] = []
-        self._positions: dict[str, list[PositionTracks]] = {}
-        self._truth: dict[str, list[bytes]] = {}
-        self._scored = any(topic.role is TopicRole.TRUTH for topic in topics.values())
+        self._score = RunScore(topics, naming, cutoff_m)
 
     def announced(self, topic: str, stamp: int, wall: float) -> None:
         """Take the announcement of a message by its producer, just before it is published."""
@@ -99,7 +90,7 @@ class RunObserver:
         self.announced(topic, stamp, wall)
         self.records[topic].add(data)
         if self._topics[topic].role is TopicRole.TRUTH:
-            self._take_truth(topic, data)
+            self._score.take_truth(topic, data)
 
     def observed(self, topic: str, data: bytes, wall: float) -> None:
         """Take a message received from the graph."""
@@ -107,41 +98,17 @@ class RunObserver:
         self._take_time(topic, data, wall)
         described = self._topics[topic]
         if described.role is TopicRole.TRUTH:
-            self._take_truth(topic, data)
+            self._score.take_truth(topic, data)
         elif described.message_type == BEARING_TRACKS.message_type:
             self._take_bearings(topic, tracks_from_bytes(data))
         elif described.message_type == PASSIVE_TRACKS.message_type:
-            tracks = _position_tracks(data)
-            if self._scored:
-                self._positions.setdefault(topic, []).append(tracks)
+            tracks = positions_from_bytes(data)
+            self._score.take_positions(topic, tracks)
             self._display.position_tracks(topic, tracks)
 
     def score(self) -> Mapping[str, object]:
-        """Return the score of the tracks against truth; empty if either is missing.
-
-        Bearings are scored at the top, positions under ``positions`` by topic.
-        """
-        score: dict[str, object] = {}
-        true_bearings = self._truth.get(self._naming.of(TRUE_BEARING_TRACKS))
-        if true_bearings and self._bearings:
-            from sonar_tracking.evaluation.metrics.bearing_score import score_bearing_tracks
-
-            truth = [tracks_from_bytes(data) for data in true_bearings]
-            score |= score_bearing_tracks(truth, self._bearings).to_mapping()
-        true_positions = self._truth.get(self._naming.of(TRUE_TRACKS))
-        if true_positions and self._positions:
-            from sonar_tracking.evaluation.metrics.position_score import score_position_tracks
-
-            places = [_position_tracks(data) for data in true_positions]
-            score["positions"] = {
-                topic: score_position_tracks(places, tracks, self._cutoff_m).to_mapping()
-                for topic, tracks in self._positions.items()
-            }
-        return score
-
-    def _take_truth(self, topic: str, data: bytes) -> None:
-        """Keep a true picture; it is decoded when the run is scored."""
-        self._truth.setdefault(topic, []).append(data)
+        """Return the score of the tracks against truth; see :class:`RunScore`."""
+        return self._score.to_mapping()
 
     def _take_bearings(self, topic: str, tracks: BearingTracks) -> None:
         # Bearings simulated at a station are measurements, not tracks to be scored.
@@ -149,8 +116,7 @@ class RunObserver:
             topic == self._naming.of(BEARING_TRACKS)
             and self._topics[topic].role is TopicRole.OUTPUT
         ):
-            if self._scored:
-                self._bearings.append(tracks)
+            self._score.take_bearings(tracks)
             self._display.tracks(tracks)
 
     def _take_time(self, topic: str, data: bytes, wall: float) -> None:
@@ -160,7 +126,7 @@ class RunObserver:
                 self.latency.estimate_described(stamp, 0.0)
             self.latency.tracks_received(stamp, wall)
         elif topic == self._estimates:
-            estimates = subspaces_from_message(_message(data, SUBSPACES))
+            estimates = subspaces_from_message(message_from_bytes(data, SUBSPACES))
             if not math.isnan(estimates.newest_offset):
                 self.latency.estimate_described(estimates.stamp, estimates.newest_offset)
 
@@ -171,16 +137,3 @@ def _timed_chain(topics: Mapping[str, Topic], naming: GraphNames) -> tuple[str, 
         if all(name in topics for name in names if name):
             return names[0], names[1], names[2]
     return "", "", ""
-
-
-def _message(data: bytes, topic: Topic) -> Any:
-    return deserialize_message(data, message_class(topic.message_type))
-
-
-def tracks_from_bytes(data: bytes) -> BearingTracks:
-    """Return the bearing tracks a serialised message carries."""
-    return directions_from_message(_message(data, BEARING_TRACKS))
-
-
-def _position_tracks(data: bytes) -> PositionTracks:
-    return position_tracks_from_message(_message(data, PASSIVE_TRACKS))

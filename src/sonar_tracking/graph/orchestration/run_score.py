@@ -1,0 +1,101 @@
+"""The score of a run against its truth, while it goes on and in memory that hardly grows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rclpy.serialization import deserialize_message
+
+from sonar_tracking.evaluation.metrics.bearing_score import OnlineBearingScore
+from sonar_tracking.evaluation.metrics.position_score import OnlinePositionScore
+from sonar_tracking.graph.catalogue.graph_names import GraphNames
+from sonar_tracking.graph.catalogue.topics import (
+    BEARING_TRACKS,
+    PASSIVE_TRACKS,
+    TRUE_BEARING_TRACKS,
+    TRUE_TRACKS,
+    Topic,
+    TopicRole,
+)
+from sonar_tracking.graph.message_writing.field_writing import message_class
+from sonar_tracking.message_reading.array_reading import directions_from_message
+from sonar_tracking.message_reading.position_reading import position_tracks_from_message
+from sonar_tracking.records.bearings import BearingTracks
+from sonar_tracking.records.positions import PositionTracks
+
+
+class RunScore:
+    """Scores bearing tracks, and position tracks by topic, where there is truth of their kind.
+
+    Parameters
+    ----------
+    topics : mapping of str to Topic
+        All data topics by resolved name.
+    naming : GraphNames
+        Names of the topics the project knows.
+    cutoff_m : float
+        Distance from which on a position track is none of a target, m.
+    """
+
+    def __init__(self, topics: Mapping[str, Topic], naming: GraphNames, cutoff_m: float) -> None:
+        self._true_bearings = naming.of(TRUE_BEARING_TRACKS)
+        self._true_positions = naming.of(TRUE_TRACKS)
+        self._bearings = OnlineBearingScore()
+        self._scores_bearings = {naming.of(BEARING_TRACKS), self._true_bearings} <= topics.keys()
+        self._positions = {
+            name: OnlinePositionScore(cutoff_m)
+            for name, topic in topics.items()
+            if topic.message_type == PASSIVE_TRACKS.message_type
+            and topic.role is not TopicRole.TRUTH
+            and self._true_positions in topics
+        }
+
+    def take_truth(self, topic: str, data: bytes) -> None:
+        """Take a serialised true picture, if something is scored against it."""
+        if topic == self._true_bearings and self._scores_bearings:
+            self._bearings.add_truth(tracks_from_bytes(data))
+        elif topic == self._true_positions and self._positions:
+            sample = positions_from_bytes(data)
+            for score in self._positions.values():
+                score.add_truth(sample)
+
+    def take_bearings(self, tracks: BearingTracks) -> None:
+        """Take a list of bearing tracks."""
+        if self._scores_bearings:
+            self._bearings.add_tracks(tracks)
+
+    def take_positions(self, topic: str, tracks: PositionTracks) -> None:
+        """Take a list of position tracks."""
+        if topic in self._positions:
+            self._positions[topic].add_tracks(tracks)
+
+    def to_mapping(self) -> dict[str, object]:
+        """Return the score; empty if tracks or truth are missing.
+
+        Bearings are scored at the top, positions under ``positions`` by topic.
+        """
+        score: dict[str, object] = {}
+        if self._bearings.is_known:
+            score |= self._bearings.score().to_mapping()
+        positions = {
+            topic: online.score().to_mapping()
+            for topic, online in self._positions.items()
+            if online.is_known
+        }
+        return score | ({"positions": positions} if positions else {})
+
+
+def message_from_bytes(data: bytes, topic: Topic) -> Any:
+    """Return a serialised message of a topic."""
+    return deserialize_message(data, message_class(topic.message_type))
+
+
+def tracks_from_bytes(data: bytes) -> BearingTracks:
+    """Return the bearing tracks a serialised message carries."""
+    return directions_from_message(message_from_bytes(data, BEARING_TRACKS))
+
+
+def positions_from_bytes(data: bytes) -> PositionTracks:
+    """Return the position tracks a serialised message carries."""
+    return position_tracks_from_message(message_from_bytes(data, PASSIVE_TRACKS))
