@@ -8,7 +8,7 @@ import pytest
 from sonar_tracking.bags.storage.storage_file import BagMessage
 from sonar_tracking.graph.catalogue.run_identity import CONTROL_NODE
 from sonar_tracking.graph.orchestration.flow_ledger import FlowLedger
-from sonar_tracking.graph.orchestration.player import CLOCK_PERIOD, Player
+from sonar_tracking.graph.orchestration.player import CLOCK_PERIOD, FULL_SPEED_CLOCK_PERIOD, Player
 
 BLOCKS, TRACKS = "/array/snapshots", "/passive/bearing_tracks"
 TRUTH = "/truth/bearing_tracks"
@@ -68,7 +68,7 @@ def test_full_speed_stops_at_the_window_and_goes_on_with_the_consumer() -> None:
     assert [data for _, data in graph.published] == [b"block %d" % n for n in range(10)]
     # What is not an input is not published, but handed on; none is forgotten at the end.
     assert [message.data for message in graph.aside] == [b"tracks %d" % n for n in range(10)]
-    assert graph.clocks == [START + n * CLOCK_PERIOD for n in range(10)]
+    assert graph.clocks == [START, START + FULL_SPEED_CLOCK_PERIOD]
     assert player.data_seconds == pytest.approx(0.9)
 
 
@@ -147,3 +147,19 @@ def test_a_recording_that_begins_again_waits_for_its_first_end_and_keeps_its_pac
     assert player.finished
     assert graph.clocks == [message.log_time for message in (*blocks, *blocks)]
     assert player.data_seconds == pytest.approx(0.4)
+
+
+def test_a_player_that_waits_for_a_consumer_is_behind() -> None:
+    graph = Graph()
+    player = graph.player(recording(10), 1.0)
+    assert player.behind(5.0) == 0.0
+    for tenths in range(20):
+        player.advance(10.0 + tenths / 10)
+    assert len(graph.published) == WINDOW
+    assert player.behind(10.4) == pytest.approx(0.0, abs=1e-6)
+    assert player.behind(12.4) == pytest.approx(2.0)
+    for finished in range(1, 11):
+        graph.ledger.finished("chain", BLOCKS, finished)
+        player.advance(12.4)
+    assert player.finished
+    assert player.behind(12.4) == pytest.approx(1.5), "the last block was due after 0.9 s"

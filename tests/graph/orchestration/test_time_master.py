@@ -99,3 +99,17 @@ def test_never_beyond_window_and_end_and_always_arrives(
         served = paced.clock
     assert paced.at_end
     assert paced.clock == end
+
+
+def test_a_clock_that_waits_for_a_consumer_is_behind() -> None:
+    paced = master(2.0)
+    assert paced.behind(0.0) == 0.0
+    paced.next_tick(0.0, None, 0)
+    assert paced.behind(0.05) == 0.0
+    assert math.isclose(paced.behind(1.05), 1.0), "one step, of 0.05 s at this rate, is not due yet"
+    assert paced.next_tick(1.05, START, WINDOW) is None
+    paced.next_tick(1.05, START, 0)
+    assert paced.behind(1.05) < 1.0
+    paced.resume(2.0)
+    assert paced.behind(2.0) == 0.0
+    assert master(math.inf).behind(100.0) == 0.0

@@ -39,6 +39,10 @@ class DataSource(Protocol):
         """
         ...
 
+    def behind(self, wall: float) -> float:
+        """Return how much later than the rate asked for the data are, s of the wall clock."""
+        ...
+
     def resume(self, wall: float) -> None:
         """Let wall time count from now on, after a pause."""
         ...

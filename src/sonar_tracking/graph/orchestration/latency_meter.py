@@ -47,8 +47,8 @@ class LatencyMeter:
     """
 
     def __init__(self) -> None:
-        self._block_stamps: list[int] = []
-        self._block_walls: list[float] = []
+        self._block_stamps = array("q")
+        self._block_walls = array("d")
         self._window_ends: dict[int, int] = {}
         self._track_walls: dict[int, float] = {}
         self._latencies = array("d")
@@ -66,8 +66,7 @@ class LatencyMeter:
 
     def begin_again(self) -> None:
         """Forget blocks and tracks, but not the latencies: their stamps are going to return."""
-        self._block_stamps.clear()
-        self._block_walls.clear()
+        del self._block_stamps[:], self._block_walls[:]
         self._window_ends.clear()
         self._track_walls.clear()
 

@@ -28,8 +28,10 @@ from sonar_tracking.graph.orchestration.process_supervisor import (
     ProcessSupervisor,
     SupervisedProcess,
 )
+from sonar_tracking.graph.orchestration.rate_watch import RateWatch
 from sonar_tracking.graph.orchestration.restart_plan import restarted_process
 from sonar_tracking.graph.orchestration.run_report import RunReport
+from sonar_tracking.graph.orchestration.stall_watch import StallWatch
 from sonar_tracking.stop_signals import STOP_SIGNALS, note_stop, stop_code
 
 if TYPE_CHECKING:
@@ -40,12 +42,10 @@ RESTART_LIMIT = 3
 START_PATIENCE = 60.0
 DRAIN_PATIENCE = 10.0
 INTERRUPTED_DRAIN_PATIENCE = 2.0
-STALL_SECONDS = 5.0
-LOST_SECONDS = 60.0
-"""What no node has moved a message for so long is taken for lost: the run goes on, and fails."""
 FOREIGN_PATIENCE = 3.0
 DISPLAY_PATIENCE = 10.0
 DISPLAY_SECONDS = 0.5
+_RUNNING = "running"
 _LONGEST_WAIT, _WATCH_SECONDS = 0.05, 0.1
 
 
@@ -74,8 +74,6 @@ class Orchestration:
         self._ended: deque[SupervisedProcess] = deque()
         self._stops = 0
         self._watched = 0.0
-        self._progress = (-1, 0.0)
-        self._stall_told = 0.0
         self._flow_started: float | None = None
         self._flow_ended: float | None = None
         self._notices: dict[str, str] = {}
@@ -83,6 +81,8 @@ class Orchestration:
         self._clock_watch = ClockWatch()
         self.supervisor = ProcessSupervisor(log_directory)
         self.ledger = plan.ledger()
+        self._stall_watch = StallWatch(self.ledger, log_directory)
+        self._rate_watch = RateWatch(self.ledger, plan.sources)
         self.edges = plan.edges()
         self.failures: list[str] = []
         self.warnings: list[str] = [plan.transport.warning] if plan.transport.warning else []
@@ -171,9 +171,10 @@ class Orchestration:
             wall = time.monotonic()
             wait = source.advance(wall)
             if source.finished and self.ledger.largest_backlog() == 0:
-                return
+                late = self._rate_watch.failure(source.behind(wall), self.wall_seconds)
+                return self._fail(late) if late else None
             control.spin_once(min(wait, _LONGEST_WAIT))
-            self._watch(control, source, "running")
+            self._watch(control, source, _RUNNING)
             if self._ended:
                 self._recover(control, source)
 
@@ -306,23 +307,11 @@ class Orchestration:
             news = self._clock_watch.news(wall, control.other_clocks)
             control.notices.update((sentence, sentence) for sentence in news)
         self._take_notices(control)
-        if self.ledger.changes != self._progress[0]:
-            self._progress = (self.ledger.changes, wall)
-            self._stall_told = wall
-        backlogs = self.ledger.backlogs()
-        if backlogs and wall - self._stall_told > STALL_SECONDS:
-            self._stall_told = wall
-            worst = backlogs[0]
-            self._display.say(
-                f"waiting for {worst.node}: it has not finished {worst.messages} messages of "
-                f"{worst.topic}; its log is {self._log_directory / worst.node}.log"
-            )
-        if backlogs and wall - self._progress[1] > LOST_SECONDS:
-            self._progress = (self.ledger.changes, wall)
-            for lost in backlogs:
-                self.ledger.write_off(lost)
+        behind = source.behind(wall) if activity == _RUNNING else 0.0
+        for sentence in (*self._stall_watch.news(wall), *self._rate_watch.news(behind)):
+            self._display.say(sentence)
         if self._display.due(wall):
-            backlog = backlogs[0].messages if backlogs else 0
+            backlog = self.ledger.largest_backlog()
             state = GraphState(
                 self._plan.scenario, source.data_seconds, self.wall_seconds, backlog, activity
             )

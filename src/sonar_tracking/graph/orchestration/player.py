@@ -13,7 +13,8 @@ from sonar_tracking.graph.orchestration.flow_ledger import FlowLedger
 from sonar_tracking.records.time import NANOSECONDS
 
 CLOCK_PERIOD = NANOSECONDS // 10
-"""Data time between two clock messages, ns."""
+FULL_SPEED_CLOCK_PERIOD = NANOSECONDS // 2
+"""Data time between two clock messages, ns; fewer at full speed, where each is one of many."""
 
 Sink = Callable[[BagMessage], None]
 Published = Callable[[str, bytes, float], None]
@@ -66,6 +67,7 @@ class Player:
         self._published = published
         self._flow_window = flow_window
         self._rate = rate
+        self._clock_period = FULL_SPEED_CLOCK_PERIOD if math.isinf(rate) else CLOCK_PERIOD
         self._counts = dict.fromkeys(inputs | truth, 0)
         self._next: BagMessage | None = None
         self._exhausted = False
@@ -106,6 +108,16 @@ class Player:
         self._fetch()
         return 0.0
 
+    def behind(self, wall: float) -> float:
+        """Return how much later than the rate asked for the data are, s of the wall clock."""
+        if self._anchor is None:
+            return 0.0
+        following = self._next
+        due = self._last
+        if following is not None and following.topic in self._inputs:
+            due = following.log_time
+        return max(0.0, -self._wall_seconds_early(due, wall))
+
     def resume(self, wall: float) -> None:
         """Let wall time count from now on, after a pause."""
         if self._first is not None:
@@ -121,7 +133,7 @@ class Player:
         if self._first is None:
             self._first = log_time
         self._last = max(self._last, log_time)
-        if self._clock == 0 or abs(log_time - self._clock) >= CLOCK_PERIOD:
+        if self._clock == 0 or abs(log_time - self._clock) >= self._clock_period:
             self._clock = log_time
             self._control.publish_clock(self._clock)
 

@@ -58,6 +58,10 @@ class SimulatedSource:
             self._control.publish_clock(tick)
         return self._master.wall_seconds_to_next(wall) or IDLE_SECONDS
 
+    def behind(self, wall: float) -> float:
+        """Return how much later than the rate asked for the data are, s of the wall clock."""
+        return self._master.behind(wall)
+
     def resume(self, wall: float) -> None:
         """Let wall time count from now on, after a pause."""
         self._master.resume(wall)

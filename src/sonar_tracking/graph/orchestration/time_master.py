@@ -90,6 +90,17 @@ class TimeMaster:
         ahead = (following - anchor_clock) / NANOSECONDS / self._rate
         return max(0.0, anchor_wall + ahead - wall)
 
+    def behind(self, wall: float) -> float:
+        """Return by how much more than a step the clock is late, s of wall time; 0 at full speed.
+
+        Past the end of the data it is the time since they were due.
+        """
+        if math.isinf(self._rate) or self._anchor is None or self._clock is None:
+            return 0.0
+        anchor_wall, anchor_clock = self._anchor
+        reached = (self._clock + self._step - anchor_clock) / NANOSECONDS / self._rate
+        return max(0.0, wall - anchor_wall - reached)
+
     def resume(self, wall: float) -> None:
         """Let wall time count from now on, after a pause."""
         if self._clock is not None:
