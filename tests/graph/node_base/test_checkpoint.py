@@ -37,6 +37,7 @@ def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv(resumption.CHECKPOINT, str(path))
     monkeypatch.setenv(run_identity.VARIABLE, "a run")
     monkeypatch.setattr(checkpoint, "SHARE", math.inf)
+    monkeypatch.setattr(checkpoint, "LEAST_PAUSE", 0.0)
     return path
 
 

@@ -21,7 +21,10 @@ from sonar_tracking.graph.catalogue.run_identity import VARIABLE as RUN
 from sonar_tracking.records.time import NANOSECONDS
 
 SHARE = 0.02
-"""Of the time of a node that checkpoints may take: a small one is written after every datum."""
+"""Of the time of a node that checkpoints may take."""
+
+LEAST_PAUSE = 0.1
+"""Between two of them, s of the wall clock: slow data have one after every datum."""
 
 LONGEST_GAP = 60 * NANOSECONDS
 """Of data, after which tracks are not taken up again, ns."""
@@ -77,7 +80,7 @@ class Checkpoint:
             sentence = f"the checkpoint cannot be written ({error}); restarted, tracks begin anew."
             self._report("checkpoint", "write", Severity.WARN, sentence)
         end = time.monotonic()
-        self._due = end + (end - begin) / SHARE
+        self._due = end + max((end - begin) / SHARE, LEAST_PAUSE)
 
     def _read(self, stamp: int) -> Any:
         """Return the state to go on with at a stamp, ns; None = there is none."""
