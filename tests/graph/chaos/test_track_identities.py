@@ -4,7 +4,15 @@ from __future__ import annotations
 
 import math
 
-from sonar_tracking.graph.chaos.track_identities import Identities, Place, TrackList, identities
+import pytest
+
+from sonar_tracking.graph.chaos.track_identities import (
+    Identities,
+    Place,
+    TrackList,
+    identities,
+    longest_delay,
+)
 
 CUTOFF = 100.0
 WEST: Place = (-1000.0, 0.0)
@@ -76,3 +84,10 @@ def test_bearings_are_compared_around_the_circle() -> None:
     before = lists(0, {7: one}, {7: one}, {7: one}, {7: one}, {7: one})
     after = lists(5, {7: other}, {7: other})
     assert identities(before, after, truth, 0.05) == Identities(1, 1)
+
+
+def test_the_longest_time_without_tracks_counts_from_when_they_were_due() -> None:
+    """A list that was on its way when the fault came does not end the wait."""
+    assert longest_delay([10.2, 14.0, 15.0, 16.0], due=10.0, interval=1.0) == pytest.approx(2.8)
+    assert longest_delay([13.0, 14.0], due=10.0, interval=1.0) == pytest.approx(3.0)
+    assert longest_delay([9.5, 10.0], due=10.0, interval=1.0) == 0.0

@@ -21,7 +21,12 @@ from sonar_tracking.graph.chaos.recording_check import (
     recorded_stamps,
 )
 from sonar_tracking.graph.chaos.run_processes import has_begun, node_processes, nodes_of
-from sonar_tracking.graph.chaos.track_identities import LISTS_AFTER, TrackList, identities
+from sonar_tracking.graph.chaos.track_identities import (
+    LISTS_AFTER,
+    TrackList,
+    identities,
+    longest_delay,
+)
 from sonar_tracking.graph.chaos.track_watch import TrackWatch
 from sonar_tracking.graph.chaos.watched_graph import WatchedGraph
 
@@ -155,17 +160,17 @@ class DisturbedRun:
         _do(run.pid, fault, watch)
         if fault.kind is not FaultKind.KILL:
             before, due, at = len(watch.lists), watch.due, time.monotonic()
-        due = max(due, at)
-        while run.poll() is None and time.monotonic() < due + STALL:
-            valid = [each for each in watch.lists[before:] if each.places]
-            if valid and outcome.late is None:
-                outcome.late = max(0.0, valid[0].wall - due)
-                begin = watch.lists.index(valid[0])
+        first = deadline = max(due, at)
+        while run.poll() is None and time.monotonic() < deadline + STALL:
             watch.spin(LOOK)
-            if valid and len(watch.lists) >= begin + LISTS_AFTER:
+            valid = [each for each in watch.lists[before:] if each.places]
+            if valid:
+                outcome.late = longest_delay([each.wall for each in valid], first, interval)
+                deadline = valid[-1].wall + interval
+            begin = watch.lists.index(valid[0]) if valid else len(watch.lists)
+            if len(watch.lists) >= begin + LISTS_AFTER:
                 self._windows.append((outcome, watch.lists[:before], watch.lists[begin:]))
                 break
-            due = max(due, watch.lists[-1].wall + interval if valid else due)
         else:
             outcome.stalled = run.poll() is None
         if outcome.late is not None or outcome.stalled:

@@ -21,8 +21,9 @@ class Outcome:
     fault : Fault
         What happened.
     late : float or None
-        How much later than due a list confirmed a track again, s of the wall clock; what was due
-        before the fault is counted from the fault. None = none did, or the run ended before.
+        By how much the latest of the lists that confirm tracks came later than due, s of the wall
+        clock: the first is due an interval after the last before the fault, but not before the
+        fault itself, each other an interval after the one before. None = none came.
     tracks : Identities or None
         Tracks established before, and kept; None = the run ended before that could be told.
     stalled, orphans, traceback : bool

@@ -18,7 +18,7 @@ _COLUMNS = (
     *("fault", "times", "late, s", "in time", "tracks kept", "all kept"),
     *("lost", "hole, s", "failed"),
 )
-_CAPTION = f"""late: by how much a list that confirms tracks came late, median and worst;
+_CAPTION = f"""late: longest time without tracks, from when they were due, median and worst;
 in time: by {IN_TIME:g} s at most; all kept: faults over which no track lost its identifier;
 lost: messages of living nodes that the recording lacks; hole: of a killed recorder"""
 

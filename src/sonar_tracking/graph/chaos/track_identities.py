@@ -1,4 +1,4 @@
-"""Whether tracks keep their identifiers over a fault. No ROS.
+"""Whether tracks keep their identifiers over a fault, and when they come again. No ROS.
 
 Before the fault the last :data:`LISTS` lists count: a track that at least :data:`SEEN` of them
 confirm, one of the last two among these, is *established*. After it, the :data:`LISTS_AFTER` lists
@@ -61,6 +61,22 @@ class Identities:
 
     established: int
     kept: int
+
+
+def longest_delay(walls: Sequence[float], due: float, interval: float) -> float:
+    """Return by how much the latest of some lists came later than due, s; 0 = none did.
+
+    Parameters
+    ----------
+    walls : sequence of float
+        When they came, s of the monotonic clock.
+    due : float
+        When the first of them was due, s; each other is an interval after the one before.
+    interval : float
+        Usual time between lists, s.
+    """
+    awaited = [due, *(wall + interval for wall in walls)]
+    return max(0.0, *(wall - then for wall, then in zip(walls, awaited, strict=False)))
 
 
 def identities(
