@@ -84,9 +84,12 @@ ROOMS = (
     "graph.nodes",
     "graph.orchestration",
     "graph.chaos",
+    "graph.bench",
     "graph.verbs",
     "graph",
     "cli_options",
+    "cli_loading",
+    "cli_bench",
     "cli",
     "",
 )
@@ -98,6 +101,7 @@ ROOMS_WITH_ROS = (
     "graph.nodes",
     "graph.orchestration",
     "graph.chaos",
+    "graph.bench",
 )
 """Where ROS may be imported; anything else works without."""
 

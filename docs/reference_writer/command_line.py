@@ -18,6 +18,8 @@ def commands() -> dict[str, Any]:
     def collect(group: Any, words: str) -> None:
         for name, command in group.commands.items():
             if hasattr(command, "commands"):
+                if command.invoke_without_command:
+                    found[f"{words}{name}"] = command
                 collect(command, f"{words}{name} ")
             else:
                 found[f"{words}{name}"] = command

@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-import importlib
-import os
 import sys
 from math import inf
 from pathlib import Path
-from types import ModuleType
 from typing import Annotated
 
 import sonar_tracking
 from sonar_tracking.errors import ConfigurationError, SonarTrackingError
 from sonar_tracking.evaluation.metrics.cutoff import CUTOFF_M
-from sonar_tracking.one_thread import ONE_THREAD
-from sonar_tracking.stop_signals import interruptible
 
 try:
     import typer
@@ -23,6 +18,9 @@ except ModuleNotFoundError:
 if tuple(map(int, typer.__version__.split(".")[:2])) < (0, 13):
     sys.exit(f"sonar-tracking: typer {typer.__version__} is too old; pip install --upgrade typer")
 
+from sonar_tracking.cli_bench import bench_app
+from sonar_tracking.cli_loading import load as _load
+from sonar_tracking.cli_loading import needs as _needs
 from sonar_tracking.cli_options import (
     CutoffOption,
     FaultsOption,
@@ -43,6 +41,7 @@ REFUSED = 2
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
 import_app = typer.Typer(help="Bring recorded data into a bag.", no_args_is_help=True)
 app.add_typer(import_app, name="import")
+app.add_typer(bench_app, name="bench")
 
 
 def _print_version(wanted: bool) -> None:
@@ -264,12 +263,6 @@ def plot(
 
 
 @app.command()
-def bench(json: JsonOption = None) -> None:
-    """Measure the speed of the algorithms side by side with peers."""
-    _needs("sonar_tracking.evaluation.bench.bench").run_bench(json)
-
-
-@app.command()
 def chaos(
     scenarios: Annotated[list[str], typer.Argument(help="Scenarios, which take turns.")],
     runs: Annotated[int, typer.Option(min=1, help="Of all scenarios and faults together.")] = 12,
@@ -290,19 +283,6 @@ def doctor() -> None:
     The exit code is 0 if a graph can run here, else 1. ROS need not be installed.
     """
     raise typer.Exit(_needs("sonar_tracking.graph.verbs.doctor").examine())
-
-
-def _needs(module: str) -> ModuleType:
-    """Import the module that does the work of a verb; from then on it can be interrupted."""
-    loaded = _load(module)
-    interruptible()
-    return loaded
-
-
-def _load(module: str) -> ModuleType:
-    """Import the module of a verb that sees to stop signals itself."""
-    os.environ.update(ONE_THREAD)
-    return importlib.import_module(module)
 
 
 def _names(remap: list[str] | None, namespace: str) -> object:

@@ -9,7 +9,7 @@ import pytest
 
 from sonar_tracking.active.contacts.contact_method_registry import CONTACT_METHODS
 from sonar_tracking.active.contacts.gate_threshold_registry import GATE_THRESHOLDS
-from sonar_tracking.evaluation.bench.bench import TRACKERS
+from sonar_tracking.evaluation.bench.array_stages import TRACKERS
 from sonar_tracking.evaluation.monte_carlo.compared_methods import compared_methods
 from sonar_tracking.evaluation.studies.doa_coherent.runs import METHODS as COHERENT
 from sonar_tracking.evaluation.studies.doa_fusion.systems import SYSTEMS as FUSION

@@ -375,7 +375,7 @@ def test_a_missing_package_of_a_verb_is_named(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr(cli, "_needs", lambda name: __import__("a_package_nobody_has"))
-    assert "pip install a_package_nobody_has" in refused(["bench"], capsys, monkeypatch, tmp_path)
+    assert "pip install a_package_nobody_has" in refused(["doctor"], capsys, monkeypatch, tmp_path)
 
 
 def refused(

@@ -1,14 +1,16 @@
-"""Plain codings of subspace tracking that the product's are measured against.
+"""Plain codings that the product's are measured against.
 
-These are what one writes from a textbook, one snapshot at a time and with nothing rearranged.
-They serve as the peer in the bench and, in the tests, as an independent coding of the recursions.
+These are what one writes from a textbook, with nothing rearranged. They serve as the peer in the
+bench and, in the tests, as an independent coding.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from sonar_tracking.records.arrays import ComplexArray
+from sonar_tracking.geometry import steering_vectors
+from sonar_tracking.passive.sources.angle_grid import angle_grid
+from sonar_tracking.records.arrays import ComplexArray, FloatArray
 
 
 def textbook_past(data: ComplexArray, n_columns: int, forgetting_factor: float) -> ComplexArray:
@@ -96,3 +98,34 @@ def eigenvectors_each_period(data: ComplexArray, n_columns: int, period: int) ->
         covariance = block.T @ block.conj() / len(block)
         basis = np.linalg.eigh(covariance).eigenvectors[:, -n_columns:]
     return basis
+
+
+def naive_music(
+    covariance: ComplexArray, n_sources: int, positions: FloatArray, wavenumber: float
+) -> FloatArray:
+    """Find arrival angles with MUSIC: all eigenvectors, all steering vectors of the grid.
+
+    Parameters
+    ----------
+    covariance : ndarray, shape (n_elements, n_elements), complex
+        Sample covariance, linear power.
+    n_sources : int
+        Dimension of the signal subspace.
+    positions : ndarray, shape (n_elements, 3)
+        Element positions, m.
+    wavenumber : float
+        rad/m.
+
+    Returns
+    -------
+    ndarray, shape (n_found,)
+        The highest peaks on the grid of the product, rad, ascending; nothing is refined.
+    """
+    angles = angle_grid(positions, wavenumber).angles
+    noise = np.linalg.eigh(covariance).eigenvectors[:, :-n_sources]
+    vectors = steering_vectors(positions, angles, wavenumber)
+    spectrum = 1.0 / (np.abs(noise.conj().T @ vectors) ** 2).sum(axis=0)
+    inner = spectrum[1:-1]
+    peaks = 1 + np.flatnonzero((inner > spectrum[:-2]) & (inner >= spectrum[2:]))
+    highest = peaks[np.argsort(spectrum[peaks])[-n_sources:]]
+    return np.sort(angles[highest])

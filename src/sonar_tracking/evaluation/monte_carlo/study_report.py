@@ -46,8 +46,29 @@ def print_study(study: Study, layouts: Sequence[TableLayout], console: Console) 
     console : rich.console.Console
         Where to print.
     """
+    print_tables(study.rows, layouts, console)
+    console.print(
+        f"\n{study.study}: {study.runs} runs, seed {study.seed}, {study.seconds:.1f} s",
+        highlight=False,
+    )
+
+
+def print_tables(
+    all_rows: Sequence[StudyRow], layouts: Sequence[TableLayout], console: Console
+) -> None:
+    """Print tables.
+
+    Parameters
+    ----------
+    all_rows : sequence of StudyRow
+        Of all tables.
+    layouts : sequence of TableLayout
+        Tables, in order; one without rows is not printed.
+    console : rich.console.Console
+        Where to print.
+    """
     for layout in layouts:
-        rows = [row for row in study.rows if layout.shows(row)]
+        rows = [row for row in all_rows if layout.shows(row)]
         if not rows:
             continue
         console.print(f"\n{layout.title}", style="italic", highlight=False)
@@ -58,10 +79,6 @@ def print_study(study: Study, layouts: Sequence[TableLayout], console: Console) 
                 console.print(line, soft_wrap=True)
         if layout.note:
             console.print(layout.note, style="dim", highlight=False)
-    console.print(
-        f"\n{study.study}: {study.runs} runs, seed {study.seed}, {study.seconds:.1f} s",
-        highlight=False,
-    )
 
 
 def _columns(layout: TableLayout, rows: Sequence[StudyRow]) -> list[list[_Cells]]:

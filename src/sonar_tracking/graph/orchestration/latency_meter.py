@@ -32,12 +32,15 @@ class LatencySummary:
         Snapshots an estimate waits for after its sample time, ms; NaN = unknown.
     count : int
         Track messages measured.
+    first : float
+        Of the first track message, ms; NaN = none measured.
     """
 
     median: float
     percentile_99: float
     algorithmic: float
     count: int
+    first: float = math.nan
 
 
 class LatencyMeter:
@@ -96,4 +99,10 @@ class LatencyMeter:
         if not self._latencies:
             return LatencySummary(math.nan, math.nan, self._algorithmic, 0)
         median, high = np.percentile(np.array(self._latencies) * 1e3, [50, 99])
-        return LatencySummary(float(median), float(high), self._algorithmic, len(self._latencies))
+        return LatencySummary(
+            median=float(median),
+            percentile_99=float(high),
+            algorithmic=self._algorithmic,
+            count=len(self._latencies),
+            first=1e3 * self._latencies[0],
+        )

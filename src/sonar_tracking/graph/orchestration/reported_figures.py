@@ -72,6 +72,7 @@ def latency_figures(meter: LatencyMeter) -> dict[str, float]:
     return {
         "p50": latency.median,
         "p99": latency.percentile_99,
+        "first": latency.first,
         "algorithmic": latency.algorithmic,
         "count": latency.count,
     }

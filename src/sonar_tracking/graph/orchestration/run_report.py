@@ -67,7 +67,7 @@ class RunReport:
     nodes, topics : mapping
         By name.
     latency_ms : mapping
-        p50 and p99 of the chain, the algorithmic delay, and how many messages were measured.
+        p50, p99 and first of the chain, the algorithmic delay, and how many messages were measured.
     score : mapping
         Metrics against truth; empty without truth.
     comparison : mapping

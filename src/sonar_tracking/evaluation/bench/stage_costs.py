@@ -1,0 +1,93 @@
+"""Processor time that the mathematics of each node takes for the data of a scenario.
+
+The same stage objects as in the nodes, fed with the same data in one process: what a node takes
+beyond it goes into messages.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import TypeVar
+
+from sonar_tracking.active.contact_tracker import make_contact_tracker
+from sonar_tracking.active.contacts.contact_defaults import (
+    ContactDefaultsConfiguration,
+    with_defaults,
+)
+from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.evaluation.offline.offline_bearing_chain import stage_configuration
+from sonar_tracking.evaluation.offline.offline_contact_chain import TRACKER
+from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
+    BearingTrackerConfiguration,
+)
+from sonar_tracking.passive.bearings.bearing_tracker_stage import BearingTrackerStage
+from sonar_tracking.passive.subspaces.subspace_configuration import SubspaceConfiguration
+from sonar_tracking.passive.subspaces.subspace_stage import SubspaceStage
+from sonar_tracking.simulation.scenarios.scenario import Scenario
+from sonar_tracking.simulation.sensors.active_sonar_simulation import ActiveSonarSimulation
+from sonar_tracking.simulation.sensors.array_simulation import ArraySimulation
+
+Result = TypeVar("Result")
+
+SAMPLED_SECONDS = 60.0
+"""Of an array's data: the costs of the rest are taken to be the same."""
+
+
+class _Clock:
+    """Adds up processor time by name, s."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+
+    def timed(self, name: str, call: Callable[[], Result]) -> Result:
+        """Return what a call returns, and add up its time."""
+        started = time.process_time()
+        result = call()
+        self.seconds[name] = self.seconds.get(name, 0.0) + time.process_time() - started
+        return result
+
+
+def stage_costs(scenario: Scenario) -> dict[str, float]:
+    """Return the processor time of the mathematics of each node, s, by its name.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With a narrowband array or an active sonar.
+    """
+    if scenario.active_sonar is not None:
+        return _contact_costs(scenario)
+    seconds = min(scenario.duration, SAMPLED_SECONDS)
+    costs = _bearing_costs(replace(scenario, duration=seconds))
+    return {name: cost * scenario.duration / seconds for name, cost in costs.items()}
+
+
+def _bearing_costs(scenario: Scenario) -> dict[str, float]:
+    clock = _Clock()
+    where = scenario.name
+    given = [scenario.nodes.get(name, {}) for name in ("subspace_estimator", "bearing_tracker")]
+    estimator = SubspaceStage(stage_configuration(SubspaceConfiguration, given[0], where))
+    tracker = BearingTrackerStage(stage_configuration(BearingTrackerConfiguration, given[1], where))
+    simulation = ArraySimulation(scenario)
+    while (block := clock.timed("array_simulator", simulation.next_block)) is not None:
+        found = clock.timed("subspace_estimator", partial(estimator.update, block.snapshots))
+        for each in found.estimates:
+            clock.timed("bearing_tracker", partial(tracker.update, each))
+    return clock.seconds
+
+
+def _contact_costs(scenario: Scenario) -> dict[str, float]:
+    clock = _Clock()
+    given = scenario.nodes.get(TRACKER, {})
+    defaults = stage_configuration(ContactDefaultsConfiguration, given, scenario.name)
+    tracker = make_contact_tracker(
+        stage_configuration(ContactTrackerConfiguration, given, scenario.name)
+    )
+    pings = iter(ActiveSonarSimulation(scenario))
+    while (ping := clock.timed("contact_simulator", lambda: next(pings, None))) is not None:
+        contacts = with_defaults(ping.contacts, defaults)
+        clock.timed(TRACKER, partial(tracker.update, contacts))
+    return clock.seconds

@@ -1,0 +1,1 @@
+"""Whole graphs measured from outside, as a user starts them."""
