@@ -107,7 +107,7 @@ def test_the_runs_of_the_bench_are_valid_and_have_names_of_their_own() -> None:
 def machine(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let nothing be measured of this machine."""
     names = [each.name for each in fields(Machine)]
-    one = Machine(**{name: 1.0 for name in names})  # type: ignore[arg-type]
+    one = Machine(**dict.fromkeys(names, 1.0))  # type: ignore[arg-type]
     monkeypatch.setattr(bench_command, "measured_machine", lambda: one)
 
 
