@@ -26,6 +26,19 @@ def test_white_noise_of_variance_one_has_power_one_and_a_tone_its_own() -> None:
     assert power[[0, 1, 2, 3, 7, 8, 9, 10]] == pytest.approx(np.zeros(8), abs=1e-20)
 
 
+@pytest.mark.parametrize("n_bins", [0, 1, 2, 37, 400])
+def test_every_bin_is_turned_back_by_its_own_frequency(n_bins: int) -> None:
+    """Products of two factors are as good as an exponential for each bin and element."""
+    generator = np.random.default_rng(n_bins)
+    positions = 1.8 * generator.standard_normal((7, 3))
+    spectra = generator.standard_normal((n_bins, 7)) + 1j * generator.standard_normal((n_bins, 7))
+    frequencies, angles = 40.0 + 0.25 * np.arange(n_bins), np.array([-2.0, 0.3])
+    found = beam_powers(spectra, frequencies, positions, SOUND_SPEED, angles)
+    lead = np.sin(angles)[:, None] * positions[:, 0] + np.cos(angles)[:, None] * positions[:, 1]
+    turn = np.exp(-2j * np.pi * frequencies[:, None] * lead[:, None, :] / SOUND_SPEED)
+    assert found == pytest.approx(np.abs((turn * spectra).mean(axis=-1)) ** 2, rel=1e-10, abs=1e-13)
+
+
 def test_a_beam_is_the_mean_of_the_elements_delayed() -> None:
     generator = np.random.default_rng(2)
     positions = generator.normal(size=(5, 3))
