@@ -2,9 +2,9 @@
 
 A plane wave from theta reaches element m earlier than the origin of the array by
 tau_m = (x_m sin theta + y_m cos theta) / c, so that bin f of its spectrum is turned back by
-exp(-2 pi j f tau_m) and the elements are averaged: no approximation for any bandwidth. The bins are
-evenly spaced, so that each factor is the product of one for a block of bins and one for the place in
-it: few exponentials, and no sum of roundings.
+exp(-2 pi j f tau_m) and the elements are averaged: no approximation for any bandwidth. The bins
+are evenly spaced, so that each factor is the product of one for a block of bins and one for the
+place in it: few exponentials, and no sum of roundings.
 """
 
 from __future__ import annotations
