@@ -32,7 +32,8 @@ def test_every_bin_is_turned_back_by_its_own_frequency(n_bins: int) -> None:
     generator = np.random.default_rng(n_bins)
     positions = 1.8 * generator.standard_normal((7, 3))
     spectra = generator.standard_normal((n_bins, 7)) + 1j * generator.standard_normal((n_bins, 7))
-    frequencies, angles = 40.0 + 0.25 * np.arange(n_bins), np.array([-2.0, 0.3])
+    frequencies = np.asarray(40.0 + 0.25 * np.arange(n_bins), dtype=np.float64)
+    angles = np.array([-2.0, 0.3])
     found = beam_powers(spectra, frequencies, positions, SOUND_SPEED, angles)
     lead = np.sin(angles)[:, None] * positions[:, 0] + np.cos(angles)[:, None] * positions[:, 1]
     turn = np.exp(-2j * np.pi * frequencies[:, None] * lead[:, None, :] / SOUND_SPEED)
