@@ -25,7 +25,8 @@ RUN = MeasuredRun(
     report={
         "data_seconds": 100.0,
         "wall_seconds": 5.0,
-        "nodes": {"tracker": {}},
+        "failures": [],
+        "nodes": {"tracker": {"messages_in": 60, "messages_out": 40}},
         "latency_ms": {"p50": 5.0, "p99": 9.0, "first": 7.0, "count": 400},
     },
     spawned=0.5,
@@ -48,6 +49,7 @@ def test_processor_time_is_start_mathematics_and_messages() -> None:
         {
             "times_real_time": 20.0,
             "data_seconds": 100.0,
+            "failures": 0.0,
             "graph_cpu_seconds": 8.0,
             "start_percent": 25.0,
             "mathematics_percent": 25.0,
@@ -55,6 +57,7 @@ def test_processor_time_is_start_mathematics_and_messages() -> None:
         }
     )
     assert rows["tracker"]["cpu_messages_seconds"] == pytest.approx(1.0)
+    assert rows["tracker"]["milliseconds_per_message"] == pytest.approx(10.0)
     assert rows[ORCHESTRATION]["cpu_mathematics_seconds"] == 0.0
     assert rows["start"]["first_track_seconds"] == 2.5
 

@@ -1,4 +1,4 @@
-"""Two benches side by side: the ratio of every figure that both have."""
+"""Two benches side by side: the ratio of each figure that both have."""
 
 from __future__ import annotations
 
@@ -10,6 +10,13 @@ from sonar_tracking.evaluation.bench.bench_report import BenchReport
 
 if TYPE_CHECKING:
     from rich.console import Console
+
+
+NOT_COMPARED = {
+    *("dgemm_percent", "copy_percent", "peer_over_ours", "speed_over_gated", "exponent"),
+    *("frames", "estimates", "data_seconds", "node_count"),
+}
+"""What follows from other figures, or is the same in all benches."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +45,7 @@ class Change:
 
 
 def changes(old: BenchReport, new: BenchReport) -> Iterator[Change]:
-    """Yield every figure that both benches have, in the order of the new one."""
+    """Yield the figures that both benches have, in the order of the new one."""
     before = {
         (part.name, row.condition, row.system): row.metrics
         for part in old.parts
@@ -48,7 +55,7 @@ def changes(old: BenchReport, new: BenchReport) -> Iterator[Change]:
         for row in part.rows:
             figures = before.get((part.name, row.condition, row.system), {})
             for figure, value in row.metrics.items():
-                if figure in figures:
+                if figure in figures and figure not in NOT_COMPARED:
                     place = (part.name, row.condition, row.system, figure)
                     yield Change(*place, figures[figure], value)
 

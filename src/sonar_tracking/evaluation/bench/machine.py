@@ -22,7 +22,7 @@ MATRIX_SIZE = 512
 COPIED_NUMBERS = 4_000_000
 """32 MB there and 32 MB back."""
 
-PATIENCE = 0.5
+PATIENCE = 1.0
 """For each of the limits, s."""
 
 

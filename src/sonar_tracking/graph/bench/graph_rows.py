@@ -15,13 +15,15 @@ GRAPH_LAYOUTS = (
         (
             Column("times_real_time", "x real time", ".1f"),
             Column("data_seconds", "data, s", ".0f"),
+            Column("failures", "failures", ".0f"),
             Column("graph_cpu_seconds", "CPU, s", ".1f"),
             Column("start_percent", "start, %", ".0f"),
             Column("mathematics_percent", "maths, %", ".0f"),
             Column("messages_percent", "messages, %", ".0f"),
         ),
         "Start: processor time until data flow. Maths: of the same stages on the same data in one "
-        "process. Messages: all the rest.",
+        "process. Messages: all the rest. Failures: what the run reports, such as a rate that it "
+        "did not keep.",
     ),
     TableLayout(
         "Latency, from the data that complete an estimate to its tracks",
@@ -50,10 +52,11 @@ GRAPH_LAYOUTS = (
             Column("cpu_start_seconds", "start, s", ".2f"),
             Column("cpu_mathematics_seconds", "maths, s", ".2f"),
             Column("cpu_messages_seconds", "messages, s", ".2f"),
+            Column("milliseconds_per_message", "ms/message", ".2f"),
             Column("memory_mb", "memory, MB", ".0f"),
         ),
-        "Memory: the most that was resident. The orchestration serves the clock, and counts, "
-        "compares and scores what it sees.",
+        "ms/message: of messages, for each that comes or goes. Memory: the most that was resident. "
+        "The orchestration serves the clock, and counts, compares and scores what it sees.",
     ),
 )
 
@@ -80,6 +83,7 @@ def graph_rows(
     figures = {
         "times_real_time": report["data_seconds"] / wall,
         "data_seconds": report["data_seconds"],
+        "failures": float(len(report["failures"])),
         **_shares(processes, costs),
     }
     yield StudyRow("throughput", name, figures)
@@ -123,7 +127,11 @@ def _process(node: str, run: MeasuredRun, costs: Mapping[str, float]) -> dict[st
         # Measured by themselves, the same stages may take a little more than in the graph.
         mathematics = min(costs.get(node, 0.0), total - start)
         figures["cpu_mathematics_seconds"] = mathematics
-        figures["cpu_messages_seconds"] = total - start - mathematics
+        messages = total - start - mathematics
+        figures["cpu_messages_seconds"] = messages
+        counts = run.report["nodes"].get(node, {})
+        passed = counts.get("messages_in", 0) + counts.get("messages_out", 0)
+        figures["milliseconds_per_message"] = 1e3 * messages / passed if passed else math.nan
     return figures
 
 

@@ -29,6 +29,9 @@ LOOK = 0.2
 
 PATIENCE = 300.0
 
+FAILED = 1
+"""Exit code of a run whose report tells of failures: it is measured all the same."""
+
 
 class GraphNotMeasuredError(SonarTrackingError):
     """A run that is measured has failed."""
@@ -71,10 +74,13 @@ class _Watch:
 
     def listen(self) -> None:
         """Read what the run says until it ends; note when data flow."""
-        for line in self.run.stdout or ():
-            self.said.append(line)
-            if self.flow is None and "data flow" in line:
-                self.flow = time.monotonic()
+        if self.run.stdout is None:
+            return
+        with self.run.stdout as output:
+            for line in output:
+                self.said.append(line)
+                if self.flow is None and "data flow" in line:
+                    self.flow = time.monotonic()
 
     def look(self) -> None:
         """Take the figures of all processes."""
@@ -101,7 +107,7 @@ def measured_run(arguments: Sequence[str], tracks: Topic, folder: Path) -> Measu
     Raises
     ------
     GraphNotMeasuredError
-        If the run fails.
+        If the run comes to no end of its own.
     """
     report = folder / "report.json"
     command = [
@@ -128,10 +134,10 @@ def measured_run(arguments: Sequence[str], tracks: Topic, folder: Path) -> Measu
         if run.poll() is None:
             run.send_signal(signal.SIGINT)
             run.wait(PATIENCE)
-    listener.join(LOOK)
-    if run.returncode != 0 or not report.exists():
+    listener.join(PATIENCE)
+    if run.returncode not in (0, FAILED) or not report.exists():
         said = "".join(watch.said[-5:]).strip()
-        raise GraphNotMeasuredError(f"{' '.join(arguments)} has failed: {said}")
+        raise GraphNotMeasuredError(f"{' '.join(arguments)} gave no report: {said}")
     values = json.loads(report.read_text())
     nodes = {name: float(node["cpu_seconds"]) for name, node in values["nodes"].items()}
     started = [each.started for name, each in watch.latest.items() if name in nodes]
