@@ -28,12 +28,17 @@ def has_begun(run: int) -> bool:
 
 
 def nodes_of(folder: Path) -> list[int]:
-    """Return the processes of nodes whose parameters are below a folder, that of a run."""
-    return [
-        process
-        for process, (_, arguments) in _listed().items()
-        if "sonar_tracking.graph.nodes." in arguments and f"\0{folder}/" in arguments
-    ]
+    """Return the processes of nodes whose logs are below a folder, that of a run."""
+    outputs = {process: _output_of(process) for process in _listed()}
+    return [p for p, path in outputs.items() if path.suffix == ".log" and folder in path.parents]
+
+
+def _output_of(process: int) -> Path:
+    """Return where a process writes; an empty path if nobody may know."""
+    try:
+        return (_PROCESSES / str(process) / "fd" / "1").readlink()
+    except OSError:
+        return Path()
 
 
 def _listed() -> dict[int, tuple[int, str]]:

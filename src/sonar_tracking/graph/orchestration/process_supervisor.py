@@ -17,6 +17,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from sonar_tracking.graph.orchestration.forked_node import ForkedNode, can_fork, fork_node
+
 STOP_STAGES = ((signal.SIGINT, 8.0), (signal.SIGTERM, 3.0), (signal.SIGKILL, 2.0))
 LOG_TAIL_LINES = 10
 _PR_SET_PDEATHSIG = 1
@@ -69,7 +71,7 @@ class SupervisedProcess:
 
     plan: ProcessPlan
     log: Path
-    popen: subprocess.Popen[bytes]
+    popen: subprocess.Popen[bytes] | ForkedNode
     log_start: int = 0
     exit_code: int | None = None
     restarts: int = 0
@@ -155,7 +157,9 @@ class ProcessSupervisor:
         return "\n".join(text.splitlines()[-LOG_TAIL_LINES:])
 
 
-def _spawn(plan: ProcessPlan, log: Path) -> subprocess.Popen[bytes]:
+def _spawn(plan: ProcessPlan, log: Path) -> subprocess.Popen[bytes] | ForkedNode:
+    if can_fork(plan.module):
+        return fork_node(plan.module, plan.arguments, plan.environment, log, _end_with_parent)
     command = [sys.executable, "-m", plan.module, *plan.arguments]
     with log.open("ab") as output:
         return subprocess.Popen(
