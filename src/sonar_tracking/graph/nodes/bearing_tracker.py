@@ -65,6 +65,10 @@ class BearingTracker(SonarNode):
             )
         )
 
+    def warm_up(self) -> None:
+        """Let the stage do once what its first data need."""
+        self._stage.warm_up()
+
     def reset(self) -> None:
         """Forget all tracks; identifiers go on."""
         self._stage.reset()

@@ -39,6 +39,10 @@ class SubspaceEstimator(SonarNode):
             self._subspaces.publish(array_writing.subspaces_to_message(estimates))
         return update.notices
 
+    def warm_up(self) -> None:
+        """Let the stage do once what its first data need."""
+        self._stage.warm_up()
+
     def reset(self) -> None:
         """Forget all data."""
         self._stage.reset()

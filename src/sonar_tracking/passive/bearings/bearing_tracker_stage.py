@@ -11,6 +11,7 @@ pi - theta.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -47,6 +48,7 @@ from sonar_tracking.passive.directions.sources_at_angles import (
     signal_to_noise_ratios,
 )
 from sonar_tracking.passive.sources.weak_source_counting import WeakSourceCounter
+from sonar_tracking.passive.subspaces.rehearsal import rehearsed_estimates
 from sonar_tracking.passive.subspaces.subspace_method_registry import SUBSPACE_METHODS
 from sonar_tracking.records.arrays import ComplexArray, FloatArray, IndexArray
 from sonar_tracking.records.bearings import BearingTracks, SubspaceEstimates, TrackStatus
@@ -110,6 +112,14 @@ class BearingTrackerStage:
         self._filters: BearingFilters[Any] = configuration.entry.make(configuration)
         self._next_id = configuration.first_id
         self._state: _TrackerState | None = None
+
+    def warm_up(self) -> None:
+        """Let a stage like this one track in made-up data: its first use of much is slow."""
+        angles = np.deg2rad(self.configuration.initial_bearings_deg or (-20.0, 10.0))
+        twin = BearingTrackerStage(self.configuration)
+        with suppress(InputError):
+            for second in range(3):
+                twin.update(rehearsed_estimates(angles, "covariance", second))
 
     def reset(self) -> None:
         """Forget all tracks; identifiers go on."""

@@ -10,6 +10,7 @@ again on the others, from the snapshots that are kept for the covariance.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -31,6 +32,7 @@ from sonar_tracking.passive.subspaces.estimation_memory import (
     ready_to_count,
     starting_columns,
 )
+from sonar_tracking.passive.subspaces.rehearsal import rehearsed_block
 from sonar_tracking.passive.subspaces.sample_schedule import (
     SampleSchedule,
     Window,
@@ -103,6 +105,16 @@ class SubspaceStage:
         )
         self._kept_snapshots = configuration.covariance_snapshots + self._schedule.reach
         self._memory: EstimationMemory | None = None
+
+    def warm_up(self) -> None:
+        """Let a stage like this one estimate from made-up data: its first use of much is slow."""
+        n_snapshots = 2 * (self._kept_snapshots + self._schedule.reach) + 20
+        with suppress(InputError):
+            SubspaceStage(self.configuration).update(
+                rehearsed_block(
+                    self.configuration.source_count, n_snapshots, self.configuration.period
+                )
+            )
 
     def reset(self) -> None:
         """Forget all data: the next block starts a new run."""
