@@ -219,7 +219,8 @@ def test_a_stuck_node_is_named_and_waited_for(
     recorded_run: RecordedRun, tmp_path: Path, running: list[RunningCommand]
 ) -> None:
     json = tmp_path / "report.json"
-    command = RunningCommand(tmp_path, "run", "--rate", "20", "--json", json)
+    # Slow enough to make good, before the end, what the node has missed meanwhile.
+    command = RunningCommand(tmp_path, "run", "--rate", "4", "--json", json)
     running.append(command)
     command.wait_for_text(FLOWING)
     (process,) = command.node_processes("subspace_estimator")

@@ -43,7 +43,7 @@ def test_a_stage_that_is_warm_gives_what_a_cold_one_gives() -> None:
     block = rehearsed_block(0, 400, configuration.period)
     one, other = SubspaceStage(configuration), SubspaceStage(configuration)
     one.warm_up()
-    for ours, theirs in zip(
+    for after, without in zip(
         one.update(block).estimates, other.update(block).estimates, strict=True
     ):
-        np.testing.assert_array_equal(ours.basis, theirs.basis)
+        np.testing.assert_array_equal(after.basis, without.basis)

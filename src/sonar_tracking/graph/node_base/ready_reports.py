@@ -9,6 +9,7 @@ nothing is looked up until the number of connections changes.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
@@ -92,7 +93,8 @@ class ReadyReports:
         self._quiet = flows and not patient
         if not self._warm and not flows and (all(connections.values()) or not patient):
             self._warm = True
-            self._warm_up()
+            with suppress(Exception):  # what goes wrong is told of the data, not of a rehearsal
+                self._warm_up()
 
     def _listeners(self) -> int:
         """Return how many hear what this node says of itself."""
