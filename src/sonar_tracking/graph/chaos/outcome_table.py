@@ -18,14 +18,16 @@ _COLUMNS = (
     *("fault", "times", "late, s", "in time", "tracks kept", "all kept"),
     *("lost", "hole, s", "failed"),
 )
-_CAPTION = f"""late: longest time without tracks, from when they were due, median and worst;
-in time: by {IN_TIME:g} s at most; all kept: faults over which no track lost its identifier;
-lost: messages of living nodes that the recording lacks; hole: of a killed recorder"""
+_CAPTION = f"""late: longest time without tracks since they were due: median, worst
+in time: by {IN_TIME:g} s at most
+all kept: faults over which no track lost its identifier
+lost: messages of living nodes that the recording lacks
+hole: the longest in the recording of a killed recorder"""
 
 
 def outcome_table(outcomes: Sequence[Outcome]) -> Table:
     """Return a row for each kind of fault."""
-    table = Table(title="what came of the faults", caption=_CAPTION)
+    table = Table(title="what came of the faults", caption=_CAPTION, caption_justify="left")
     for heading in _COLUMNS:
         table.add_column(heading)
     groups: Mapping[FaultKind, list[Outcome]] = defaultdict(list)

@@ -6,6 +6,7 @@ import json as json_format
 import math
 import os
 from collections.abc import Sequence
+from contextlib import suppress
 from datetime import datetime, timezone
 from itertools import cycle
 from pathlib import Path
@@ -76,22 +77,30 @@ def chaos(
     loads = []
     references: dict[str, Sequence[TrackList]] = {}
     turns = cycle([(graph, kind) for kind in kinds for graph in graphs])
-    for number in track(range(runs), "disturbed runs", console=console):
-        place = folder / f"run_{number}"
-        outcomes += _suffered(*next(turns), pace, place, [seed, number], references)
-        loads.append(os.getloadavg()[0])
-    console.print(outcome_table(outcomes))
-    for kind in kinds:
-        console.print(f"{kind.value}: {DESCRIPTIONS[kind]}", highlight=False)
-    console.print(f"outputs and bags of the runs are in {folder}", highlight=False)
+    # Ctrl-C ends the campaign; what came of the runs before it is told all the same.
+    with suppress(KeyboardInterrupt):
+        for number in track(range(runs), "disturbed runs", console=console):
+            place = folder / f"run_{number}"
+            outcomes += _suffered(*next(turns), pace, place, [seed, number], references)
+            loads.append(os.getloadavg()[0])
+    _tell(console, kinds, outcomes, folder)
     if json is not None:
         figures = {
-            **{"scenarios": list(scenarios), "runs": runs, "seed": seed, "rate": pace},
+            **{"scenarios": list(scenarios), "runs": len(loads), "seed": seed, "rate": pace},
             **_machine(loads),
             "faults": [as_plain(outcome) for outcome in outcomes],
         }
         json.write_text(json_format.dumps(figures, indent=2) + "\n")
     return int(any(each.failed for each in outcomes))
+
+
+def _tell(
+    console: Console, kinds: Sequence[FaultKind], outcomes: Sequence[Outcome], folder: Path
+) -> None:
+    console.print(outcome_table(outcomes))
+    for kind in kinds:
+        console.print(f"{kind.value}: {DESCRIPTIONS[kind]}", highlight=False)
+    console.print(f"outputs and bags of the runs are in {folder}", highlight=False)
 
 
 def _suffered(
@@ -121,5 +130,5 @@ def _machine(loads: Sequence[float]) -> dict[str, object]:
     return {
         "date": datetime.now(timezone.utc).isoformat(timespec="seconds"),
         "processors": os.cpu_count(),
-        "load": [min(loads), max(loads)],
+        "load": [min(loads, default=None), max(loads, default=None)],
     }
