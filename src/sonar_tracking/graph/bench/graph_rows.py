@@ -55,8 +55,9 @@ GRAPH_LAYOUTS = (
             Column("milliseconds_per_message", "ms/message", ".2f"),
             Column("memory_mb", "memory, MB", ".0f"),
         ),
-        "ms/message: of messages, for each that comes or goes. Memory: the most that was resident. "
-        "The orchestration serves the clock, and counts, compares and scores what it sees.",
+        "ms/message: of messages, for each that comes or goes. Memory: the most that was resident, "
+        "with what the processes share in each of them. The orchestration serves the clock, and "
+        "counts, compares and scores what it sees.",
     ),
 )
 

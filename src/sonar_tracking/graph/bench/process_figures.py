@@ -9,7 +9,6 @@ from pathlib import Path
 
 _PROCESSES = Path("/proc")
 _TICK = 1.0 / os.sysconf("SC_CLK_TCK")
-_NODE = re.compile(r"\0sonar_tracking\.graph\.nodes\.(\w+)\0")
 _USER, _SYSTEM, _START = 11, 12, 19
 """Places of user time, system time and start in what follows the name of a process."""
 
@@ -52,7 +51,7 @@ def process_figures(process: int) -> ProcessFigures | None:
 
 
 def nodes_of_run(run: int) -> dict[str, int]:
-    """Return the processes of the nodes a run has started, by the names of their modules."""
+    """Return the processes of the nodes a run has started, by name: that of the log they write."""
     try:
         children = (_PROCESSES / str(run) / "task" / str(run) / "children").read_text().split()
     except OSError:
@@ -60,10 +59,9 @@ def nodes_of_run(run: int) -> dict[str, int]:
     found = {}
     for child in children:
         try:
-            arguments = (_PROCESSES / child / "cmdline").read_bytes().decode(errors="replace")
+            output = (_PROCESSES / child / "fd" / "1").readlink()
         except OSError:
             continue
-        node = _NODE.search(arguments)
-        if node:
-            found[node[1]] = int(child)
+        if output.suffix == ".log":
+            found[output.stem] = int(child)
     return found
