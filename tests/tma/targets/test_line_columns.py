@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sonar_tracking.tma.estimators.innovation_monitor import InnovationWindows
-from sonar_tracking.tma.estimators.range_bank import RangeBankState
+from sonar_tracking.tma.estimators.range_bank_state import RangeBankState
 from sonar_tracking.tma.targets.line_columns import LineColumns, plan_columns, with_columns
 from tests.tma.estimators.test_hypothesis_bank import random_bank
 

@@ -87,7 +87,9 @@ def start_bank(
     return HypothesisBank(mean, covariance, weight, known)
 
 
-def predict_bank(bank: HypothesisBank, interval: float, acceleration: FloatArray) -> HypothesisBank:
+def predict_bank(
+    bank: HypothesisBank, interval: FloatArray | float, acceleration: FloatArray
+) -> HypothesisBank:
     """Return the bank after constant velocity with random acceleration.
 
     The noise has the spectral density ``acceleration^2`` times 1 s, so that the prediction over
@@ -97,21 +99,24 @@ def predict_bank(bank: HypothesisBank, interval: float, acceleration: FloatArray
     ----------
     bank : HypothesisBank
         Before.
-    interval : float
+    interval : float or ndarray, shape (...)
         s.
     acceleration : ndarray, shape (...)
         Standard deviation of an acceleration that lasts for 1 s, m/s^2.
     """
     mean, covariance = bank.mean.copy(), bank.covariance.copy()
-    mean[..., :2] += interval * mean[..., 2:KINEMATIC]
-    covariance[..., :2, :] += interval * covariance[..., 2:KINEMATIC, :]
-    covariance[..., :, :2] += interval * covariance[..., :, 2:KINEMATIC]
+    elapsed = np.asarray(interval)[..., None]
+    step = elapsed[..., None]
+    mean[..., :2] += step * mean[..., 2:KINEMATIC]
+    covariance[..., :2, :] += step[..., None] * covariance[..., 2:KINEMATIC, :]
+    covariance[..., :, :2] += step[..., None] * covariance[..., :, 2:KINEMATIC]
     density = np.asarray(acceleration)[..., None] ** 2
+    between = density * elapsed**2 / 2.0
     for axis in range(2):
-        covariance[..., axis, axis] += density * interval**3 / 3.0
-        covariance[..., axis, 2 + axis] += density * interval**2 / 2.0
-        covariance[..., 2 + axis, axis] += density * interval**2 / 2.0
-        covariance[..., 2 + axis, 2 + axis] += density * interval
+        covariance[..., axis, axis] += density * (elapsed**2 * elapsed) / 3.0
+        covariance[..., axis, 2 + axis] += between
+        covariance[..., 2 + axis, axis] += between
+        covariance[..., 2 + axis, 2 + axis] += density * elapsed
     return replace(bank, mean=mean, covariance=covariance)
 
 
@@ -172,6 +177,25 @@ def update_bank(
 ) -> HypothesisBank:
     """Return the bank after the rows, weights by likelihood.
 
+    Parameters
+    ----------
+    bank : HypothesisBank
+        Prediction.
+    rows : LinearisedRows
+        Linearised at the components' means.
+    log_penalty : ndarray, shape (..., n_components)
+        Log likelihood of measurements that a component left out.
+    """
+    taken = condition_bank(bank, rows, log_penalty)
+    total = np.logaddexp.reduce(taken.log_weight, axis=-1)
+    return replace(taken, log_weight=taken.log_weight - total[..., None])
+
+
+def condition_bank(
+    bank: HypothesisBank, rows: LinearisedRows, log_penalty: FloatArray
+) -> HypothesisBank:
+    """Return the bank after the rows, its weights not normalised.
+
     The rows' errors are independent, so that they are taken in one after the other: the same
     result as all at once, without solving a system of equations in every component.
 
@@ -203,7 +227,6 @@ def update_bank(
         log_spread += np.log(spread)
     constant = np.log(2.0 * np.pi) * np.sum(rows.present, axis=-1)
     weight = bank.log_weight - 0.5 * (squared + log_spread + constant) + log_penalty
-    weight = weight - np.logaddexp.reduce(weight, axis=-1)[..., None]
     return replace(bank, mean=bank.mean + shift, covariance=covariance, log_weight=weight)
 
 

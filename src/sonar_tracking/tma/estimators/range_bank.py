@@ -10,32 +10,38 @@ of a line array.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray
 from sonar_tracking.records.time import nanoseconds
-from sonar_tracking.tma.estimators.bank_restart import FULL, restart_bank
+from sonar_tracking.tma.estimators.bank_batch import BankBatch, join_banks, separate_banks
 from sonar_tracking.tma.estimators.hypothesis_bank import (
     HypothesisBank,
+    condition_bank,
     predict_bank,
     seed_lines,
-    start_bank,
-    update_bank,
 )
 from sonar_tracking.tma.estimators.innovation_monitor import (
     Changes,
     InnovationWindows,
     clear_windows,
-    empty_windows,
     extend_windows,
     judge,
 )
 from sonar_tracking.tma.estimators.measurement_model import LinearisedRows
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
+from sonar_tracking.tma.estimators.range_bank_state import (
+    REFUSED_AT_START,
+    REFUSED_AZIMUTHS,
+    RangeBankState,
+    is_lost,
+    restart_lost,
+    start_range_bank,
+)
 from sonar_tracking.tma.estimators.recursion import (
-    elapsed,
     estimate_of,
     gate_rows,
     innovation_variance,
@@ -46,36 +52,23 @@ from sonar_tracking.tma.estimators.sensor_frame import TmaEstimate, TmaMeasureme
 ROW_ELEVATION = 1
 """Row between the azimuth and the lines; the monitor does not look at it."""
 
-REFUSED_AZIMUTHS = 5
-"""So many azimuths in a row outside every gate: the filter is elsewhere than the target."""
-
-REFUSED_AT_START = 3
-"""So many suffice right after the first azimuth: later a near hypothesis could have moved there."""
-
 
 @dataclass(frozen=True)
-class RangeBankState:
-    """All that the estimator remembers.
+class RangeBankUpdate:
+    """A state after a measurement, and what happened on the way.
 
     Attributes
     ----------
-    stamp : int
-        Of the last measurement, ns.
-    bank : HypothesisBank
-        Posterior.
-    windows : InnovationWindows
-        Of the monitor.
-    manoeuvre_until : ndarray of int64, shape (...)
-        Stamp until which the target is taken to manoeuvre, ns.
-    refused : ndarray of int64, shape (...)
-        Azimuths in a row that no hypothesis accepted.
+    state : RangeBankState
+        At the stamp of the measurement.
+    reborn, manoeuvre, restarted : ndarray of bool
+        As in :class:`TmaEstimate`.
     """
 
-    stamp: int
-    bank: HypothesisBank
-    windows: InnovationWindows
-    manoeuvre_until: IntArray
-    refused: IntArray
+    state: RangeBankState
+    reborn: BoolArray
+    manoeuvre: BoolArray
+    restarted: BoolArray
 
 
 class RangeBank:
@@ -104,94 +97,134 @@ class RangeBank:
         TmaEstimate
             At the stamp of the measurement.
         """
-        new = self.state is None
-        state = self.state if self.state is not None else self._start(measurement)
-        lost = (state.refused >= REFUSED_AZIMUTHS) & np.isfinite(measurement.azimuth[..., 0])
-        state = self._restart_lost(state, measurement, lost)
-        predicted = self._predict(state, measurement)
-        rows = rows_of(predicted, measurement)
+        (done,) = update_range_banks([self.state], [measurement], self._configuration)
+        self.state = done.state
+        return estimate_of(
+            done.state.bank, measurement, done.reborn, done.manoeuvre, done.restarted
+        )
+
+
+def update_range_banks(
+    states: Sequence[RangeBankState | None],
+    measurements: Sequence[TmaMeasurement],
+    configuration: RangeBankConfiguration,
+) -> list[RangeBankUpdate]:
+    """Take a measurement of each of many banks in, those of like measurements at once.
+
+    Parameters
+    ----------
+    states : sequence of RangeBankState or None
+        Of runs of any shape (...), with any number of hypotheses; None = the first measurement.
+    measurements : sequence of TmaMeasurement
+        Of each state, as :meth:`RangeBank.update` takes them.
+    configuration : RangeBankConfiguration
+        Of all of them.
+    """
+    alike: dict[tuple[float, ...], list[int]] = {}
+    for index, one in enumerate(measurements):
+        kind = (one.stamp, one.n_lines, one.height, one.sound_speed, one.propagation_speed)
+        alike.setdefault(kind, []).append(index)
+    updates: dict[int, RangeBankUpdate] = {}
+    for group in alike.values():
+        own = _update_alike(
+            [states[index] for index in group],
+            [measurements[index] for index in group],
+            configuration,
+        )
+        updates.update(zip(group, own, strict=True))
+    return [updates[index] for index in range(len(measurements))]
+
+
+def _update_alike(
+    states: Sequence[RangeBankState | None],
+    measurements: Sequence[TmaMeasurement],
+    configuration: RangeBankConfiguration,
+) -> list[RangeBankUpdate]:
+    ready, restarted, begun = [], [], []
+    for state, measurement in zip(states, measurements, strict=True):
+        present = start_range_bank(measurement, configuration) if state is None else state
+        lost = is_lost(present, measurement)
+        if np.any(lost):
+            present = restart_lost(present, measurement, lost, configuration)
+        ready.append(present)
+        restarted.append(lost)
+        begun.append(np.ravel(lost | (state is None)))
+    batch = join_banks(ready, measurements)
+    after, changes = _advance(batch, np.concatenate(begun), configuration)
+    done = separate_banks(ready, after, measurements[0].stamp)
+    updates, run = [], 0
+    for state, lost in zip(done, restarted, strict=True):
+        own = slice(run, run + lost.size)
+        reborn = changes.reborn[own].reshape(state.bank.known.shape)
+        manoeuvre = changes.manoeuvre[own].reshape(lost.shape)
+        updates.append(RangeBankUpdate(state, reborn, manoeuvre, lost))
+        run += lost.size
+    return updates
+
+
+def _advance(
+    batch: BankBatch, begun: BoolArray, configuration: RangeBankConfiguration
+) -> tuple[BankBatch, Changes]:
+    """Return the batch after its measurements; where a run has just begun it may be lost sooner."""
+    rows_of_run, measured = batch.rows, batch.measurement
+    predicted = _predict(batch, configuration)
+    rows = rows_of(predicted, measured)
+    variance = innovation_variance(predicted, rows)
+    windows, changes = _watch(batch, predicted, rows, variance)
+    if np.any(changes.manoeuvre) or np.any(changes.reborn):
+        predicted = _loosen(predicted, changes.manoeuvre[rows_of_run.owner], configuration)
+        predicted = seed_lines(predicted, measured, changes.reborn[rows_of_run.owner])
+        rows = rows_of(predicted, measured)
         variance = innovation_variance(predicted, rows)
-        windows, changes = _watch(state.windows, predicted, rows, variance)
-        if np.any(changes.manoeuvre) or np.any(changes.reborn):
-            predicted = self._loosen(predicted, changes.manoeuvre)
-            predicted = seed_lines(predicted, measurement, changes.reborn)
-            rows = rows_of(predicted, measurement)
-            variance = innovation_variance(predicted, rows)
-        refused = rows.present[..., 0]
-        rows, penalty = gate_rows(rows, variance, self._configuration.gate)
-        refused = np.all(refused & ~rows.present[..., 0], axis=-1)
-        accepted = np.any(rows.present[..., 0], axis=-1)
-        bank = update_bank(predicted, rows, penalty)
-        duration = nanoseconds(self._configuration.manoeuvre_duration)
-        until = np.where(
-            changes.manoeuvre, measurement.stamp + duration, state.manoeuvre_until
-        ).astype(np.int64)
-        count = np.where(accepted, 0, state.refused + refused)
-        count = np.where(lost | new, REFUSED_AZIMUTHS - REFUSED_AT_START, count)
-        self.state = RangeBankState(measurement.stamp, bank, windows, until, count)
-        return estimate_of(bank, measurement, changes.reborn, changes.manoeuvre, lost)
+    offered = rows.present[:, 0, 0]
+    rows, penalty = gate_rows(rows, variance, configuration.gate)
+    accepted = rows.present[:, 0, 0]
+    refused = rows_of_run.all(offered & ~accepted)
+    bank = condition_bank(predicted, rows, penalty)
+    total = rows_of_run.log_sums(bank.log_weight)
+    bank = replace(bank, log_weight=bank.log_weight - total[rows_of_run.owner])
+    end = measured.stamp + nanoseconds(configuration.manoeuvre_duration)
+    until = np.where(changes.manoeuvre, end, batch.manoeuvre_until).astype(np.int64)
+    count = np.where(rows_of_run.any(accepted), 0, batch.refused + refused)
+    count = np.where(begun, REFUSED_AZIMUTHS - REFUSED_AT_START, count)
+    after = replace(batch, bank=bank, windows=windows, manoeuvre_until=until, refused=count)
+    return after, changes
 
-    def _start(self, measurement: TmaMeasurement) -> RangeBankState:
-        parameters = self._configuration
-        bank = start_bank(measurement, parameters.range_edges(), parameters.maximum_speed)
-        batch = bank.known.shape[:-1]
-        windows = empty_windows(batch, measurement.n_lines)
-        nothing = np.zeros(batch, dtype=np.int64)
-        return RangeBankState(measurement.stamp, bank, windows, nothing, nothing)
 
-    def _restart_lost(
-        self, state: RangeBankState, measurement: TmaMeasurement, lost: BoolArray
-    ) -> RangeBankState:
-        """Start anew where no hypothesis accepts the azimuths: the first one was an outlier."""
-        if not np.any(lost):
-            return state
-        fresh = self._start(measurement)
-        if fresh.bank.log_weight.shape != state.bank.log_weight.shape:
-            return fresh  # a single run whose array now has another number of sides
-        everything = Changes(np.zeros(state.bank.known.shape, dtype=bool), lost)
-        return RangeBankState(
-            state.stamp,
-            restart_bank(state.bank, fresh.bank, lost, FULL),
-            clear_windows(state.windows, everything),
-            np.where(lost, 0, state.manoeuvre_until),
-            np.where(lost, 0, state.refused),
-        )
+def _predict(batch: BankBatch, configuration: RangeBankConfiguration) -> HypothesisBank:
+    measured, owner = batch.measurement, batch.rows.owner
+    acceleration = np.where(
+        measured.stamp <= batch.manoeuvre_until,
+        configuration.manoeuvre_acceleration,
+        configuration.acceleration,
+    )
+    predicted = predict_bank(batch.bank, batch.interval[owner], acceleration[owner])
+    return seed_lines(predicted, measured, measured.heard & ~predicted.known)
 
-    def _predict(self, state: RangeBankState, measurement: TmaMeasurement) -> HypothesisBank:
-        parameters = self._configuration
-        acceleration = np.where(
-            measurement.stamp <= state.manoeuvre_until,
-            parameters.manoeuvre_acceleration,
-            parameters.acceleration,
-        )
-        interval = elapsed(state.stamp, measurement.stamp)
-        predicted = predict_bank(state.bank, interval, acceleration)
-        return seed_lines(predicted, measurement, measurement.heard & ~predicted.known)
 
-    def _loosen(self, bank: HypothesisBank, manoeuvre: BoolArray) -> HypothesisBank:
-        """Let the motion go where a manoeuvre is found: it began some time ago."""
-        lag = self._configuration.manoeuvre_lag
-        variance = np.where(manoeuvre, self._configuration.manoeuvre_speed**2, 0.0)[..., None]
-        covariance = bank.covariance.copy()
-        for axis in range(2):
-            covariance[..., axis, axis] += variance * lag**2 / 3.0
-            covariance[..., axis, 2 + axis] += variance * lag / 2.0
-            covariance[..., 2 + axis, axis] += variance * lag / 2.0
-            covariance[..., 2 + axis, 2 + axis] += variance
-        return replace(bank, covariance=covariance)
+def _loosen(
+    bank: HypothesisBank, manoeuvre: BoolArray, configuration: RangeBankConfiguration
+) -> HypothesisBank:
+    """Let the motion go where a manoeuvre is found: it began some time ago."""
+    lag = configuration.manoeuvre_lag
+    variance = np.where(manoeuvre, configuration.manoeuvre_speed**2, 0.0)[..., None]
+    covariance = bank.covariance.copy()
+    for axis in range(2):
+        covariance[..., axis, axis] += variance * lag**2 / 3.0
+        covariance[..., axis, 2 + axis] += variance * lag / 2.0
+        covariance[..., 2 + axis, axis] += variance * lag / 2.0
+        covariance[..., 2 + axis, 2 + axis] += variance
+    return replace(bank, covariance=covariance)
 
 
 def _watch(
-    windows: InnovationWindows,
-    bank: HypothesisBank,
-    rows: LinearisedRows,
-    variance: FloatArray,
+    batch: BankBatch, bank: HypothesisBank, rows: LinearisedRows, variance: FloatArray
 ) -> tuple[InnovationWindows, Changes]:
     """Show the innovations, averaged over the hypotheses, to the monitor."""
-    weight = np.exp(bank.log_weight)[..., None]
-    normalised = rows.innovation / np.sqrt(variance)
-    normalised = np.delete(np.sum(weight * normalised, axis=-2), ROW_ELEVATION, axis=-1)
-    present = np.delete(np.any(rows.present, axis=-2), ROW_ELEVATION, axis=-1)
-    extended = extend_windows(windows, normalised, present)
+    weight = np.exp(bank.log_weight)
+    normalised = (rows.innovation / np.sqrt(variance))[:, 0]
+    normalised = np.delete(batch.rows.sums(weight * normalised), ROW_ELEVATION, axis=-1)
+    present = np.delete(batch.rows.any(rows.present[:, 0]), ROW_ELEVATION, axis=-1)
+    extended = extend_windows(batch.windows, normalised, present)
     changes = judge(extended, present)
     return clear_windows(extended, changes), changes

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sonar_tracking.tma.estimators.innovation_monitor import InnovationWindows
-from sonar_tracking.tma.estimators.range_bank import RangeBankState
+from sonar_tracking.tma.estimators.range_bank_state import RangeBankState
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
 from sonar_tracking.tma.targets.target_records import MAXIMUM_LINES
 

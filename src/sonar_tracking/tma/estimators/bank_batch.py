@@ -1,0 +1,208 @@
+"""Banks of many runs as one: every hypothesis is a row, whichever run it belongs to.
+
+The runs may have different numbers of hypotheses: nothing is padded. What concerns a hypothesis
+alone is computed for all of them at once; what concerns a run is a reduction over its rows. Every
+number is the one the run alone would give, to the last bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import prod
+from typing import Any, TypeVar, cast
+
+import numpy as np
+
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
+from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank
+from sonar_tracking.tma.estimators.innovation_monitor import WINDOW, InnovationWindows
+from sonar_tracking.tma.estimators.range_bank_state import RangeBankState
+from sonar_tracking.tma.estimators.recursion import elapsed
+from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
+
+AnyArray = TypeVar("AnyArray", bound=np.ndarray[Any, Any])
+
+
+@dataclass(frozen=True)
+class RunRows:
+    """Which rows belong to which run.
+
+    Attributes
+    ----------
+    counts : ndarray of int, shape (n_runs,)
+        Rows of each run, one after the other.
+    """
+
+    counts: IntArray
+
+    @cached_property
+    def owner(self) -> IntArray:
+        """Run of each row, shape (n_rows,)."""
+        return np.repeat(np.arange(len(self.counts)), self.counts)
+
+    @cached_property
+    def starts(self) -> IntArray:
+        """First row of each run, shape (n_runs,)."""
+        return np.cumsum(self.counts) - self.counts
+
+    def sums(self, values: FloatArray) -> FloatArray:
+        """Return the sum over the rows of each run, shape (n_runs, n), of shape (n_rows, n)."""
+        n_runs, width = len(self.counts), values.shape[1]
+        place = self.owner[:, None] * width + np.arange(width)
+        total: FloatArray = np.bincount(place.ravel(), values.ravel(), n_runs * width)
+        return total.reshape(n_runs, width)
+
+    def log_sums(self, values: FloatArray) -> FloatArray:
+        """Return log sum exp over the rows of each run, of shape (n_rows, ...)."""
+        return np.asarray(np.logaddexp.reduceat(values, self.starts, axis=0))
+
+    def any(self, values: BoolArray) -> BoolArray:
+        """Return whether a row of each run is true, of shape (n_rows, ...)."""
+        return np.asarray(np.logical_or.reduceat(values, self.starts, axis=0))
+
+    def all(self, values: BoolArray) -> BoolArray:
+        """Return whether all rows of each run are true, of shape (n_rows, ...)."""
+        return np.asarray(np.logical_and.reduceat(values, self.starts, axis=0))
+
+
+@dataclass(frozen=True)
+class BankBatch:
+    """Runs whose measurements have the same columns, before these are taken in.
+
+    Attributes
+    ----------
+    rows : RunRows
+        Hypotheses of each run.
+    bank : HypothesisBank
+        Every hypothesis a batch entry with one component.
+    windows : InnovationWindows
+        Of each run.
+    interval : ndarray, shape (n_runs,)
+        Since the last measurement, s.
+    manoeuvre_until, refused : ndarray of int64, shape (n_runs,)
+        As in :class:`RangeBankState`.
+    measurement : TmaMeasurement
+        Of each hypothesis.
+    """
+
+    rows: RunRows
+    bank: HypothesisBank
+    windows: InnovationWindows
+    interval: FloatArray
+    manoeuvre_until: IntArray
+    refused: IntArray
+    measurement: TmaMeasurement
+
+
+def join_banks(
+    states: Sequence[RangeBankState], measurements: Sequence[TmaMeasurement]
+) -> BankBatch:
+    """Return the runs of all states as one batch.
+
+    Parameters
+    ----------
+    states : sequence of RangeBankState
+        Each of runs of any shape (...), with any number of hypotheses.
+    measurements : sequence of TmaMeasurement
+        Of each state; with the same stamp, number of lines, height and speeds of sound.
+    """
+    banks, windows = [one.bank for one in states], [one.windows for one in states]
+    n_components = [bank.log_weight.shape[-1] for bank in banks]
+    n_runs = [
+        bank.log_weight.size // count for bank, count in zip(banks, n_components, strict=True)
+    ]
+    n_rows = [bank.log_weight.size for bank in banks]
+    rows = RunRows(np.repeat(n_components, n_runs))
+    size, n_lines = banks[0].mean.shape[-1], banks[0].known.shape[-1]
+    bank = HypothesisBank(
+        _joined([bank.mean for bank in banks], n_rows, (1, size)),
+        _joined([bank.covariance for bank in banks], n_rows, (1, size, size)),
+        _joined([bank.log_weight for bank in banks], n_rows, (1,)),
+        _joined([bank.known for bank in banks], n_runs, (n_lines,))[rows.owner],
+    )
+    intervals = [elapsed(one.stamp, measurements[0].stamp) for one in states]
+    return BankBatch(
+        rows=rows,
+        bank=bank,
+        windows=InnovationWindows(
+            _joined([one.lines for one in windows], n_runs, (n_lines, WINDOW)),
+            _joined([one.azimuth for one in windows], n_runs, (WINDOW,)),
+        ),
+        interval=np.repeat(intervals, n_runs),
+        manoeuvre_until=_joined([one.manoeuvre_until for one in states], n_runs, ()),
+        refused=_joined([one.refused for one in states], n_runs, ()),
+        measurement=_measurement_of_rows(measurements, banks, n_runs, rows),
+    )
+
+
+def separate_banks(
+    states: Sequence[RangeBankState], batch: BankBatch, stamp: int
+) -> list[RangeBankState]:
+    """Return a batch as the states it was joined from, all at a stamp, ns."""
+    parts = []
+    known = batch.bank.known[batch.rows.starts]
+    row = run = 0
+    for state in states:
+        shape = state.bank.log_weight.shape
+        n_rows, n_runs = prod(shape), prod(shape[:-1])
+        own, runs = slice(row, row + n_rows), slice(run, run + n_runs)
+        row, run = row + n_rows, run + n_runs
+        bank = HypothesisBank(
+            batch.bank.mean[own].reshape(state.bank.mean.shape),
+            batch.bank.covariance[own].reshape(state.bank.covariance.shape),
+            batch.bank.log_weight[own].reshape(shape),
+            known[runs].reshape(state.bank.known.shape),
+        )
+        windows = InnovationWindows(
+            batch.windows.lines[runs].reshape(state.windows.lines.shape),
+            batch.windows.azimuth[runs].reshape(state.windows.azimuth.shape),
+        )
+        until = batch.manoeuvre_until[runs].reshape(shape[:-1])
+        refused = batch.refused[runs].reshape(shape[:-1])
+        parts.append(RangeBankState(stamp, bank, windows, until, refused))
+    return parts
+
+
+def _measurement_of_rows(
+    measurements: Sequence[TmaMeasurement],
+    banks: Sequence[HypothesisBank],
+    n_runs: Sequence[int],
+    rows: RunRows,
+) -> TmaMeasurement:
+    """Return what was measured of the run of each hypothesis."""
+    batches = [bank.log_weight.shape[:-1] for bank in banks]
+
+    def column(values: Sequence[FloatArray], *shape: int) -> FloatArray:
+        spread = [
+            value if value.shape == (*batch, *shape) else np.broadcast_to(value, (*batch, *shape))
+            for value, batch in zip(values, batches, strict=True)
+        ]
+        return _joined(spread, n_runs, shape)[rows.owner]
+
+    first = measurements[0]
+    n_sides = max(one.azimuth.shape[-1] for one in measurements)
+    return TmaMeasurement(
+        stamp=first.stamp,
+        position=column([one.position for one in measurements], 2),
+        velocity=column([one.velocity for one in measurements], 2),
+        # A single azimuth is nearest to a hypothesis whichever of two equal ones it takes.
+        azimuth=column([one.azimuth for one in measurements], n_sides),
+        azimuth_variance=column([one.azimuth_variance for one in measurements]),
+        frequency=column([one.frequency for one in measurements], first.n_lines),
+        frequency_deviation=column(
+            [one.frequency_deviation for one in measurements], first.n_lines
+        ),
+        elevation=column([one.elevation for one in measurements]),
+        elevation_variance=column([one.elevation_variance for one in measurements]),
+        height=first.height,
+        sound_speed=first.sound_speed,
+        propagation_speed=first.propagation_speed,
+    )
+
+
+def _joined(parts: Sequence[AnyArray], counts: Sequence[int], shape: tuple[int, ...]) -> AnyArray:
+    """Return arrays of so many entries of a shape each, as one array of all entries."""
+    flat = [part.reshape(count, *shape) for part, count in zip(parts, counts, strict=True)]
+    return cast(AnyArray, flat[0] if len(flat) == 1 else np.concatenate(flat))

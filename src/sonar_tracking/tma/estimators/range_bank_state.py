@@ -1,0 +1,98 @@
+"""What the default estimator remembers of a run, and how it begins, also after it was lost."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sonar_tracking.records.arrays import BoolArray, IntArray
+from sonar_tracking.tma.estimators.bank_restart import FULL, restart_bank
+from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank, start_bank
+from sonar_tracking.tma.estimators.innovation_monitor import (
+    Changes,
+    InnovationWindows,
+    clear_windows,
+    empty_windows,
+)
+from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
+from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
+
+REFUSED_AZIMUTHS = 5
+"""So many azimuths in a row outside every gate: the filter is elsewhere than the target."""
+
+REFUSED_AT_START = 3
+"""So many suffice right after the first azimuth: later a near hypothesis could have moved there."""
+
+
+@dataclass(frozen=True)
+class RangeBankState:
+    """All that the estimator remembers.
+
+    Attributes
+    ----------
+    stamp : int
+        Of the last measurement, ns.
+    bank : HypothesisBank
+        Posterior.
+    windows : InnovationWindows
+        Of the monitor.
+    manoeuvre_until : ndarray of int64, shape (...)
+        Stamp until which the target is taken to manoeuvre, ns.
+    refused : ndarray of int64, shape (...)
+        Azimuths in a row that no hypothesis accepted.
+    """
+
+    stamp: int
+    bank: HypothesisBank
+    windows: InnovationWindows
+    manoeuvre_until: IntArray
+    refused: IntArray
+
+
+def start_range_bank(
+    measurement: TmaMeasurement, configuration: RangeBankConfiguration
+) -> RangeBankState:
+    """Return the state before the first measurement, which has a finite azimuth, is taken in."""
+    bank = start_bank(measurement, configuration.range_edges(), configuration.maximum_speed)
+    batch = bank.known.shape[:-1]
+    windows = empty_windows(batch, measurement.n_lines)
+    nothing = np.zeros(batch, dtype=np.int64)
+    return RangeBankState(measurement.stamp, bank, windows, nothing, nothing)
+
+
+def is_lost(state: RangeBankState, measurement: TmaMeasurement) -> BoolArray:
+    """Return where to start anew, shape (...): no hypothesis has accepted the last azimuths."""
+    return (state.refused >= REFUSED_AZIMUTHS) & np.isfinite(measurement.azimuth[..., 0])
+
+
+def restart_lost(
+    state: RangeBankState,
+    measurement: TmaMeasurement,
+    lost: BoolArray,
+    configuration: RangeBankConfiguration,
+) -> RangeBankState:
+    """Return the state with some runs begun anew at a measurement: their first one was an outlier.
+
+    Parameters
+    ----------
+    state : RangeBankState
+        Before.
+    measurement : TmaMeasurement
+        Now.
+    lost : ndarray of bool, shape (...)
+        Which runs.
+    configuration : RangeBankConfiguration
+        Of the estimator.
+    """
+    fresh = start_range_bank(measurement, configuration)
+    if fresh.bank.log_weight.shape != state.bank.log_weight.shape:
+        return fresh  # a single run whose array now has another number of sides
+    everything = Changes(np.zeros(state.bank.known.shape, dtype=bool), lost)
+    return RangeBankState(
+        state.stamp,
+        restart_bank(state.bank, fresh.bank, lost, FULL),
+        clear_windows(state.windows, everything),
+        np.where(lost, 0, state.manoeuvre_until),
+        np.where(lost, 0, state.refused),
+    )
