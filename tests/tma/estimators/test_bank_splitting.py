@@ -18,7 +18,7 @@ from sonar_tracking.tma.estimators.hypothesis_bank import (
 )
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
-from sonar_tracking.tma.targets.station_association import azimuth_log_likelihood
+from sonar_tracking.tma.targets.station_association import azimuth_log_likelihoods
 
 ELSEWHERE = np.array([6000.0, 0.0])
 
@@ -66,7 +66,9 @@ def test_an_azimuth_from_elsewhere_has_a_likelihood_all_along_the_bearing() -> N
     offset = ranges[:, None] * np.array([np.cos(0.9), np.sin(0.9)]) - ELSEWHERE
     azimuths = np.arctan2(offset[:, 1], offset[:, 0])
     variance = np.full(len(ranges), np.radians(0.5) ** 2)
-    likely = azimuth_log_likelihood(bank, 0.0, 0.01, ELSEWHERE, azimuths, variance)
+    (likely,) = azimuth_log_likelihoods(
+        [bank], np.zeros(1), 0.01, ELSEWHERE[None], azimuths[None], variance[None]
+    )
     assert np.min(likely) > np.log(0.05)
 
 

@@ -116,48 +116,29 @@ def test_a_row_is_confirmed_with_its_side_and_coasted_after_ten_seconds(
     assert found == status
 
 
-class GivenSolver(TargetSolver):
-    """A solver that explains what it is told to."""
-
-    def __init__(self, explained: float, solutions: tuple[TargetSolution, ...]) -> None:
-        super().__init__()
-        self.explained, self.given = explained, solutions
-
-    def log_likelihood(self, observation: TargetObservation) -> float:
-        return self.explained
-
-    def update(self, observation: TargetObservation) -> tuple[TargetSolution, ...]:
-        return self.given
-
-
 def observation(stamp: int, *azimuths: float) -> TargetObservation:
     return TargetObservation(stamp, "stern", (7.0, 8.0), (0.0, 0.0), azimuths, 1e-4)
 
 
-def test_misfits_of_a_station_are_counted_in_a_row_where_there_are_several() -> None:
-    made = target(solver=GivenSolver(-np.inf, ()), members={"bow": 4, "stern": 2})
+def test_misfits_of_a_station_are_counted_in_a_row() -> None:
+    made = target(members={"bow": 4, "stern": 2})
     for expected in (1, 2):
-        made.observe(observation(30, 0.1))
+        made.weigh("stern", -np.inf)
         assert made.misfits == {"stern": expected}
-    made.observe(observation(30))
-    assert made.misfits == {"stern": 2}, "without an azimuth nothing is judged"
-    made.solver = GivenSolver(-50.0, ())
-    made.observe(observation(30, 0.1))
-    assert made.misfits == {"stern": 0}
-    alone = target(solver=GivenSolver(-np.inf, ()))
-    alone.observe(observation(30, 0.1))
-    assert alone.misfits == {}
+    made.weigh("bow", -np.inf)
+    assert made.misfits == {"stern": 2, "bow": 1}
+    made.weigh("stern", -50.0)
+    assert made.misfits == {"stern": 0, "bow": 1}
 
 
 def test_an_observation_that_is_taken_in_moves_stamp_and_place() -> None:
     before, after = solution(), solution(stamp=30 * SECOND)
-    made = target(before, solver=GivenSolver(0.0, ()))
-    assert made.observe(observation(30 * SECOND, 0.1)) == (before,)
+    made = target(before)
+    assert made.conclude(observation(30 * SECOND, 0.1), ()) == (before,)
     assert (made.updated, made.place) == (20 * SECOND, (0.0, 0.0))
-    made.solver = GivenSolver(0.0, (after,))
-    assert made.observe(observation(30 * SECOND)) == (after,)
+    assert made.conclude(observation(30 * SECOND), (after,)) == (after,)
     assert (made.updated, made.place) == (30 * SECOND, (0.0, 0.0))
-    made.observe(observation(31 * SECOND, 0.1))
+    made.conclude(observation(31 * SECOND, 0.1), (after,))
     assert (made.updated, made.place) == (31 * SECOND, (7.0, 8.0))
 
 

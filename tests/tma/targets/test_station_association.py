@@ -14,7 +14,7 @@ from sonar_tracking.tma.targets.station_association import (
     CHANCE_DENSITY_WITH_ELEVATION,
     FREE,
     associate,
-    azimuth_log_likelihood,
+    azimuth_log_likelihoods,
     direction_log_likelihood,
 )
 from tests.tma.estimators.test_hypothesis_bank import random_bank
@@ -44,15 +44,27 @@ def bank_of(target: int) -> RangeBank:
     return bank
 
 
+def likelihood_of(
+    bank: HypothesisBank,
+    interval: float,
+    acceleration: float,
+    place: FloatArray,
+    measured: FloatArray,
+    variances: FloatArray,
+) -> FloatArray:
+    found = azimuth_log_likelihoods(
+        [bank], np.array([interval]), acceleration, place[None], measured[None], variances[None]
+    )
+    return np.asarray(found[0])
+
+
 def likelihoods(measured: FloatArray) -> FloatArray:
     rows = []
     for target in range(len(TARGETS)):
         state = bank_of(target).state
         assert state is not None
         rows.append(
-            azimuth_log_likelihood(
-                state.bank, 0.0, 0.01, THERE, measured, np.full(len(measured), VARIANCE)
-            )
+            likelihood_of(state.bank, 0.0, 0.01, THERE, measured, np.full(len(measured), VARIANCE))
         )
     return np.array(rows)
 
@@ -110,9 +122,7 @@ def test_an_elevation_tells_which_of_two_targets_on_one_azimuth_it_is() -> None:
     # Without elevation it is the likelihood of the azimuth alone, per rad.
     alone = direction(np.nan)
     assert bank.state is not None
-    expected = azimuth_log_likelihood(
-        bank.state.bank, 0.0, 0.01, HERE, alone.azimuth, np.array([VARIANCE])
-    )
+    expected = likelihood_of(bank.state.bank, 0.0, 0.01, HERE, alone.azimuth, np.array([VARIANCE]))
     assert likelihood(np.nan) == pytest.approx(float(expected[0]), abs=1e-6)
 
 
@@ -129,7 +139,7 @@ def test_the_likelihood_is_the_mixture_of_the_components_that_admit_the_azimuth(
         np.array([1.5, 1.3]),
         np.array([1e-3, 4e-3]),
     )
-    found = azimuth_log_likelihood(bank, 3.0, 0.2, place, azimuths_, variances)
+    found = likelihood_of(bank, 3.0, 0.2, place, azimuths_, variances)
     moved = predict_bank(bank, 3.0, np.array(0.2))
     for column in range(2):
         total = 0.0

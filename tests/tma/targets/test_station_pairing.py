@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
+from sonar_tracking.tma.targets.joint_observation import observe_together
 from sonar_tracking.tma.targets.station_pairing import StationPairing
 from sonar_tracking.tma.targets.target_records import TargetObservation
-from sonar_tracking.tma.targets.target_solver import TargetSolver
+from sonar_tracking.tma.targets.target_solver import TargetSolver, log_likelihoods
 
 PLACES = {"bow": np.array([0.0, 0.0]), "stern": np.array([3000.0, 0.0])}
 SHIPS = (np.array([1500.0, 3000.0]), np.array([3500.0, 4000.0]))
@@ -37,17 +38,21 @@ def followed(sensor: str, ship: int, frames: int = 5) -> FollowedTarget:
     """Return a target that one station has followed for some seconds."""
     made = FollowedTarget(TargetSolver(), {sensor: ship}, 0, 0, ship)
     for number in range(frames):
-        made.solutions = made.observe(observation(number, sensor, ship))
+        made.solutions = made.solver.update(observation(number, sensor, ship))
     return made
+
+
+def take_in(pairing: StationPairing, target: FollowedTarget, seen: TargetObservation) -> None:
+    (outcome,) = observe_together([(target, seen)], pairing)
+    assert isinstance(outcome, tuple)
+    target.solutions = outcome
 
 
 def watch(
     pairing: StationPairing, target: FollowedTarget, sensor: str, ship: int, frames: range
 ) -> None:
     for number in frames:
-        seen = observation(number, sensor, ship)
-        pairing.observe(target, seen)
-        target.solutions = target.observe(seen)
+        take_in(pairing, target, observation(number, sensor, ship))
 
 
 def born(sensor: str = "stern") -> FollowedTarget:
@@ -61,7 +66,7 @@ def test_bearings_of_the_same_ship_make_a_pair_and_a_solution_at_the_crossing() 
     watch(pairing, new, "stern", 0, range(5, 25))
     (pair,) = pairing.decide()
     assert (pair.first, pair.second) == (old, new)
-    (solution,) = pair.solutions
+    (solution,) = pair.solver.solutions()
     assert np.hypot(*(solution.mean[:2] - SHIPS[0])) < 150.0
     pairing.join(pair)
     assert pairing.decide() == (), "a pair that was made is not made again"
@@ -75,8 +80,7 @@ def test_bearings_of_another_ship_give_the_trial_up() -> None:
         seen = TargetObservation(
             number * 10**9, "stern", (3000.0, 0.0), (0.0, 0.0), (-1.5,), float(DEVIATION**2)
         )
-        pairing.observe(new, seen)
-        new.solutions = new.observe(seen)
+        take_in(pairing, new, seen)
     assert pairing.decide() == ()
     watch(pairing, new, "stern", 0, range(12, 40))
     assert pairing.decide() == (), "given up for good"
@@ -114,7 +118,7 @@ def test_evidence_is_the_ratio_of_densities_with_a_hundredth_of_wild_bearings(od
     chance = np.log(1.0 / (2.0 * np.pi))
 
     def density(solver: TargetSolver, seen: TargetObservation) -> float:
-        likely = np.log(0.99) + solver.log_likelihood(seen)
+        likely = np.log(0.99) + log_likelihoods([(solver, seen)])[0]
         return float(np.logaddexp(likely, np.log(0.01) + chance))
 
     decided = False
@@ -124,8 +128,7 @@ def test_evidence_is_the_ratio_of_densities_with_a_hundredth_of_wild_bearings(od
         own = chance if not new.solutions else density(new.solver, seen)  # type: ignore[arg-type]
         evidence += density(together, seen) - own
         together.update(seen)
-        pairing.observe(new, seen)
-        new.solutions = new.observe(seen)
+        take_in(pairing, new, seen)
         decided = bool(pairing.decide())
         assert decided == (evidence >= np.log(odds))
         if decided:

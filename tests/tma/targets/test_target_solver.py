@@ -14,7 +14,13 @@ from sonar_tracking.evaluation.studies.tma_frequency_fusion.observability_rows i
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import scene_of_legs
 from sonar_tracking.simulation.sensors.tma_scene import TmaRuns, TmaScene, simulate_runs
 from sonar_tracking.tma.targets.target_records import MAXIMUM_LINES, TargetObservation
-from sonar_tracking.tma.targets.target_solver import LEFT, RIGHT, SINGLE, TargetSolver
+from sonar_tracking.tma.targets.target_solver import (
+    LEFT,
+    RIGHT,
+    SINGLE,
+    TargetSolver,
+    log_likelihoods,
+)
 
 STRAIGHT, TURNING = (90.0,) * 4, (90.0, 0.0, 90.0, 0.0)
 
@@ -253,7 +259,11 @@ def test_the_likelihood_of_both_azimuths_of_a_cone_is_their_sum() -> None:
     solver = TargetSolver()
     for number in range(3):
         solver.update(bearing_frame(number, (0.6,)))
-    near = solver.log_likelihood(bearing_frame(3, (0.6,)))
-    assert solver.log_likelihood(bearing_frame(3, (0.6, -0.6))) == pytest.approx(near)
-    assert solver.log_likelihood(bearing_frame(3, (0.6, 0.6))) == pytest.approx(near + np.log(2.0))
-    assert solver.log_likelihood(bearing_frame(3, (-0.6,))) == -np.inf
+
+    def likelihood(*azimuths: float) -> float:
+        return log_likelihoods([(solver, bearing_frame(3, azimuths))])[0]
+
+    near = likelihood(0.6)
+    assert likelihood(0.6, -0.6) == pytest.approx(near)
+    assert likelihood(0.6, 0.6) == pytest.approx(near + np.log(2.0))
+    assert likelihood(-0.6) == -np.inf

@@ -20,7 +20,7 @@ from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank
 from sonar_tracking.tma.estimators.innovation_monitor import WINDOW, InnovationWindows
 from sonar_tracking.tma.estimators.range_bank_state import RangeBankState
 from sonar_tracking.tma.estimators.recursion import elapsed
-from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
+from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, TmaMeasurement
 
 AnyArray = TypeVar("AnyArray", bound=np.ndarray[Any, Any])
 
@@ -51,8 +51,8 @@ class RunRows:
         """Return the sum over the rows of each run, shape (n_runs, n), of shape (n_rows, n)."""
         n_runs, width = len(self.counts), values.shape[1]
         place = self.owner[:, None] * width + np.arange(width)
-        total: FloatArray = np.bincount(place.ravel(), values.ravel(), n_runs * width)
-        return total.reshape(n_runs, width)
+        total = np.bincount(place.ravel(), weights=values.ravel(), minlength=n_runs * width)
+        return np.asarray(total.reshape(n_runs, width), np.float64)
 
     def log_sums(self, values: FloatArray) -> FloatArray:
         """Return log sum exp over the rows of each run, of shape (n_rows, ...)."""
@@ -135,6 +135,27 @@ def join_banks(
         refused=_joined([one.refused for one in states], n_runs, ()),
         measurement=_measurement_of_rows(measurements, banks, n_runs, rows),
     )
+
+
+def join_motions(banks: Sequence[HypothesisBank]) -> tuple[RunRows, HypothesisBank]:
+    """Return the motion in all hypotheses of single runs, without their lines.
+
+    Returns
+    -------
+    rows : RunRows
+        Hypotheses of each bank.
+    bank : HypothesisBank
+        Every hypothesis a batch entry with one component of [x, y, vx, vy].
+    """
+    counts = [len(bank.log_weight) for bank in banks]
+    motion = slice(KINEMATIC)
+    bank = HypothesisBank(
+        np.concatenate([bank.mean[:, motion] for bank in banks])[:, None],
+        np.concatenate([bank.covariance[:, motion, motion] for bank in banks])[:, None],
+        np.concatenate([bank.log_weight for bank in banks])[:, None],
+        np.zeros((sum(counts), 0), dtype=bool),
+    )
+    return RunRows(np.array(counts)), bank
 
 
 def separate_banks(

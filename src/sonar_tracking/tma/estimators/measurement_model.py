@@ -145,7 +145,7 @@ def keep_rows(rows: LinearisedRows, keep: BoolArray) -> LinearisedRows:
 
 
 def offset_seen(
-    mean: FloatArray, position: FloatArray, propagation_speed: float
+    mean: FloatArray, position: FloatArray, propagation_speed: FloatArray | float
 ) -> tuple[FloatArray, FloatArray]:
     """Return where a target seems to be, from a sensor, and how long ago it was there.
 
@@ -155,7 +155,7 @@ def offset_seen(
         States x, y, vx, vy, m and m/s.
     position : ndarray, shape (..., 2) or (2,)
         Of the sensor, m.
-    propagation_speed : float
+    propagation_speed : float or ndarray, shape (...)
         m/s; inf = seen at once.
 
     Returns

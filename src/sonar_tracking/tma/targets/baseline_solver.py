@@ -74,10 +74,6 @@ class BaselineSolver:
             solutions.append(self._solution(side, one.update(measurement)))
         return tuple(solutions)
 
-    def log_likelihood(self, observation: TargetObservation) -> float:
-        """Return 0: these methods do not say how well an observation fits."""
-        return 0.0
-
     def _begin(self, measurements: list[TmaMeasurement]) -> None:
         sides = (LEFT, RIGHT) if len(measurements) == 2 else (SINGLE,)
         method, configuration = self._configuration.entry, self._configuration

@@ -59,19 +59,15 @@ class FollowedTarget:
         """The most probable solution."""
         return max(self.solutions, key=lambda one: one.probability)
 
-    def observe(self, observation: TargetObservation) -> tuple[TargetSolution, ...]:
-        """Take one observation in and return the solutions that stand then.
+    def weigh(self, sensor_id: str, log_likelihood: float) -> None:
+        """Count the azimuths of a station that no hypothesis explains, before they are taken in."""
+        explained = log_likelihood > -np.inf
+        self.misfits[sensor_id] = 0 if explained else self.misfits.get(sensor_id, 0) + 1
 
-        Raises
-        ------
-        InputError
-            If it cannot be used; nothing has changed then.
-        """
-        sensor = observation.sensor_id
-        if len(self.members) > 1 and observation.azimuths:
-            explained = self.solver.log_likelihood(observation) > -np.inf
-            self.misfits[sensor] = 0 if explained else self.misfits.get(sensor, 0) + 1
-        solutions = self.solver.update(observation)
+    def conclude(
+        self, observation: TargetObservation, solutions: tuple[TargetSolution, ...]
+    ) -> tuple[TargetSolution, ...]:
+        """Return the solutions that stand after an observation, from those of the solver."""
         if not solutions:
             return self.solutions
         self.updated = observation.stamp

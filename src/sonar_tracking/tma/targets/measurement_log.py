@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import replace
 
 import numpy as np
@@ -65,6 +66,12 @@ class MeasurementLog:
         row[LINES : LINES + n_lines] = _information(measurement.frequency, variance)
         self._count += 1
         self._sound_speed = measurement.sound_speed
+
+    def copy(self) -> MeasurementLog:
+        """Return a log that goes on from here independently."""
+        copied = copy.copy(self)
+        copied._table = self._table.copy()
+        return copied
 
     def forget_lines(self, columns: tuple[int, ...]) -> None:
         """Blank the columns of lines that are forgotten."""

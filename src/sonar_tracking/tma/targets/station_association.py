@@ -8,11 +8,14 @@ explains better than chance stays free.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from sonar_tracking.filtering.assignment import least_cost_pairs
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import FloatArray, IntArray
+from sonar_tracking.tma.estimators.bank_batch import join_motions
 from sonar_tracking.tma.estimators.hypothesis_bank import (
     HypothesisBank,
     innovation_covariance,
@@ -32,51 +35,53 @@ CHANCE_DENSITY_WITH_ELEVATION = CHANCE_DENSITY * 2.0 / np.pi
 """The same of an azimuth with an elevation: from anywhere above, rad^-2."""
 
 
-def azimuth_log_likelihood(
-    bank: HypothesisBank,
-    interval: float,
+def azimuth_log_likelihoods(
+    banks: Sequence[HypothesisBank],
+    intervals: FloatArray,
     acceleration: float,
-    position: FloatArray,
+    positions: FloatArray,
     azimuths: FloatArray,
     variances: FloatArray,
     gate: float = 4.0,
-    propagation_speed: float = np.inf,
+    propagation_speed: FloatArray | float = np.inf,
 ) -> FloatArray:
-    """Return the log likelihood of azimuths measured from anywhere, if they are of this target.
+    """Return the log likelihood of azimuths measured from anywhere, if they are of these targets.
 
     Parameters
     ----------
-    bank : HypothesisBank
-        Of the target, a single run.
-    interval : float
-        From the bank's time to the azimuths', s.
+    banks : sequence of HypothesisBank
+        Of each target, a single run.
+    intervals : ndarray, shape (n_targets,)
+        From each bank's time to the azimuths', s.
     acceleration : float
         Process noise in between, m/s^2.
-    position : ndarray, shape (2,)
-        Of the station, m.
-    azimuths, variances : ndarray, shape (n_bearings,)
-        rad and rad^2.
+    positions : ndarray, shape (n_targets, 2)
+        Of the station that measured those of a target, m.
+    azimuths, variances : ndarray, shape (n_targets, n_bearings)
+        rad and rad^2; an azimuth that is NaN is none.
     gate : float
         Standard deviations within which a hypothesis may explain an azimuth.
-    propagation_speed : float
+    propagation_speed : float or ndarray, shape (n_targets,)
         Of sound, m/s; inf = the target is seen where it is.
 
     Returns
     -------
-    ndarray, shape (n_bearings,)
+    ndarray, shape (n_targets, n_bearings)
         Of the density per rad; -inf = outside the gate of every hypothesis.
     """
-    moved = predict_bank(bank, interval, np.asarray(acceleration))
-    offset, _ = offset_seen(moved.mean, position, propagation_speed)
+    rows, bank = join_motions(banks)
+    owner = rows.owner
+    moved = predict_bank(bank, intervals[owner], np.asarray(acceleration))
+    speed = np.broadcast_to(propagation_speed, intervals.shape)
+    offset, _ = offset_seen(moved.mean[:, 0], positions[owner], speed[owner])
     distance = np.maximum(np.hypot(offset[:, 0], offset[:, 1]), 1.0)
     across = np.stack([-offset[:, 1], offset[:, 0]], axis=1) / distance[:, None] ** 2
-    own = np.einsum("ci,cij,cj->c", across, moved.covariance[:, :2, :2], across)
-    spread = own[:, None] + variances
-    innovation = wrap_angle(azimuths - np.arctan2(offset[:, 1], offset[:, 0])[:, None])
+    own = np.einsum("ci,cij,cj->c", across, moved.covariance[:, 0, :2, :2], across)
+    spread = own[:, None] + variances[owner]
+    innovation = wrap_angle(azimuths[owner] - np.arctan2(offset[:, 1], offset[:, 0])[:, None])
     squared = innovation**2 / spread
-    density = -0.5 * (squared + np.log(2.0 * np.pi * spread)) + moved.log_weight[:, None]
-    density = np.where(squared <= gate**2, density, -np.inf)
-    return np.asarray(np.logaddexp.reduce(density, axis=0))
+    density = -0.5 * (squared + np.log(2.0 * np.pi * spread)) + moved.log_weight
+    return rows.log_sums(np.where(squared <= gate**2, density, -np.inf))
 
 
 def direction_log_likelihood(

@@ -17,19 +17,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.errors import InputError
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
 from sonar_tracking.tma.targets.station_association import CHANCE_DENSITY, FREE, associate
-from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
+from sonar_tracking.tma.targets.target_records import TargetObservation
 from sonar_tracking.tma.targets.target_solver import TargetSolver
 
-WILD_SHARE = 0.01
-"""Of the bearings may be from anywhere: one outlier decides nothing."""
+Sighting = tuple[FollowedTarget, TargetObservation]
+"""A target, and what a station observed of it."""
 
 
-@dataclass
-class _Trial:
+@dataclass(eq=False)
+class Trial:
     """Two targets taken to be one.
 
     Attributes
@@ -40,15 +39,17 @@ class _Trial:
         Of both.
     evidence : float
         That they are one; log.
-    solutions : tuple of TargetSolution
-        Of the solver.
     """
 
     first: FollowedTarget
     second: FollowedTarget
     solver: TargetSolver
     evidence: float = 0.0
-    solutions: tuple[TargetSolution, ...] = ()
+
+    @property
+    def pair(self) -> tuple[FollowedTarget, FollowedTarget]:
+        """Both targets."""
+        return self.first, self.second
 
 
 @dataclass(frozen=True)
@@ -61,18 +62,15 @@ class Pair:
         The one that stays, and the one that ends.
     solver : TargetSolver
         Of both.
-    solutions : tuple of TargetSolution
-        Of the solver.
     """
 
     first: FollowedTarget
     second: FollowedTarget
     solver: TargetSolver
-    solutions: tuple[TargetSolution, ...]
 
 
 class StationPairing:
-    """All trials under way.
+    """All trials under way: :func:`observe_together` weighs them.
 
     Parameters
     ----------
@@ -82,37 +80,39 @@ class StationPairing:
 
     def __init__(self, odds: float) -> None:
         self._threshold = float(np.log(odds))
-        self._trials: list[_Trial] = []
+        self._trials: list[Trial] = []
 
     def begin(self, born: FollowedTarget, others: Sequence[FollowedTarget]) -> None:
         """Try a new target, before its first observation, with all others it may be one with."""
         for other in others:
             apart = set(other.members) & set(born.members)
             if not apart and isinstance(other.solver, TargetSolver) and other.solutions:
-                self._trials.append(_Trial(other, born, other.solver.copy()))
+                self._trials.append(Trial(other, born, other.solver.copy()))
 
-    def observe(self, target: FollowedTarget, observation: TargetObservation) -> None:
-        """Weigh an observation of a target, before the target itself takes it in."""
-        own: float | None = None
+    def concerned(self, seen: Sequence[Sighting]) -> list[tuple[Trial, Sighting]]:
+        """Return what the trials of the targets that a station has seen will take in.
+
+        A station that sees both targets of a trial tells them apart: the trial is given up.
+        """
+        of_target = dict(seen)
+        concerned = []
         for trial in self._trials:
-            if target not in (trial.first, trial.second):
-                continue
-            if observation.azimuths:
-                trial.solver.expect(observation)
-                own = _log_density(target, observation) if own is None else own
-                trial.evidence += _log_density_of(trial.solver, observation) - own
-            try:
-                trial.solutions = trial.solver.update(observation) or trial.solutions
-            except InputError:
+            own = [one for one in trial.pair if one in of_target]
+            if len(own) == 2:
                 trial.evidence = -np.inf
+            elif own:
+                concerned.append((trial, (own[0], of_target[own[0]])))
+        return concerned
 
     def end(self, target: FollowedTarget) -> None:
         """Forget the trials of a target that ends."""
-        self._trials = [one for one in self._trials if target not in (one.first, one.second)]
+        self._trials = [one for one in self._trials if target not in one.pair]
 
     def decide(self) -> tuple[Pair, ...]:
         """Return the pairs that are one, and give up those that are not."""
         self._trials = [one for one in self._trials if one.evidence > -self._threshold]
+        if not any(one.evidence >= self._threshold for one in self._trials):
+            return ()
         firsts = list({id(one.first): one.first for one in self._trials}.values())
         seconds = list({id(one.second): one.second for one in self._trials}.values())
         evidence = np.full((len(firsts), len(seconds)), -np.inf)
@@ -130,14 +130,14 @@ class StationPairing:
                 for one in self._trials
                 if one.first is firsts[row] and one.second is seconds[column]
             )
-            pairs.append(Pair(trial.first, trial.second, trial.solver, trial.solutions))
+            pairs.append(Pair(trial.first, trial.second, trial.solver))
         return tuple(pairs)
 
     def join(self, pair: Pair) -> None:
         """Take a pair to be one: what the older target is tried with goes on with both."""
         self.end(pair.second)
         for trial in self._trials:
-            if pair.first in (trial.first, trial.second):
+            if pair.first in trial.pair:
                 trial.solver = pair.solver.copy()
 
 
@@ -145,20 +145,3 @@ def _rival(evidence: FloatArray, row: int, column: int) -> float:
     """Return the evidence of the best pair that shares one of the two; at least that of none."""
     rivals = (np.delete(evidence[row], column), np.delete(evidence[:, column], row))
     return float(np.max(np.concatenate(rivals), initial=0.0))
-
-
-def _log_density(target: FollowedTarget, observation: TargetObservation) -> float:
-    if not target.solutions:
-        return _chance(observation)
-    assert isinstance(target.solver, TargetSolver)
-    return _log_density_of(target.solver, observation)
-
-
-def _log_density_of(solver: TargetSolver, observation: TargetObservation) -> float:
-    likely = np.log1p(-WILD_SHARE) + solver.log_likelihood(observation)
-    return float(np.logaddexp(likely, np.log(WILD_SHARE) + _chance(observation)))
-
-
-def _chance(observation: TargetObservation) -> float:
-    """Return the log density of azimuths from anywhere; two stand for one angle of a cone."""
-    return float(np.log(CHANCE_DENSITY * len(observation.azimuths)))

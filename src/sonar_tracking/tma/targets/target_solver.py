@@ -7,7 +7,7 @@ tells them apart. Every solution says how observable the motion is.
 
 from __future__ import annotations
 
-import copy
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -17,14 +17,15 @@ from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.tma.estimators.bank_splitting import split_bank, without_unlikely
 from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank, mixture_moments
-from sonar_tracking.tma.estimators.range_bank import RangeBank
+from sonar_tracking.tma.estimators.range_bank import RangeBankUpdate, update_range_banks
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
+from sonar_tracking.tma.estimators.range_bank_state import RangeBankState
 from sonar_tracking.tma.estimators.recursion import elapsed
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, TmaMeasurement
 from sonar_tracking.tma.targets.line_columns import LineColumns, plan_columns, with_columns
 from sonar_tracking.tma.targets.measurement_log import MeasurementLog
 from sonar_tracking.tma.targets.observability import OBSERVABLE
-from sonar_tracking.tma.targets.station_association import azimuth_log_likelihood
+from sonar_tracking.tma.targets.station_association import azimuth_log_likelihoods
 from sonar_tracking.tma.targets.target_records import (
     TargetObservation,
     TargetSolution,
@@ -37,6 +38,9 @@ SIDE_TURN = float(np.radians(20.0))
 
 SINGLE, LEFT, RIGHT = "single", "left", "right"
 
+Splits = dict[tuple[int, tuple[float, float]], tuple[HypothesisBank, HypothesisBank]]
+"""Banks by identity and position of the station they are split for: before and after."""
+
 
 @dataclass
 class _Progress:
@@ -46,6 +50,7 @@ class _Progress:
     first_sensor: str = ""
     first_course: float = 0.0
     resolvable: bool = False
+    manoeuvre: bool = False
     columns: LineColumns = field(default_factory=LineColumns)
     last_stamp_of: dict[str, int] = field(default_factory=dict)
 
@@ -61,7 +66,7 @@ class TargetSolver:
 
     def __init__(self, configuration: RangeBankConfiguration | None = None) -> None:
         self._configuration = configuration or RangeBankConfiguration()
-        self._bank = RangeBank(self._configuration)
+        self._state: RangeBankState | None = None
         self._progress = _Progress()
         self._log: MeasurementLog
 
@@ -83,70 +88,54 @@ class TargetSolver:
         InputError
             If the observation cannot be used; nothing has changed then.
         """
-        check_observation(observation)
-        self._check_order(observation)
-        if self._bank.state is None and not observation.azimuths:
-            return ()
-        self.expect(observation)
-        measurement = self._measurement(observation)
-        new = self._bank.state is None
-        estimate = self._bank.update(measurement)
-        if new or bool(estimate.restarted):
-            self._begin(observation)
-            self._log = self._new_log(measurement)
-        self._log.append(measurement)
-        self._progress.last_stamp_of[observation.sensor_id] = observation.stamp
-        self._decide_side(observation)
-        return self._solutions(measurement, bool(estimate.manoeuvre))
+        (problem,) = update_solvers([(self, observation)])
+        if problem is not None:
+            raise problem
+        return self.solutions()
 
-    def expect(self, observation: TargetObservation) -> None:
+    def solutions(self) -> tuple[TargetSolution, ...]:
+        """Return the solutions that stand: one, two while the side is open, none at first."""
+        state, sides = self._state, self._progress.sides
+        if state is None:
+            return ()
+        weights = _side_weights(state.bank, len(sides))
+        return tuple(
+            self._solution(state, index, float(probability))
+            for index, probability in enumerate(weights)
+        )
+
+    def expect(self, observation: TargetObservation, splits: Splits | None = None) -> None:
         """Prepare for the first azimuths of another station, which cut across the hypotheses.
 
         Parameters
         ----------
         observation : TargetObservation
             That comes next; nothing is done unless it is a station's first.
+        splits : Splits, optional
+            Banks split already; those of copied solvers are the same.
         """
-        state = self._bank.state
+        state = self._state
         known = observation.sensor_id in self._progress.last_stamp_of
-        if state is not None and observation.azimuths and not known:
-            bank = split_bank(state.bank, np.array(observation.position))
-            self._bank.state = replace(state, bank=bank)
+        if state is None or known or not observation.azimuths:
+            return
+        splits = {} if splits is None else splits
+        key = (id(state.bank), observation.position)
+        if key not in splits:
+            splits[key] = (state.bank, split_bank(state.bank, np.array(observation.position)))
+        self._state = replace(state, bank=splits[key][1])
 
     def copy(self) -> TargetSolver:
         """Return a solver that goes on from here independently."""
-        return copy.deepcopy(self)
-
-    def log_likelihood(self, observation: TargetObservation) -> float:
-        """Return how well the azimuths of an observation fit, before they are taken in.
-
-        Parameters
-        ----------
-        observation : TargetObservation
-            Of whatever sensor, not older than the last one, with azimuths.
-
-        Returns
-        -------
-        float
-            Log of their density, rad^-1; -inf = outside the gate of every hypothesis.
-        """
-        state, parameters = self._bank.state, self._configuration
-        assert state is not None
-        azimuths = np.array(observation.azimuths)
-        density = azimuth_log_likelihood(
-            state.bank,
-            elapsed(state.stamp, observation.stamp),
-            parameters.acceleration,
-            np.array(observation.position),
-            azimuths,
-            np.full(azimuths.shape, observation.azimuth_variance),
-            parameters.gate,
-            observation.propagation_speed,
-        )
-        return float(np.logaddexp.reduce(density))
+        copied = TargetSolver(self._configuration)
+        progress = self._progress
+        copied._state = self._state
+        copied._progress = replace(progress, last_stamp_of=dict(progress.last_stamp_of))
+        if self._state is not None:
+            copied._log = self._log.copy()
+        return copied
 
     def _check_order(self, observation: TargetObservation) -> None:
-        state, sensor = self._bank.state, observation.sensor_id
+        state, sensor = self._state, observation.sensor_id
         if state is not None and observation.stamp < state.stamp:
             raise InputError(
                 f"observation of {shown(sensor)} is older than the last one; keep them in order."
@@ -164,13 +153,13 @@ class TargetSolver:
         progress.resolvable = False
 
     def _measurement(self, observation: TargetObservation) -> TmaMeasurement:
-        progress, state = self._progress, self._bank.state
+        progress = self._progress
         lines = tuple((observation.sensor_id, number) for number in observation.line_ids)
         plan = plan_columns(progress.columns, lines, observation.stamp)
         progress.columns = plan.columns
         count = len(plan.columns.lines)
-        if state is not None:
-            self._bank.state = with_columns(state, count, plan.freed)
+        if self._state is not None:
+            self._state = with_columns(self._state, count, plan.freed)
             self._log.forget_lines(plan.freed)
         frequency, deviation = np.full(count, np.nan), np.full(count, np.nan)
         frequency[list(plan.column_of)] = observation.frequencies
@@ -191,52 +180,144 @@ class TargetSolver:
         )
 
     def _decide_side(self, observation: TargetObservation) -> None:
-        progress, state = self._progress, self._bank.state
+        progress, state = self._progress, self._state
         assert state is not None
+        if len(progress.sides) == 1:
+            if len(state.bank.log_weight) > self._configuration.n_ranges:
+                self._state = replace(state, bank=without_unlikely(state.bank))
+            return
         turned = abs(float(wrap_angle(_course(observation) - progress.first_course)))
         other = observation.sensor_id != progress.first_sensor and bool(observation.azimuths)
         progress.resolvable |= other or turned > SIDE_TURN
-        if len(progress.sides) == 1 and len(state.bank.log_weight) > self._configuration.n_ranges:
-            self._bank.state = replace(state, bank=without_unlikely(state.bank))
-        if len(progress.sides) == 1 or not progress.resolvable:
+        if not progress.resolvable:
             return
         halves = _side_weights(state.bank, 2)
         if np.max(halves) > SIDE_PROBABILITY:
             winner = int(np.argmax(halves))
             progress.sides = (progress.sides[winner],)
-            self._bank.state = replace(state, bank=_side_of(state.bank, winner, 2))
+            self._state = replace(state, bank=_side_of(state.bank, winner, 2))
 
-    def _solutions(
-        self, measurement: TmaMeasurement, manoeuvre: bool
-    ) -> tuple[TargetSolution, ...]:
-        state, sides = self._bank.state, self._progress.sides
-        assert state is not None
-        weights = _side_weights(state.bank, len(sides))
-        solutions = []
-        for index, (side, probability) in enumerate(zip(sides, weights, strict=True)):
-            mean, covariance = mixture_moments(_side_of(state.bank, index, len(sides)))
-            lines = np.arange(KINEMATIC, len(mean))
-            figure = self._log.observability(mean, int(side == RIGHT))
-            solutions.append(
-                TargetSolution(
-                    stamp=measurement.stamp,
-                    side=side,
-                    probability=float(probability),
-                    mean=mean[:KINEMATIC],
-                    covariance=covariance[:KINEMATIC, :KINEMATIC],
-                    observability=figure,
-                    observable=figure >= OBSERVABLE,
-                    line_ids=self._progress.columns.lines,
-                    source_frequency=mean[KINEMATIC:],
-                    source_frequency_deviation=np.sqrt(covariance[lines, lines]),
-                    manoeuvre=manoeuvre,
-                )
-            )
-        return tuple(solutions)
+    def _solution(self, state: RangeBankState, index: int, probability: float) -> TargetSolution:
+        sides = self._progress.sides
+        mean, covariance = mixture_moments(_side_of(state.bank, index, len(sides)))
+        lines = np.arange(KINEMATIC, len(mean))
+        figure = self._log.observability(mean, int(sides[index] == RIGHT))
+        return TargetSolution(
+            stamp=state.stamp,
+            side=sides[index],
+            probability=probability,
+            mean=mean[:KINEMATIC],
+            covariance=covariance[:KINEMATIC, :KINEMATIC],
+            observability=figure,
+            observable=figure >= OBSERVABLE,
+            line_ids=self._progress.columns.lines,
+            source_frequency=mean[KINEMATIC:],
+            source_frequency_deviation=np.sqrt(covariance[lines, lines]),
+            manoeuvre=self._progress.manoeuvre,
+        )
 
-    def _new_log(self, first: TmaMeasurement) -> MeasurementLog:
-        parameters = self._configuration
-        return MeasurementLog(first, parameters.maximum_range, parameters.maximum_speed)
+    def _prepare(self, observation: TargetObservation, splits: Splits) -> TmaMeasurement | None:
+        """Return what the filter takes; None = nothing is known yet, and no azimuth comes."""
+        self._check_order(observation)
+        if self._state is None and not observation.azimuths:
+            return None
+        self.expect(observation, splits)
+        return self._measurement(observation)
+
+    def _conclude(
+        self, observation: TargetObservation, measurement: TmaMeasurement, done: RangeBankUpdate
+    ) -> None:
+        new = self._state is None
+        self._state = done.state
+        if new or bool(done.restarted):
+            self._begin(observation)
+            parameters = self._configuration
+            ranges, speeds = parameters.maximum_range, parameters.maximum_speed
+            self._log = MeasurementLog(measurement, ranges, speeds)
+        self._log.append(measurement)
+        self._progress.manoeuvre = bool(done.manoeuvre)
+        self._progress.last_stamp_of[observation.sensor_id] = observation.stamp
+        self._decide_side(observation)
+
+
+Task = tuple[TargetSolver, TargetObservation]
+"""A solver and what it takes in."""
+
+Problem = InputError | np.linalg.LinAlgError
+"""Why an observation could not be used."""
+
+
+def update_solvers(tasks: Sequence[Task]) -> list[Problem | None]:
+    """Let many solvers take in an observation each, those of like banks at once.
+
+    Parameters
+    ----------
+    tasks : sequence of Task
+        Of different solvers of one configuration.
+
+    Returns
+    -------
+    list of Problem or None
+        Of each; an unusable observation has changed nothing. None = there is none.
+    """
+    problems: list[Problem | None] = [None] * len(tasks)
+    splits: Splits = {}
+    ready: list[tuple[TargetSolver, TargetObservation, TmaMeasurement]] = []
+    for index, (solver, observation) in enumerate(tasks):
+        try:
+            check_observation(observation)
+            measurement = solver._prepare(observation, splits)
+        except (InputError, np.linalg.LinAlgError) as error:
+            problems[index] = error
+            continue
+        if measurement is not None:
+            ready.append((solver, observation, measurement))
+    if ready:
+        states, measurements = [one[0]._state for one in ready], [one[2] for one in ready]
+        done = update_range_banks(states, measurements, ready[0][0]._configuration)
+        for (solver, observation, measurement), update in zip(ready, done, strict=True):
+            solver._conclude(observation, measurement, update)
+    return problems
+
+
+def log_likelihoods(tasks: Sequence[Task]) -> list[float]:
+    """Return how well the azimuths of observations fit their solvers, before they are taken in.
+
+    Parameters
+    ----------
+    tasks : sequence of Task
+        Solvers of one configuration that have had an azimuth; observations of whatever sensors,
+        not older than the solver's last one, with azimuths.
+
+    Returns
+    -------
+    list of float
+        Log of the density of each, rad^-1; -inf = outside the gate of every hypothesis.
+    """
+    if not tasks:
+        return []
+    states = [_known_state(solver) for solver, _ in tasks]
+    observations = [observation for _, observation in tasks]
+    intervals = [
+        elapsed(state.stamp, one.stamp) for state, one in zip(states, observations, strict=True)
+    ]
+    parameters = tasks[0][0]._configuration
+    density = azimuth_log_likelihoods(
+        [state.bank for state in states],
+        np.array(intervals),
+        parameters.acceleration,
+        np.array([one.position for one in observations]),
+        np.array([(*one.azimuths, np.nan)[:2] for one in observations]),
+        np.array([one.azimuth_variance for one in observations])[:, None],
+        parameters.gate,
+        np.array([one.propagation_speed for one in observations]),
+    )
+    return [float(one) for one in np.logaddexp.reduce(density, axis=1)]
+
+
+def _known_state(solver: TargetSolver) -> RangeBankState:
+    assert solver._state is not None
+    return solver._state
 
 
 def _course(observation: TargetObservation) -> float:

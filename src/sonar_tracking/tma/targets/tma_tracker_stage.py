@@ -9,6 +9,7 @@ left out with a notice, and the targets are predicted.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import groupby
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from sonar_tracking.tma.targets.bearing_observations import (
     with_lines,
 )
 from sonar_tracking.tma.targets.followed_target import FollowedTarget, new_solver
+from sonar_tracking.tma.targets.joint_observation import observe_together
 from sonar_tracking.tma.targets.line_attribution import VAGUEST, LineAttribution, TrackAngle
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame, TmaUpdate
 from sonar_tracking.tma.targets.station_pairing import Pair, StationPairing
@@ -133,8 +135,8 @@ class TmaTrackerStage:
             self._read_bearings(bearings, frame.own_ship, observed, born, notices)
         for lines in frame.lines:
             self._read_lines(lines, frame.own_ship, observed, notices)
-        for key, observation in observed.items():
-            self._observe(key, observation, key in born, notices)
+        for _, seen in groupby(observed.items(), key=lambda one: one[0][0]):
+            self._observe(list(seen), born, notices)
         self._join_stations()
         self._release_misfits()
         self._end_coasted()
@@ -215,23 +217,30 @@ class TmaTrackerStage:
                 observed[key] = with_lines(bare, own)
 
     def _observe(
-        self, key: TrackKey, observation: TargetObservation, born: bool, notices: list[Notice]
+        self,
+        observed: list[tuple[TrackKey, TargetObservation]],
+        born: set[TrackKey],
+        notices: list[Notice],
     ) -> None:
-        if not observation.azimuths and not observation.line_ids:
-            return
-        if born:
-            self._begin(key)
-        target = self._target_of[key]
-        self._pairing.observe(target, observation)
-        try:
-            self._replace(target, target.observe(observation))
-            target.judge(self.configuration)
-        except InputError as error:
-            notices.append(left_out(key[0], str(error).rstrip(".")))
-        except np.linalg.LinAlgError:
-            notices.append(left_out(key[0], f"track {key[1]} became numerically impossible"))
-            self._pairing.end(target)
-            target.solver = new_solver(self.configuration)
+        """Let the targets take in what one station observed."""
+        seen = [(key, one) for key, one in observed if one.azimuths or one.line_ids]
+        for key, _ in seen:
+            if key in born:
+                self._begin(key)
+        targets = [(self._target_of[key], one) for key, one in seen]
+        outcomes = observe_together(targets, self._pairing)
+        for (key, _), (target, _), outcome in zip(seen, targets, outcomes, strict=True):
+            try:
+                if isinstance(outcome, Exception):
+                    raise outcome
+                self._replace(target, outcome)
+                target.judge(self.configuration)
+            except InputError as error:
+                notices.append(left_out(key[0], str(error).rstrip(".")))
+            except np.linalg.LinAlgError:
+                notices.append(left_out(key[0], f"track {key[1]} became numerically impossible"))
+                self._pairing.end(target)
+                target.solver = new_solver(self.configuration)
 
     def _begin(self, key: TrackKey) -> None:
         target = FollowedTarget(
@@ -289,7 +298,7 @@ class TmaTrackerStage:
         for key in second.members.items():
             self._target_of[key] = first
         first.solver = pair.solver
-        self._replace(first, pair.solutions)
+        self._replace(first, pair.solver.solutions())
         first.judge(self.configuration)
         self._end(second)
 

@@ -1,0 +1,132 @@
+"""What a station observed of its targets, taken in by all of them and by all their trials at once.
+
+A trial is weighed before anything is taken in: how well its solver explains the azimuths, against
+how well the target does alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from sonar_tracking.errors import InputError
+from sonar_tracking.tma.targets.baseline_solver import BaselineSolver
+from sonar_tracking.tma.targets.followed_target import FollowedTarget
+from sonar_tracking.tma.targets.station_association import CHANCE_DENSITY
+from sonar_tracking.tma.targets.station_pairing import Sighting, StationPairing, Trial
+from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
+from sonar_tracking.tma.targets.target_solver import (
+    Problem,
+    Splits,
+    Task,
+    log_likelihoods,
+    update_solvers,
+)
+
+WILD_SHARE = 0.01
+"""Of the bearings may be from anywhere: one outlier decides nothing."""
+
+Outcome = tuple[TargetSolution, ...] | Problem
+"""The solutions that stand, or why the observation could not be used."""
+
+
+def observe_together(seen: Sequence[Sighting], pairing: StationPairing) -> list[Outcome]:
+    """Let targets take in what one station observed of each at one instant.
+
+    Parameters
+    ----------
+    seen : sequence of Sighting
+        Of different targets.
+    pairing : StationPairing
+        Whose trials are weighed and take it in, too.
+
+    Returns
+    -------
+    list of Outcome
+        Of each target.
+    """
+    trials = _expected(pairing.concerned(seen))
+    _weigh(seen, trials)
+    tasks: list[Task] = [(trial.solver, observation) for trial, (_, observation) in trials]
+    tasks += [
+        (target.solver, observation)
+        for target, observation in seen
+        if not isinstance(target.solver, BaselineSolver)
+    ]
+    problems = update_solvers(tasks)
+    for (trial, _), problem in zip(trials, problems, strict=False):
+        if problem is not None:
+            trial.evidence = -np.inf
+    own = iter(problems[len(trials) :])
+    return [
+        _outcome(
+            target, observation, None if isinstance(target.solver, BaselineSolver) else next(own)
+        )
+        for target, observation in seen
+    ]
+
+
+def _expected(trials: Sequence[tuple[Trial, Sighting]]) -> list[tuple[Trial, Sighting]]:
+    """Return the trials whose solvers are prepared for what they will take in."""
+    splits: Splits = {}
+    ready = []
+    for trial, (target, observation) in trials:
+        try:
+            trial.solver.expect(observation, splits)
+        except np.linalg.LinAlgError:
+            trial.evidence = -np.inf
+        else:
+            ready.append((trial, (target, observation)))
+    return ready
+
+
+def _weigh(seen: Sequence[Sighting], trials: Sequence[tuple[Trial, Sighting]]) -> None:
+    """Weigh the trials, and count what the targets of several stations do not explain."""
+    weighed = [(trial, one) for trial, one in trials if one[1].azimuths]
+    tried = {target for _, (target, _) in weighed}
+    alone = [
+        (target, target.solver, observation)
+        for target, observation in seen
+        if observation.azimuths
+        and not isinstance(target.solver, BaselineSolver)
+        and (len(target.members) > 1 or (target in tried and target.solutions))
+    ]
+    found = log_likelihoods(
+        [(trial.solver, observation) for trial, (_, observation) in weighed]
+        + [(solver, observation) for _, solver, observation in alone]
+    )
+    explained: dict[FollowedTarget, float] = {}
+    for (target, _, observation), likelihood in zip(alone, found[len(weighed) :], strict=True):
+        explained[target] = likelihood
+        if len(target.members) > 1:
+            target.weigh(observation.sensor_id, likelihood)
+    for (trial, (target, observation)), likelihood in zip(weighed, found, strict=False):
+        chance = _chance(observation)
+        own = _log_density(explained[target], chance) if target.solutions else chance
+        trial.evidence += _log_density(likelihood, chance) - own
+
+
+def _outcome(
+    target: FollowedTarget, observation: TargetObservation, problem: Problem | None
+) -> Outcome:
+    if problem is not None:
+        return problem
+    try:
+        if isinstance(target.solver, BaselineSolver):
+            solutions = target.solver.update(observation)
+        else:
+            solutions = target.solver.solutions()
+    except (InputError, np.linalg.LinAlgError) as error:
+        return error
+    return target.conclude(observation, solutions)
+
+
+def _log_density(log_likelihood: float, chance: float) -> float:
+    likely = np.log1p(-WILD_SHARE) + log_likelihood
+    return float(np.logaddexp(likely, np.log(WILD_SHARE) + chance))
+
+
+def _chance(observation: TargetObservation) -> float:
+    """Return the log density of azimuths from anywhere; two stand for one angle of a cone."""
+    return float(np.log(CHANCE_DENSITY * len(observation.azimuths)))
