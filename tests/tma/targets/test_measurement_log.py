@@ -10,7 +10,7 @@ import pytest
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 from sonar_tracking.tma.targets import measurement_log
 from sonar_tracking.tma.targets.measurement_log import MeasurementLog
-from sonar_tracking.tma.targets.observability import observability
+from sonar_tracking.tma.targets.observability import observability, root_of
 
 SECOND = 1_000_000_000
 
@@ -91,7 +91,7 @@ def test_each_side_is_judged_from_its_own_prior() -> None:
         prior = np.diag([0.0, 0.0, 48.0, 48.0])
         prior[:2, :2] = 8000.0**2 / 12.0 * np.outer(sight, sight)
         prior[:2, :2] += 4000.0**2 * 4e-4 * np.outer(across, across)
-        expected = observability(mean[:4], mean[4:], log.history(), prior)
+        expected = observability(mean[:4], mean[4:], log.history(), root_of(prior))
         assert 0.0 < expected < 1.0
         assert log.observability(mean, side) == pytest.approx(expected)
     single = MeasurementLog(measurement(0), 8000.0, 12.0)

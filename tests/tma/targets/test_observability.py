@@ -14,6 +14,7 @@ from sonar_tracking.tma.targets.observability import (
     MeasurementHistory,
     motion_information,
     observability,
+    root_of,
 )
 
 STRAIGHT, TURNING = (90.0,) * 4, (90.0, 0.0, 90.0, 0.0)
@@ -50,7 +51,9 @@ def prior_of(scene: TmaScene) -> FloatArray:
 
 def figure(scene: TmaScene) -> float:
     runs, log = logged(scene)
-    return observability(runs.truth[0, -1], scene.line_frequency, log.history(), prior_of(scene))
+    return observability(
+        runs.truth[0, -1], scene.line_frequency, log.history(), root_of(prior_of(scene))
+    )
 
 
 def silent(scene: TmaScene) -> TmaScene:
@@ -192,8 +195,8 @@ def test_the_figure_is_the_least_gain_over_the_prior() -> None:
     prior[0, 1] = prior[1, 0] = 1e6
     information = motion_information(mean, np.zeros(0), history)
     gain = float(np.min(np.linalg.eigvals(prior @ information).real))
-    assert observability(mean, np.zeros(0), history, prior) == pytest.approx(
+    assert observability(mean, np.zeros(0), history, root_of(prior)) == pytest.approx(
         max(gain, 0.0) / (1.0 + max(gain, 0.0)), rel=1e-6, abs=1e-9
     )
     silent = replace(history, azimuth_information=np.zeros(3))
-    assert observability(mean, np.zeros(0), silent, prior) == pytest.approx(0.0, abs=1e-12)
+    assert observability(mean, np.zeros(0), silent, root_of(prior)) == pytest.approx(0.0, abs=1e-12)

@@ -144,11 +144,11 @@ def _update_alike(
     for state, measurement in zip(states, measurements, strict=True):
         present = start_range_bank(measurement, configuration) if state is None else state
         lost = is_lost(present, measurement)
-        if np.any(lost):
+        if lost.any():
             present = restart_lost(present, measurement, lost, configuration)
         ready.append(present)
         restarted.append(lost)
-        begun.append(np.ravel(lost | (state is None)))
+        begun.append(np.ravel(lost) if state is not None else np.ones(lost.size, dtype=bool))
     batch = join_banks(ready, measurements)
     after, changes = _advance(batch, np.concatenate(begun), configuration)
     done = separate_banks(ready, after, measurements[0].stamp)

@@ -63,7 +63,8 @@ def start_range_bank(
 
 def is_lost(state: RangeBankState, measurement: TmaMeasurement) -> BoolArray:
     """Return where to start anew, shape (...): no hypothesis has accepted the last azimuths."""
-    return (state.refused >= REFUSED_AZIMUTHS) & np.isfinite(measurement.azimuth[..., 0])
+    refused = np.asarray(state.refused >= REFUSED_AZIMUTHS)
+    return refused & np.isfinite(measurement.azimuth[..., 0]) if refused.any() else refused
 
 
 def restart_lost(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from dataclasses import replace
+from math import isfinite
 
 import numpy as np
 
@@ -11,10 +12,13 @@ from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.time import seconds
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, TmaMeasurement
 from sonar_tracking.tma.estimators.single_filter_configuration import SingleFilterConfiguration
-from sonar_tracking.tma.targets.observability import MeasurementHistory, observability
+from sonar_tracking.tma.targets.observability import MeasurementHistory, observability, root_of
 
 LOG_FRAMES = 1000
 """Measurements kept; the first one, where the prior stands, is kept for ever."""
+
+UNREAD_FRAMES = 32
+"""So many are kept as they came at most, until someone asks."""
 
 TIME, POSITION, VELOCITY = 0, slice(1, 3), slice(3, 5)
 AZIMUTH, ELEVATION, HEIGHT, LINES = 5, 6, 7, 8
@@ -34,17 +38,29 @@ class MeasurementLog:
 
     def __init__(self, first: TmaMeasurement, maximum_range: float, maximum_speed: float) -> None:
         configuration = SingleFilterConfiguration(maximum_range, maximum_speed)
-        self._priors = [
-            _prior(configuration, replace(first, azimuth=first.azimuth[side : side + 1]))
+        self._roots = [
+            root_of(_prior(configuration, replace(first, azimuth=first.azimuth[side : side + 1])))
             for side in range(len(first.azimuth))
         ]
         self._first_stamp = first.stamp
         self._sound_speed = first.sound_speed
         self._count = 0
         self._table = np.zeros((64, LINES + first.n_lines))
+        self._newest: list[TmaMeasurement] = []
 
     def append(self, measurement: TmaMeasurement) -> None:
         """Log a measurement; it may have more columns of lines than those before."""
+        self._newest.append(measurement)
+        if len(self._newest) == UNREAD_FRAMES:
+            self._write_newest()
+
+    def _write_newest(self) -> None:
+        """Bring the table up to date: many logs are never read."""
+        for measurement in self._newest:
+            self._write(measurement)
+        self._newest = []
+
+    def _write(self, measurement: TmaMeasurement) -> None:
         n_lines = measurement.n_lines
         added = LINES + n_lines - self._table.shape[1]
         if self._count == len(self._table) and self._count < LOG_FRAMES:
@@ -59,11 +75,12 @@ class MeasurementLog:
         row[:] = 0.0
         row[TIME] = seconds(measurement.stamp - self._first_stamp)
         row[POSITION], row[VELOCITY] = measurement.position, measurement.velocity
-        row[AZIMUTH] = _information(measurement.azimuth[0], measurement.azimuth_variance)
-        row[ELEVATION] = _information(measurement.elevation, measurement.elevation_variance)
+        row[AZIMUTH] = _information_of(measurement.azimuth[0], measurement.azimuth_variance)
+        row[ELEVATION] = _information_of(measurement.elevation, measurement.elevation_variance)
         row[HEIGHT] = measurement.height
-        variance = measurement.frequency_deviation**2
-        row[LINES : LINES + n_lines] = _information(measurement.frequency, variance)
+        if n_lines:
+            variance = measurement.frequency_deviation**2
+            row[LINES : LINES + n_lines] = _information(measurement.frequency, variance)
         self._count += 1
         self._sound_speed = measurement.sound_speed
 
@@ -71,10 +88,12 @@ class MeasurementLog:
         """Return a log that goes on from here independently."""
         copied = copy.copy(self)
         copied._table = self._table.copy()
+        copied._newest = list(self._newest)
         return copied
 
     def forget_lines(self, columns: tuple[int, ...]) -> None:
         """Blank the columns of lines that are forgotten."""
+        self._write_newest()
         for column in columns:
             self._table[:, LINES + column] = 0.0
 
@@ -89,11 +108,12 @@ class MeasurementLog:
         side : int
             Which of the first azimuths the estimate goes back to; the last one if there are fewer.
         """
-        prior = self._priors[min(side, len(self._priors) - 1)]
-        return observability(mean[:KINEMATIC], mean[KINEMATIC:], self.history(), prior)
+        root = self._roots[min(side, len(self._roots) - 1)]
+        return observability(mean[:KINEMATIC], mean[KINEMATIC:], self.history(), root)
 
     def history(self) -> MeasurementHistory:
         """Return what was logged, in order."""
+        self._write_newest()
         table = self._table[: self._count]
         return MeasurementHistory(
             times=table[:, TIME],
@@ -110,6 +130,11 @@ class MeasurementLog:
 def _prior(configuration: SingleFilterConfiguration, first: TmaMeasurement) -> FloatArray:
     """Return the covariance of the motion at the first measurement, from one of its sides."""
     return configuration.start(first).covariance[0, :KINEMATIC, :KINEMATIC]
+
+
+def _information_of(value: FloatArray, variance: FloatArray) -> float:
+    spread = float(variance)
+    return 1.0 / spread if isfinite(value) and isfinite(spread) else 0.0
 
 
 def _information(value: FloatArray, variance: FloatArray) -> FloatArray:

@@ -51,7 +51,7 @@ class MeasurementHistory:
 
 
 def observability(
-    mean: FloatArray, source_frequency: FloatArray, history: MeasurementHistory, prior: FloatArray
+    mean: FloatArray, source_frequency: FloatArray, history: MeasurementHistory, root: FloatArray
 ) -> float:
     """Return the observability figure in [0, 1].
 
@@ -64,14 +64,18 @@ def observability(
         Hz; of lines with information only.
     history : MeasurementHistory
         All measurements.
-    prior : ndarray, shape (4, 4)
-        Covariance of the motion at the first time, m^2, m^2/s, m^2/s^2.
+    root : ndarray, shape (4, 4)
+        Symmetric root of the prior covariance of the motion at the first time, m and m/s.
     """
     information = motion_information(mean, source_frequency, history)
-    values, vectors = np.linalg.eigh(prior)
-    root = vectors * np.sqrt(np.maximum(values, 0.0)) @ vectors.T
     smallest = max(float(np.linalg.eigvalsh(root @ information @ root)[0]), 0.0)
     return smallest / (1.0 + smallest)
+
+
+def root_of(prior: FloatArray) -> FloatArray:
+    """Return the symmetric root of a covariance, shape (n, n)."""
+    values, vectors = np.linalg.eigh(prior)
+    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)) @ vectors.T)
 
 
 def motion_information(
@@ -97,17 +101,20 @@ def motion_information(
     offset = mean[:2] + mean[2:] * before - history.position
     distance = np.maximum(np.hypot(offset[:, 0], offset[:, 1]), 1.0)[:, None]
     direction = offset / distance
-    relative = mean[2:] - history.velocity
-    rate = np.sum(direction * relative, axis=1)
     normal = np.stack([-direction[:, 1], direction[:, 0]], axis=1)
-    slope = -history.height / (distance[:, 0] ** 2 + history.height**2)
     since = history.times[:, None]
 
-    azimuth = _on_first(normal / distance, 0.0 * normal, since)
-    elevation = _on_first(slope[:, None] * direction, 0.0 * direction, since)
-    doppler = _on_first((relative - rate[:, None] * direction) / distance, direction, since)
-    information = _weighted(azimuth, history.azimuth_information)
-    information += _weighted(elevation, history.elevation_information)
+    information = _weighted(_on_first(normal / distance, since), history.azimuth_information)
+    if history.elevation_information.any():
+        slope = -history.height / (distance[:, 0] ** 2 + history.height**2)
+        elevation = _on_first(slope[:, None] * direction, since)
+        information += _weighted(elevation, history.elevation_information)
+    if not history.line_information.any():
+        return information
+    relative = mean[2:] - history.velocity
+    rate = np.sum(direction * relative, axis=1)
+    doppler = _on_first((relative - rate[:, None] * direction) / distance, since)
+    doppler[:, 2:] += direction
     factor = 1.0 - rate / history.sound_speed
     for source, weight in zip(source_frequency, history.line_information.T, strict=True):
         own = np.sum(weight * factor**2)
@@ -120,9 +127,9 @@ def motion_information(
     return information
 
 
-def _on_first(by_position: FloatArray, by_velocity: FloatArray, since: FloatArray) -> FloatArray:
-    """Refer derivatives at each time to the motion at the first time."""
-    return np.concatenate([by_position, by_position * since + by_velocity], axis=1)
+def _on_first(by_position: FloatArray, since: FloatArray) -> FloatArray:
+    """Refer derivatives by the position at each time to the motion at the first time."""
+    return np.concatenate([by_position, by_position * since], axis=1)
 
 
 def _weighted(rows: FloatArray, weight: FloatArray) -> FloatArray:

@@ -8,6 +8,7 @@ import numpy as np
 
 from sonar_tracking.errors import InputError, shown
 from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 
 MAXIMUM_LINES = 16
 """Lines followed at a time; the strongest tonals of a vessel are fewer."""
@@ -143,6 +144,39 @@ def check_observation(observation: TargetObservation) -> None:
         raise InputError(f"{name} has an elevation without a positive variance.")
     if not _positive(observation.sound_speed):
         raise InputError(f"{name} has a sound speed that is not positive.")
+
+
+def measurement_of(
+    observation: TargetObservation, column_of: tuple[int, ...], count: int
+) -> TmaMeasurement:
+    """Return what a filter takes of an observation.
+
+    Parameters
+    ----------
+    observation : TargetObservation
+        That has been checked.
+    column_of : tuple of int
+        Column of each of its lines.
+    count : int
+        Columns of lines there are; those not heard are NaN.
+    """
+    frequency, deviation = np.full(count, np.nan), np.full(count, np.nan)
+    frequency[list(column_of)] = observation.frequencies
+    deviation[list(column_of)] = observation.frequency_deviations
+    return TmaMeasurement(
+        stamp=observation.stamp,
+        position=np.array(observation.position),
+        velocity=np.array(observation.velocity),
+        azimuth=np.array(observation.azimuths or (np.nan,)),
+        azimuth_variance=np.array(observation.azimuth_variance),
+        frequency=frequency,
+        frequency_deviation=deviation,
+        elevation=np.array(observation.elevation),
+        elevation_variance=np.array(observation.elevation_variance),
+        height=observation.height,
+        sound_speed=observation.sound_speed,
+        propagation_speed=observation.propagation_speed,
+    )
 
 
 def _positive(value: float) -> bool:

@@ -30,6 +30,7 @@ from sonar_tracking.tma.targets.target_records import (
     TargetObservation,
     TargetSolution,
     check_observation,
+    measurement_of,
 )
 
 SIDE_PROBABILITY = 0.99
@@ -40,6 +41,9 @@ SINGLE, LEFT, RIGHT = "single", "left", "right"
 
 Splits = dict[tuple[int, tuple[float, float]], tuple[HypothesisBank, HypothesisBank]]
 """Banks by identity and position of the station they are split for: before and after."""
+
+Made = dict[tuple[int, tuple[int, ...], int], TmaMeasurement]
+"""Measurements by identity of the observation, columns of its lines, and columns there are."""
 
 
 @dataclass
@@ -152,7 +156,7 @@ class TargetSolver:
         progress.first_course = _course(observation)
         progress.resolvable = False
 
-    def _measurement(self, observation: TargetObservation) -> TmaMeasurement:
+    def _measurement(self, observation: TargetObservation, made: Made) -> TmaMeasurement:
         progress = self._progress
         lines = tuple((observation.sensor_id, number) for number in observation.line_ids)
         plan = plan_columns(progress.columns, lines, observation.stamp)
@@ -161,23 +165,10 @@ class TargetSolver:
         if self._state is not None:
             self._state = with_columns(self._state, count, plan.freed)
             self._log.forget_lines(plan.freed)
-        frequency, deviation = np.full(count, np.nan), np.full(count, np.nan)
-        frequency[list(plan.column_of)] = observation.frequencies
-        deviation[list(plan.column_of)] = observation.frequency_deviations
-        return TmaMeasurement(
-            stamp=observation.stamp,
-            position=np.array(observation.position),
-            velocity=np.array(observation.velocity),
-            azimuth=np.array(observation.azimuths or (np.nan,)),
-            azimuth_variance=np.array(observation.azimuth_variance),
-            frequency=frequency,
-            frequency_deviation=deviation,
-            elevation=np.array(observation.elevation),
-            elevation_variance=np.array(observation.elevation_variance),
-            height=observation.height,
-            sound_speed=observation.sound_speed,
-            propagation_speed=observation.propagation_speed,
-        )
+        kind = (id(observation), plan.column_of, count)
+        if kind not in made:
+            made[kind] = measurement_of(observation, plan.column_of, count)
+        return made[kind]
 
     def _decide_side(self, observation: TargetObservation) -> None:
         progress, state = self._progress, self._state
@@ -216,13 +207,15 @@ class TargetSolver:
             manoeuvre=self._progress.manoeuvre,
         )
 
-    def _prepare(self, observation: TargetObservation, splits: Splits) -> TmaMeasurement | None:
+    def _prepare(
+        self, observation: TargetObservation, splits: Splits, made: Made
+    ) -> TmaMeasurement | None:
         """Return what the filter takes; None = nothing is known yet, and no azimuth comes."""
         self._check_order(observation)
         if self._state is None and not observation.azimuths:
             return None
         self.expect(observation, splits)
-        return self._measurement(observation)
+        return self._measurement(observation, made)
 
     def _conclude(
         self, observation: TargetObservation, measurement: TmaMeasurement, done: RangeBankUpdate
@@ -262,11 +255,15 @@ def update_solvers(tasks: Sequence[Task]) -> list[Problem | None]:
     """
     problems: list[Problem | None] = [None] * len(tasks)
     splits: Splits = {}
+    made: Made = {}
+    checked: set[int] = set()
     ready: list[tuple[TargetSolver, TargetObservation, TmaMeasurement]] = []
     for index, (solver, observation) in enumerate(tasks):
         try:
-            check_observation(observation)
-            measurement = solver._prepare(observation, splits)
+            if id(observation) not in checked:
+                check_observation(observation)
+                checked.add(id(observation))
+            measurement = solver._prepare(observation, splits, made)
         except (InputError, np.linalg.LinAlgError) as error:
             problems[index] = error
             continue
