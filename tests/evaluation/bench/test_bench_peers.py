@@ -126,5 +126,6 @@ def test_peers_that_are_not_installed_are_named(monkeypatch: pytest.MonkeyPatch)
 
 def test_without_pyroomacoustics_music_has_its_other_peer(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(array_kernels, "pyroomacoustics_installed", lambda: False)
-    (music,) = [each for each in array_kernels.array_kernels() if each.name.startswith("MUSIC")]
-    assert set(music.prepare(N_ELEMENTS).peers) == {"naive numpy"}
+    for kernel in array_kernels.array_kernels():
+        if kernel.name.startswith("MUSIC"):
+            assert set(kernel.prepare(N_ELEMENTS).peers) == {"naive numpy"}

@@ -18,6 +18,8 @@ from sonar_tracking.evaluation.bench.bench_data import (
     bench_estimates,
     bench_positions,
     bench_snapshots,
+    snapshots_at,
+    uneven_positions,
 )
 from sonar_tracking.evaluation.bench.bench_peers import (
     eigenvectors_each_period,
@@ -42,7 +44,7 @@ from sonar_tracking.passive.sources.music import music_bearings
 from sonar_tracking.passive.subspaces.subspace_configuration import SubspaceConfiguration
 from sonar_tracking.passive.subspaces.subspace_method import SubspaceMethod
 from sonar_tracking.passive.subspaces.subspace_method_registry import SUBSPACE_METHODS
-from sonar_tracking.records.arrays import ComplexArray
+from sonar_tracking.records.arrays import ComplexArray, FloatArray
 
 FORGETTING_FACTOR = 0.97
 BLOCK = 20
@@ -72,7 +74,11 @@ def array_kernels() -> tuple[Kernel, ...]:
         (f"projection fit, {SOURCES} bearings", _projection),
         (f"joint MAP update, {SOURCES} bearings", _joint_map),
     )
-    return tuple(Kernel(name, "elements", SIZES, prepare) for name, prepare in named)
+    uneven = f"MUSIC, {SOURCES} sources, elements not evenly spaced"
+    return (
+        *(Kernel(name, "elements", SIZES, prepare) for name, prepare in named),
+        Kernel(uneven, "elements", SIZES[:-1], partial(_music, place=uneven_positions)),
+    )
 
 
 def subspace_method(name: str, step: int) -> SubspaceMethod[Any]:
@@ -178,14 +184,14 @@ def _number(n_elements: int) -> Prepared:
     return Prepared(Timed(partial(source_count, covariance, PERIOD_SNAPSHOTS)), work)
 
 
-def _music(n_elements: int) -> Prepared:
-    covariance = bench_covariance(n_elements, SOURCES)
-    positions = bench_positions(n_elements)
+def _music(n_elements: int, place: Callable[[int], FloatArray] = bench_positions) -> Prepared:
+    positions = place(n_elements)
+    snapshots = snapshots_at(positions, SOURCES, PERIOD_SNAPSHOTS)
+    covariance = np.asarray(snapshots.T @ snapshots.conj() / len(snapshots))
     angles = angle_grid(positions, WAVENUMBER).angles
     peers = {"naive numpy": Timed(partial(naive_music, covariance, SOURCES, positions, WAVENUMBER))}
     if pyroomacoustics_installed() and n_elements <= LARGEST_FOR_PYROOMACOUSTICS:
         music = PyroomMusic(positions, WAVENUMBER, SOURCES, angles)
-        snapshots = bench_snapshots(n_elements, SOURCES)
         peers["pyroomacoustics"] = Timed(partial(music.bearings, snapshots))
     found = _one_product(n_elements)
     transforms = 5.0 * len(angles) * np.log2(len(angles))

@@ -36,13 +36,39 @@ def bench_angles(n_sources: int) -> FloatArray:
     return np.asarray(np.arcsin(np.linspace(-0.8, 0.8, n_sources)), dtype=np.float64)
 
 
+def uneven_positions(n_elements: int) -> FloatArray:
+    """Return elements near those of the uniform line, shape (n_elements, 3), m."""
+    positions = bench_positions(n_elements)
+    positions[:, 0] += np.random.default_rng(SEED).normal(0.0, 0.05 * WAVELENGTH, n_elements)
+    return positions
+
+
 def bench_snapshots(
     n_elements: int, n_sources: int, n_snapshots: int = PERIOD_SNAPSHOTS
 ) -> ComplexArray:
     """Return snapshots of separated sources at 0 dB, shape (n_snapshots, n_elements), linear."""
+    return snapshots_at(bench_positions(n_elements), n_sources, n_snapshots)
+
+
+def snapshots_at(positions: FloatArray, n_sources: int, n_snapshots: int) -> ComplexArray:
+    """Return snapshots of separated sources at 0 dB.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n_elements, 3)
+        m.
+    n_sources, n_snapshots : int
+        How many.
+
+    Returns
+    -------
+    ndarray, shape (n_snapshots, n_elements), complex
+        Linear amplitude.
+    """
     generator = np.random.default_rng(SEED)
+    n_elements = len(positions)
     return synthesize_snapshots(
-        bench_positions(n_elements),
+        positions,
         WAVENUMBER,
         np.broadcast_to(bench_angles(n_sources), (n_snapshots, n_sources)),
         circular_gaussian(generator, (n_snapshots, n_sources)),
