@@ -2,7 +2,7 @@
 
 Contacts are used by one track only: confirmed tracks choose first, then candidates by existence
 probability. A contact taken by a confirmed track, or by a candidate that is more sure than not, is
-not offered again.
+not offered again. Tracks that share no contact choose together.
 
 References
 ----------
@@ -11,6 +11,8 @@ Kim, Song (2007), equations 11-19, in Korean; the rule of exclusive use is left 
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -21,11 +23,8 @@ from sonar_tracking.active.association.lm_ipda import (
     sum_by_row,
     update_existence,
 )
-from sonar_tracking.active.detection.gate_association import (
-    PROBABILITY_IN_GATE,
-    GateModel,
-    associate_by_rank,
-)
+from sonar_tracking.active.detection.gate_association import PROBABILITY_IN_GATE
+from sonar_tracking.active.detection.ranked_gates import associate_gates_by_rank
 from sonar_tracking.active.tracks.contact_gating import GatePairs
 from sonar_tracking.active.tracks.track_bank import TrackBank
 from sonar_tracking.records.arrays import FloatArray, IndexArray
@@ -60,25 +59,27 @@ def associate_ranked(
     likelihood = 1.0 - detection_probability * PROBABILITY_IN_GATE
     weights = np.zeros(len(pairs.track))
     free = np.ones(len(amplitudes), dtype=bool)
-    first = np.searchsorted(pairs.track, np.arange(len(bank) + 1))
-    for row in _in_order_of_choice(bank, np.flatnonzero(np.diff(first))):
-        own = np.arange(first[row], first[row + 1])
-        own = own[free[pairs.contact[own]]]
+    for rows in _rounds_of_choice(bank, pairs):
+        own = rows[free[pairs.contact[rows]]]
         if not len(own):
             continue
-        density = float(np.mean(evidence.clutter_density[own]))
-        model = GateModel(gate_volume[row], density, detection_probability[row])
-        outcome = associate_by_rank(
+        track = pairs.track[own]
+        first = np.flatnonzero(np.diff(track, prepend=-1))
+        track = track[first]
+        outcome = associate_gates_by_rank(
+            first,
             evidence.density[own, 0],
             amplitudes[pairs.contact[own]],
-            model,
+            evidence.clutter_density[own],
+            gate_volume[track],
+            detection_probability[track],
             signal_to_noise_ratio_linear,
         )
-        selected = int(np.argmax(outcome.probabilities))
-        weights[own[selected]] = outcome.probabilities[selected]
-        likelihood[row] = outcome.likelihood_ratio
-        if bank.confirmed[row] or outcome.probabilities[selected] > 0.5:
-            free[pairs.contact[own[selected]]] = False
+        selected = own[outcome.selected]
+        weights[selected] = outcome.probability
+        likelihood[track] = outcome.likelihood_ratio
+        takes = bank.confirmed[track] | (outcome.probability > 0.5)
+        free[pairs.contact[selected[takes]]] = False
     return BankAssociation(
         bank=replace(bank, existence=update_existence(bank.existence, likelihood)),
         weights=weights[:, None],
@@ -87,7 +88,25 @@ def associate_ranked(
     )
 
 
-def _in_order_of_choice(bank: TrackBank, rows: IndexArray) -> IndexArray:
-    """Return the tracks, confirmed ones first, then by existence probability."""
-    order = np.lexsort((-bank.existence[rows], ~bank.confirmed[rows]))
-    return np.asarray(rows[order])
+def _rounds_of_choice(bank: TrackBank, pairs: GatePairs) -> Iterator[IndexArray]:
+    """Yield the rows of pairs whose tracks choose together: no two of them want one contact.
+
+    Confirmed tracks choose first, then candidates by existence probability; a track waits for all
+    before it that it shares a contact with.
+    """
+    first = np.searchsorted(pairs.track, np.arange(len(bank) + 1))
+    tracks = np.flatnonzero(np.diff(first))
+    order = tracks[np.lexsort((-bank.existence[tracks], ~bank.confirmed[tracks]))]
+    contacts, bounds = pairs.contact.tolist(), first.tolist()
+    last_round: dict[int, int] = {}
+    turn = np.zeros(len(bank), dtype=np.intp)
+    for track in order.tolist():
+        wanted = contacts[bounds[track] : bounds[track + 1]]
+        mine = 1 + max(last_round.get(contact, 0) for contact in wanted)
+        last_round.update(dict.fromkeys(wanted, mine))
+        turn[track] = mine
+    turn_of_pair = turn[pairs.track]
+    by_turn = np.argsort(turn_of_pair, kind="stable")
+    ends = np.searchsorted(turn_of_pair[by_turn], np.arange(1, int(turn.max(initial=0)) + 2))
+    for begin, end in itertools.pairwise(ends):
+        yield by_turn[begin:end]

@@ -17,11 +17,14 @@ Kim, Song (2007), equations 6-10.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from sonar_tracking.records.arrays import FloatArray
 
 
+@lru_cache(maxsize=1024)  # of the few numbers that gates hold
 def rank_probabilities(count: int, signal_to_noise_ratio_linear: float) -> FloatArray:
     """Return the probability of each rank of the target among the contacts in a gate.
 
@@ -35,7 +38,7 @@ def rank_probabilities(count: int, signal_to_noise_ratio_linear: float) -> Float
     Returns
     -------
     ndarray, shape (count,)
-        Entry l - 1 belongs to the l-th strongest; the sum is 1.
+        Entry l - 1 belongs to the l-th strongest; the sum is 1. Not to be written to.
     """
     # It takes half as long to load as a whole node to start: see load_rank_probabilities.
     from scipy.special import betaln, gammaln
@@ -44,7 +47,9 @@ def rank_probabilities(count: int, signal_to_noise_ratio_linear: float) -> Float
     rank = np.arange(1, count + 1)
     logarithm = np.log(shape) + betaln(shape, count)
     logarithm = logarithm + gammaln(rank - 1 + shape) - gammaln(shape) - gammaln(rank)
-    return np.asarray(np.exp(logarithm))
+    probabilities = np.asarray(np.exp(logarithm))
+    probabilities.flags.writeable = False
+    return probabilities
 
 
 def load_rank_probabilities() -> None:
