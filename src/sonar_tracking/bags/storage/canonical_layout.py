@@ -103,11 +103,9 @@ class CanonicalLayout:
 
 
 def _fields_of(store: Typestore, type_name: str) -> list[Any]:
-    return [
-        part
-        for _, description in store.get_msgdef(type_name).fields
-        for part in _parts(store, description)
-    ]
+    # Not the definition, which is compiled for decoding when it is asked for.
+    fields = store.fielddefs[type_name][1]
+    return [part for _, description in fields for part in _parts(store, description)]
 
 
 def _parts(store: Typestore, description: FieldDesc) -> list[Any]:

@@ -147,7 +147,9 @@ def _used_types(description: FieldDesc) -> list[str]:
     return [str(detail)] if kind == Nodetype.NAME else []
 
 
+@functools.cache
 def _parsed(text: str, type_name: str) -> Typesdict:
+    """Return the fields of a type; many types depend on the same few, and parsing is slow."""
     from rosbags.typesys import get_types_from_msg
 
     return get_types_from_msg(text, type_name)
