@@ -65,6 +65,15 @@ def test_subspaces_are_those_around_the_sample_time() -> None:
         assert estimate.effective_snapshots == pytest.approx(1.86 / 0.14)
 
 
+def test_the_first_covariance_holds_what_has_come_and_nothing_else() -> None:
+    data = crossing_data(1, 0.0, 1.0)
+    stage = SubspaceStage(replace(PAPER, covariance_snapshots=1000))
+    estimates, _ = fed(stage, list(blocks_of(data)))
+    first = estimates[0]
+    assert first.covariance_snapshots == 201 and first.covariance is not None
+    assert np.allclose(first.covariance, data[:201].T @ data[:201].conj() / 201)
+
+
 @pytest.mark.parametrize("method", ["past", "opast", "block_past", "covariance"])
 @pytest.mark.parametrize("rate", [200.0, 160.0, 93.75])
 def test_windows_do_not_depend_on_the_blocks(method: str, rate: float) -> None:
