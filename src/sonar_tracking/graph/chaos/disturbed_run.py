@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.chaos import network
 from sonar_tracking.graph.chaos.fault_plan import ENDS_THE_RUN, Fault, FaultKind
 from sonar_tracking.graph.chaos.outcome import Outcome
@@ -38,6 +39,9 @@ PATIENCE = 90.0
 
 ORPHAN_PATIENCE = 10.0
 """By then all nodes of a run that is over have ended, s."""
+
+REFUSED = 2
+"""Exit code of a run that was not started."""
 
 LOOK = 0.05
 """Between looks at a run, s."""
@@ -68,7 +72,13 @@ class DisturbedRun:
     _truth: list[TrackList] = field(default_factory=list)
 
     def suffer(self, faults: Sequence[Fault]) -> list[Outcome]:
-        """Start the run, let the faults happen, end it and return what came of each."""
+        """Start the run, let the faults happen, end it and return what came of each.
+
+        Raises
+        ------
+        ConfigurationError
+            If the run is refused, for example since another one goes on in the domain.
+        """
         kind = faults[0].kind
         self.folder.mkdir(parents=True, exist_ok=True)
         log = self.folder / "output.txt"
@@ -89,6 +99,8 @@ class DisturbedRun:
             if run.poll() is None:
                 os.kill(run.pid, signal.SIGINT)
                 _ended(run)
+        if run.returncode == REFUSED:
+            raise ConfigurationError(log.read_text(errors="replace").strip())
         _until(lambda: not nodes_of(self.folder), ORPHAN_PATIENCE)
         for outcome in self.outcomes:
             outcome.traceback = "Traceback" in log.read_text(errors="replace")
