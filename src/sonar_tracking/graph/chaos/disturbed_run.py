@@ -100,7 +100,8 @@ class DisturbedRun:
                 os.kill(run.pid, signal.SIGINT)
                 _ended(run)
         if run.returncode == REFUSED:
-            raise ConfigurationError(log.read_text(errors="replace").strip())
+            said = log.read_text(errors="replace").strip()
+            raise ConfigurationError(said.removeprefix("sonar-tracking: "))
         _until(lambda: not nodes_of(self.folder), ORPHAN_PATIENCE)
         for outcome in self.outcomes:
             outcome.traceback = "Traceback" in log.read_text(errors="replace")
