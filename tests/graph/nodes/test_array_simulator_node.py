@@ -4,17 +4,23 @@ from __future__ import annotations
 
 import signal
 import time
+from itertools import islice
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from sonar_tracking.graph.catalogue import resumption
 from sonar_tracking.graph.catalogue.topics import (
     ODOMETRY,
     SNAPSHOTS,
     TRUE_BEARING_TRACKS,
     TRUE_TRACKS,
 )
+from sonar_tracking.message_reading.array_reading import snapshots_from_message
 from sonar_tracking.records.time import END_OF_DATA
+from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
+from sonar_tracking.simulation.sensors.array_simulation import ArraySimulation
 from tests.graph.live_graph import Probe, node_process, stamps
 
 NODE = "array_simulator"
@@ -87,6 +93,41 @@ def test_a_simulator_started_again_goes_on_at_the_clock(tmp_path: Path) -> None:
         probe.wait(lambda: len(heard) >= 5, "the next block")
         assert stamps(heard)[-1] == EPOCH + 20 * SECOND
         assert len(heard) == 5
+    probe.close()
+
+
+def test_a_simulator_in_the_place_of_a_killed_one_takes_its_simulation_up(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The data go on to the last bit behind what was received, from the checkpoint of the run."""
+    monkeypatch.setenv(resumption.CHECKPOINT, str(tmp_path / "checkpoint"))
+    whole = iter(ArraySimulation(load_scenario("doa_fusion")).next_block, None)
+    expected = {block.snapshots.stamp: block.snapshots.data for block in islice(whole, 35)}
+    received = sorted(expected)[24]
+    probe = Probe()
+    heard = probe.listen(SNAPSHOTS)
+    with node_process(MODULE, tmp_path / "log", use_sim_time=True, scenario="doa_fusion"):
+        probe.wait_matched(NODE, "/clock", "/array/snapshots")
+        probe.tick(min(expected))
+        probe.tick(received + 6 * BLOCK)
+        probe.wait(lambda: len(heard) == 30, "the first blocks")
+    monkeypatch.setenv(resumption.VARIABLE, str(received))
+    assert b"ArraySimulation" in (tmp_path / "checkpoint").read_bytes()
+    probe.diagnostics.clear()
+    with node_process(MODULE, tmp_path / "log", use_sim_time=True, scenario="doa_fusion"):
+        probe.wait_matched(NODE, "/clock", "/array/snapshots")
+
+        def repeated() -> bool:
+            probe.tick(received + 6 * BLOCK)  # the probe may not have found the new process yet
+            return len(heard) == 35
+
+        probe.wait(repeated, "what was not received")
+        probe.tick(received + 11 * BLOCK)
+        probe.wait(lambda: len(heard) == 40, "the blocks behind what was received")
+    assert stamps(heard[30:]) == sorted(expected)[25:35]
+    for message in heard[30:]:
+        block = snapshots_from_message(message)
+        np.testing.assert_array_equal(block.data, expected[block.stamp])
     probe.close()
 
 

@@ -10,8 +10,11 @@ has no other stamps.
 
 from __future__ import annotations
 
+import pickle
 from abc import abstractmethod
+from collections import deque
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any, Protocol
 
@@ -36,6 +39,9 @@ from sonar_tracking.simulation.scenarios.scenario_mapping import (
     load_scenario,
     scenario_from_mapping,
 )
+
+Snapshot = tuple[int, bytes]
+"""Stamp of the last datum published, ns, and the pickled data that follow it."""
 
 
 class SimulatedDatum(Protocol):
@@ -66,6 +72,8 @@ class SimulatorNode(SonarNode):
         super().__init__(description)
         self._section = description.section
         self._ticks = 0
+        self._published = 0
+        self._kept: deque[Snapshot] = deque(maxlen=2)
         self._data: Iterator[Any] = iter(())
         self._next: Any = None
 
@@ -120,7 +128,33 @@ class SimulatorNode(SonarNode):
         while self._next is not None and self._next.due_stamp <= now:
             self.publish(self._next)
             self.diagnostics.advance(self._next.start_stamp)
+            self._published += 1
+            self._keep(self._next.start_stamp)
             self._next = next(self._data, None)
+
+    def state(self) -> tuple[Snapshot, ...] | None:
+        """Return the simulation after data some time ago, and before; None = it cannot be kept."""
+        return tuple(self._kept) or None
+
+    def take_state(self, state: tuple[Snapshot, ...]) -> None:
+        """Go on with the latest of them that leaves out nothing that was not received."""
+        received = resumes_after()
+        self._kept.extend(each for each in state if received is not None and each[0] <= received)
+        if self._kept:
+            self._data = pickle.loads(self._kept[-1][1])
+            self._next = next(self._data, None)
+
+    def _keep(self, stamp: int) -> None:
+        """Keep the simulation now and then, for a process in the place of this one.
+
+        Consumers are never a whole history behind, so that one of the last two snapshots is not
+        ahead of any of them. What cannot be pickled is simulated from its begin, which takes long
+        for element data only.
+        """
+        if self._published % self.node_configuration.flow_depth == 0:
+            with suppress(TypeError):
+                self._kept.append((stamp, pickle.dumps(self._data)))
+            self._checkpoint.keep(stamp)
 
     def _follow_time(self) -> None:
         profile = quality_of_service.CLOCK
@@ -139,6 +173,7 @@ class SimulatorNode(SonarNode):
     def _tick(self, time: Time) -> None:
         now = stamp_from_time(time)
         if self._ticks == 0:
+            self._checkpoint.take_up(now)
             self._skip_past(now)
         self.serve(now)
         self._ticks += 1

@@ -120,7 +120,7 @@ class GraphPlan:
         """Return how to start a node; see :func:`process_plan`."""
         plan = process_plan(node, self.transport, log_directory, restarts, self.naming)
         known = {VARIABLE: self.run}
-        if node.gives_identifiers:
+        if node.gives_identifiers or node.name in self.sources:
             known[CHECKPOINT] = str(log_directory / f"{node.name}.checkpoint")
         return replace(plan, environment={**plan.environment, **known})
 
