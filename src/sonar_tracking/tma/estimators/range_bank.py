@@ -223,8 +223,9 @@ def _watch(
     """Show the innovations, averaged over the hypotheses, to the monitor."""
     weight = np.exp(bank.log_weight)
     normalised = (rows.innovation / np.sqrt(variance))[:, 0]
-    normalised = np.delete(batch.rows.sums(weight * normalised), ROW_ELEVATION, axis=-1)
-    present = np.delete(batch.rows.any(rows.present[:, 0]), ROW_ELEVATION, axis=-1)
+    watched = np.arange(rows.variance.shape[-1]) != ROW_ELEVATION
+    normalised = batch.rows.sums(weight * normalised)[:, watched]
+    present = batch.rows.any(rows.present[:, 0])[:, watched]
     extended = extend_windows(batch.windows, normalised, present)
     changes = judge(extended, present)
     return clear_windows(extended, changes), changes

@@ -99,10 +99,15 @@ def with_columns(state: RangeBankState, count: int, freed: tuple[int, ...]) -> R
     added = count - bank.known.shape[-1]
     if not added and not freed:
         return state
-    mean = np.pad(bank.mean, ((0, 0), (0, added)))
-    covariance = np.pad(bank.covariance, ((0, 0), (0, added), (0, added)))
-    known = np.pad(bank.known, (0, added))
-    lines = np.pad(windows.lines, ((0, added), (0, 0)))
+    n_components, size = bank.mean.shape
+    mean = np.zeros((n_components, size + added))
+    mean[:, :size] = bank.mean
+    covariance = np.zeros((n_components, size + added, size + added))
+    covariance[:, :size, :size] = bank.covariance
+    known = np.zeros(count, dtype=bool)
+    known[: count - added] = bank.known
+    lines = np.zeros((count, windows.lines.shape[1]))
+    lines[: count - added] = windows.lines
     for column in freed:
         mean[:, KINEMATIC + column] = 0.0
         covariance[:, KINEMATIC + column, :] = 0.0

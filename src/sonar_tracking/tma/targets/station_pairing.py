@@ -113,10 +113,12 @@ class StationPairing:
         self._trials = [one for one in self._trials if one.evidence > -self._threshold]
         if not any(one.evidence >= self._threshold for one in self._trials):
             return ()
-        firsts = list({id(one.first): one.first for one in self._trials}.values())
-        seconds = list({id(one.second): one.second for one in self._trials}.values())
+        # The others have no part in the best assignment.
+        likely = [one for one in self._trials if one.evidence > 0.0]
+        firsts = list(dict.fromkeys(one.first for one in likely))
+        seconds = list(dict.fromkeys(one.second for one in likely))
         evidence = np.full((len(firsts), len(seconds)), -np.inf)
-        for one in self._trials:
+        for one in likely:
             evidence[firsts.index(one.first), seconds.index(one.second)] = one.evidence
         assigned = associate(evidence + np.log(CHANCE_DENSITY))
         pairs = []
@@ -126,9 +128,7 @@ class StationPairing:
             ):
                 continue
             trial = next(
-                one
-                for one in self._trials
-                if one.first is firsts[row] and one.second is seconds[column]
+                one for one in likely if one.first is firsts[row] and one.second is seconds[column]
             )
             pairs.append(Pair(trial.first, trial.second, trial.solver))
         return tuple(pairs)
