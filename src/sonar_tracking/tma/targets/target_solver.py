@@ -164,7 +164,8 @@ class TargetSolver:
         count = len(plan.columns.lines)
         if self._state is not None:
             self._state = with_columns(self._state, count, plan.freed)
-            self._log.forget_lines(plan.freed)
+            if plan.freed:
+                self._log.forget_lines(plan.freed)
         kind = (id(observation), plan.column_of, count)
         if kind not in made:
             made[kind] = measurement_of(observation, plan.column_of, count)
