@@ -23,8 +23,13 @@ _CLONE_NEWNET = 0x40000000
 _LINK = "lo"
 
 
-def enter() -> None:
+def enter(slowed: bool) -> None:
     """Leave the network for one of this process and its children; nodes use UDP alone there.
+
+    Parameters
+    ----------
+    slowed : bool
+        Whether it is to be slow later, which is tried.
 
     Raises
     ------
@@ -42,6 +47,9 @@ def enter() -> None:
             "run them as root."
         )
     join()
+    if slowed:
+        slow()
+        quicken()
     profile = find_resource("config/fastdds/without_shared_memory.xml")
     os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(profile)
     # Confined to this machine, ROS would talk by shared memory whatever the profile says.
@@ -78,4 +86,5 @@ def join() -> None:
 def _command(*words: str) -> None:
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     if done.returncode != 0:
-        raise ConfigurationError(f"{' '.join(words)}: {done.stderr.strip()}")
+        hint = "; this kernel lacks netem (module sch_netem)" if "netem" in words else ""
+        raise ConfigurationError(f"{' '.join(words)}: {done.stderr.strip()}{hint}.")

@@ -70,7 +70,7 @@ def chaos(
     if math.isinf(pace):
         raise ConfigurationError("chaos disturbs runs while they go on; give --rate a number.")
     if OF_THE_NETWORK & set(kinds):
-        network.enter()
+        network.enter(slowed=FaultKind.DELAY in kinds)
     console = Console()
     folder = Path(mkdtemp(prefix="sonar_tracking-chaos-"))
     outcomes: list[Outcome] = []
