@@ -84,7 +84,7 @@ class BankBatch:
     manoeuvre_until, refused : ndarray of int64, shape (n_runs,)
         As in :class:`RangeBankState`.
     measurement : TmaMeasurement
-        Of each hypothesis.
+        Of each hypothesis, or what is the same for all.
     """
 
     rows: RunRows
@@ -196,6 +196,8 @@ def _measurement_of_rows(
     batches = [bank.log_weight.shape[:-1] for bank in banks]
 
     def column(values: Sequence[FloatArray], *shape: int) -> FloatArray:
+        if len(values) == 1 and values[0].shape == shape:
+            return values[0]
         spread = [
             value if value.shape == (*batch, *shape) else np.broadcast_to(value, (*batch, *shape))
             for value, batch in zip(values, batches, strict=True)

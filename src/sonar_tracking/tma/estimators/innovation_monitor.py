@@ -103,16 +103,17 @@ def judge(windows: InnovationWindows, present: BoolArray) -> Changes:
         Rows that the newest frame had.
     """
     there = present[..., 1:]
-    azimuth = np.abs(_deviate(windows.azimuth, WINDOW)) > MOTION_THRESHOLD
+    azimuth = np.abs(_deviate(_counted(windows.azimuth), WINDOW)) > MOTION_THRESHOLD
     if not there.any():
         return Changes(np.zeros(there.shape, dtype=bool), azimuth)
     clipped = np.clip(windows.lines[..., -LINE_WINDOW:], -CLIP, CLIP)
     line = np.sum(clipped, axis=-1) / np.sqrt(LINE_WINDOW)
     out = (np.abs(line) > LINE_THRESHOLD) & there
-    recent, _ = _others(windows, there, LINE_WINDOW)
+    counted = _counted(windows.lines)
+    recent, _ = _others(counted, there, LINE_WINDOW)
     supported = recent * np.sign(line) > OTHERS_THRESHOLD
 
-    others, moving = _others(windows, there, WINDOW)
+    others, moving = _others(counted, there, WINDOW)
     count = np.maximum(np.sum(there, axis=-1), 1)
     common = np.abs(np.sum(moving, axis=-1)) > MOTION_THRESHOLD * np.sqrt(count)
     strongest = np.abs(moving) == np.max(np.abs(moving), axis=-1, keepdims=True, initial=0.0)
@@ -133,18 +134,19 @@ def clear_windows(windows: InnovationWindows, changes: Changes) -> InnovationWin
     )
 
 
-def _deviate(window: FloatArray, length: int) -> FloatArray:
-    recent = window[..., -length:]
-    counted = np.clip(recent, -CLIP, CLIP)
-    counted = np.where(np.abs(recent) > OUTLIER, OUTLIER_COUNT * np.sign(recent), counted)
-    return np.asarray(np.sum(counted, axis=-1) / np.sqrt(length))
+def _counted(window: FloatArray) -> FloatArray:
+    """Return what each innovation of a window counts."""
+    counted = np.clip(window, -CLIP, CLIP)
+    return np.where(np.abs(window) > OUTLIER, OUTLIER_COUNT * np.sign(window), counted)
 
 
-def _others(
-    windows: InnovationWindows, there: BoolArray, length: int
-) -> tuple[FloatArray, FloatArray]:
+def _deviate(counted: FloatArray, length: int) -> FloatArray:
+    return np.asarray(np.sum(counted[..., -length:], axis=-1) / np.sqrt(length))
+
+
+def _others(counted: FloatArray, there: BoolArray, length: int) -> tuple[FloatArray, FloatArray]:
     """Return the deviate of all lines but each one, and that of each; 0 where there is none."""
-    moving = np.where(there, _deviate(windows.lines, length), 0.0)
+    moving = np.where(there, _deviate(counted, length), 0.0)
     count = np.maximum(np.sum(there, axis=-1, keepdims=True) - 1, 1)
     return (np.sum(moving, axis=-1, keepdims=True) - moving) / np.sqrt(count), moving
 
