@@ -16,7 +16,7 @@ from sonar_tracking.evaluation.bench.timing import cpu_seconds, scaling_exponent
 from sonar_tracking.evaluation.monte_carlo.study import StudyRow
 from sonar_tracking.evaluation.monte_carlo.study_definition import Column, TableLayout
 
-PATIENCE = 0.06
+PATIENCE = 0.15
 """For each call, s."""
 
 PEER = "peer: "
