@@ -107,7 +107,7 @@ def test_version_is_the_same_everywhere(monkeypatch: pytest.MonkeyPatch) -> None
 def test_every_import_is_declared_and_nothing_else(monkeypatch: pytest.MonkeyPatch) -> None:
     told = setup_arguments(monkeypatch)
     names = declared(told, "plot", "display", "studies").keys()
-    peers = {"stonesoup"}
+    peers = {"pyroomacoustics", "stonesoup"}
     assert peers <= declared(told, "test").keys()
     imported = imported_distributions()
     assert [providers for providers in imported if not providers & (names | peers)] == []
