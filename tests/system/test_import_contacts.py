@@ -77,7 +77,7 @@ def test_recorded_contacts_are_tracked_by_the_graph(tmp_path: Path) -> None:
     assert "range_m is 'far away', not a number" in imported.stdout
     done = run_command(
         tmp_path, "replay", bag, "--rate", "max", "--record", recorded, "--json", json,
-        "--cutoff", 50,
+        "--cutoff", 50, pictures=True,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout
     score = report_of(json)["score"]["positions"]["/active/tracks"]

@@ -48,14 +48,36 @@ class RunRows:
         return np.cumsum(self.counts) - self.counts
 
     def sums(self, values: FloatArray) -> FloatArray:
-        """Return the sum over the rows of each run, shape (n_runs, n), of shape (n_rows, n)."""
+        """Return the sums over the rows of each run.
+
+        Parameters
+        ----------
+        values : ndarray, shape (n_rows, n)
+            In any unit: pure numbers, m, Hz.
+
+        Returns
+        -------
+        ndarray, shape (n_runs, n)
+            In the unit of the values.
+        """
         n_runs, width = len(self.counts), values.shape[1]
         place = self.owner[:, None] * width + np.arange(width)
         total = np.bincount(place.ravel(), weights=values.ravel(), minlength=n_runs * width)
         return np.asarray(total.reshape(n_runs, width), np.float64)
 
     def log_sums(self, values: FloatArray) -> FloatArray:
-        """Return log sum exp over the rows of each run, of shape (n_rows, ...)."""
+        """Return the logarithm of the sum of exponentials over the rows of each run.
+
+        Parameters
+        ----------
+        values : ndarray, shape (n_rows, ...)
+            Logarithms, pure numbers.
+
+        Returns
+        -------
+        ndarray, shape (n_runs, ...)
+            Logarithms, pure numbers.
+        """
         return np.asarray(np.logaddexp.reduceat(values, self.starts, axis=0))
 
     def any(self, values: BoolArray) -> BoolArray:

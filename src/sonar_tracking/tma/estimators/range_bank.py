@@ -61,7 +61,7 @@ class RangeBankUpdate:
     ----------
     state : RangeBankState
         At the stamp of the measurement.
-    reborn, manoeuvre, restarted : ndarray of bool
+    reborn, manoeuvre, restarted : ndarray of bool, shape (...)
         As in :class:`TmaEstimate`.
     """
 

@@ -73,7 +73,18 @@ def observability(
 
 
 def root_of(prior: FloatArray) -> FloatArray:
-    """Return the symmetric root of a covariance, shape (n, n)."""
+    """Return the symmetric root of a covariance.
+
+    Parameters
+    ----------
+    prior : ndarray, shape (n, n)
+        m^2, m^2/s, m^2/s^2.
+
+    Returns
+    -------
+    ndarray, shape (n, n)
+        m and m/s.
+    """
     values, vectors = np.linalg.eigh(prior)
     return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)) @ vectors.T)
 
