@@ -209,29 +209,50 @@ def _smooth(
     n_times = len(times)
     mean, covariance = np.empty((n_times, KINEMATIC)), np.empty((n_times, KINEMATIC, KINEMATIC))
     ahead_mean, ahead = np.empty_like(mean), np.empty_like(covariance)
-    transition = np.eye(KINEMATIC)
+    intervals = np.diff(times, prepend=times[0])
+    transition = _transitions(intervals)
+    noise = _noise(intervals, parameters.acceleration)
+    identity = np.eye(2)
     state = np.concatenate([first, np.zeros(2)])
     speed = parameters.maximum_speed / np.sqrt(3.0)
     spread = np.diag([START_DEVIATION] * 2 + [speed] * 2) ** 2
-    for index, interval in enumerate(np.diff(times, prepend=times[0])):
-        transition[0, 2] = transition[1, 3] = interval
-        state = transition @ state
-        spread = transition @ spread @ transition.T + _noise(interval, parameters.acceleration)
+    for index in range(n_times):
+        state = transition[index] @ state
+        spread = transition[index] @ spread @ transition[index].T + noise[index]
         ahead_mean[index], ahead[index] = state, spread
-        gain = spread[:, :2] @ np.linalg.inv(np.eye(2) + information[index] @ spread[:2, :2])
+        gain = spread[:, :2] @ _inverse(identity + information[index] @ spread[:2, :2])
         state = state + gain @ (gradient[index] - information[index] @ state[:2])
-        spread = symmetrised(spread - gain @ information[index] @ spread[:2])
+        spread = spread - gain @ information[index] @ spread[:2]
+        spread = 0.5 * (spread + spread.T)
         mean[index], covariance[index] = state, spread
-    intervals = np.diff(times)
+    # The gains backwards do not depend on each other.
+    back = np.linalg.solve(ahead[1:], transition[1:] @ covariance[:-1]).swapaxes(-1, -2)
     for index in range(n_times - 2, -1, -1):
-        transition[0, 2] = transition[1, 3] = intervals[index]
-        following = ahead[index + 1]
-        back = np.linalg.solve(following, transition @ covariance[index]).T
-        mean[index] += back @ (mean[index + 1] - ahead_mean[index + 1])
-        covariance[index] += back @ (covariance[index + 1] - following) @ back.T
+        mean[index] += back[index] @ (mean[index + 1] - ahead_mean[index + 1])
+        later = covariance[index + 1] - ahead[index + 1]
+        covariance[index] += back[index] @ later @ back[index].T
     return mean, symmetrised(covariance)
 
 
-def _noise(interval: float, acceleration: float) -> FloatArray:
-    block = np.array([[interval**3 / 3.0, interval**2 / 2.0], [interval**2 / 2.0, interval]])
-    return acceleration**2 * np.kron(block, np.eye(2))
+def _transitions(intervals: FloatArray) -> FloatArray:
+    """Return the transition of [x, y, vx, vy] over each interval."""
+    result = np.tile(np.eye(KINEMATIC), (len(intervals), 1, 1))
+    result[:, 0, 2] = result[:, 1, 3] = intervals
+    return result
+
+
+def _noise(intervals: FloatArray, acceleration: float) -> FloatArray:
+    """Return what the covariance of [x, y, vx, vy] gains in each interval."""
+    result = np.zeros((len(intervals), KINEMATIC, KINEMATIC))
+    for axis in (0, 1):
+        result[:, axis, axis] = intervals**3 / 3.0
+        result[:, axis, axis + 2] = result[:, axis + 2, axis] = intervals**2 / 2.0
+        result[:, axis + 2, axis + 2] = intervals
+    return acceleration**2 * result
+
+
+def _inverse(matrix: FloatArray) -> FloatArray:
+    """Return the inverse of a matrix of two rows, whose determinant is at least one here."""
+    (a, b), (c, d) = matrix.tolist()
+    determinant = a * d - b * c
+    return np.array([[d, -b], [-c, a]]) / determinant
