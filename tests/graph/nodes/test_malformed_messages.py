@@ -17,7 +17,7 @@ from tests.fuzzing.chains import CHAINS
 from tests.ros_domain import ros_domain
 
 PROJECT = Path(__file__).resolve().parents[3]
-COUNT = 300
+COUNT = 200
 
 
 @pytest.mark.parametrize("node", CHAINS)
