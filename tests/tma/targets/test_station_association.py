@@ -1,5 +1,6 @@
 """Protects the pairing of bearings of several stations."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -188,7 +189,7 @@ def test_a_bearing_from_anywhere_has_one_in_a_turn_and_with_elevation_in_half_a_
     for factor, taken in [(1.01, 0), (0.99, FREE)]:
         likely = np.log(np.array([[factor * CHANCE_DENSITY]]))
         assert associate(likely).tolist() == [taken]
-        assert associate(likely + 1.0, np.e * CHANCE_DENSITY).tolist() == [taken]
+        assert associate(likely + 1.0, math.e * CHANCE_DENSITY).tolist() == [taken]
 
 
 def test_the_sum_of_the_gains_decides() -> None:
