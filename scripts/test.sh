@@ -2,7 +2,8 @@
 # Checks everything: lint, format, types, all tests, on all processors.
 #
 #   ./scripts/test.sh                        everything
-#   ./scripts/test.sh --quick                in a minute: no ROS, so no compiler; no Monte Carlo runs
+#   ./scripts/test.sh --quick                in a minute: no ROS, so no compiler; no Monte Carlo runs;
+#                                            types of the package, not of its tests
 #   ./scripts/test.sh tests/passive -k past  arguments go to pytest; -n 0 keeps to one process
 set -euo pipefail
 project="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)"
@@ -13,17 +14,19 @@ unset PYTHONDONTWRITEBYTECODE
 
 kind=test
 selection=()
+typed=()
 if [[ "${1:-}" == "--quick" ]]; then
     shift
     kind=quick
     selection=(-m "not graph and not system and not slow and not data")
+    typed=(src)
 fi
 set_up "$kind"
 cd "$project"
 
 workers="$(nproc)"
 if [[ "$kind" == test ]]; then
-    workers=$((workers * 3 / 2)) # what a graph leaves of the processors, others use
+    workers=$((workers * 2)) # what a graph leaves of the processors, others use
     workers=$((workers < 50 ? workers : 50)) # each has a ROS domain, of 101
 fi
 failed=()
@@ -47,7 +50,7 @@ if [[ -d .venv/lib/python3.10 ]]; then
     echo "== types are checked with Python 3.11 or newer: the last numpy for 3.10 types less" >&2
 else
     types_output="$(mktemp)"
-    .venv/bin/mypy >"$types_output" 2>&1 &
+    .venv/bin/mypy "${typed[@]}" >"$types_output" 2>&1 &
     types=$!
     trap 'kill "$types" 2>/dev/null || true; rm -f "$types_output"' EXIT
 fi
