@@ -44,6 +44,20 @@ def test_batch_is_many_single_filters() -> None:
         assert np.allclose(together.state.covariance[index], alone.state.covariance, atol=1e-12)
 
 
+def test_each_filter_of_a_batch_may_have_a_motion_of_its_own() -> None:
+    """Intervals differ from run to run; F P F^T is not F P F."""
+    covariance = np.array([[4.0, 1.0], [1.0, 2.0]])
+    state = KalmanState(np.array([[1.0, 2.0], [3.0, 4.0]]), np.stack([covariance] * 2))
+    transition = np.stack([transition_matrix(0.5), transition_matrix(2.0)])
+    noise = np.stack([process_noise_matrix(1.0, 0.5), process_noise_matrix(1.0, 2.0)])
+    together = predict(state, transition, noise)
+    for run in range(2):
+        alone = predict(KalmanState(state.mean[run], covariance), transition[run], noise[run])
+        assert np.allclose(together.mean[run], alone.mean)
+        assert np.allclose(together.covariance[run], alone.covariance)
+    assert together.covariance[0, 0, 0] == pytest.approx(4.0 + 2 * 0.5 + 0.25 * 2 + 0.125 / 3.0)
+
+
 def test_covariance_stays_symmetric_and_positive() -> None:
     # An almost exact measurement of an almost unknown state: the short form loses positivity.
     state = KalmanState(np.zeros(2), np.diag([1e6, 1e6]))
