@@ -161,6 +161,21 @@ def test_estimates_are_those_of_an_array_without_the_element() -> None:
             assert (ours.rank, ours.source_count) == (theirs.rank, theirs.source_count)
 
 
+@pytest.mark.parametrize(("source_count", "n_left"), [(3, 4), (4, 6)])
+def test_no_element_is_left_out_that_the_stated_sources_need(
+    source_count: int, n_left: int
+) -> None:
+    """Four elements of six hold a subspace of three columns, but none of four."""
+    data = DATA[:400, :6].copy()
+    data[:, [1, 4]] = 0.0
+    configuration = SubspaceConfiguration(period=0.5, source_count=source_count)
+    stage = SubspaceStage(configuration)
+    estimates: list[SubspaceEstimates] = []
+    for block in blocks_of(data, 100, EPOCH):
+        estimates += stage.update(replace(block, element_positions=POSITIONS[:6])).estimates
+    assert len(estimates[-1].element_positions) == n_left
+
+
 def steady(powers: list[float], n_snapshots: int) -> ComplexArray:
     """Return snapshots of constant amplitude: the powers are exact from the first one on."""
     phases = np.exp(1j * np.arange(n_snapshots))[:, None]
