@@ -100,11 +100,11 @@ class SteeredGrid:
             Pure numbers.
         """
         if self.steering is not None:
-            return _column_power(vectors.conj().T @ self.steering)
+            return column_power(vectors.conj().T @ self.steering)
         portions = np.array_split(self.angles, -(-len(self.angles) // _ANGLES_AT_ONCE))
         return np.concatenate(
             [
-                _column_power(
+                column_power(
                     vectors.conj().T @ steering_vectors(self.positions, portion, self.wavenumber)
                 )
                 for portion in portions
@@ -156,5 +156,17 @@ def _uniform_line_grid(positions: FloatArray, wavenumber: float, count: int) -> 
     return UniformLineGrid(np.arcsin(sines), shift, length, np.arange(n_angles) % length)
 
 
-def _column_power(vectors: ComplexArray) -> FloatArray:
+def column_power(vectors: ComplexArray) -> FloatArray:
+    """Return the sum of squared magnitudes of each column.
+
+    Parameters
+    ----------
+    vectors : ndarray, shape (n_rows, n_columns), complex
+        Linear amplitude, or pure numbers.
+
+    Returns
+    -------
+    ndarray, shape (n_columns,)
+        Linear power, or pure numbers.
+    """
     return np.asarray((vectors.real**2 + vectors.imag**2).sum(axis=0))

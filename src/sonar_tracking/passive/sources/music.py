@@ -20,7 +20,7 @@ import numpy as np
 
 from sonar_tracking.filtering.leading_eigenvectors import leading_eigenvectors
 from sonar_tracking.geometry import steering_vectors
-from sonar_tracking.passive.sources.angle_grid import AngleGrid, angle_grid
+from sonar_tracking.passive.sources.angle_grid import AngleGrid, angle_grid, column_power
 from sonar_tracking.records.arrays import ComplexArray, FloatArray, IndexArray
 
 _REFINEMENT_STEPS = 8
@@ -68,8 +68,8 @@ class _Pencil:
         """Return f at angles of shape (n,)."""
         vectors = self._white(steering_vectors(self.positions, angles, self.wavenumber))
         inside = self.signal_vectors.conj().T @ vectors
-        power = _column_power(vectors)
-        return np.maximum(power - _column_power(inside), 0.0) / power
+        power = column_power(vectors)
+        return np.maximum(power - column_power(inside), 0.0) / power
 
     def newton_step(self, angles: FloatArray) -> FloatArray:
         """Return the Newton step of |E_n^H a|^2 at each angle, rad."""
@@ -79,7 +79,7 @@ class _Pencil:
         outside = self._outside(np.concatenate([vectors, first], axis=1))
         y, u = outside[:, :n_angles].conj(), outside[:, n_angles:]
         slope = (y * u).real.sum(axis=0)
-        square = _column_power(u)
+        square = column_power(u)
         # The whole second derivative is |u|^2 + Re(y^H a''); far from the floor it may be negative.
         bend = np.maximum(square + (y * second).real.sum(axis=0), 0.5 * square)
         return -slope / np.maximum(bend, np.finfo(float).tiny)
@@ -161,7 +161,3 @@ def _refined(pencil: _Pencil, grid: FloatArray, found: IndexArray) -> FloatArray
         if pencil.curvature * step**2 < _FLOOR_REACHED:
             break
     return angles
-
-
-def _column_power(vectors: ComplexArray) -> FloatArray:
-    return np.asarray((vectors.real**2 + vectors.imag**2).sum(axis=0))
