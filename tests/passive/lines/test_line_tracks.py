@@ -167,6 +167,12 @@ def test_another_beam_must_fit_better_by_three_deviations_squared() -> None:
         assert assigned(peaks) == chosen
 
 
+def test_a_peak_beyond_the_gate_costs_no_more_than_one_at_the_gate() -> None:
+    # 0.22 Hz are 4.4 deviations, within half a bin: 16 of the gate, against 9 + 8.4 of the other.
+    peaks = [heard(100.22, 1), heard(100.0 - 0.05 * 2.9, 2)]
+    assert assigned(peaks) == 0
+
+
 def test_a_line_lives_as_long_as_it_can_still_be_confirmed_and_ten_frames_after() -> None:
     configuration = LineTrackerConfiguration(confirmation_hits=2, confirmation_frames=4)
     for pattern, lives in [("1", 1), ("100", 1), ("1000", 0), ("1001", 1)]:

@@ -147,6 +147,31 @@ def test_the_solver_is_that_of_the_method() -> None:
     assert isinstance(new_solver(TmaTrackerConfiguration(method="fused_line")), BaselineSolver)
 
 
+def test_mirror_images_are_equally_observable_to_a_method_for_comparison() -> None:
+    """Each side goes back to its own azimuth; own ship goes straight on."""
+    solver = BaselineSolver(TmaTrackerConfiguration(method="fused_line"))
+    alone = BaselineSolver(TmaTrackerConfiguration(method="fused_line"))
+    for number in range(40):
+        azimuth = 0.4 + 0.01 * number
+        seen = TargetObservation(
+            stamp=(1 + number) * SECOND,
+            sensor_id="bow",
+            position=(5.0 * number, 0.0),
+            velocity=(5.0, 0.0),
+            azimuths=(azimuth, -azimuth),
+            azimuth_variance=1e-4,
+            line_ids=(1,),
+            frequencies=(300.0,),
+            frequency_deviations=(0.1,),
+        )
+        left, right = solver.update(seen)
+        (single,) = alone.update(replace(seen, azimuths=(azimuth,)))
+    assert (left.side, right.side) == (LEFT, RIGHT)
+    assert left.observability == pytest.approx(single.observability, rel=1e-9)
+    assert 0.01 < left.observability < 0.99
+    assert right.observability == pytest.approx(left.observability, rel=1e-6)
+
+
 def test_a_row_is_predicted_to_the_stamp_of_the_list() -> None:
     made = target(solution(), existence_probability=0.8)
     late = track_row(made, made.best, TrackStatus.CONFIRMED, 24 * SECOND, 0.05)

@@ -244,6 +244,20 @@ def test_stamps_of_a_sensor_rise_and_those_of_several_do_not_fall() -> None:
     solver.update(bearing_frame(6, (0.6,)))
 
 
+def test_the_first_azimuth_of_another_station_is_a_cross_fix() -> None:
+    """The hypotheses are split where it cuts them: the best one is near the crossing at once."""
+    target, solver = np.array([5000.0, 9000.0]), TargetSolver()
+    for number in range(5):
+        solver.update(bearing_frame(number, (float(np.arctan2(target[1], target[0])),)))
+    offset = target - [3000.0, 0.0]
+    azimuth = float(np.arctan2(offset[1], offset[0]))
+    (solution,) = solver.update(bearing_frame(5, (azimuth,), sensor="stern"))
+    # Bearings good to 0.57 degrees that cross at 16 degrees leave 400 m along the line of sight.
+    error = solution.mean[:2] - target
+    assert np.hypot(*error) < 200.0
+    assert error @ np.linalg.solve(solution.covariance[:2, :2], error) < 6.0
+
+
 def test_a_copy_goes_on_by_itself() -> None:
     solver = TargetSolver()
     for number in range(3):

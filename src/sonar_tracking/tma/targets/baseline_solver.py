@@ -7,6 +7,8 @@ frame, and know no second station.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from sonar_tracking.errors import InputError, shown
@@ -78,8 +80,11 @@ class BaselineSolver:
         sides = (LEFT, RIGHT) if len(measurements) == 2 else (SINGLE,)
         method, configuration = self._configuration.entry, self._configuration
         self._estimators = {side: method.make(configuration) for side in sides}
+        azimuths = np.concatenate([one.azimuth for one in measurements])
         self._log = MeasurementLog(
-            measurements[0], configuration.maximum_range, configuration.maximum_speed
+            replace(measurements[0], azimuth=azimuths),
+            configuration.maximum_range,
+            configuration.maximum_speed,
         )
 
     def _measurement(self, observation: TargetObservation, azimuth: float) -> TmaMeasurement:
