@@ -40,13 +40,14 @@ if TYPE_CHECKING:
 
 RESTART_LIMIT = 3
 START_PATIENCE = 60.0
+SERVER_PATIENCE = 5.0
 DRAIN_PATIENCE = 10.0
 INTERRUPTED_DRAIN_PATIENCE = 2.0
 FOREIGN_PATIENCE = 3.0
 DISPLAY_PATIENCE = 10.0
 DISPLAY_SECONDS = 0.5
 _RUNNING = "running"
-_LONGEST_WAIT, _WATCH_SECONDS = 0.05, 0.1
+_LONGEST_WAIT, _WATCH_SECONDS, _NEVER = 0.05, 0.1, float("inf")
 
 
 class RunFailedError(SonarTrackingError):
@@ -73,6 +74,7 @@ class Orchestration:
         self._nodes = {node.name: node for node in plan.nodes}
         self._ended: deque[SupervisedProcess] = deque()
         self._stops = 0
+        self._doubt = _NEVER
         self._watched = 0.0
         self._flow_started: float | None = None
         self._flow_ended: float | None = None
@@ -202,6 +204,7 @@ class Orchestration:
     def _bring_up(self, control: ControlNode, source: DataSource) -> None:
         """Start what has ended until every node runs and is matched."""
         restarted: set[str] = set()
+        self._doubt = time.monotonic() + SERVER_PATIENCE
         if self._flow_started is None:
             # Until it says what it hears, a display would pass for one that data wait for.
             shown = partial(self._displays_connected, control)
@@ -229,6 +232,7 @@ class Orchestration:
                 _WATCH_SECONDS,
                 activity,
             )
+        self._doubt = _NEVER
         if self._flow_started is None:
             self._refuse_foreign(control, source)
         for name in restarted:
@@ -310,6 +314,10 @@ class Orchestration:
         behind = source.behind(wall) if activity == _RUNNING else 0.0
         for sentence in (*self._stall_watch.news(wall), *self._rate_watch.news(behind)):
             self._display.say(sentence)
+        if wall > self._doubt:
+            self._doubt = _NEVER
+            if silence := silence_in_words():
+                self._warn(f"the nodes do not find each other yet.{silence}")
         if self._display.due(wall):
             backlog = self.ledger.largest_backlog()
             state = GraphState(
@@ -321,8 +329,11 @@ class Orchestration:
         """Tell that a node has ended which only showed what the others find."""
         self.edges.forget(process.plan.name)
         words = f"{process.plan.name} {process.end_in_words}; the run goes on without it"
-        self.warnings.append(f"{words}; its log is {process.log}.")
-        self._display.say(f"warning: {self.warnings[-1]}")
+        self._warn(f"{words}; its log is {process.log}.")
+
+    def _warn(self, text: str) -> None:
+        self.warnings.append(text)
+        self._display.say(f"warning: {text}")
 
     def _take_notices(self, control: ControlNode) -> None:
         """Show what the nodes have said for the first time; errors of their own are failures."""
