@@ -6,9 +6,8 @@ import struct
 from dataclasses import dataclass
 
 from sonar_tracking.errors import InputError
+from sonar_tracking.message_reading.cdr_reading import ENCAPSULATION, aligned, byte_order
 from sonar_tracking.records.time import NANOSECONDS
-
-_ENCAPSULATION = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,12 +44,12 @@ def progress_from_bytes(data: bytes) -> ProgressReport:
         If the bytes are no such message.
     """
     try:
-        order = "<" if data[1] & 1 else ">"
-        seconds, nanoseconds, frame = struct.unpack_from(order + "iII", data, _ENCAPSULATION)
-        begin = _aligned(_ENCAPSULATION + 12 + frame, 4) + 8
+        order = byte_order(data)
+        seconds, nanoseconds, frame = struct.unpack_from(order + "iII", data, ENCAPSULATION)
+        begin = aligned(ENCAPSULATION + 12 + frame, 4) + 8
         node, begin = _text(data, begin, order)
-        topic, begin = _text(data, _aligned(begin, 4), order)
-        (count,) = struct.unpack_from(order + "Q", data, _aligned(begin, 8))
+        topic, begin = _text(data, aligned(begin, 4), order)
+        (count,) = struct.unpack_from(order + "Q", data, aligned(begin, 8))
     except (struct.error, UnicodeDecodeError, IndexError) as error:
         raise InputError(f"{len(data)} bytes are not a message of Progress ({error}).") from error
     return ProgressReport(node, topic, count, seconds * NANOSECONDS + nanoseconds)
@@ -61,8 +60,3 @@ def _text(data: bytes, begin: int, order: str) -> tuple[str, int]:
     (length,) = struct.unpack_from(order + "I", data, begin)
     end = begin + 4 + length
     return data[begin + 4 : end - 1].decode(), end
-
-
-def _aligned(position: int, size: int) -> int:
-    """Return the next position at which a number of some size begins; the encapsulation is out."""
-    return position + (_ENCAPSULATION - position) % size

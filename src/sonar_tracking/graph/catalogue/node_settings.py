@@ -17,6 +17,7 @@ from sonar_tracking.configuration import (
     from_mapping,
 )
 from sonar_tracking.errors import ConfigurationError, unknown_name_text
+from sonar_tracking.graph.catalogue.flow_window import SHORT_WINDOW
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.passive_nodes import (
@@ -25,7 +26,6 @@ from sonar_tracking.graph.catalogue.passive_nodes import (
     LINE_TRACKER,
     SUBSPACE_ESTIMATOR,
 )
-from sonar_tracking.graph.catalogue.planned_node import FLOW_WINDOW
 from sonar_tracking.passive.bearings import bearing_tracker_configuration
 from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
     BearingTrackerConfiguration,
@@ -106,13 +106,13 @@ def with_room_for_bursts(settings: NodeSettings, block_seconds: float) -> NodeSe
     period = estimator.get("period")
     if not isinstance(period, float):
         return settings
-    needed = 2 * FLOW_WINDOW * math.ceil(block_seconds / period)
+    needed = 2 * SHORT_WINDOW * math.ceil(block_seconds / period)
     frame_length = settings.get(LINE_TRACKER.name, {}).get("frame_length")
     if isinstance(frame_length, float):
         # Snapshots come about once per 1 / bandwidth; an unknown bandwidth is above 1 Hz.
         bandwidth = float(str(settings.get(BAND_DEMODULATOR.name, {}).get("bandwidth", 0.0)))
         waiting = float(str(estimator["covariance_snapshots"])) / (bandwidth or 1.0)
-        waiting += 2 * FLOW_WINDOW * (block_seconds + period)
+        waiting += 2 * SHORT_WINDOW * (block_seconds + period)
         needed = max(needed, 2 * math.ceil(waiting / (0.5 * frame_length)))
     return {
         name: {**values, "flow_depth": min(max(int(str(values["flow_depth"])), needed), _DEEPEST)}

@@ -8,9 +8,6 @@ from typing import Any
 
 from sonar_tracking.graph.catalogue.topics import Topic
 
-FLOW_WINDOW = 4
-"""Most blocks between the clock and the slowest consumer."""
-
 
 @dataclass(frozen=True)
 class PlannedNode:

@@ -70,7 +70,7 @@ class DataOutput:
         self.count += 1
         stamp = stamp_from_time(message.header.stamp)
         if self.is_timed:
-            self._progress.report(self.name, self.count, stamp)
+            self._progress.announce_now(self.name, self.count, stamp)
         else:
             self._progress.announce(self.name, self.count, stamp)
         self.publisher.publish(message)

@@ -18,7 +18,6 @@ from typing import Any
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.context import Context
-from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.signals import SignalHandlerOptions
@@ -40,6 +39,7 @@ from sonar_tracking.graph.message_writing.field_writing import message_class, ti
 from sonar_tracking.graph.message_writing.progress_writing import ProgressWriter
 from sonar_tracking.graph.node_base import quality_of_service
 from sonar_tracking.graph.node_base.diagnostics import MATCHED, NEIGHBOURS, UNEXPECTED
+from sonar_tracking.graph.node_base.event_loop import EventLoop
 from sonar_tracking.graph.node_base.neighbours import Neighbours
 from sonar_tracking.graph.node_base.ready_reports import LOOK_PERIOD
 from sonar_tracking.graph.orchestration.finished_stamps import FinishedStamps
@@ -135,8 +135,7 @@ class ControlNode:
         self._node.create_subscription(
             DiagnosticArray, DIAGNOSTICS_TOPIC, self._diagnostics, quality_of_service.DIAGNOSTICS
         )
-        self._executor = EventsExecutor(context=self._context)
-        self._executor.add_node(self._node)
+        self._events = EventLoop(self._node, self._context)
         # What was loaded stays: collections of garbage need not look at it again and again.
         gc.freeze()
 
@@ -149,7 +148,7 @@ class ControlNode:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._executor.shutdown()
+        self._events.shutdown()
         self._node.destroy_node()
         rclpy.shutdown(context=self._context)
 
@@ -237,13 +236,18 @@ class ControlNode:
 
     def spin_once(self, patience: float) -> None:
         """Handle one event, waiting for it at most ``patience`` seconds."""
-        self._executor.spin_once(timeout_sec=patience)
+        self._events.run_once(patience)
+
+    def spin_until_news(self, patience: float) -> None:
+        """Handle events until more data may be let go, at most ``patience`` seconds."""
+        self._events.run(patience)
 
     def _observe(self, topic: str, data: bytes) -> None:
         wall = time.monotonic()
         self._observed[topic] += 1
         self._observer.observed(topic, data, wall)
-        self._ledger.finished(CONTROL_NODE, topic, self._observed[topic])
+        if self._ledger.finished(CONTROL_NODE, topic, self._observed[topic]):
+            self._events.stop()
         self.finished.finished(CONTROL_NODE, topic, head_stamp(data))
 
     def _progress(self, data: Any) -> None:
@@ -257,12 +261,14 @@ class ControlNode:
             return
         if told.topic == CLOCK_TOPIC:
             self._take_served(node, told.stamp)
+            self._events.stop()
         elif self._ledger.producer(told.topic) == node:
             self._ledger.published(node, told.topic, told.count)
             self._observer.announced(told.topic, told.stamp, wall)
         else:
             self._ledger.finished(node, told.topic, told.count)
             self.finished.finished(node, told.topic, told.stamp)
+            self._events.stop()
 
     def _take_served(self, node: str, stamp: int) -> None:
         """Take how far a source has served the clock, as far as it was told the time."""

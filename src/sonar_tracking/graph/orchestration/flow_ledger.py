@@ -72,15 +72,16 @@ class FlowLedger:
             self._published[topic] = total
             self.changes += 1
 
-    def finished(self, node: str, topic: str, count: int) -> None:
-        """Note that a consumer has finished message number ``count``."""
+    def finished(self, node: str, topic: str, count: int) -> bool:
+        """Note that a consumer has finished message number ``count``; return whether it is all."""
         edge = (node, topic)
         if edge not in self._finished or node in self._absent:
-            return
+            return False
         total = self._finished_before[edge] + count
         if total > self._finished[edge]:
             self._finished[edge] = total
             self.changes += 1
+        return total == self._published[topic] - self._written_off[edge]
 
     def backlogs(self) -> list[Backlog]:
         """Return what living nodes still have to finish, the largest first."""

@@ -12,6 +12,8 @@ from pathlib import Path
 
 import yaml
 
+from sonar_tracking.graph.catalogue.flow_window import SHORT_WINDOW, depth_for
+from sonar_tracking.graph.catalogue.flow_window import VARIABLE as WINDOW
 from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
 from sonar_tracking.graph.catalogue.recorder_parameters import RECORDER
@@ -58,6 +60,8 @@ class GraphPlan:
         Nodes that only show what the others find: the graph does not wait for them.
     naming : GraphNames
         Namespace, clock and names of nodes. Topics of the nodes have their full names already.
+    flow_window : int
+        Most blocks between the clock and the slowest node.
     run : str
         Identity of the run.
     """
@@ -69,6 +73,7 @@ class GraphPlan:
     transport: TransportChoice = field(default_factory=TransportChoice)
     displays: tuple[PlannedNode, ...] = ()
     naming: GraphNames = ROOT_NAMES
+    flow_window: int = SHORT_WINDOW
     run: str = field(default_factory=new_identity)
 
     def names(self) -> tuple[str, ...]:
@@ -118,11 +123,20 @@ class GraphPlan:
 
     def process(self, node: PlannedNode, log_directory: Path, restarts: int = 0) -> ProcessPlan:
         """Return how to start a node; see :func:`process_plan`."""
+        node = self._with_room(node)
         plan = process_plan(node, self.transport, log_directory, restarts, self.naming)
-        known = {VARIABLE: self.run}
+        known = {VARIABLE: self.run, WINDOW: str(self.flow_window)}
         if node.gives_identifiers or node.name in self.sources:
             known[CHECKPOINT] = str(log_directory / f"{node.name}.checkpoint")
         return replace(plan, environment={**plan.environment, **known})
+
+    def _with_room(self, node: PlannedNode) -> PlannedNode:
+        """Return a node whose queues hold what the window lets into the graph."""
+        depth = node.parameters.get("flow_depth")
+        if depth is None:
+            return node
+        room = {"flow_depth": depth_for(self.flow_window, int(depth))}
+        return replace(node, parameters={**node.parameters, **room})
 
     def ledger(self) -> FlowLedger:
         """Return the empty ledger of the graph."""

@@ -47,7 +47,9 @@ FOREIGN_PATIENCE = 3.0
 DISPLAY_PATIENCE = 10.0
 DISPLAY_SECONDS = 0.5
 _RUNNING = "running"
-_LONGEST_WAIT, _WATCH_SECONDS, _NEVER = 0.05, 0.1, float("inf")
+_SHORTEST_WAIT, _LONGEST_WAIT, _WATCH_SECONDS, _NEVER = 0.0001, 0.05, 0.1, float("inf")
+_BURST = 64
+"""Most messages a source lets go before the events of the graph are looked at."""
 
 
 class RunFailedError(SonarTrackingError):
@@ -171,14 +173,23 @@ class Orchestration:
         source.resume(time.monotonic())
         while not self.interrupted:
             wall = time.monotonic()
-            wait = source.advance(wall)
+            wait = self._let_go(source)
             if source.finished and self.ledger.largest_backlog() == 0:
                 late = self._rate_watch.failure(source.behind(wall), self.wall_seconds)
                 return self._fail(late) if late else None
-            control.spin_once(min(wait, _LONGEST_WAIT))
+            control.spin_until_news(min(max(wait, _SHORTEST_WAIT), _LONGEST_WAIT))
             self._watch(control, source, _RUNNING)
             if self._ended:
                 self._recover(control, source)
+
+    @staticmethod
+    def _let_go(source: DataSource) -> float:
+        """Let go all data that are due; return how long to wait for more, s."""
+        for _ in range(_BURST):
+            wait = source.advance(time.monotonic())
+            if wait > 0.0:
+                return wait
+        return 0.0
 
     def _drain(self, control: ControlNode, source: DataSource) -> None:
         """Let the nodes finish what was published."""

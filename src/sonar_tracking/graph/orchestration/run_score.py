@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import cached_property
 from typing import Any
 
 from rclpy.serialization import deserialize_message
 
+from sonar_tracking.bags.storage.log_time import head_stamp
 from sonar_tracking.evaluation.metrics.bearing_score import OnlineBearingScore
 from sonar_tracking.evaluation.metrics.position_score import OnlinePositionScore
 from sonar_tracking.graph.catalogue.graph_names import GraphNames
@@ -20,7 +22,12 @@ from sonar_tracking.graph.catalogue.topics import (
 )
 from sonar_tracking.graph.message_writing.field_writing import message_class
 from sonar_tracking.message_reading.array_reading import directions_from_message
+from sonar_tracking.message_reading.identifier_reading import (
+    bearing_identifiers,
+    position_identifiers,
+)
 from sonar_tracking.message_reading.position_reading import position_tracks_from_message
+from sonar_tracking.records.arrays import IdArray
 from sonar_tracking.records.bearings import BearingTracks
 from sonar_tracking.records.positions import PositionTracks
 
@@ -54,9 +61,10 @@ class RunScore:
     def take_truth(self, topic: str, data: bytes) -> None:
         """Take a serialised true picture, if something is scored against it."""
         if topic == self._true_bearings and self._scores_bearings:
-            self._bearings.add_truth(tracks_from_bytes(data))
+            sample = _TrueSample(data, bearing_identifiers(data), tracks_from_bytes)
+            self._bearings.add_truth(sample)
         elif topic == self._true_positions and self._positions:
-            sample = positions_from_bytes(data)
+            sample = _TrueSample(data, position_identifiers(data), positions_from_bytes)
             for score in self._positions.values():
                 score.add_truth(sample)
 
@@ -84,6 +92,22 @@ class RunScore:
             if online.is_known
         }
         return score | ({"positions": positions} if positions else {})
+
+
+class _TrueSample:
+    """Truth at one instant, decoded when something is scored against it: most of it never is."""
+
+    def __init__(self, data: bytes, identifiers: IdArray, decode: Callable[[bytes], Any]) -> None:
+        self.stamp = head_stamp(data)
+        self.id = identifiers
+        self._data, self._decode = data, decode
+
+    @cached_property
+    def _record(self) -> Any:
+        return self._decode(self._data)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._record, name)
 
 
 def message_from_bytes(data: bytes, topic: Topic) -> Any:

@@ -20,6 +20,7 @@ from sonar_tracking.graph.catalogue.display_plan import (
     shown_topics,
     with_mountings,
 )
+from sonar_tracking.graph.catalogue.flow_window import flow_window
 from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
@@ -29,7 +30,7 @@ from sonar_tracking.graph.catalogue.node_settings import (
     resolved_settings,
     with_room_for_bursts,
 )
-from sonar_tracking.graph.catalogue.planned_node import FLOW_WINDOW, PlannedNode
+from sonar_tracking.graph.catalogue.planned_node import PlannedNode
 from sonar_tracking.graph.catalogue.scenario_graph import NO_TOPIC, planned_nodes
 from sonar_tracking.graph.catalogue.topics import (
     BEARING_TRACKS,
@@ -136,7 +137,7 @@ def _play(
             orchestration.ledger, orchestration.edges, observer, names, run=plan.run
         ) as control:
             for topic in plan.offered:
-                control.offer(topic, 2 * FLOW_WINDOW + 2)
+                control.offer(topic, 2 * plan.flow_window + 2)
             control.observe(plan.observed().values())
             source = Player(
                 control,
@@ -146,7 +147,7 @@ def _play(
                 truth,
                 comparison.take,
                 observer.replayed,
-                FLOW_WINDOW,
+                plan.flow_window,
                 options.rate,
             )
             orchestration.run(control, source)
@@ -180,12 +181,14 @@ def plan_replay(
         nodes += (
             planned_recorder(options.record, topics, shown, information, ROOT_NAMES, log_directory),
         )
+    largest = _largest_input_bytes(bag, offered)
     return GraphPlan(
         scenario=str(scenario.get("name") or bag.path.name),
         nodes=nodes,
         offered=offered,
-        transport=choose_transport(_largest_input_bytes(bag, offered), n_publishers=2),
+        transport=choose_transport(largest, n_publishers=2),
         displays=planned_displays(planned, options.record is not None),
+        flow_window=flow_window(options.rate, largest),
     )
 
 

@@ -16,6 +16,7 @@ from sonar_tracking.graph.catalogue.display_plan import (
     shown_topics,
     with_mountings,
 )
+from sonar_tracking.graph.catalogue.flow_window import flow_window
 from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from sonar_tracking.graph.catalogue.node_settings import (
@@ -25,7 +26,7 @@ from sonar_tracking.graph.catalogue.node_settings import (
     with_room_for_bursts,
 )
 from sonar_tracking.graph.catalogue.passive_nodes import SUBSPACE_ESTIMATOR
-from sonar_tracking.graph.catalogue.planned_node import FLOW_WINDOW, PlannedNode
+from sonar_tracking.graph.catalogue.planned_node import PlannedNode
 from sonar_tracking.graph.catalogue.scenario_graph import (
     planned_nodes,
     started_nodes,
@@ -106,7 +107,7 @@ def run_scenario(
         known = (plan.names(), plan.sources, names, plan.run)
         with ControlNode(ledger, edges, observer, *known) as control:
             control.observe(plan.observed().values())
-            master = _time_master(scenario, options.rate)
+            master = _time_master(scenario, plan, options.rate)
             start = scenario.stamp(scenario.start)
             source = SimulatedSource(control, ledger, master, start)
             orchestration.run(control, source)
@@ -176,13 +177,15 @@ def plan_scenario(
         known = RecordingInformation(scenario_to_mapping(scenario), settings, topic_names=noted)
         shown = names.topics(shown)
         nodes += (planned_recorder(options.record, topics, shown, known, names, log_directory),)
+    largest = _largest_message_bytes(scenario, settings)
     return GraphPlan(
         scenario=scenario.name,
         nodes=nodes,
         sources=sources,
-        transport=choose_transport(_largest_message_bytes(scenario, settings), n_publishers=2),
+        transport=choose_transport(largest, n_publishers=2),
         displays=names.planned(planned_displays(planned, options.record is not None)),
         naming=names,
+        flow_window=flow_window(options.rate, largest),
     )
 
 
@@ -218,12 +221,12 @@ def _check_source_count(scenario: Scenario, settings: NodeSettings, where: str) 
         )
 
 
-def _time_master(scenario: Scenario, rate: float) -> TimeMaster:
+def _time_master(scenario: Scenario, plan: GraphPlan, rate: float) -> TimeMaster:
     return TimeMaster(
         start=scenario.stamp(scenario.start),
         end=scenario.stamp(scenario.end),
         step=round(scenario.step * NANOSECONDS),
-        flow_window=FLOW_WINDOW,
+        flow_window=plan.flow_window,
         rate=rate,
     )
 

@@ -1,0 +1,46 @@
+"""How far the data may be ahead of the slowest node of a run. No ROS import.
+
+Every report of a node and every tick of the clock stands for half a window. At full speed they cost
+as much as the data themselves, unless the window is long; but what is in it is in memory, several
+times over, so that large messages have the short one. At the pace of the data there is nothing to
+gain: the clock waits for the wall.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+
+from sonar_tracking.graph.catalogue.transport_profile import LARGE_MESSAGE_BYTES
+
+SHORT_WINDOW = 4
+LONG_WINDOW = 16
+"""Most blocks between the clock and the slowest consumer."""
+
+VARIABLE = "SONAR_TRACKING_FLOW_WINDOW"
+"""Environment variable that holds the window of the run a node belongs to."""
+
+
+def flow_window(rate: float, largest_message_bytes: int) -> int:
+    """Return the window of a run, in blocks.
+
+    Parameters
+    ----------
+    rate : float
+        Data seconds per wall second; infinity = as fast as the graph takes it.
+    largest_message_bytes : int
+        Size of the largest message of the graph.
+    """
+    is_long = math.isinf(rate) and largest_message_bytes < LARGE_MESSAGE_BYTES
+    return LONG_WINDOW if is_long else SHORT_WINDOW
+
+
+def own_flow_window() -> int:
+    """Return the window of the run that this process was started for; by hand, the short one."""
+    text = os.environ.get(VARIABLE, "")
+    return int(text) if text.isdecimal() else SHORT_WINDOW
+
+
+def depth_for(window: int, depth: int) -> int:
+    """Return how many messages a queue has to hold that holds ``depth`` of the short window."""
+    return depth * window // SHORT_WINDOW
