@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import array
 import math
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,9 @@ from sonar_tracking.records.arrays import ComplexArray, FloatArray
 from sonar_tracking.records.bearings import Sensor
 from sonar_tracking.records.time import NANOSECONDS
 from sonar_tracking.sensor_pose import is_no_turn, unit_sized
+
+_REMEMBERED = 64
+"""Of arrays of elements, and of poses: those of a sensor are the same in most of its messages."""
 
 
 def stamp_from_time(time: Any) -> int:
@@ -87,9 +91,13 @@ def count(message: Any, name: str) -> int:
 
 def unfilled(message: Any, name: str, words: str) -> InputError:
     """Return the error that a required field was not filled in."""
+    return _unfilled(type_name(message), name, words)
+
+
+def _unfilled(where: str, name: str, words: str) -> InputError:
     return InputError(
-        f"{type_name(message)}.{name} {words}: it was not filled in; the sender must give "
-        f"{field_use(message, name).text}."
+        f"{where}.{name} {words}: it was not filled in; the sender must give "
+        f"{FIELD_USES[where][name].text}."
     )
 
 
@@ -153,9 +161,13 @@ def check_largest(message: Any, name: str, values: NDArray[Any]) -> None:
     InputError
         Naming message, field and value.
     """
+    _check_largest(type_name(message), name, values)
+
+
+def _check_largest(where: str, name: str, values: NDArray[Any]) -> None:
     if values.size:
         largest = max(float(values.max()), -float(values.min()))
-        check_magnitude(type_name(message), name, largest)
+        check_magnitude(where, name, largest)
 
 
 def check_vector(message: Any, name: str, vector: Any) -> None:
@@ -211,6 +223,10 @@ def element_positions(message: Any) -> FloatArray:
     ------
     InputError
         When the three have different lengths, or were not filled in.
+
+    Notes
+    -----
+    It is read-only: the same array for all messages of a sensor whose elements do not move.
     """
     if not len(message.element_x) == len(message.element_y) == len(message.element_z):
         raise InputError(
@@ -218,13 +234,20 @@ def element_positions(message: Any) -> FloatArray:
             f"{len(message.element_x)}, {len(message.element_y)} and {len(message.element_z)} "
             "values; the sender must give one position per element."
         )
-    positions = np.stack([column(message, f"element_{axis}") for axis in "xyz"], axis=-1)
-    if len(positions) == 0:
-        raise unfilled(message, "element_x", "is empty")
-    check_size(type_name(message), "element_x", len(positions))
-    check_largest(message, "element_x", positions)
+    columns = (column(message, f"element_{axis}").tobytes() for axis in "xyz")
+    return _positions(type_name(message), *columns)
+
+
+@lru_cache(maxsize=_REMEMBERED)
+def _positions(where: str, x: bytes, y: bytes, z: bytes) -> FloatArray:
+    if not x:
+        raise _unfilled(where, "element_x", "is empty")
+    positions = np.stack([np.frombuffer(axis) for axis in (x, y, z)], axis=-1)
+    check_size(where, "element_x", len(positions))
+    _check_largest(where, "element_x", positions)
     if len(positions) > 1 and not positions.any():
-        raise unfilled(message, "element_x", "and element_y and element_z are 0 for all elements")
+        raise _unfilled(where, "element_x", "and element_y and element_z are 0 for all elements")
+    positions.flags.writeable = False
     return positions
 
 
@@ -233,22 +256,49 @@ def sensor(message: Any) -> Sensor:
 
     A pose that nobody has set is passed on as it is: only who knows own ship's can tell.
     """
-    position, velocity = message.sensor_pose.position, message.sensor_velocity
-    check_vector(message, "sensor_pose.position", position)
-    check_vector(message, "sensor_velocity", velocity)
+    pose, velocity = message.sensor_pose, message.sensor_velocity
+    position, turn = pose.position, pose.orientation
+    return _sensor(
+        type_name(message),
+        message.sensor_id,
+        message.header.frame_id,
+        (position.x, position.y, position.z),
+        (turn.x, turn.y, turn.z, turn.w),
+        (velocity.x, velocity.y, velocity.z),
+    )
+
+
+@lru_cache(maxsize=_REMEMBERED)
+def _sensor(
+    where: str,
+    sensor_id: str,
+    frame_id: str,
+    position: tuple[float, float, float],
+    turn: tuple[float, float, float, float],
+    velocity: tuple[float, float, float],
+) -> Sensor:
+    for name, vector in (("sensor_pose.position", position), ("sensor_velocity", velocity)):
+        for component in vector:
+            check_magnitude(where, name, abs(component))
     return Sensor(
-        sensor_id=message.sensor_id,
-        frame_id=message.header.frame_id,
-        position=(position.x, position.y, position.z),
-        orientation=sensor_orientation(message),
-        velocity=(velocity.x, velocity.y, velocity.z),
+        sensor_id=sensor_id,
+        frame_id=frame_id,
+        position=position,
+        orientation=_orientation(position, turn),
+        velocity=velocity,
     )
 
 
 def sensor_orientation(message: Any) -> tuple[float, float, float, float]:
     """Return the quaternion x, y, z, w of the sensor; NaN = unknown, as beside no position."""
     position, turn = message.sensor_pose.position, message.sensor_pose.orientation
-    orientation = unit_sized((turn.x, turn.y, turn.z, turn.w))
-    located = math.isfinite(position.x) and math.isfinite(position.y)
+    return _orientation((position.x, position.y, position.z), (turn.x, turn.y, turn.z, turn.w))
+
+
+def _orientation(
+    position: tuple[float, float, float], turn: tuple[float, float, float, float]
+) -> tuple[float, float, float, float]:
+    orientation = unit_sized(turn)
+    located = math.isfinite(position[0]) and math.isfinite(position[1])
     finite = all(map(math.isfinite, orientation))
     return orientation if finite and (located or not is_no_turn(orientation)) else (math.nan,) * 4

@@ -17,6 +17,7 @@ from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.serialization import deserialize_message, serialize_message
 
+from sonar_tracking.bags.storage.log_time import head_stamp
 from sonar_tracking.errors import InputError
 from sonar_tracking.graph.catalogue.topics import Topic
 from sonar_tracking.graph.message_writing.field_writing import message_class
@@ -66,9 +67,12 @@ class DataOutput:
         self._progress = progress
 
     def publish(self, message: Any) -> None:
-        """Announce and publish one message."""
+        """Announce and publish one message, or the bytes of one."""
         self.count += 1
-        stamp = stamp_from_time(message.header.stamp)
+        if isinstance(message, bytes):
+            stamp = head_stamp(message)
+        else:
+            stamp = stamp_from_time(message.header.stamp)
         if self.is_timed:
             self._progress.announce_now(self.name, self.count, stamp)
         else:

@@ -2,12 +2,14 @@
 
 A new problem is logged and published at once; the same problem (same concern and culprit) again
 only after :data:`REPEAT_AFTER` of data time, so that a permanent fault does not flood the log.
-Times are data times, never the wall clock.
+Times are data times; the wall clock only keeps what is said again and again to what people can see
+where data flow many times faster than real time.
 """
 
 from __future__ import annotations
 
 import re
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -21,6 +23,9 @@ from sonar_tracking.records.time import NANOSECONDS
 
 REPEAT_AFTER = 10 * NANOSECONDS
 """A problem is active, and not said again, for this long in data time, ns."""
+
+LEAST_PAUSE = 0.2
+"""Between two publications without news, s of the wall clock."""
 
 MATCHED = "matched"
 """Concern: number of matched remote endpoints by topic."""
@@ -79,6 +84,7 @@ class Diagnostics:
         self._values: dict[str, Values] = {}
         self._problems: dict[str, dict[str, _Problem]] = {}
         self._now = 0
+        self._published = 0.0
 
     def add(self, concern: str, values: Values) -> None:
         """Add a concern whose numbers are asked for at each publication."""
@@ -124,8 +130,14 @@ class Diagnostics:
             self._logger.warning(sentence)
         self.publish()
 
+    def publish_if_due(self) -> None:
+        """Publish the state of all concerns, unless that was done a moment ago."""
+        if time.monotonic() - self._published >= LEAST_PAUSE:
+            self.publish()
+
     def publish(self) -> None:
         """Publish the state of all concerns."""
+        self._published = time.monotonic()
         message = DiagnosticArray()
         message.header.stamp = time_from_stamp(self._now)
         for concern, problems in list(self._problems.items()):

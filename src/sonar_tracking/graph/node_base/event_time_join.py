@@ -84,6 +84,7 @@ class EventTimeJoin:
         lanes = [_Lane((topic,)) for topic in streams] + [_Lane(group) for group in groups]
         self._lanes = sorted(lanes, key=lambda lane: lane.name)
         self._lane_of = {topic: lane for lane in lanes for topic in lane.topics}
+        self._has_one_input = len(self._lane_of) == 1 and not series
         self._capacity = capacity
         self._needs_series = needs_series
         self._series = {topic: _Series(function) for topic, function in (series or {}).items()}
@@ -104,6 +105,9 @@ class EventTimeJoin:
         -------
         tuple of JoinedItem
         """
+        if self._has_one_input and stamp < END_OF_DATA:
+            # There is nothing to wait for.
+            return (JoinedItem(stamp, topic, {topic: item}),)
         if topic in self._series:
             self._series[topic].append(stamp, next_stamp, item)
         else:

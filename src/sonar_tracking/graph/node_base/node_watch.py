@@ -23,7 +23,7 @@ from sonar_tracking.graph.node_base.ready_reports import ReadyReports
 from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS
 
 STATUS_PERIOD = 1.0
-"""Between publications once data flow, s of the node's clock."""
+"""Between looks, and publications, once data flow, s of the node's clock."""
 
 ASKING_PERIOD = NANOSECONDS
 """Between two questions who publishes the inputs, and no sooner, ns of steady time: data may flow
@@ -135,7 +135,7 @@ class NodeWatch:
                 self.check_publishers(source)
             self._check_stalled(source, now)
         self._release()
-        self._diagnostics.publish()
+        self._diagnostics.publish_if_due()
 
     def _check_stalled(self, source: DataInput, now: int) -> None:
         received, since = self._seen.get(source.name, (-1, now))

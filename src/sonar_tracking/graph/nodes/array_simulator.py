@@ -12,8 +12,12 @@ from sonar_tracking.graph.catalogue.topics import (
     TRUE_BEARING_TRACKS,
     TRUE_TRACKS,
 )
-from sonar_tracking.graph.message_writing import array_writing
-from sonar_tracking.graph.message_writing.position_writing import truth_tracks_to_message
+from sonar_tracking.graph.message_writing.simulated_writing import (
+    bearing_tracks_to_bytes,
+    own_ship_to_bytes,
+    snapshots_to_bytes,
+    truth_tracks_to_bytes,
+)
 from sonar_tracking.graph.node_base.data_flow import DataOutput
 from sonar_tracking.graph.node_base.node_process import run_node
 from sonar_tracking.graph.node_base.simulator_node import SimulatorNode
@@ -51,10 +55,10 @@ class ArraySimulator(SimulatorNode):
     def publish(self, datum: SimulatedBlock) -> None:
         """Publish a block: own ship and truth ahead of the data."""
         for state in datum.own_ship:
-            self._odometry.publish(array_writing.own_ship_to_message(state))
-        self._true_tracks.publish(truth_tracks_to_message(datum.truth_tracks))
-        self._true_bearings.publish(array_writing.bearing_tracks_to_message(datum.truth_bearings))
-        self._snapshots.publish(array_writing.snapshots_to_message(datum.snapshots))
+            self._odometry.publish(own_ship_to_bytes(state))
+        self._true_tracks.publish(truth_tracks_to_bytes(datum.truth_tracks))
+        self._true_bearings.publish(bearing_tracks_to_bytes(datum.truth_bearings))
+        self._snapshots.publish(snapshots_to_bytes(datum.snapshots))
 
 
 def main() -> int:

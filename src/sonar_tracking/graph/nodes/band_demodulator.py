@@ -9,7 +9,7 @@ from typing import Any
 from sonar_tracking.errors import Notice
 from sonar_tracking.graph.catalogue.passive_nodes import BAND_DEMODULATOR
 from sonar_tracking.graph.catalogue.topics import SAMPLES, SNAPSHOTS
-from sonar_tracking.graph.message_writing.array_writing import snapshots_to_message
+from sonar_tracking.graph.message_writing.simulated_writing import snapshots_to_bytes
 from sonar_tracking.graph.node_base.event_time_join import JoinedItem
 from sonar_tracking.graph.node_base.node_process import run_node
 from sonar_tracking.graph.node_base.sonar_node import SonarNode
@@ -37,7 +37,7 @@ class BandDemodulator(SonarNode):
     def process(self, item: JoinedItem, records: Mapping[str, Any]) -> Iterable[Notice]:
         """Feed one block and publish the snapshots that are complete."""
         for block in self._stage.update(records[SAMPLES.name]):
-            self._snapshots.publish(snapshots_to_message(block))
+            self._snapshots.publish(snapshots_to_bytes(block))
         return ()
 
     def warm_up(self) -> None:

@@ -15,9 +15,12 @@ from sonar_tracking.graph.catalogue.topics import (
     TRUE_TRACKS,
     Topic,
 )
-from sonar_tracking.graph.message_writing import array_writing
 from sonar_tracking.graph.message_writing.line_writing import frequency_lines_to_message
-from sonar_tracking.graph.message_writing.position_writing import truth_tracks_to_message
+from sonar_tracking.graph.message_writing.simulated_writing import (
+    bearing_tracks_to_bytes,
+    own_ship_to_bytes,
+    truth_tracks_to_bytes,
+)
 from sonar_tracking.graph.node_base.data_flow import DataOutput
 from sonar_tracking.graph.node_base.node_process import run_node
 from sonar_tracking.graph.node_base.simulator_node import SimulatorNode
@@ -58,8 +61,8 @@ class BearingSimulator(SimulatorNode):
 
     def publish(self, datum: SimulatedFrame) -> None:
         """Publish a frame: own ship and truth ahead of the data."""
-        self._odometry.publish(array_writing.own_ship_to_message(datum.own_ship))
-        self._true_tracks.publish(truth_tracks_to_message(datum.truth_tracks))
+        self._odometry.publish(own_ship_to_bytes(datum.own_ship))
+        self._true_tracks.publish(truth_tracks_to_bytes(datum.truth_tracks))
         for report in datum.reports:
             self._publish_station(report)
 
@@ -72,11 +75,11 @@ class BearingSimulator(SimulatorNode):
 
     def _publish_station(self, report: StationReport) -> None:
         outputs = self._stations[report.station]
-        truth = array_writing.bearing_tracks_to_message(report.truth)
+        truth = bearing_tracks_to_bytes(report.truth)
         outputs[TRUE_BEARING_TRACKS].publish(truth)
         if report.bearings is not None and report.lines is not None:
             outputs[FREQUENCY_LINES].publish(frequency_lines_to_message(report.lines))
-            bearings = array_writing.bearing_tracks_to_message(report.bearings)
+            bearings = bearing_tracks_to_bytes(report.bearings)
             outputs[BEARING_TRACKS].publish(bearings)
 
 

@@ -7,9 +7,11 @@ from collections.abc import Iterator
 
 from sonar_tracking.graph.catalogue.simulator_nodes import CONTACT_SIMULATOR
 from sonar_tracking.graph.catalogue.topics import CONTACTS, ODOMETRY, TRUE_TRACKS
-from sonar_tracking.graph.message_writing import array_writing
 from sonar_tracking.graph.message_writing.contact_writing import contacts_to_message
-from sonar_tracking.graph.message_writing.position_writing import truth_tracks_to_message
+from sonar_tracking.graph.message_writing.simulated_writing import (
+    own_ship_to_bytes,
+    truth_tracks_to_bytes,
+)
 from sonar_tracking.graph.node_base.data_flow import DataOutput
 from sonar_tracking.graph.node_base.node_process import run_node
 from sonar_tracking.graph.node_base.simulator_node import SimulatorNode
@@ -45,8 +47,8 @@ class ContactSimulator(SimulatorNode):
     def publish(self, datum: ReceivedPing) -> None:
         """Publish a ping: own ship and truth ahead of the data."""
         for state in datum.own_ship:
-            self._odometry.publish(array_writing.own_ship_to_message(state))
-        self._true_tracks.publish(truth_tracks_to_message(datum.truth_tracks))
+            self._odometry.publish(own_ship_to_bytes(state))
+        self._true_tracks.publish(truth_tracks_to_bytes(datum.truth_tracks))
         self._contacts.publish(contacts_to_message(datum.contacts))
 
 

@@ -85,7 +85,7 @@ class Recorder(Node):
         ReadyReports(self, self._diagnostics, self._matched, self._data_flow)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(FLUSH_PERIOD / 2, self._flush, clock=steady)
-        self.create_timer(STATUS_PERIOD, self._diagnostics.publish)
+        self.create_timer(STATUS_PERIOD, self._diagnostics.publish_if_due)
 
     def destroy_node(self) -> None:
         """Finish the bag and release the node."""
