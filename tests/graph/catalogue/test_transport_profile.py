@@ -130,5 +130,33 @@ def test_between_machines_what_is_lost_is_sent_again_while_it_is_kept(
             assert sizes == [1400]
 
 
+@pytest.mark.parametrize(("reach", "part"), [("SUBNET", 1400), ("LOCALHOST", 65500)])
+def test_queues_of_shared_memory_hold_all_parts_of_a_large_message(
+    reach: str, part: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The smallest limit of all transports cuts messages; what overflows is sent again, later."""
+    monkeypatch.setenv(RANGE, reach)
+    choice = choose_transport(16 * 2**20, 0)
+    for variables in (choice.large_publishers, choice.others):
+        profile = ElementTree.parse(variables[PROFILES])
+        name = "{http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles}"
+        (capacity,) = profile.iter(f"{name}port_queue_capacity")
+        assert int(capacity.text or 0) * part >= 8e6
+
+
+def test_readers_acknowledge_seldom_where_nothing_is_lost(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(RANGE, "LOCALHOST")
+    quick, slow = choose_transport(2400, 2), choose_transport(16 * 2**20, 1, tmp_path / "none")
+    assert "heartbeatResponseDelay" in Path(quick.others[PROFILES]).read_text()
+    # By UDP messages may be lost on the way: they are asked for at once.
+    assert "heartbeatResponseDelay" not in Path(slow.others[PROFILES]).read_text()
+    monkeypatch.setenv(RANGE, "SUBNET")
+    assert (
+        "heartbeatResponseDelay" not in Path(choose_transport(2400, 2).others[PROFILES]).read_text()
+    )
+
+
 def test_a_message_beyond_the_profile_is_announced() -> None:
     assert "block_snapshots" in choose_transport(64 * 2**20, 0).warning

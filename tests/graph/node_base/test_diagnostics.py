@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Any
 
 import pytest
@@ -116,3 +117,17 @@ def test_a_reset_clears_what_belongs_to_the_old_data(
 def test_numbers_do_not_make_a_new_kind_of_problem() -> None:
     assert kind_of("0.3 s back at 12.500 s") == kind_of("1 s back at 99.125 s")
     assert kind_of("element 3 is bad") != kind_of("snapshot 3 is bad")
+
+
+def test_what_is_no_news_is_published_now_and_then(
+    diagnostics: Diagnostics, published: list[DiagnosticArray], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wall = [1000.0]
+    monkeypatch.setattr(time, "monotonic", lambda: wall[0])
+    for _ in range(100):
+        diagnostics.publish_if_due()
+        wall[0] += 0.0625
+    assert len(published) == 25, "every quarter of a second at this step"
+    diagnostics.publish_if_due()
+    diagnostics.report("input /a", "x", Severity.ERROR, "A is bad; mend it.")
+    assert len(published) == 27, "a problem does not wait"
