@@ -11,6 +11,8 @@ from itertools import count
 from typing import Any
 
 import rclpy
+from rclpy.publisher import Publisher
+from rclpy.serialization import deserialize_message
 
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from sonar_tracking.graph.message_writing.field_writing import time_from_stamp
@@ -67,13 +69,15 @@ def _make_node(name: str) -> NodeInProcess:
     node: Any = kind()
     outputs: list[Message] = []
     for output in node.data_outputs:
-        output.publish = partial(_keep, outputs, output.publisher.topic_name)
+        output.publish = partial(_keep, outputs, output.publisher)
     node.warm_up()
     return NodeInProcess(node, outputs)
 
 
-def _keep(outputs: list[Message], topic: str, message: Any) -> None:
-    outputs.append((topic, message))
+def _keep(outputs: list[Message], publisher: Publisher, message: Any) -> None:
+    if isinstance(message, bytes):
+        message = deserialize_message(message, publisher.msg_type)
+    outputs.append((publisher.topic_name, message))
 
 
 def good_messages(

@@ -14,6 +14,7 @@ from sonar_tracking.graph.catalogue.flow_window import (
     depth_for,
     flow_window,
     own_flow_window,
+    own_report_pause,
 )
 from sonar_tracking.graph.catalogue.transport_profile import LARGE_MESSAGE_BYTES
 from sonar_tracking.graph.verbs.run_options import RunOptions
@@ -29,9 +30,9 @@ def test_the_window_is_long_where_messages_are_small_and_nothing_waits_for_the_w
 
 def test_a_node_started_by_hand_has_the_short_window(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv(VARIABLE, raising=False)
-    assert own_flow_window() == SHORT_WINDOW
+    assert own_flow_window() == SHORT_WINDOW and own_report_pause() == 0.0
     monkeypatch.setenv(VARIABLE, "16")
-    assert own_flow_window() == 16
+    assert own_flow_window() == 16 and own_report_pause() > 0.0
 
 
 @pytest.mark.parametrize(("rate", "depth"), [(1.0, 10), (math.inf, 40)])

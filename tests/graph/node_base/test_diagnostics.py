@@ -120,8 +120,9 @@ def test_numbers_do_not_make_a_new_kind_of_problem() -> None:
 
 
 def test_what_is_no_news_is_published_now_and_then(
-    diagnostics: Diagnostics, published: list[DiagnosticArray], monkeypatch: pytest.MonkeyPatch
+    log: Any, published: list[DiagnosticArray], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    diagnostics = Diagnostics("node", log, published.append, least_pause=0.2)
     wall = [1000.0]
     monkeypatch.setattr(time, "monotonic", lambda: wall[0])
     for _ in range(100):

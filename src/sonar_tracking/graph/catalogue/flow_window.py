@@ -17,6 +17,8 @@ SHORT_WINDOW = 4
 LONG_WINDOW = 16
 """Most blocks between the clock and the slowest consumer."""
 
+_REPORT_PAUSE = 0.2
+
 VARIABLE = "SONAR_TRACKING_FLOW_WINDOW"
 """Environment variable that holds the window of the run a node belongs to."""
 
@@ -39,6 +41,14 @@ def own_flow_window() -> int:
     """Return the window of the run that this process was started for; by hand, the short one."""
     text = os.environ.get(VARIABLE, "")
     return int(text) if text.isdecimal() else SHORT_WINDOW
+
+
+def own_report_pause() -> float:
+    """Return the least time between what a node of this process says of itself without news, s.
+
+    At full speed a second of data is over many times while a person reads once.
+    """
+    return _REPORT_PAUSE if own_flow_window() > SHORT_WINDOW else 0.0
 
 
 def depth_for(window: int, depth: int) -> int:

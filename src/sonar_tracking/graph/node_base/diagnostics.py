@@ -24,9 +24,6 @@ from sonar_tracking.records.time import NANOSECONDS
 REPEAT_AFTER = 10 * NANOSECONDS
 """A problem is active, and not said again, for this long in data time, ns."""
 
-LEAST_PAUSE = 0.2
-"""Between two publications without news, s of the wall clock."""
-
 MATCHED = "matched"
 """Concern: number of matched remote endpoints by topic."""
 
@@ -73,16 +70,23 @@ class Diagnostics:
         Where new problems are logged.
     publish : callable
         Publishes one DiagnosticArray.
+    least_pause : float
+        Between two publications without news, s of the wall clock.
     """
 
     def __init__(
-        self, node_name: str, logger: RcutilsLogger, publish: Callable[[DiagnosticArray], None]
+        self,
+        node_name: str,
+        logger: RcutilsLogger,
+        publish: Callable[[DiagnosticArray], None],
+        least_pause: float = 0.0,
     ) -> None:
         self._node_name = node_name
         self._logger = logger
         self._publish = publish
         self._values: dict[str, Values] = {}
         self._problems: dict[str, dict[str, _Problem]] = {}
+        self._least_pause = least_pause
         self._now = 0
         self._published = 0.0
 
@@ -132,7 +136,7 @@ class Diagnostics:
 
     def publish_if_due(self) -> None:
         """Publish the state of all concerns, unless that was done a moment ago."""
-        if time.monotonic() - self._published >= LEAST_PAUSE:
+        if time.monotonic() - self._published >= self._least_pause:
             self.publish()
 
     def publish(self) -> None:

@@ -15,6 +15,7 @@ from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
 from sonar_tracking.errors import ConfigurationError, InputError, Notice, Severity
+from sonar_tracking.graph.catalogue.flow_window import own_report_pause
 from sonar_tracking.graph.catalogue.node_configuration import NodeConfiguration
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.topics import DIAGNOSTICS_TOPIC, Topic
@@ -63,7 +64,9 @@ class SonarNode(Node):
             DiagnosticArray, DIAGNOSTICS_TOPIC, quality_of_service.DIAGNOSTICS
         )
         name = self.get_fully_qualified_name().lstrip("/")
-        self.diagnostics = Diagnostics(name, self.get_logger(), publisher.publish)
+        self.diagnostics = Diagnostics(
+            name, self.get_logger(), publisher.publish, own_report_pause()
+        )
         self.progress = ProgressReporter(self)
         self._overrides = parameters.overrides_of(self)
         parameters.check_overrides(description.configurations, self._overrides, self.get_name())

@@ -27,6 +27,7 @@ from sonar_tracking.bags.storage.recording_information import (
 )
 from sonar_tracking.bags.storage.writer import FLUSH_PERIOD, BagWriter
 from sonar_tracking.errors import ConfigurationError, Severity
+from sonar_tracking.graph.catalogue.flow_window import own_report_pause
 from sonar_tracking.graph.catalogue.recorder_parameters import RECORDER_PARAMETERS
 from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC, DIAGNOSTICS_TOPIC, FIXED_TRANSFORMS
 from sonar_tracking.graph.message_writing.field_writing import message_class
@@ -66,7 +67,9 @@ class Recorder(Node):
             DiagnosticArray, DIAGNOSTICS_TOPIC, quality_of_service.DIAGNOSTICS
         )
         name = self.get_fully_qualified_name().lstrip("/")
-        self._diagnostics = Diagnostics(name, self.get_logger(), publisher.publish)
+        self._diagnostics = Diagnostics(
+            name, self.get_logger(), publisher.publish, own_report_pause()
+        )
         self._progress = ProgressReporter(self)
         self._fixed_transforms = self.resolve_topic_name(FIXED_TRANSFORMS.name)
         self._counts: dict[str, int] = {}
