@@ -54,7 +54,7 @@ def snapshots(draw: st.DrawFn) -> ArraySnapshots:
     noise = floats(draw, elements, elements, 2).view(complex)[..., 0]
     return ArraySnapshots(
         stamp=draw(stamps),
-        data=np.ones((rows, elements)) * complex(draw(st.floats(-1e9, 1e9)), 0.25),
+        data=np.full((rows, elements), complex(draw(st.floats(-1e9, 1e9)), 0.25)),
         element_positions=floats(draw, elements, 3),
         sample_period=draw(reals),
         center_frequency=draw(reals),
