@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sonar_tracking.filtering.uncertainty_ellipse import uncertainty_ellipse
+from sonar_tracking.filtering.uncertainty_ellipse import UncertaintyEllipse, uncertainty_ellipse
 
 lengths = st.floats(0.1, 1e4)
 
@@ -57,3 +57,13 @@ def test_a_line_of_uncertainty_is_an_ellipse_without_width() -> None:
     ellipse = uncertainty_ellipse(np.array([[1.0, 1.0], [1.0, 1.0]]))
     assert ellipse is not None and ellipse.semi_minor == pytest.approx(0.0, abs=1e-6)
     assert ellipse.azimuth == pytest.approx(math.pi / 4)
+
+
+def test_the_outline_begins_and_ends_on_the_major_axis() -> None:
+    ellipse = UncertaintyEllipse(10.0, 3.0, math.pi / 6.0)
+    outline = ellipse.outline(np.array([100.0, -50.0]), n_points=5)
+    along = 10.0 * np.array([math.sqrt(0.75), 0.5])
+    across = 3.0 * np.array([-0.5, math.sqrt(0.75)])
+    expected = [along, across, -along, -across, along]
+    np.testing.assert_allclose(outline - [100.0, -50.0], expected, atol=1e-12)
+    assert ellipse.outline(np.zeros(2)).shape == (73, 2)

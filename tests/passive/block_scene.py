@@ -20,6 +20,12 @@ def noise_colour(correlation: float, n_elements: int = 15) -> ComplexArray:
     return np.power(correlation, np.abs(index[:, None] - index)).astype(complex)
 
 
+def noise_from_ahead(n_elements: int = 15) -> ComplexArray:
+    """Return a noise covariance with phases: it comes more from one side than from the other."""
+    index = np.arange(n_elements)
+    return noise_colour(0.8, n_elements) * np.exp(0.5j * (index[:, None] - index))
+
+
 def exact_covariance(
     sources: ComplexArray,
     correlation: float = 0.0,

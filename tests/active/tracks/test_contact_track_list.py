@@ -44,7 +44,10 @@ def test_a_ping_without_gates_tells_the_thresholds_of_the_search() -> None:
     told = thresholds_without_gates(11, 12, model)
     assert (told.stamp, told.next_stamp, told.method) == (11, 12, AS_DETECTED)
     assert (told.search_threshold, told.search_false_alarm_probability) == (2.5, 0.1)
-    assert len(told.track_id) == len(told.threshold) == len(told.gate_covariance) == 0
+    of_gates = [told.track_id, told.false_alarm_probability, told.threshold]
+    of_gates += [told.resolution_cells, told.gate_volume, told.signal_to_noise_ratio_linear]
+    assert [one.shape for one in of_gates] == [(0,)] * 6
+    assert (told.predicted_position.shape, told.gate_covariance.shape) == ((0, 2), (0, 2, 2))
     unknown = thresholds_without_gates(11)
     assert np.isnan(unknown.search_threshold)
     assert np.isnan(unknown.search_false_alarm_probability)

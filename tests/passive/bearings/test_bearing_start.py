@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from sonar_tracking.errors import InputError
+from sonar_tracking.geometry import steering_vectors
 from sonar_tracking.passive.bearings.bearing_start import BearingStart
 from sonar_tracking.passive.bearings.bearing_tracker_stage import (
     BearingTrackerConfiguration,
@@ -16,6 +17,8 @@ from sonar_tracking.passive.subspaces.subspace_stage import SubspaceConfiguratio
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
 from tests.passive.crossing_scene import (
     EPOCH,
+    POSITIONS,
+    WAVENUMBER,
     ComplexArray,
     FloatArray,
     blocks_of,
@@ -24,6 +27,7 @@ from tests.passive.crossing_scene import (
     crossing_rates,
     snapshots_of,
 )
+from tests.passive.estimate_scene import estimates_of
 
 PUBLISHED = BearingTrackerConfiguration(
     method="ml_fusion",
@@ -173,3 +177,22 @@ def test_batch_of_runs_needs_given_bearings() -> None:
     estimates = [e for block in blocks_of(data) for e in stage.update(block).estimates]
     with pytest.raises(InputError, match="give the bearings"):
         BearingTrackerStage(BearingTrackerConfiguration()).update(estimates[0])
+
+
+@pytest.mark.parametrize(
+    ("source_count", "rank", "n_begun"), [(0, 1, 0), (-1, 1, 1), (-1, 0, 0), (1, 0, 1), (2, 1, 2)]
+)
+def test_a_count_of_zero_is_a_count(source_count: int, rank: int, n_begun: int) -> None:
+    """The rank stands in only where nothing was counted: in the bearings that are looked for.
+
+    Two sources of a tenth of the noise: too weak for MDL on a hundred snapshots, but with a power
+    of 2.5 along their bearings.
+    """
+    vectors = steering_vectors(POSITIONS, np.arcsin([0.0, 8.0 / 15.0]), WAVENUMBER)
+    covariance = np.eye(15) + vectors @ np.diag([0.11, 0.1]) @ vectors.conj().T
+    estimates = estimates_of(covariance, source_count=source_count, rank=rank)
+    start = BearingStart(process_noise=0.0, maximum_rate=0.0, next_id=5, follows_count=True)
+    after, started = start.update(estimates, np.empty(0))
+    assert started == ()
+    assert [track.id for track in after.tentative] == [5, 6][:n_begun]
+    assert after.next_id == 5 + n_begun

@@ -7,7 +7,7 @@ import pytest
 
 from sonar_tracking.errors import InputError
 from sonar_tracking.geometry import steering_vectors
-from sonar_tracking.passive.directions.signal_subspace import signal_subspace
+from sonar_tracking.passive.directions.signal_subspace import noise_factor, signal_subspace
 from tests.passive.block_scene import (
     ANGLES,
     COHERENT,
@@ -15,6 +15,7 @@ from tests.passive.block_scene import (
     ComplexArray,
     exact_covariance,
     noise_colour,
+    noise_from_ahead,
     sampled_covariance,
 )
 from tests.passive.crossing_scene import POSITIONS, WAVENUMBER
@@ -102,3 +103,33 @@ def test_noise_covariance_must_be_one() -> None:
     indefinite[0, 0] = -1.0
     with pytest.raises(InputError, match="not positive definite"):
         signal_subspace(exact_covariance(INCOHERENT), 2, indefinite)
+
+
+@pytest.mark.parametrize("entry", [(0, 1), (1, 0), (2, 2)])
+@pytest.mark.parametrize("skew", [0.1j, -0.1j])
+def test_an_imaginary_skew_is_one_too(entry: tuple[int, int], skew: complex) -> None:
+    """A diagonal with an imaginary part, or entries that are no conjugates of each other."""
+    noise = noise_colour(0.5, 3)
+    noise[entry] += skew
+    with pytest.raises(InputError, match="not Hermitian"):
+        noise_factor(noise)
+
+
+@pytest.mark.parametrize(("skew", "refused"), [(0.9e-9, False), (1.1e-9, True)])
+def test_a_billionth_of_skew_is_rounding(skew: float, refused: bool) -> None:
+    noise = 4.0 * noise_colour(0.0, 3)
+    noise[0, 1] = 4.0 * skew
+    if refused:
+        with pytest.raises(InputError, match="not Hermitian"):
+            noise_factor(noise)
+    else:
+        assert np.allclose(noise_factor(noise), 2.0 * np.eye(3), atol=1e-8)
+
+
+def test_noise_with_a_direction_of_its_own_is_no_signal() -> None:
+    """Its covariance is complex; whitened with itself nothing is left of it but unit noise."""
+    noise = noise_from_ahead()
+    subspace = signal_subspace(3.0 * noise, 2, noise)
+    assert subspace.eigenvalues == pytest.approx([3.0, 3.0])
+    assert subspace.noise_power == pytest.approx(3.0)
+    assert np.allclose(noise_factor(noise) @ noise_factor(noise).conj().T, noise)

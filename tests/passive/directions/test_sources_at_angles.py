@@ -18,7 +18,7 @@ from sonar_tracking.passive.directions.sources_at_angles import (
 )
 from sonar_tracking.passive.performance.fisher_information import stochastic_fisher_information
 from tests.passive.bearings.test_track_existence import ANGLES, estimates_of
-from tests.passive.block_scene import INCOHERENT, noise_colour
+from tests.passive.block_scene import INCOHERENT, noise_colour, noise_from_ahead
 from tests.passive.crossing_scene import POSITIONS, WAVENUMBER
 
 TWO = ANGLES[:2]
@@ -104,3 +104,9 @@ def test_bearings_nearer_than_a_share_of_the_beam_are_unresolved(share: float) -
         assert found.tolist() == [[True, False, False]]
     default = unresolved(np.zeros(1), np.arcsin([0.4 * limit / share, 0.6 * limit / share]), SEEN)
     assert default.tolist() == [[True, False]]
+
+
+def test_noise_from_ahead_has_the_power_of_noise_everywhere() -> None:
+    noise = noise_from_ahead()
+    seen = replace(SEEN, covariance=0.7 * noise, noise_covariance=noise)
+    assert power_ratios(seen, ANGLES) == pytest.approx([1.0, 1.0, 1.0])

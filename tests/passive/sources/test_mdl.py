@@ -15,6 +15,7 @@ from sonar_tracking.passive.sources.mdl import (
 )
 from sonar_tracking.passive.sources.moving_source_counting import sample_covariance
 from sonar_tracking.passive.subspaces.covariance_summary import summarise_covariance
+from tests.passive.block_scene import noise_from_ahead
 from tests.passive.crossing_scene import (
     POSITIONS,
     SAMPLE_PERIOD,
@@ -221,3 +222,12 @@ def test_noise_of_a_known_colour_is_no_source() -> None:
     assert source_count(covariance, 400) > 0
     white = sample_covariance(snapshots_of(generator, np.broadcast_to(FIVE, (200, 5)), 0.0))
     assert source_count(white, 200, np.eye(15, dtype=complex)) == source_count(white, 200) == 5
+
+
+def test_noise_from_ahead_is_no_source() -> None:
+    """Its covariance is complex; a source in it, 15 times above it, is one."""
+    noise = noise_from_ahead()
+    vector = steering_vectors(POSITIONS, np.array([-0.5]), WAVENUMBER)
+    assert source_count(noise, 100) > 0
+    assert source_count(noise, 100, noise) == 0
+    assert source_count(noise + vector @ vector.conj().T, 100, noise) == 1

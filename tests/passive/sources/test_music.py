@@ -8,8 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sonar_tracking.geometry import line_array, steering_pair, steering_vectors
+from sonar_tracking.passive.sources.angle_grid import angle_grid
 from sonar_tracking.passive.sources.moving_source_counting import sample_covariance
-from sonar_tracking.passive.sources.music import music_bearings
+from sonar_tracking.passive.sources.music import NullSpectrum, music_bearings
+from tests.passive.block_scene import noise_from_ahead
 from tests.passive.crossing_scene import (
     POSITIONS,
     WAVENUMBER,
@@ -140,3 +142,40 @@ def test_of_more_valleys_than_sources_the_deepest_are_taken() -> None:
     covariance = vectors @ np.diag([100.0, 1.0]) @ vectors.conj().T + np.eye(15)
     found = music_bearings(covariance, 1, POSITIONS, WAVENUMBER)
     assert np.degrees(found) == pytest.approx([-40.0], abs=0.1)
+
+
+@pytest.mark.parametrize("positions", [POSITIONS, POSITIONS[::-1].copy(), POSITIONS[[0, 1, 2, 4]]])
+@pytest.mark.parametrize("factor", [None, np.eye(15), np.diag(np.linspace(1.0, 2.0, 15))])
+def test_the_null_spectrum_is_the_share_outside_of_the_signal_subspace(
+    positions: np.ndarray, factor: np.ndarray | None
+) -> None:
+    """Of one source: 0 at its angle, elsewhere 1 less the squared cosine to its steering vector."""
+    n = len(positions)
+    factor = None if factor is None else factor[:n, :n].astype(complex)
+    weights = np.ones(n) if factor is None else 1.0 / np.diag(factor).real
+    source = steering_vectors(positions, np.array([0.3]), WAVENUMBER) * weights[:, None]
+    unit = source / np.linalg.norm(source)
+    spectrum = NullSpectrum(positions, WAVENUMBER, unit, factor)
+    grid = angle_grid(positions, WAVENUMBER)
+    others = steering_vectors(positions, grid.angles, WAVENUMBER) * weights[:, None]
+    cosine = np.abs(unit.conj().T @ others)[0] / np.linalg.norm(others, axis=0)
+    np.testing.assert_allclose(spectrum.on_grid(grid), 1.0 - cosine**2, atol=1e-9)
+    np.testing.assert_allclose(spectrum.at(grid.angles), 1.0 - cosine**2, atol=1e-9)
+    assert spectrum.at(np.array([0.3])) == pytest.approx([0.0], abs=1e-12)
+
+
+def test_a_newton_step_leads_to_the_floor_and_is_none_on_it() -> None:
+    source = steering_vectors(POSITIONS, np.array([0.3]), WAVENUMBER) / np.sqrt(15.0)
+    spectrum = NullSpectrum(POSITIONS, WAVENUMBER, source, None)
+    step = spectrum.newton_step(np.array([0.3, 0.301, 0.299]))
+    assert step == pytest.approx([0.0, -1e-3, 1e-3], abs=1e-5)
+    # Half of seven metres from the centre, a wavelength of one metre.
+    assert spectrum.curvature == pytest.approx(7.0 * np.pi)
+
+
+def test_noise_from_ahead_pulls_no_angle() -> None:
+    angles = np.arcsin([-0.3, 0.2])
+    vectors = steering_vectors(POSITIONS, angles, WAVENUMBER)
+    noise = noise_from_ahead()
+    found = music_bearings(vectors @ vectors.conj().T + noise, 2, POSITIONS, WAVENUMBER, noise)
+    assert found == pytest.approx(angles, abs=1e-7)

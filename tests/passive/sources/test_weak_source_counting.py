@@ -11,7 +11,7 @@ from sonar_tracking.geometry import steering_vectors
 from sonar_tracking.passive.sources.moving_source_counting import sample_covariance
 from sonar_tracking.passive.sources.weak_source_counting import WeakSourceCounter, believed_sources
 from sonar_tracking.records.bearings import SubspaceEstimates
-from tests.passive.block_scene import noise_colour
+from tests.passive.block_scene import noise_colour, noise_from_ahead
 from tests.passive.crossing_scene import (
     FREQUENCY,
     POSITIONS,
@@ -22,6 +22,7 @@ from tests.passive.crossing_scene import (
     circular_noise,
     snapshots_of,
 )
+from tests.passive.estimate_scene import estimates_of
 
 FIVE = np.deg2rad([-50.0, -25.0, 0.0, 25.0, 50.0])
 N = 100
@@ -179,6 +180,14 @@ def test_an_array_that_is_no_line_needs_two_snapshots_an_element() -> None:
     # Two covariances that share no snapshots have as many together.
     both = counter.add(1_000_000_000, covariance)
     assert both.count(replace(estimates, covariance_snapshots=15), 0.0) == 1
+
+
+def test_noise_from_ahead_is_no_source() -> None:
+    noise = noise_from_ahead()
+    counter = WeakSourceCounter().add(0, 2.0 * noise)
+    assert counter.count(estimates_of(None, covariance_snapshots=N), 0.0) > 0
+    known = estimates_of(None, covariance_snapshots=N, noise_covariance=noise)
+    assert counter.count(known, 0.0) == 0
 
 
 def test_a_covariance_of_another_array_begins_anew() -> None:

@@ -261,3 +261,41 @@ def test_bad_elements_are_left_out_as_long_as_they_are_the_fewer(n_bad: int, use
     data = steady([0.0] * n_bad + [1.0] * (5 - n_bad), 60)
     assert 5 - len(left_out(data)) == used
     assert left_out(steady([0.0, 0.0, 1.0, 1.0], 60)) == [], "half of them: all are used"
+
+
+def test_quarantine_is_a_thousand_good_snapshots_not_one_less() -> None:
+    good = steady([1.0, 1.0, 1.0, 1.0, 1.0], QUARANTINE_SNAPSHOTS)
+    faint = good[:60] * np.array([1.0, 1.0, 0.01, 1.0, 1.0])
+    monitor = new_monitor(5)
+    for data, n_used in [(faint, 4), (good[:-1], 4), (good[-1:], 5)]:
+        block = block_of(data, EPOCH, element_positions=POSITIONS[:5])
+        monitor, _ = monitor.update(block)
+        assert np.count_nonzero(monitor.used) == n_used
+    assert monitor.n_snapshots == 60 + QUARANTINE_SNAPSHOTS
+
+
+@pytest.mark.parametrize(("n_snapshots", "told"), [(49, 0), (50, 1)])
+def test_levels_are_judged_after_fifty_snapshots(n_snapshots: int, told: int) -> None:
+    data = steady([1.0, 1.0, 1e-4, 1.0, 1.0], n_snapshots)
+    block = block_of(data, EPOCH, element_positions=POSITIONS[:5])
+    assert len(new_monitor(5).update(block)[1]) == told
+
+
+def test_the_median_is_that_of_the_elements_that_are_heard() -> None:
+    """Two of five are dead: the median of the others is 1, so that 90 is not yet too loud."""
+    data = steady([0.0, 0.0, 1.0, 1.0, 90.0], 60)
+    block = block_of(data, EPOCH, element_positions=POSITIONS[:5])
+    monitor, notices = new_monitor(5).update(block)
+    assert monitor.used.tolist() == [False, False, True, True, True]
+    assert [notice.culprit for notice in notices] == ["element 0", "element 1"]
+
+
+def test_a_constant_amplitude_among_gaussian_elements_is_clipped() -> None:
+    """E|x|^4 / (E|x|^2)^2: 1 of a constant amplitude, 2 of Gaussian sound, none of a dead one."""
+    data = DATA[:200, :5].copy()
+    data[:, 1] = 1.0
+    data[:, 2] = 0.0
+    block = block_of(data, EPOCH, element_positions=POSITIONS[:5])
+    texts = [notice.text for notice in new_monitor(5).update(block)[1]]
+    assert ["silent" in text for text in texts] == [True, False]
+    assert "Element 1 is clipped" in texts[1]

@@ -34,8 +34,20 @@ below 0.15 (99 %) at -8 dB; an unresolved pair leaves a shallow valley anywhere,
 
 
 @dataclass(frozen=True)
-class _Pencil:
-    """What the null spectrum is computed from."""
+class NullSpectrum:
+    """The null spectrum f of a signal subspace.
+
+    Attributes
+    ----------
+    positions : ndarray, shape (n_elements, 3)
+        Element positions, m.
+    wavenumber : float
+        rad/m.
+    signal_vectors : ndarray, shape (n_elements, n_sources), complex
+        Orthonormal eigenvectors of the (whitened) covariance, pure numbers.
+    factor : ndarray, shape (n_elements, n_elements), complex, or None
+        Cholesky factor of the noise covariance, pure numbers; None = white.
+    """
 
     positions: FloatArray
     wavenumber: float
@@ -54,7 +66,18 @@ class _Pencil:
         return self.wavenumber * float(np.abs(self.across).max())
 
     def on_grid(self, grid: AngleGrid) -> FloatArray:
-        """Return f at all angles of a grid."""
+        """Return f at all angles of a grid.
+
+        Parameters
+        ----------
+        grid : AngleGrid
+            Of the same array.
+
+        Returns
+        -------
+        ndarray, shape (n_angles,)
+            Pure numbers from 0, in the signal subspace, to 1, orthogonal to it.
+        """
         if self.factor is None:
             power = float(len(self.positions))
             return np.maximum(power - grid.power(self.signal_vectors), 0.0) / power
@@ -64,15 +87,37 @@ class _Pencil:
         inside = grid.power(whitening @ self.signal_vectors)
         return np.asarray(np.maximum(whole - inside, 0.0) / whole)
 
-    def null_spectrum(self, angles: FloatArray) -> FloatArray:
-        """Return f at angles of shape (n,)."""
+    def at(self, angles: FloatArray) -> FloatArray:
+        """Return f at some angles.
+
+        Parameters
+        ----------
+        angles : ndarray, shape (n,)
+            rad.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            Pure numbers, as on the grid.
+        """
         vectors = self._white(steering_vectors(self.positions, angles, self.wavenumber))
         inside = self.signal_vectors.conj().T @ vectors
         power = column_power(vectors)
         return np.maximum(power - column_power(inside), 0.0) / power
 
     def newton_step(self, angles: FloatArray) -> FloatArray:
-        """Return the Newton step of |E_n^H a|^2 at each angle, rad."""
+        """Return the Newton step of |E_n^H a|^2 at each angle.
+
+        Parameters
+        ----------
+        angles : ndarray, shape (n,)
+            rad.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            To be added to the angles, rad.
+        """
         n_angles = len(angles)
         vectors, first, second = self._steering(angles)
         # Outside of the signal subspace: y = E_n E_n^H a, u = E_n E_n^H a'.
@@ -140,24 +185,24 @@ def music_bearings(
         white = np.asarray(np.linalg.solve(factor, half.conj().T), dtype=np.complex128)
     # In ascending order of the eigenvalues.
     vectors = leading_eigenvectors(white, n_sources)[1][:, ::-1]
-    pencil = _Pencil(positions, wavenumber, vectors, factor)
+    null_spectrum = NullSpectrum(positions, wavenumber, vectors, factor)
     grid = angle_grid(positions, wavenumber)
-    spectrum = pencil.on_grid(grid)
+    spectrum = null_spectrum.on_grid(grid)
     # The grid is cyclic: at half a wavelength both ends of a line array are the same wave.
     valley = (spectrum <= np.roll(spectrum, 1)) & (spectrum < np.roll(spectrum, -1))
     found = np.flatnonzero(valley)
     found = found[np.argsort(spectrum[found], kind="stable")][:n_sources]
-    angles = np.sort(_refined(pencil, grid.angles, found))
-    return angles[pencil.null_spectrum(angles) < SHALLOWEST_VALLEY]
+    angles = np.sort(_refined(null_spectrum, grid.angles, found))
+    return angles[null_spectrum.at(angles) < SHALLOWEST_VALLEY]
 
 
-def _refined(pencil: _Pencil, grid: FloatArray, found: IndexArray) -> FloatArray:
+def _refined(null_spectrum: NullSpectrum, grid: FloatArray, found: IndexArray) -> FloatArray:
     angles = grid[found]
     low = grid[np.maximum(found - 1, 0)]
     high = grid[np.minimum(found + 1, len(grid) - 1)]
     for _ in range(_REFINEMENT_STEPS if len(angles) else 0):
-        refined = np.minimum(np.maximum(angles + pencil.newton_step(angles), low), high)
+        refined = np.minimum(np.maximum(angles + null_spectrum.newton_step(angles), low), high)
         step, angles = float(np.abs(refined - angles).max()), refined
-        if pencil.curvature * step**2 < _FLOOR_REACHED:
+        if null_spectrum.curvature * step**2 < _FLOOR_REACHED:
             break
     return angles

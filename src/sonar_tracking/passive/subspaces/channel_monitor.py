@@ -137,13 +137,13 @@ def _averaged(
 
 def _clipped(amplitudes: FloatArray) -> BoolArray:
     heard = amplitudes[0] > 0.0
-    ratio = amplitudes[1] / np.where(heard, amplitudes[0], 1.0) ** 2
-    return np.asarray(heard & (ratio < _median(ratio, heard) - _CLIPPED_DIFFERENCE))
+    ratio = amplitudes[1] / np.where(heard, amplitudes[0], np.nan) ** 2
+    return np.asarray(ratio < _median(ratio, heard) - _CLIPPED_DIFFERENCE)
 
 
 def _median(values: FloatArray, of: BoolArray) -> float:
-    """Return the median of some of the values, 0 of none."""
-    return float(np.median(values[of])) if of.any() else 0.0
+    """Return the median of some of the values; NaN, above and below which is nothing, of none."""
+    return float(np.median(values[of])) if of.any() else np.nan
 
 
 def _notice(element: int, used: bool, what: str) -> Notice:
