@@ -24,10 +24,10 @@ from sonar_tracking.active.tracks.particle_cloud import (
     ParticleCloud,
     ParticleMotion,
     gaussian_cloud,
-    particle_densities,
     predict_cloud,
     resample_cloud,
 )
+from sonar_tracking.active.tracks.particle_densities import particle_densities
 from sonar_tracking.active.tracks.track_bank import TrackBank
 from sonar_tracking.records.arrays import FloatArray
 

@@ -11,11 +11,11 @@ from sonar_tracking.active.tracks.particle_cloud import (
     ParticleCloud,
     ParticleMotion,
     gaussian_cloud,
-    particle_densities,
     predict_cloud,
     resample_cloud,
     systematic_rows,
 )
+from sonar_tracking.active.tracks.particle_densities import particle_densities
 from tests.active.track_scene import COVARIANCE, contacts_at
 
 

@@ -178,10 +178,12 @@ def nearest_peaks(tracks: PeakTracks, peaks: Peaks) -> tuple[IndexArray, IndexAr
 def _mass_near(tracks: PeakTracks, rows: IndexArray, cloud: ParticleCloud) -> FloatArray:
     """Return the weight of the cloud in the gates of some tracks, at most 1."""
     mass = np.zeros(len(rows))
+    spread = tracks.covariance[rows, :2, :2] + np.eye(2)
+    scales = inverse(spread, determinant(spread))
     for index, row in enumerate(rows):
-        spread = tracks.covariance[row, :2, :2] + np.eye(2)
-        difference = cloud.state[:, :2] - tracks.state[row, :2]
-        square = np.sum(difference * np.linalg.solve(spread, difference.T).T, axis=1)
+        (xx, xy), (_, yy) = scales[index]
+        x, y = (cloud.state[:, axis] - tracks.state[row, axis] for axis in (0, 1))
+        square = xx * x**2 + 2.0 * xy * x * y + yy * y**2
         mass[index] = min(1.0, float(np.sum(cloud.weight[square < GATE_SIZE**2])))
     return mass
 

@@ -46,10 +46,10 @@ from sonar_tracking.active.tracks.particle_cloud import (
     ParticleCloud,
     ParticleMotion,
     gaussian_cloud,
-    particle_densities,
     predict_cloud,
     resample_cloud,
 )
+from sonar_tracking.active.tracks.particle_densities import particle_densities
 from sonar_tracking.errors import Notice, Severity
 from sonar_tracking.records.arrays import BoolArray, FloatArray
 from sonar_tracking.records.bearings import TrackStatus

@@ -34,10 +34,10 @@ from sonar_tracking.active.tracks.contact_track_list import shown_tracks, thresh
 from sonar_tracking.active.tracks.particle_cloud import (
     ParticleCloud,
     ParticleMotion,
-    particle_densities,
     predict_cloud,
     systematic_rows,
 )
+from sonar_tracking.active.tracks.particle_densities import near_densities
 from sonar_tracking.errors import Notice, Severity
 from sonar_tracking.filtering.assignment import load_solver
 from sonar_tracking.records.arrays import FloatArray
@@ -192,23 +192,26 @@ class DensityTracker:
         sensor: SensorGeometry,
         model: DetectionModel,
     ) -> ParticleCloud:
-        clutter = model.clutter_density(placed.distance)
-        factor = np.full(len(cloud.weight), 1.0 - model.detection_probability)
-        at_once = max(1, PAIRS_AT_ONCE // len(cloud.weight))
+        detection = model.detection_probability
+        clutter, n_particles = model.clutter_density(placed.distance), len(cloud.weight)
+        factor = np.full(n_particles, 1.0 - detection)
+        at_once = max(1, PAIRS_AT_ONCE // n_particles)
         for first in range(0, len(clutter), at_once):
             columns = np.arange(first, min(first + at_once, len(clutter)))
-            density = particle_densities(cloud.state, placed.select(columns), sensor)
-            detected = model.detection_probability * density
-            factor += detected @ (1.0 / (clutter[columns] + cloud.weight @ detected))
+            near = near_densities(cloud.state, placed.select(columns), sensor)
+            detected = detection * near.density
+            shares = cloud.weight.take(near.particle) * detected
+            expected = clutter[columns] + np.bincount(near.contact, shares, len(columns))
+            explained = detected / expected.take(near.contact)
+            factor += np.bincount(near.particle, explained, n_particles)
         return ParticleCloud(cloud.state, cloud.mode, cloud.weight * factor)
 
     def _resample(self, cloud: ParticleCloud, mass: float) -> ParticleCloud:
         count = self.configuration.n_particles * max(1, _told_apart(mass))
         rows = systematic_rows(cloud.weight, count, self._generator)
         noise = ROUGHENING * self._generator.standard_normal((count, 4))
-        return ParticleCloud(
-            cloud.state[rows] + noise, cloud.mode[rows], np.full(count, mass / count)
-        )
+        state = cloud.state.take(rows, axis=0) + noise
+        return ParticleCloud(state, cloud.mode.take(rows), np.full(count, mass / count))
 
     def _follow(self, cloud: ParticleCloud, mass: float, interval: float, stamp: int) -> None:
         """Find the peaks of a ping and go on with the tracks of those before."""

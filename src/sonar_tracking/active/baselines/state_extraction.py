@@ -48,23 +48,13 @@ def extract_states(cloud: ParticleCloud, count: int, generator: np.random.Genera
     generator : numpy.random.Generator
         Of the seeding.
     """
-    useful = cloud.weight > 1e-12
-    cloud = ParticleCloud(cloud.state[useful], cloud.mode[useful], cloud.weight[useful])
+    cloud = _selected(cloud, np.flatnonzero(cloud.weight > 1e-12))
     if count <= 0 or not len(cloud.weight):
         return Peaks(np.zeros((0, 4)), np.zeros((0, 4, 4)), np.zeros(0))
-    centres = _seeds(cloud, count, generator)
-    for _ in range(ITERATIONS):
-        label = _labels(cloud, centres)
-        mass = np.bincount(label, cloud.weight, count)
-        sums = np.stack(
-            [np.bincount(label, cloud.weight * cloud.state[:, k], count) for k in (0, 1)], axis=1
-        )
-        centres = np.where(mass[:, None] > 0.0, sums / np.maximum(mass, 1e-300)[:, None], centres)
-    label = _labels(cloud, centres)
-    clusters = [label == index for index in range(count) if np.any(label == index)]
-    parts = [
-        ParticleCloud(cloud.state[rows], cloud.mode[rows], cloud.weight[rows]) for rows in clusters
-    ]
+    position = np.ascontiguousarray(cloud.state[:, :2].T)
+    label = _clustered(position, cloud.weight, _seeds(position, cloud.weight, count, generator))
+    clusters = [np.flatnonzero(label == index) for index in range(count)]
+    parts = [_selected(cloud, rows) for rows in clusters if len(rows)]
     return Peaks(
         state=np.array([_weighted_median(part) for part in parts]),
         covariance=np.array([part.moments()[1] for part in parts]),
@@ -72,14 +62,23 @@ def extract_states(cloud: ParticleCloud, count: int, generator: np.random.Genera
     )
 
 
-def _seeds(cloud: ParticleCloud, count: int, generator: np.random.Generator) -> FloatArray:
-    position = cloud.state[:, :2]
-    rows = [_draw(cloud.weight, generator)]
-    square = np.full(len(position), np.inf)
+def _selected(cloud: ParticleCloud, rows: IndexArray) -> ParticleCloud:
+    return ParticleCloud(
+        cloud.state.take(rows, axis=0), cloud.mode.take(rows), cloud.weight.take(rows)
+    )
+
+
+def _seeds(
+    position: FloatArray, weight: FloatArray, count: int, generator: np.random.Generator
+) -> FloatArray:
+    """Return the first centres, shape (2, count)."""
+    rows = [_draw(weight, generator)]
+    square = np.full(len(weight), np.inf)
     for _ in range(count - 1):
-        square = np.minimum(square, np.sum((position - position[rows[-1]]) ** 2, axis=1))
-        rows.append(_draw(cloud.weight * square + 1e-300, generator))
-    return position[rows]
+        away = position - position[:, rows[-1], None]
+        square = np.minimum(square, away[0] ** 2 + away[1] ** 2)
+        rows.append(_draw(weight * square + 1e-300, generator))
+    return position[:, rows]
 
 
 def _draw(weight: FloatArray, generator: np.random.Generator) -> int:
@@ -87,19 +86,38 @@ def _draw(weight: FloatArray, generator: np.random.Generator) -> int:
     return int(min(np.searchsorted(edges, generator.random() * edges[-1]), len(weight) - 1))
 
 
-def _labels(cloud: ParticleCloud, centres: FloatArray) -> IndexArray:
+def _clustered(position: FloatArray, weight: FloatArray, centres: FloatArray) -> IndexArray:
+    """Return the cluster of each particle; no step changes any more once the labels do not."""
+    count = centres.shape[1]
+    weighted = weight * position
+    label = _labels(position, centres)
+    for _ in range(ITERATIONS):
+        mass = np.bincount(label, weight, count)
+        sums = np.stack([np.bincount(label, row, count) for row in weighted])
+        centres = np.where(mass > 0.0, sums / np.maximum(mass, 1e-300), centres)
+        before, label = label, _labels(position, centres)
+        if np.array_equal(before, label):
+            break
+    return label
+
+
+def _labels(position: FloatArray, centres: FloatArray) -> IndexArray:
     # |x - c|^2 without |x|^2, which is the same for all centres; from their mean for the digits.
-    middle = np.mean(centres, axis=0)
+    middle = np.mean(centres, axis=1, keepdims=True)
     away = centres - middle
-    square = np.sum(away**2, axis=1)[:, None] - 2.0 * away @ (cloud.state[:, :2] - middle).T
-    return np.argmin(square, axis=0)
+    square = np.sum(away**2, axis=0)[:, None] - 2.0 * away.T @ (position - middle)
+    label = np.zeros(position.shape[1], dtype=np.intp)
+    nearest = square[0]
+    for index, row in enumerate(square[1:], start=1):
+        label[row < nearest] = index
+        nearest = np.minimum(nearest, row)
+    return label
 
 
 def _weighted_median(cloud: ParticleCloud) -> FloatArray:
     result = np.empty(4)
-    for column in range(4):
-        order = np.argsort(cloud.state[:, column], kind="stable")
-        edges = np.cumsum(cloud.weight[order])
-        row = order[np.searchsorted(edges, 0.5 * edges[-1])]
-        result[column] = cloud.state[row, column]
+    for column, values in enumerate(np.ascontiguousarray(cloud.state.T)):
+        order = np.argsort(values)
+        edges = np.cumsum(cloud.weight.take(order))
+        result[column] = values[order[np.searchsorted(edges, 0.5 * edges[-1])]]
     return result

@@ -15,23 +15,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.active.contacts.contact_positions import PlacedContacts
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
-from sonar_tracking.active.tracks.contact_gating import SensorGeometry
 from sonar_tracking.active.tracks.motion_modes import (
     SMALLEST_SPEED,
     TURN_DIRECTIONS,
     turn_coefficients,
 )
-from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import FloatArray, IndexArray, IntArray
 
 KERNEL_WIDTH = 0.3
 """Relative to the kernel that is best for a Gaussian cloud."""
-
-
-FARTHEST_DEVIATIONS = 12.0
-"""Beyond them in range a density is zero: it would be below 1e-31 of its maximum."""
 
 
 @dataclass(frozen=True)
@@ -136,48 +129,6 @@ def predict_cloud(
     state[:, :2] += 0.5 * interval**2 * noise
     state[:, 2:] += interval * noise
     return ParticleCloud(state, mode, cloud.weight)
-
-
-def particle_densities(
-    state: FloatArray,
-    contacts: PlacedContacts,
-    sensor: SensorGeometry,
-) -> FloatArray:
-    """Return p(z_j | x_i): the polar Gaussian divided by the range.
-
-    Parameters
-    ----------
-    state : ndarray, shape (n, 4)
-        Particles x, y, vx, vy, m and m/s.
-    contacts : PlacedContacts
-        m contacts.
-    sensor : SensorGeometry
-        From where range and azimuth are measured. A particle is taken at its own reflection time.
-
-    Returns
-    -------
-    ndarray, shape (n, m)
-        1/m^2.
-    """
-    contact = contacts.position - sensor.position
-    contact_range = np.maximum(np.hypot(contact[:, 0], contact[:, 1]), 1.0)
-    contact_azimuth = np.arctan2(contact[:, 1], contact[:, 0])
-    position = state[:, :2] - sensor.position
-    if sensor.sound_speed > 0.0:
-        delay = np.hypot(position[:, 0], position[:, 1]) / sensor.sound_speed
-        position = position + delay[:, None] * state[:, 2:]
-    distance = np.hypot(position[:, 0], position[:, 1])
-    azimuth = np.arctan2(position[:, 1], position[:, 0])
-    along = (contact_range - distance[:, None]) / sensor.range_standard_deviation
-    # Most pairs are far apart in range: their azimuths need not be compared.
-    row, column = np.nonzero(np.abs(along) < FARTHEST_DEVIATIONS)
-    turn = wrap_angle(contact_azimuth[column] - azimuth[row])
-    across = turn / sensor.azimuth_standard_deviation
-    errors = sensor.range_standard_deviation * sensor.azimuth_standard_deviation
-    square = along[row, column] ** 2 + across**2
-    density = np.zeros_like(along)
-    density[row, column] = np.exp(-0.5 * square) / (2.0 * np.pi * errors * contact_range[column])
-    return density
 
 
 def systematic_rows(weight: FloatArray, count: int, generator: np.random.Generator) -> IndexArray:
