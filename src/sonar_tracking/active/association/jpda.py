@@ -15,11 +15,13 @@ Aerospace Conference, 2005.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
 
 MAXIMUM_EVENTS = 20_000
 """Upper bound of the number of joint events of a cluster."""
@@ -44,16 +46,32 @@ def associate_jointly(ratios: FloatArray, missed: float) -> FloatArray:
     probabilities = np.zeros_like(ratios)
     if not n_tracks or not n_contacts:
         return probabilities
-    rows, columns = np.nonzero(ratios)
+    wanted = ratios != 0.0
+    shared = np.count_nonzero(wanted, axis=0) > 1
+    alone = ~np.any(wanted[:, shared], axis=1)
+    for track in np.flatnonzero(alone):
+        contacts = np.flatnonzero(wanted[track])
+        probabilities[track, contacts] = _cluster(ratios[track][None, contacts], missed)[0]
+    if not np.all(alone):
+        together = np.flatnonzero(~alone)
+        for rows, contacts in _clusters(wanted[together]):
+            place = np.ix_(together[rows], contacts)
+            probabilities[place] = _cluster(ratios[place], missed)
+    return probabilities
+
+
+def _clusters(wanted: BoolArray) -> Iterator[tuple[IndexArray, IndexArray]]:
+    """Yield rows and columns that are connected, of a matrix of shape (n_tracks, n_contacts)."""
+    n_tracks, n_contacts = wanted.shape
+    rows, columns = np.nonzero(wanted)
     size = n_tracks + n_contacts
     graph = coo_array((np.ones(len(rows)), (rows, n_tracks + columns)), shape=(size, size))
     _, label = connected_components(graph, directed=False)
     for cluster in np.unique(label[:n_tracks]):
-        tracks = np.flatnonzero(label[:n_tracks] == cluster)
-        contacts = np.flatnonzero(label[n_tracks:] == cluster)
-        part = ratios[np.ix_(tracks, contacts)]
-        probabilities[np.ix_(tracks, contacts)] = _cluster(part, missed)
-    return probabilities
+        yield (
+            np.flatnonzero(label[:n_tracks] == cluster),
+            np.flatnonzero(label[n_tracks:] == cluster),
+        )
 
 
 def _cluster(ratios: FloatArray, missed: float) -> FloatArray:

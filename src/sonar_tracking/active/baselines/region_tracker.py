@@ -36,7 +36,11 @@ from sonar_tracking.active.contacts.contact_tracker_configuration import (
 from sonar_tracking.active.detection.detection_model import DetectionModel, make_detection_model
 from sonar_tracking.active.detection.detection_threshold import GATE_SIZE
 from sonar_tracking.active.detection.gate_association import PROBABILITY_IN_GATE
-from sonar_tracking.active.tracks.contact_gating import SensorGeometry, sensor_geometry
+from sonar_tracking.active.tracks.contact_gating import (
+    SensorGeometry,
+    determinant,
+    sensor_geometry,
+)
 from sonar_tracking.active.tracks.contact_track_list import (
     ContactTrackRows,
     shown_tracks,
@@ -227,8 +231,7 @@ class RegionTracker:
             mean, covariance = track.cloud.moments()
             difference = regions - mean[:2]
             spread = 2.0 * noise + covariance[:2, :2]
-            scaled = np.linalg.solve(spread, difference[..., None])[..., 0]
-            own = free & (np.sum(difference * scaled, axis=1) < GATE_SIZE**2)
+            own = free & (_squared_distances(difference, spread) < GATE_SIZE**2)
             free &= ~own
             self._tracks[row] = replace(track, misses=0 if np.any(own) else track.misses + 1)
         return regions[free]
@@ -302,5 +305,11 @@ def _inside_gate(cloud: ParticleCloud, placed: PlacedContacts) -> BoolArray:
     mean, covariance = cloud.moments()
     difference = placed.position - mean[:2] - placed.delay[:, None] * mean[2:]
     spread = placed.covariance + covariance[:2, :2]
-    scaled = np.linalg.solve(spread, difference[..., None])[..., 0]
-    return np.asarray(np.sum(difference * scaled, axis=1) < GATE_SIZE**2)
+    return np.asarray(_squared_distances(difference, spread) < GATE_SIZE**2)
+
+
+def _squared_distances(difference: FloatArray, spread: FloatArray) -> FloatArray:
+    """Return d^T S^-1 d of differences, shape (n, 2), and their covariances, shape (n, 2, 2)."""
+    x, y = difference[:, 0], difference[:, 1]
+    square = spread[:, 1, 1] * x**2 - 2.0 * spread[:, 0, 1] * x * y + spread[:, 0, 0] * y**2
+    return np.asarray(square / determinant(spread))

@@ -112,8 +112,9 @@ def _near_contacts(
         along = (others.distance[columns] - contacts.distance[rows, None]) / deviations[0]
         across = wrap_angle(others.azimuth[columns] - contacts.azimuth[rows, None]) / deviations[1]
         square = 0.5 * (along**2 + across**2)
-        for row, values in zip(rows, square, strict=True):
-            inside = np.flatnonzero(values < limit)
-            inside = inside[np.argsort(values[inside], kind="stable")]
-            near[row] = columns[inside].tolist()
+        row, column = np.nonzero(square < limit)
+        nearest = np.lexsort((square[row, column], row))
+        pairs = zip(rows[row[nearest]].tolist(), columns[column[nearest]].tolist(), strict=True)
+        for contact, other in pairs:
+            near[contact].append(other)
     return near

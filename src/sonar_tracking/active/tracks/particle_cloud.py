@@ -12,6 +12,7 @@ Kim, Song (2007), equations 1-3; Musso, Oudjane, Le Gland (2001) for the kernel.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -81,6 +82,10 @@ class ParticleCloud:
         covariance : ndarray, shape (4, 4)
             m^2, m^2/s, m^2/s^2.
         """
+        return self._moments
+
+    @cached_property
+    def _moments(self) -> tuple[FloatArray, FloatArray]:
         share = self.weight / np.sum(self.weight)
         mean = share @ self.state
         deviation = self.state - mean
@@ -115,15 +120,16 @@ def predict_cloud(
     """Return the particles after an interval (s), each with its own mode and noise."""
     count = len(cloud.weight)
     changed = generator.random(count) >= motion.stay_probability
-    mode = np.where(changed, (cloud.mode + generator.integers(1, 3, count)) % 3, cloud.mode)
-    vx, vy = cloud.state[:, 2], cloud.state[:, 3]
+    mode = cloud.mode + np.where(changed, generator.integers(1, 3, count), 0)
+    mode -= 3 * (mode > 2)
+    x, y, vx, vy = np.ascontiguousarray(cloud.state.T)
     speed = np.maximum(np.hypot(vx, vy), SMALLEST_SPEED)
-    rates = TURN_DIRECTIONS[mode] * motion.lateral_acceleration / speed
+    rates = TURN_DIRECTIONS.take(mode) * motion.lateral_acceleration / speed
     sine_over, versine_over, cosine, sine = turn_coefficients(rates, interval)
     noise = motion.acceleration_deviation * generator.standard_normal((count, 2))
     state = np.empty_like(cloud.state)
-    state[:, 0] = cloud.state[:, 0] + sine_over * vx - versine_over * vy
-    state[:, 1] = cloud.state[:, 1] + versine_over * vx + sine_over * vy
+    state[:, 0] = x + sine_over * vx - versine_over * vy
+    state[:, 1] = y + versine_over * vx + sine_over * vy
     state[:, 2] = cosine * vx - sine * vy
     state[:, 3] = sine * vx + cosine * vy
     state[:, :2] += 0.5 * interval**2 * noise
@@ -164,9 +170,9 @@ def resample_cloud(cloud: ParticleCloud, generator: np.random.Generator) -> Part
     width = KERNEL_WIDTH * (4.0 / 6.0) ** (1.0 / 8.0) * count ** (-1.0 / 8.0)
     floor = np.diag([1e-6, 1e-6, 1e-10, 1e-10])
     kernel = width * _root(covariance + floor)
-    shrunk = mean + np.sqrt(1.0 - width**2) * (cloud.state[rows] - mean)
+    shrunk = mean + np.sqrt(1.0 - width**2) * (cloud.state.take(rows, axis=0) - mean)
     state = shrunk + generator.standard_normal((count, 4)) @ kernel.T
-    return ParticleCloud(state, cloud.mode[rows], np.full(count, 1.0 / count))
+    return ParticleCloud(state, cloud.mode.take(rows), np.full(count, 1.0 / count))
 
 
 def _root(covariance: FloatArray) -> FloatArray:
