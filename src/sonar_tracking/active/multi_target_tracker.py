@@ -47,7 +47,6 @@ from sonar_tracking.active.tracks.contact_gating import (
     GatePairs,
     SensorGeometry,
     TrackGates,
-    find_pairs,
     predict_gates,
     sensor_geometry,
 )
@@ -58,6 +57,7 @@ from sonar_tracking.active.tracks.gate_thresholds import (
     check_thresholds,
 )
 from sonar_tracking.active.tracks.motion_modes import MotionModes
+from sonar_tracking.active.tracks.pair_search import find_pairs
 from sonar_tracking.active.tracks.pair_updates import PairUpdates, mix_updates, update_pairs
 from sonar_tracking.active.tracks.track_bank import TrackBank, empty_bank, predict_bank
 from sonar_tracking.active.tracks.track_management import (
@@ -234,10 +234,7 @@ class MultiTargetTracker:
         thresholds = apply_thresholds(
             bank, gates, ping.model, self.configuration, ping.stamp, ping.next_stamp
         )
-        pairs = find_pairs(bank, gates, ping.placed)
-        # Written so that an amplitude or a threshold that is not known lets the contact pass.
-        below = ping.amplitudes[pairs.contact] < thresholds.threshold[pairs.track]
-        pairs = pairs.keep(~below)
+        pairs = find_pairs(bank, gates, ping.placed, ping.amplitudes, thresholds.threshold)
         updates = update_pairs(bank, ping.placed, pairs)
         if self._particles.used:
             updates = self._particles.pair_densities(bank, pairs, updates, ping.placed, ping.sensor)

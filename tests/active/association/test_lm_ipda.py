@@ -20,9 +20,9 @@ from sonar_tracking.active.detection.gate_association import (
 from sonar_tracking.active.tracks.contact_gating import (
     GatePairs,
     SensorGeometry,
-    find_pairs,
     predict_gates,
 )
+from sonar_tracking.active.tracks.pair_search import find_pairs
 from sonar_tracking.active.tracks.pair_updates import update_pairs
 from sonar_tracking.active.tracks.track_bank import TrackBank
 from tests.active.track_scene import bank_of, contacts_at

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from sonar_tracking.active.baselines import state_extraction
 from sonar_tracking.active.baselines.state_extraction import extract_states
 from sonar_tracking.active.tracks.particle_cloud import ParticleCloud
 from sonar_tracking.records.arrays import FloatArray
@@ -64,3 +65,14 @@ def test_weightless_particles_draw_no_cluster() -> None:
         ParticleCloud(state, np.zeros(100, int), weight), 1, np.random.default_rng(3)
     )
     assert peaks.state.tolist() == [[0.0] * 4]
+
+
+def test_clusters_that_stay_as_they_are_need_no_more_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As many steps as wanted, or fewer: the same clusters, also those of overlapping targets."""
+    centres = CENTRES * np.array([0.03, 0.03, 1.0, 1.0])
+    cloud = cloud_at(centres, [1.0, 0.8, 0.5, 1.2])
+    monkeypatch.setattr(state_extraction, "ITERATIONS", 10_000)
+    settled = extract_states(cloud, 6, np.random.default_rng(3))
+    monkeypatch.setattr(state_extraction, "ITERATIONS", 200)
+    assert extract_states(cloud, 6, np.random.default_rng(3)).state == pytest.approx(settled.state)
+    assert np.sum(settled.mass) == pytest.approx(3.5)

@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 
 from sonar_tracking.active.contacts.contact_positions import PlacedContacts
-from sonar_tracking.active.tracks import contact_gating
+from sonar_tracking.active.tracks import pair_search
 from sonar_tracking.active.tracks.contact_gating import (
     GatePairs,
     SensorGeometry,
     delayed_position_covariance,
     determinant,
-    find_pairs,
     inverse,
     predict_gates,
     sensor_geometry,
 )
+from sonar_tracking.active.tracks.pair_search import find_pairs
 from sonar_tracking.active.tracks.track_bank import TrackBank, empty_bank
 from sonar_tracking.records.contacts import Contacts
 from tests.active.track_scene import COVARIANCE, bank_of, contacts_at
@@ -27,7 +27,7 @@ def test_gating_finds_what_exhaustive_search_finds(
     compared_at_once: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Whether all are compared or boxes are searched."""
-    monkeypatch.setattr(contact_gating, "COMPARED_AT_ONCE", compared_at_once)
+    monkeypatch.setattr(pair_search, "COMPARED_AT_ONCE", compared_at_once)
     generator = np.random.default_rng(1)
     bank = bank_of(generator.uniform(-3000.0, 3000.0, (60, 2)).tolist())
     contacts = contacts_at(generator.uniform(-3000.0, 3000.0, (200, 2)).tolist())
@@ -69,8 +69,8 @@ def test_gates_move_with_the_target_until_the_reflection(
     at_once: int, portion: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Against each pair by itself, whatever the portions that bound the memory."""
-    monkeypatch.setattr(contact_gating, "COMPARED_AT_ONCE", at_once)
-    monkeypatch.setattr(contact_gating, "BOXED_PER_PORTION", portion)
+    monkeypatch.setattr(pair_search, "COMPARED_AT_ONCE", at_once)
+    monkeypatch.setattr(pair_search, "BOXED_PER_PORTION", portion)
     bank, contacts = moving_bank(40), leaning_contacts(150)
     sensor = SensorGeometry(np.zeros(2), 80.0, 0.05, 1500.0)
     pairs = find_pairs(bank, predict_gates(bank, sensor), contacts)
@@ -96,15 +96,42 @@ def test_of_a_crowd_the_nearest_are_kept_and_only_those_are_pairs(
     bank = bank_of([[1000.0, 2000.0]])
     sensor = SensorGeometry(np.zeros(2), 10.0, 0.001, 0.0)
     for at_once in (0, 100_000):
-        monkeypatch.setattr(contact_gating, "COMPARED_AT_ONCE", at_once)
+        monkeypatch.setattr(pair_search, "COMPARED_AT_ONCE", at_once)
         pairs = find_pairs(bank, predict_gates(bank, sensor), crowd)
         assert sorted(pairs.contact.tolist()) == list(range(64))
+
+
+@pytest.mark.parametrize("share_of_strict", [0.0, 0.8, 1.0])
+@pytest.mark.parametrize("crowd", [0, 300])
+def test_weak_contacts_are_left_out_as_if_all_had_been_looked_at(
+    share_of_strict: float, crowd: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where the nearest of a crowd, weak ones among them, fill a gate."""
+    monkeypatch.setattr(pair_search, "COMPARED_AT_ONCE", 0)
+    generator = np.random.default_rng(6)
+    bank = moving_bank(60)
+    spread_out = generator.uniform(-2000.0, 2000.0, (2000, 2))
+    crowded = bank.mean[0, 0, :2] + generator.normal(0.0, 30.0, (crowd, 2))
+    contacts = contacts_at(np.vstack([spread_out, crowded]).tolist())
+    amplitudes = generator.exponential(size=len(contacts.distance)) + 1.0
+    amplitudes[generator.random(len(amplitudes)) < 0.01] = np.nan
+    thresholds = np.where(generator.random(len(bank)) < share_of_strict, 5.0, 2.0)
+    thresholds[0] = 5.0
+    gates = predict_gates(bank, SensorGeometry(np.zeros(2), 80.0, 0.05, 1500.0))
+    pairs = find_pairs(bank, gates, contacts)
+    expected = pairs.keep(~(amplitudes[pairs.contact] < thresholds[pairs.track]))
+    found = find_pairs(bank, gates, contacts, amplitudes, thresholds)
+    assert len(expected.track) > 10
+    assert found.track.tolist() == expected.track.tolist()
+    assert found.contact.tolist() == expected.contact.tolist()
+    unknown = find_pairs(bank, gates, contacts, amplitudes, np.full(len(bank), np.nan))
+    assert unknown.contact.tolist() == pairs.contact.tolist()
 
 
 def test_without_contacts_or_tracks_there_are_no_pairs(monkeypatch: pytest.MonkeyPatch) -> None:
     sensor = SensorGeometry(np.zeros(2), 10.0, 0.001, 0.0)
     for at_once in (-1, 100_000):
-        monkeypatch.setattr(contact_gating, "COMPARED_AT_ONCE", at_once)
+        monkeypatch.setattr(pair_search, "COMPARED_AT_ONCE", at_once)
         for bank, contacts in (
             (bank_of([[0.0, 0.0]]), contacts_at([])),
             (empty_bank(1), contacts_at([[0.0, 0.0]])),

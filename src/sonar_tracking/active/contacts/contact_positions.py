@@ -104,5 +104,9 @@ def position_covariance(
     """
     along = np.square(range_standard_deviation)
     across = (distance * azimuth_standard_deviation) ** 2
-    outer = direction[:, :, None] * direction[:, None, :]
-    return across[:, None, None] * IDENTITY + (along - across)[:, None, None] * outer
+    more, (x, y) = along - across, direction.T
+    covariance = np.empty((len(distance), 2, 2))
+    covariance[:, 0, 0] = across + more * (x * x)
+    covariance[:, 1, 1] = across + more * (y * y)
+    covariance[:, 0, 1] = covariance[:, 1, 0] = more * (x * y)
+    return covariance

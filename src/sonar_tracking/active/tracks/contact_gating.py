@@ -1,8 +1,7 @@
-"""Which contacts lie in the gates of which tracks: a sparse list of pairs.
+"""Gates of tracks, and the sparse list of pairs of a track and a contact in its gate.
 
 A contact reflected a delay delta after the stamp is a measurement of position + delta velocity at
-the stamp, so that all contacts of a ping update the state at its transmit time. Pairs are found
-through the contacts sorted by x and tracks in portions, so that memory stays bounded.
+the stamp, so that all contacts of a ping update the state at its transmit time.
 
 References
 ----------
@@ -15,21 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.active.contacts.contact_positions import PlacedContacts, position_covariance
+from sonar_tracking.active.contacts.contact_positions import position_covariance
 from sonar_tracking.active.detection.detection_threshold import GATE_SIZE
-from sonar_tracking.active.tracks.pair_limits import few_enough, half_widths, nearest_in_gates
 from sonar_tracking.active.tracks.track_bank import TrackBank
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
 from sonar_tracking.records.contacts import Contacts
-
-BOXED_PER_PORTION = 500_000
-"""Contacts in boxes around gates that are looked at together; bounds the memory."""
-
-COMPARED_AT_ONCE = 3000
-"""Up to so many of tracks times contacts no search is faster than comparing all."""
-
-BOX_SIZE = 1.5 * GATE_SIZE
-"""Half of a box, in standard deviations: a gate at a contact may be wider by its noise."""
 
 SMALLEST_DEVIATION = 1e-6
 SMALLEST_SHARE = 1e-13
@@ -94,6 +83,12 @@ class TrackGates:
     volume: FloatArray
     distance: FloatArray
 
+    def select(self, rows: IndexArray) -> TrackGates:
+        """Return some of the gates, by their rows, shape (n_kept,)."""
+        return TrackGates(
+            self.centre[rows], self.covariance[rows], self.volume[rows], self.distance[rows]
+        )
+
 
 @dataclass(frozen=True)
 class GatePairs:
@@ -145,51 +140,6 @@ def predict_gates(bank: TrackBank, sensor: SensorGeometry) -> TrackGates:
     return TrackGates(centre, covariance, volume, distance)
 
 
-def find_pairs(bank: TrackBank, gates: TrackGates, contacts: PlacedContacts) -> GatePairs:
-    """Return all pairs of a track and a contact in its gate, the nearest ones of a crowd.
-
-    Parameters
-    ----------
-    bank : TrackBank
-        Predicted tracks.
-    gates : TrackGates
-        Their gates.
-    contacts : PlacedContacts
-        Contacts of the ping.
-    """
-    order = contacts.position[:, 0].argsort(kind="stable")
-    mean, spread = bank.moments()
-    if len(bank) * len(order) <= COMPARED_AT_ONCE:
-        pairs = _near_of_few(gates, order, contacts)
-        square = _squared_distances(mean, spread, contacts, pairs)
-        inside = square < GATE_SIZE**2
-        pairs = pairs.keep(inside)
-        return pairs.keep(nearest_in_gates(pairs.track, square[inside]))
-    sorted_x = contacts.position[order, 0]
-    low, high = _boxed(gates, sorted_x, bank.confirmed)
-    before = (high - low).cumsum()
-    tracks, columns, squares = [], [], []
-    first = 0
-    while first < len(bank):
-        reached = before[first - 1] if first else 0
-        last = int(before.searchsorted(reached + BOXED_PER_PORTION, side="right"))
-        rows = np.arange(first, max(last, first + 1))
-        pairs = _near(rows, low[rows], high[rows], gates, order, contacts)
-        square = _squared_distances(mean, spread, contacts, pairs)
-        inside = square < GATE_SIZE**2
-        pairs, square = pairs.keep(inside), square[inside]
-        kept = nearest_in_gates(pairs.track, square)
-        tracks.append(pairs.track[kept])
-        columns.append(pairs.contact[kept])
-        squares.append(square[kept])
-        first = int(rows[-1]) + 1
-    if not tracks:
-        nothing = np.zeros(0, dtype=np.intp)
-        return GatePairs(nothing, nothing)
-    found = GatePairs(np.concatenate(tracks), np.concatenate(columns))
-    return found.keep(few_enough(found.track, np.concatenate(squares), bank.confirmed))
-
-
 def delayed_position_covariance(covariance: FloatArray, delay: FloatArray) -> FloatArray:
     """Return the covariance of position + delay * velocity.
 
@@ -205,6 +155,8 @@ def delayed_position_covariance(covariance: FloatArray, delay: FloatArray) -> Fl
     ndarray, shape (..., 2, 2)
         m^2.
     """
+    if not delay.any():
+        return covariance[..., :2, :2]
     step = delay[..., None, None]
     crossed = covariance[..., :2, 2:]
     velocity = covariance[..., 2:, 2:]
@@ -252,58 +204,3 @@ def inverse(matrix: FloatArray, area: FloatArray) -> FloatArray:
     result[..., 1, 0] = result[..., 0, 1]
     result /= area[..., None, None]
     return result
-
-
-def _boxed(
-    gates: TrackGates, sorted_x: FloatArray, confirmed: BoolArray
-) -> tuple[IndexArray, IndexArray]:
-    """Return which of the contacts sorted by x lie in the box of each gate: from, to."""
-    centre = gates.centre[:, 0]
-    half_x = BOX_SIZE * np.sqrt(gates.covariance[:, 0, 0])
-    low = sorted_x.searchsorted(centre - half_x)
-    high = sorted_x.searchsorted(centre + half_x)
-    half = half_widths(high - low, confirmed)
-    middle = sorted_x.searchsorted(centre)
-    return np.maximum(low, middle - half), np.minimum(high, middle + half)
-
-
-def _near_of_few(gates: TrackGates, order: IndexArray, contacts: PlacedContacts) -> GatePairs:
-    """Return the same as the boxes, by looking at each contact in each gate."""
-    x, y = contacts.position[order].T
-    near = np.abs(x - gates.centre[:, :1]) < BOX_SIZE * np.sqrt(gates.covariance[:, 0, :1])
-    near &= np.abs(y - gates.centre[:, 1:]) < BOX_SIZE * np.sqrt(gates.covariance[:, 1, 1:])
-    track, column = near.nonzero()
-    return GatePairs(track, order[column])
-
-
-def _near(
-    rows: IndexArray,
-    low: IndexArray,
-    high: IndexArray,
-    gates: TrackGates,
-    order: IndexArray,
-    contacts: PlacedContacts,
-) -> GatePairs:
-    """Return pairs in the box around each gate."""
-    half_y = BOX_SIZE * np.sqrt(gates.covariance[rows, 1, 1])
-    counts = high - low
-    local = np.arange(len(rows)).repeat(counts)
-    shift = low - (counts.cumsum() - counts)
-    contact = order[np.arange(len(local)) + shift[local]]
-    offset = np.abs(contacts.position[contact, 1] - gates.centre[rows[local], 1])
-    near = offset < half_y[local]
-    return GatePairs(rows[local][near], contact[near])
-
-
-def _squared_distances(
-    mean: FloatArray, spread: FloatArray, contacts: PlacedContacts, pairs: GatePairs
-) -> FloatArray:
-    """Return nu^T S^-1 nu of each pair."""
-    delay = contacts.delay[pairs.contact]
-    state = mean[pairs.track]
-    innovation = contacts.position[pairs.contact] - state[:, :2] - delay[:, None] * state[:, 2:]
-    covariance = delayed_position_covariance(spread[pairs.track], delay)
-    covariance = covariance + contacts.covariance[pairs.contact]
-    x, y = innovation[:, 0], innovation[:, 1]
-    square = covariance[:, 1, 1] * x**2 - 2.0 * covariance[:, 0, 1] * x * y
-    return np.asarray((square + covariance[:, 0, 0] * y**2) / determinant(covariance))

@@ -276,15 +276,15 @@ def _near_each_other(
     portions: Iterator[tuple[IndexArray, IndexArray]], mean: FloatArray, covariance: FloatArray
 ) -> tuple[IndexArray, IndexArray]:
     """Return the rows, each two once, whose states are near in each of their components."""
+    both = [np.concatenate(rows) for rows in zip(*portions, strict=True)]
+    if not both:
+        nobody = np.zeros(0, dtype=np.intp)
+        return nobody, nobody
+    first, second = both
     variance = np.einsum("nii->ni", covariance)
-    count = len(mean)
-    keys = [np.zeros(0, dtype=np.intp)]
-    for first, second in portions:
-        near = np.ones(len(first), dtype=bool)
-        for component in range(mean.shape[1]):
-            values, spread = mean[:, component], variance[:, component]
-            square = (values[first] - values[second]) ** 2
-            near &= square < DUPLICATE_DISTANCE**2 * (spread[first] + spread[second])
-        keys.append(first[near] * count + second[near])
-    first, second = np.divmod(np.unique(np.concatenate(keys)), max(count, 1))
+    square = (mean.take(first, axis=0) - mean.take(second, axis=0)) ** 2
+    spread = variance[first] + variance[second]
+    near = (square < DUPLICATE_DISTANCE**2 * spread).all(axis=1)
+    keys = np.unique(first[near] * len(mean) + second[near])
+    first, second = np.divmod(keys, len(mean))
     return first, second

@@ -11,7 +11,8 @@ from sonar_tracking.active.baselines.regions_of_interest import PolarContacts, f
 from sonar_tracking.active.contacts.contact_positions import PlacedContacts, position_covariance
 from sonar_tracking.active.detection.amplitude_order_statistics import load_rank_probabilities
 from sonar_tracking.active.detection.gate_association import GateModel, associate_by_rank
-from sonar_tracking.active.tracks.contact_gating import SensorGeometry, find_pairs, predict_gates
+from sonar_tracking.active.tracks.contact_gating import SensorGeometry, predict_gates
+from sonar_tracking.active.tracks.pair_search import find_pairs
 from sonar_tracking.active.tracks.track_bank import TrackBank
 from sonar_tracking.evaluation.bench.bench_data import SEED, SIZES, SOUND_SPEED, bench_positions
 from sonar_tracking.evaluation.bench.kernel import Kernel, Prepared, Timed, Work
