@@ -12,14 +12,17 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from sonar_tracking.records.arrays import FloatArray
-from sonar_tracking.records.bearings import ArraySnapshots
+from sonar_tracking.records.bearings import ArraySnapshots, BearingTracks
 from sonar_tracking.records.time import END_OF_DATA
 from sonar_tracking.simulation.scenarios.scenario import Scenario
+from sonar_tracking.simulation.sensors.scene_truth import array_sensor_at
+from sonar_tracking.simulation.sensors.scene_truth import true_bearings as bearings_at
 from sonar_tracking.simulation.signals.snapshot_synthesis import (
     circular_gaussian,
     rounded_to_single,
     synthesize_snapshots,
 )
+from sonar_tracking.simulation.signals.source_signals import SourceSignals
 
 
 def true_bearings(scenario: Scenario, times: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -94,3 +97,72 @@ def snapshot_blocks(
             sound_speed=array.sound_speed,
             next_stamp=END_OF_DATA if last == n_snapshots else scenario.stamp(end),
         )
+
+
+def long_blocks(
+    scenario: Scenario, seeds: Sequence[int], block_snapshots: int
+) -> Iterator[ArraySnapshots]:
+    """Make the snapshots of a scenario with each of several seeds, in blocks longer than its own.
+
+    They are those of :class:`~sonar_tracking.simulation.sensors.array_simulation.ArraySimulation`,
+    bit for bit, of white noise and signals whose phases do not change from block to block. What all
+    runs have in common is made once. The last block is no longer than one of the scenario, so that
+    stages find the same begun windows at the end.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Whose seed is replaced.
+    seeds : sequence of int
+        One a run.
+    block_snapshots : int
+        Snapshots in a block.
+
+    Yields
+    ------
+    ArraySnapshots
+        Data of shape (n_runs, n_snapshots, n_elements).
+    """
+    array, positions = scenario.array, scenario.array.element_positions()
+    sequences = [np.random.SeedSequence(seed).spawn(2) for seed in seeds]
+    generators = [np.random.default_rng(data) for data, _ in sequences]
+    signals = [SourceSignals(scenario.targets, np.random.default_rng(p)) for _, p in sequences]
+    n_snapshots = round(scenario.duration * array.snapshot_rate)
+    last_begin = (n_snapshots - 1) // array.block_snapshots * array.block_snapshots
+    for first in (*range(0, last_begin, block_snapshots), last_begin):
+        end = n_snapshots if first == last_begin else min(first + block_snapshots, last_begin)
+        times = scenario.start + np.arange(first, end) / array.snapshot_rate
+        shape = (end - first, signals[0].n_waveforms + len(positions))
+        drawn = np.stack([circular_gaussian(generator, shape) for generator in generators])
+        sounds = [
+            one.signals(times, own[:, : one.n_waveforms])
+            for one, own in zip(signals, drawn, strict=True)
+        ]
+        noise = drawn[..., signals[0].n_waveforms :]
+        angles, _ = true_bearings(scenario, times)
+        data = synthesize_snapshots(positions, array.wavenumber(), angles, np.stack(sounds), noise)
+        begin, after = (scenario.start + index / array.snapshot_rate for index in (first, end))
+        yield ArraySnapshots(
+            stamp=scenario.stamp(begin),
+            data=rounded_to_single(data),
+            element_positions=positions,
+            sample_period=1.0 / array.snapshot_rate,
+            center_frequency=array.center_frequency,
+            bandwidth=array.bandwidth,
+            sound_speed=array.sound_speed,
+            next_stamp=END_OF_DATA if end == n_snapshots else scenario.stamp(after),
+            sensor=array_sensor_at(scenario, begin),
+        )
+
+
+def block_truth(scenario: Scenario) -> tuple[BearingTracks, ...]:
+    """Return the true bearings at the beginning of each block of a scenario, whatever its seed."""
+    rate, n_block = scenario.array.snapshot_rate, scenario.array.block_snapshots
+    begins = np.arange(0, round(scenario.duration * rate), n_block)
+    times = scenario.start + begins / rate
+    angles, rates = true_bearings(scenario, times)
+    stamps = [*(scenario.stamp(float(time)) for time in times[1:]), END_OF_DATA]
+    return tuple(
+        bearings_at(scenario, float(time), (angles[row], rates[row]), stamps[row])
+        for row, time in enumerate(times)
+    )

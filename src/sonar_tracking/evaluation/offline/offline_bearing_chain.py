@@ -73,20 +73,7 @@ def run_offline_chain(scenario: Scenario) -> OfflineRun:
     InputError
         If a stage rejects the data, e.g. of an array with fewer elements than sources.
     """
-    estimator_name, tracker_name = "subspace_estimator", "bearing_tracker"
-    estimator_configuration = stage_configuration(
-        SubspaceConfiguration,
-        scenario.nodes.get(estimator_name, {}),
-        f"{scenario.name}: nodes.{estimator_name}",
-    )
-    tracker_configuration = stage_configuration(
-        BearingTrackerConfiguration,
-        scenario.nodes.get(tracker_name, {}),
-        f"{scenario.name}: nodes.{tracker_name}",
-    )
-    check_estimator(tracker_configuration, estimator_configuration)
-    estimator = SubspaceStage(estimator_configuration)
-    tracker = BearingTrackerStage(tracker_configuration)
+    estimator, tracker = bearing_stages(scenario)
     truth: list[BearingTracks] = []
     tracks: list[BearingTracks] = []
     notices: list[Notice] = []
@@ -99,3 +86,31 @@ def run_offline_chain(scenario: Scenario) -> OfflineRun:
             tracks.append(tracked.tracks)
             notices.extend(tracked.notices)
     return OfflineRun(tuple(truth), tuple(tracks), tuple(notices))
+
+
+def bearing_stages(scenario: Scenario) -> tuple[SubspaceStage, BearingTrackerStage]:
+    """Return the two stages of a scenario before its first block.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Its ``nodes.subspace_estimator`` and ``nodes.bearing_tracker`` configure the stages.
+
+    Raises
+    ------
+    ConfigurationError
+        If the parameters cannot be used.
+    """
+    estimator_name, tracker_name = "subspace_estimator", "bearing_tracker"
+    estimator_configuration = stage_configuration(
+        SubspaceConfiguration,
+        scenario.nodes.get(estimator_name, {}),
+        f"{scenario.name}: nodes.{estimator_name}",
+    )
+    tracker_configuration = stage_configuration(
+        BearingTrackerConfiguration,
+        scenario.nodes.get(tracker_name, {}),
+        f"{scenario.name}: nodes.{tracker_name}",
+    )
+    check_estimator(tracker_configuration, estimator_configuration)
+    return SubspaceStage(estimator_configuration), BearingTrackerStage(tracker_configuration)

@@ -11,16 +11,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from sonar_tracking.errors import Notice
 from sonar_tracking.evaluation.metrics.bearing_score import BearingScore
 from sonar_tracking.evaluation.metrics.bearing_truth import BearingTruth
 from sonar_tracking.evaluation.monte_carlo.batch_runner import RunBatch
-from sonar_tracking.evaluation.offline.offline_bearing_chain import OfflineRun, run_offline_chain
+from sonar_tracking.evaluation.monte_carlo.run_synthesis import block_truth, long_blocks
+from sonar_tracking.evaluation.offline.offline_bearing_chain import OfflineRun, bearing_stages
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
 
 LEVELS_DB = (0.0, -3.0, -5.0, -8.0)
 ELEMENTS = (15, 32, 64)
+
+BLOCK_SNAPSHOTS = 1000
+"""3 s of data together: ten times as many as in a block of the scenario, and few enough for the
+memory of all runs of a batch."""
 
 
 @dataclass(frozen=True)
@@ -119,12 +125,43 @@ def start_batch(task: StartBatch) -> StartRuns:
     task : StartBatch
         Which runs, under which condition.
     """
-    chains = [
-        run_offline_chain(task.condition.scenario(int(seed.generate_state(1)[0])))
-        for seed in task.batch.seeds
-    ]
+    chains = start_chains(
+        task.condition, [int(seed.generate_state(1)[0]) for seed in task.batch.seeds]
+    )
     runs = tuple(_scored(chain) for chain in chains)
     return StartRuns(task.condition, runs, (chains[0].truth, chains[0].tracks))
+
+
+def start_chains(condition: StartCondition, seeds: Sequence[int]) -> tuple[OfflineRun, ...]:
+    """Return what the chain gives with each of several seeds: that of the offline chain.
+
+    Only the blocks are longer, since a block costs much and gives the same, and what all runs have
+    in common is made once.
+
+    Parameters
+    ----------
+    condition : StartCondition
+        The condition.
+    seeds : sequence of int
+        Of the scenario, one a run.
+    """
+    scenario = condition.scenario(0)
+    stages = [bearing_stages(scenario) for _ in seeds]
+    tracks: list[list[BearingTracks]] = [[] for _ in seeds]
+    notices: list[list[Notice]] = [[] for _ in seeds]
+    for block in long_blocks(scenario, seeds, BLOCK_SNAPSHOTS):
+        for run, (estimator, tracker) in enumerate(stages):
+            subspaces = estimator.update(replace(block, data=block.data[run]))
+            notices[run].extend(subspaces.notices)
+            for estimates in subspaces.estimates:
+                tracked = tracker.update(estimates)
+                tracks[run].append(tracked.tracks)
+                notices[run].extend(tracked.notices)
+    truth = block_truth(scenario)
+    return tuple(
+        OfflineRun(truth, tuple(own), tuple(told))
+        for own, told in zip(tracks, notices, strict=True)
+    )
 
 
 def count_differences(
