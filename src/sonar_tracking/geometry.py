@@ -10,10 +10,13 @@ A plane wave from theta gives element m the phase
 which for a line array (y = 0) is the ``exp(+j k (x_m - x_0) sin theta)`` of Ryu, Park and Choi
 (2003), eq. 5: with the analytic signal ``exp(+j omega t)`` the element nearer the source leads.
 A line array measures a cone; z is not used by arrivals in the horizontal plane.
+
+An array does not change: what is asked of its positions again and again is kept.
 """
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -165,6 +168,12 @@ def is_line(positions: FloatArray) -> bool:
     positions : ndarray, shape (n_elements, 3)
         Element positions, m.
     """
+    return _is_line(np.ascontiguousarray(positions, np.float64).tobytes())
+
+
+@lru_cache(maxsize=64)
+def _is_line(position_bytes: bytes) -> bool:
+    positions = np.frombuffer(position_bytes).reshape(-1, 3)
     across = positions[:, 1:] - positions[0, 1:]
     length = np.ptp(positions[:, 0])
     return bool(np.abs(across).max() <= 1e-6 * max(length, np.finfo(float).tiny))
@@ -178,10 +187,32 @@ def is_uniform_line(positions: FloatArray) -> bool:
     positions : ndarray, shape (n_elements, 3)
         Element positions, m.
     """
+    return _is_uniform_line(np.ascontiguousarray(positions, np.float64).tobytes())
+
+
+@lru_cache(maxsize=64)
+def _is_uniform_line(position_bytes: bytes) -> bool:
+    positions = np.frombuffer(position_bytes).reshape(-1, 3)
     if len(positions) < 2 or not is_line(positions):
         return False
     steps = np.diff(positions[:, 0])
     return bool(steps[0] > 0 and np.abs(steps - steps[0]).max() <= 1e-6 * steps[0])
+
+
+def variance_along(positions: FloatArray) -> float:
+    """Return the variance of the x coordinates of the elements, m^2.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n_elements, 3)
+        Element positions, m.
+    """
+    return _variance_along(np.ascontiguousarray(positions, np.float64).tobytes())
+
+
+@lru_cache(maxsize=64)
+def _variance_along(position_bytes: bytes) -> float:
+    return float(np.frombuffer(position_bytes).reshape(-1, 3)[:, 0].var())
 
 
 def largest_spacing(positions: FloatArray) -> float:

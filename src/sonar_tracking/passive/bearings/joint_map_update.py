@@ -99,4 +99,7 @@ def update_jointly(
 
 def _of_all_targets(matrix: FloatArray, n_targets: int) -> FloatArray:
     """Return the matrix on [n angles, n rates] that acts on each [angle, rate] like ``matrix``."""
-    return np.asarray(np.kron(matrix, np.eye(n_targets)), dtype=np.float64)
+    (n_rows, n_columns), each = matrix.shape, np.arange(n_targets)
+    joint = np.zeros((n_rows, n_targets, n_columns, n_targets))
+    joint[:, each, :, each] = matrix
+    return joint.reshape(n_rows * n_targets, n_columns * n_targets)

@@ -26,6 +26,8 @@ _LEAST_NOISE_SHARE = 1e-12
 
 _HERMITIAN_TOLERANCE = 1e-9
 
+_TINY = float(np.finfo(float).tiny)
+
 
 @dataclass(frozen=True)
 class SignalSubspace:
@@ -121,7 +123,7 @@ def signal_subspace(
     mean = np.trace(white, axis1=-2, axis2=-1).real / n_elements
     # The mean of the other eigenvalues, which need not be known singly.
     others = (n_elements * mean - values.sum(axis=-1)) / (n_elements - rank)
-    least = np.maximum(_LEAST_NOISE_SHARE * mean, np.finfo(float).tiny)
+    least = np.maximum(_LEAST_NOISE_SHARE * mean, _TINY)
     return SignalSubspace(
         vectors=vectors,
         eigenvalues=values,

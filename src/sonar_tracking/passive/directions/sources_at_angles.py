@@ -25,6 +25,8 @@ _LEAST_NOISE_SHARE = 1e-12
 
 _SEPARABLE = 1e-8
 
+_TINY = float(np.finfo(float).tiny)
+
 
 def estimated_sources(
     estimates: SubspaceEstimates, angles: FloatArray, rates: FloatArray
@@ -176,7 +178,7 @@ def unresolved(
 
 
 def _noise_power(estimates: SubspaceEstimates) -> FloatArray:
-    least = np.array(np.finfo(float).tiny)
+    least = np.array(_TINY)
     if estimates.covariance is not None:
         trace = np.trace(estimates.covariance, axis1=-2, axis2=-1).real
         share = _LEAST_NOISE_SHARE * trace / len(estimates.element_positions)

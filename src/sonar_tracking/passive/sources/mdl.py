@@ -13,16 +13,20 @@ coherent signal identification", IEEE Trans. ASSP 37(1), 1989.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sonar_tracking.geometry import variance_along
 from sonar_tracking.records.arrays import ComplexArray, FloatArray
 
 LEAST_COUNTING_SNAPSHOTS = 12
 """Fewest snapshots that sources are counted on."""
 
 _LARGEST_SUB_ARRAY = 128
+
+_EPSILON, _TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
 
 
 def minimum_description_length(eigenvalues: NDArray[np.floating], n_snapshots: int) -> int:
@@ -39,17 +43,23 @@ def minimum_description_length(eigenvalues: NDArray[np.floating], n_snapshots: i
     n_snapshots : int
         N, independent snapshots in the covariance.
     """
-    floor = max(float(eigenvalues[0]), 0.0) * np.finfo(float).eps + np.finfo(float).tiny
+    floor = max(float(eigenvalues[0]), 0.0) * _EPSILON + _TINY
     above = int(np.count_nonzero(eigenvalues > len(eigenvalues) * floor))
     count = max(min(above, n_snapshots), 1)
     values = np.maximum(eigenvalues[:count], floor)
-    remaining = np.arange(count, 0, -1)
-    mean = np.cumsum(values[::-1])[::-1] / remaining
-    log_mean = np.cumsum(np.log(values)[::-1])[::-1] / remaining
+    remaining, scaled, penalty = _penalty(count, n_snapshots)
+    mean = values[::-1].cumsum()[::-1] / remaining
+    log_mean = np.log(values)[::-1].cumsum()[::-1] / remaining
+    return int((scaled * (np.log(mean) - log_mean) + penalty).argmin())
+
+
+@lru_cache(maxsize=256)
+def _penalty(count: int, n_snapshots: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return M - k, N (M - k) and the penalty of every k; kept, since they recur."""
     k = np.arange(count)
-    misfit = n_snapshots * remaining * (np.log(mean) - log_mean)
+    remaining = np.arange(count, 0, -1)
     penalty = 0.5 * k * (2 * count - k) * np.log(n_snapshots)
-    return int(np.argmin(misfit + penalty))
+    return remaining, n_snapshots * remaining, penalty
 
 
 def forward_backward_smoothed(covariance: ComplexArray, n_smoothed: int) -> ComplexArray:
@@ -118,9 +128,10 @@ def counting_snapshots(
     """
     count = min(len(eigenvalues), n_snapshots)
     noise = max(float(np.mean(eigenvalues[count - max(count // 3, 1) : count])), 0.0)
-    ratio = float(eigenvalues[0]) / max(noise, float(eigenvalues[0]) * 1e-9, np.finfo(float).tiny)
+    ratio = float(eigenvalues[0]) / max(noise, float(eigenvalues[0]) * 1e-9, _TINY)
     n = np.arange(1, n_snapshots + 1)
-    spread = wavenumber**2 * positions[:, 0].var() * (largest_turn * n) ** 2 / 12.0 * ratio
+    variance = variance_along(positions)
+    spread = wavenumber**2 * variance * (largest_turn * n) ** 2 / 12.0 * ratio
     allowed = n[spread < 0.5 * np.sqrt(len(positions) / n)]
     most = int(allowed[-1]) if len(allowed) else 1
     return min(max(most, LEAST_COUNTING_SNAPSHOTS), n_snapshots)

@@ -23,6 +23,8 @@ from sonar_tracking.geometry import steering_vectors
 from sonar_tracking.passive.sources.angle_grid import AngleGrid, angle_grid, column_power
 from sonar_tracking.records.arrays import ComplexArray, FloatArray, IndexArray
 
+_TINY = float(np.finfo(float).tiny)
+
 _REFINEMENT_STEPS = 8
 _FLOOR_REACHED = 1e-13
 """Change of an angle by one step more, rad: Newton steps square the error."""
@@ -127,7 +129,7 @@ class NullSpectrum:
         square = column_power(u)
         # The whole second derivative is |u|^2 + Re(y^H a''); far from the floor it may be negative.
         bend = np.maximum(square + (y * second).real.sum(axis=0), 0.5 * square)
-        return -slope / np.maximum(bend, np.finfo(float).tiny)
+        return -slope / np.maximum(bend, _TINY)
 
     def _steering(self, angles: FloatArray) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
         """Return steering vectors with the phase of the array centre, and two derivatives."""

@@ -24,7 +24,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sonar_tracking.geometry import is_uniform_line, wavenumber
+from sonar_tracking.geometry import is_uniform_line, variance_along, wavenumber
 from sonar_tracking.passive.directions.signal_subspace import noise_factor
 from sonar_tracking.passive.sources.mdl import (
     forward_backward_smoothed,
@@ -39,6 +39,8 @@ COUNTED_TOGETHER = 4
 """Covariances in the longest mean that is counted on, if nothing else is said."""
 
 _SNAPSHOTS_PER_ELEMENT = 2
+
+_EPSILON = float(np.finfo(float).eps)
 
 _LARGEST_SPREAD = 1.0
 """Of a second eigenvalue by motion, with the margin, over the noise."""
@@ -137,9 +139,10 @@ def believed_sources(
     count = minimum_description_length(eigenvalues, n_snapshots)
     if count == 0:
         return 0
-    least_noise = float(eigenvalues[0]) * np.finfo(float).eps
+    least_noise = float(eigenvalues[0]) * _EPSILON
     ratios = eigenvalues[:count] / max(float(eigenvalues[count:].mean()), least_noise)
-    spread = number**2 * positions[:, 0].var() * largest_turn**2 / 12.0 * float(ratios[0])
+    variance = variance_along(positions)
+    spread = number**2 * variance * largest_turn**2 / 12.0 * float(ratios[0])
     share = len(positions) / n_snapshots
     least = 2.0 * spread
     if least < np.sqrt(share):
