@@ -51,6 +51,9 @@ SETTLED = 5
 LAST_SCANS = 3
 LOST_DEVIATIONS = 10.0
 
+RUNS_PER_TASK = 5
+"""Each run is computed by itself: small tasks leave no worker idle at the end."""
+
 LAYOUTS = (
     TableLayout(
         "False-alarm probability of least expected error (Fig. 1)",
@@ -82,7 +85,7 @@ LAYOUTS = (
 
 def tasks(runs: int, seed: int) -> tuple[Task, ...]:
     """Return what the workers compute: the tracked runs."""
-    return tuple(Task(threshold_batch, batch) for batch in run_batches(runs, seed))
+    return tuple(Task(threshold_batch, batch) for batch in run_batches(runs, seed, size=RUNS_PER_TASK))
 
 
 def rows(results: Sequence[Any]) -> tuple[StudyRow, ...]:

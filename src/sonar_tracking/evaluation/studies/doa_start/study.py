@@ -36,6 +36,9 @@ if TYPE_CHECKING:
 
 SYSTEM = "joint MAP"
 
+RUNS_PER_TASK = 5
+"""Each run is tracked by itself: small tasks leave no worker idle at the end."""
+
 LAYOUTS = (
     TableLayout(
         "Five targets from nothing, 120 s, 200 snapshots/s",
@@ -67,7 +70,7 @@ def tasks(runs: int, seed: int) -> tuple[Task, ...]:
     return tuple(
         Task(start_batch, StartBatch(condition, batch))
         for part, condition in enumerate(CONDITIONS)
-        for batch in run_batches(runs, seed, part)
+        for batch in run_batches(runs, seed, part, RUNS_PER_TASK)
     )
 
 
