@@ -91,8 +91,8 @@ def find_pairs(
     amplitudes : ndarray, shape (n_contacts,), optional
         Linear powers; NaN where not measured. All contacts pass if not given.
     thresholds : ndarray, shape (n,), optional
-        Of each track: weaker contacts are none of it. An amplitude or a threshold that is not known
-        (NaN) lets the contact pass.
+        Linear powers, of each track: weaker contacts are none of it. An amplitude or a threshold
+        that is not known (NaN) lets the contact pass.
     """
     tracks = GatedTracks(*bank.moments(), gates, bank.confirmed)
     if amplitudes is None or thresholds is None or not len(bank):

@@ -56,8 +56,8 @@ def minimum_description_length(eigenvalues: NDArray[np.floating], n_snapshots: i
 @lru_cache(maxsize=256)
 def _penalty(count: int, n_snapshots: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return M - k, N (M - k) and the penalty of every k; kept, since they recur."""
-    k = np.arange(count)
-    remaining = np.arange(count, 0, -1)
+    k = np.arange(count, dtype=np.float64)
+    remaining = count - k
     penalty = 0.5 * k * (2 * count - k) * np.log(n_snapshots)
     return remaining, n_snapshots * remaining, penalty
 

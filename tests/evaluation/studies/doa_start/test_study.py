@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 from sonar_tracking.evaluation.monte_carlo.batch_runner import RunBatch
+from sonar_tracking.evaluation.offline.offline_bearing_chain import run_offline_chain
 from sonar_tracking.evaluation.studies.doa_start.runs import (
     CONDITIONS,
     StartBatch,
@@ -16,6 +18,7 @@ from sonar_tracking.evaluation.studies.doa_start.runs import (
     StartRuns,
     count_differences,
     start_batch,
+    start_chains,
 )
 from sonar_tracking.evaluation.studies.doa_start.study import SYSTEM, draw, rows, tasks
 from sonar_tracking.records.bearings import TrackStatus
@@ -72,3 +75,17 @@ def test_figure_of_each_array(result: StartRuns, tmp_path: Path) -> None:
     pictures = draw(results, rows(results), tmp_path)
     assert all(path.stat().st_size > 1000 for path in pictures)
     assert len(pictures) == 3
+
+
+def test_long_blocks_of_many_runs_give_what_each_run_gives_by_itself() -> None:
+    """Bit for bit: tracks, truth and score are those of the offline chain."""
+    chains = start_chains(CONDITION, [5, 6])
+    alone = run_offline_chain(CONDITION.scenario(6))
+    assert len(chains[1].tracks) == len(alone.tracks)
+    assert len(chains[1].truth) == len(alone.truth)
+    for one, other in zip(
+        (*chains[1].tracks, *chains[1].truth), (*alone.tracks, *alone.truth), strict=True
+    ):
+        assert pickle.dumps(one) == pickle.dumps(other)
+    assert chains[1].score() == alone.score()
+    assert chains[0].score() != alone.score()

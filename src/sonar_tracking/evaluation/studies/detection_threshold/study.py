@@ -85,7 +85,9 @@ LAYOUTS = (
 
 def tasks(runs: int, seed: int) -> tuple[Task, ...]:
     """Return what the workers compute: the tracked runs."""
-    return tuple(Task(threshold_batch, batch) for batch in run_batches(runs, seed, size=RUNS_PER_TASK))
+    return tuple(
+        Task(threshold_batch, batch) for batch in run_batches(runs, seed, size=RUNS_PER_TASK)
+    )
 
 
 def rows(results: Sequence[Any]) -> tuple[StudyRow, ...]:
