@@ -1,12 +1,14 @@
 """Reports of progress are the messages they stand for, byte for byte."""
 
 import pytest
+from builtin_interfaces.msg import Time
 from rclpy.serialization import deserialize_message, serialize_message
 from sonar_tracking_msgs.msg import Progress
 
 from sonar_tracking.errors import InputError
 from sonar_tracking.graph.message_writing.field_writing import time_from_stamp
 from sonar_tracking.graph.message_writing.progress_writing import ProgressWriter
+from sonar_tracking.message_reading.field_reading import stamp_from_time
 from sonar_tracking.message_reading.progress_reading import ProgressReport, progress_from_bytes
 
 STAMP = 1_767_225_600_123_456_789
@@ -43,3 +45,13 @@ def test_what_is_cut_short_or_garbled_is_refused() -> None:
             progress_from_bytes(data[:length])
     with pytest.raises(InputError, match="Progress"):
         progress_from_bytes(data[:28] + b"\xff\xff\xff\x7f" + data[32:])
+
+
+@pytest.mark.parametrize("nanosec", [10**9 - 1, 10**9, 2**32 - 1])
+def test_a_malformed_time_after_the_last_second_can_be_reported(nanosec: int) -> None:
+    """A node ended by it: its seconds, once carried over, did not fit into a message."""
+    last = stamp_from_time(Time(sec=2**31 - 1, nanosec=nanosec))
+    data = ProgressWriter("recorder", "/clock").message(1, last)
+    assert deserialize_message(data, Progress).header.stamp == Time(
+        sec=2**31 - 1, nanosec=10**9 - 1
+    )

@@ -21,7 +21,7 @@ from sonar_tracking.message_reading.field_limits import check_magnitude, check_s
 from sonar_tracking.message_reading.field_use import FIELD_USES, FieldUse, Unfilled
 from sonar_tracking.records.arrays import ComplexArray, FloatArray
 from sonar_tracking.records.bearings import Sensor
-from sonar_tracking.records.time import NANOSECONDS
+from sonar_tracking.records.time import LAST_STAMP, NANOSECONDS
 from sonar_tracking.sensor_pose import is_no_turn, unit_sized
 
 _REMEMBERED = 64
@@ -29,8 +29,11 @@ _REMEMBERED = 64
 
 
 def stamp_from_time(time: Any) -> int:
-    """Return a time message as integer nanoseconds."""
-    return int(time.sec) * NANOSECONDS + int(time.nanosec)
+    """Return a time message as integer nanoseconds, the last ones that a message can hold at most.
+
+    A malformed time may hold four seconds of nanoseconds after the last second.
+    """
+    return min(int(time.sec) * NANOSECONDS + int(time.nanosec), LAST_STAMP)
 
 
 def type_name(message: Any) -> str:

@@ -14,6 +14,9 @@ NANOSECONDS = 1_000_000_000
 END_OF_DATA = 2_147_483_647 * NANOSECONDS
 """Watermark that says that no more data will follow, ns."""
 
+LAST_STAMP = END_OF_DATA + NANOSECONDS - 1
+"""The last instant that a time message can hold, ns."""
+
 UNKNOWN_STAMP = 0
 """Watermark that says nothing, ns."""
 
