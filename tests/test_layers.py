@@ -69,6 +69,7 @@ ROOMS = (
     "evaluation.studies.doa_start",
     "evaluation.studies.detection_threshold",
     "evaluation.studies.multi_target_clutter",
+    "evaluation.studies.mismatch_contacts",
     "evaluation.studies.maritime_contacts",
     "evaluation.studies.room_array",
     "evaluation.studies.ship_bearings",

@@ -21,6 +21,7 @@ from sonar_tracking.evaluation.studies.maritime_contacts.study import (
     MARITIME_CONTACTS,
     maritime_contacts,
 )
+from sonar_tracking.evaluation.studies.mismatch_contacts.study import MISMATCH_CONTACTS
 from sonar_tracking.evaluation.studies.multi_target_clutter.study import MULTI_TARGET_CLUTTER
 from sonar_tracking.evaluation.studies.room_array.study import ROOM_ARRAY, room_array
 from sonar_tracking.evaluation.studies.ship_bearings.study import SHIP_BEARINGS, ship_bearings
@@ -38,6 +39,7 @@ STUDIES = {
         TMA_FREQUENCY_FUSION,
         DETECTION_THRESHOLD,
         MULTI_TARGET_CLUTTER,
+        MISMATCH_CONTACTS,
     )
 }
 """Studies by the name typed on the command line, in the order of ``all``."""

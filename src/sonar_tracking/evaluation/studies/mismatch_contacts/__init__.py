@@ -1,0 +1,1 @@
+"""Study mismatch-contacts: the default contact tracker in scenes it was not tuned for."""

@@ -1,0 +1,72 @@
+"""Picture of the mismatch-contacts study: both trackers, one line a condition."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sonar_tracking.evaluation.monte_carlo.plot_styles import Style, styles_of
+from sonar_tracking.evaluation.monte_carlo.study import StudyRow
+from sonar_tracking.evaluation.studies.mismatch_contacts.runs import DEFAULTS, TOLD
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+SYSTEM_STYLES = {DEFAULTS: Style("#D55E00", "o"), TOLD: Style("#0072B2", "|")}
+
+PANELS = (
+    ("held_share", "time maintained", "linear", None),
+    ("nees_per_dimension", "NEES per dimension", "log", 1.0),
+    ("false_tracks_per_hour", "false tracks an hour", "symlog", None),
+    ("ospa_over_told", "OSPA over that of told", "log", 1.0),
+)
+"""Metric, label, scale, and where it is right."""
+
+
+def draw_conditions(path: Path, rows: Sequence[StudyRow]) -> Path:
+    """Draw the figures of both trackers, conditions downwards.
+
+    Parameters
+    ----------
+    path : Path
+        Picture to write; missing directories are made.
+    rows : sequence of StudyRow
+        Of the study.
+    """
+    from matplotlib.figure import Figure
+
+    conditions = list(dict.fromkeys(row.condition for row in rows))
+    figure = Figure(figsize=(12.0, 1.5 + 0.24 * len(conditions)), layout="constrained")
+    panels = figure.subplots(1, len(PANELS), sharey=True)
+    for axes, (metric, label, scale, right) in zip(panels, PANELS, strict=True):
+        _draw_metric(axes, rows, conditions, metric)
+        axes.set_xscale(scale)
+        axes.set_xlabel(label)
+        axes.grid(alpha=0.3)
+        if right is not None:
+            axes.axvline(right, color="0.6", linewidth=1.0, zorder=0)
+    panels[0].set_yticks(np.arange(len(conditions)), conditions)
+    panels[0].invert_yaxis()
+    panels[0].legend(fontsize="small", loc="lower left")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=120)
+    return path
+
+
+def _draw_metric(
+    axes: Axes, rows: Sequence[StudyRow], conditions: Sequence[str], metric: str
+) -> None:
+    for system, style in styles_of([DEFAULTS, TOLD], SYSTEM_STYLES).items():
+        own = {row.condition: row.metrics[metric] for row in rows if row.system == system}
+        axes.plot(
+            [own[condition] for condition in conditions],
+            np.arange(len(conditions)),
+            style.marker,
+            color=style.colour,
+            markersize=9 if style.marker == "|" else 5,
+            markeredgewidth=2,
+            label=system,
+        )
