@@ -196,6 +196,7 @@ def wharf(
     n_reflectors: int,
     spacing: float,
     passing_distance: float,
+    generator: np.random.Generator,
 ) -> FloatArray:
     """Return reflectors at rest in a row north of the origin, and last a boat that passes them.
 
@@ -204,20 +205,23 @@ def wharf(
     times : ndarray, shape (n_pings,)
         s.
     boat_speed : float
-        Eastwards, m/s.
+        m/s.
     distance : float
         Of the row from the origin, m.
     n_reflectors : int
         Of the row.
     spacing, passing_distance : float
         Between the reflectors, and of the boat from the row, m.
+    generator : numpy.random.Generator
+        Of the boat's way: east or west.
     """
+    way = generator.choice([-1.0, 1.0])
     state = np.zeros((len(times), n_reflectors + 1, 4))
     state[:, :-1, 0] = spacing * (np.arange(n_reflectors) - 0.5 * (n_reflectors - 1))
     state[:, :-1, 1] = distance
-    state[:, -1, 0] = boat_speed * (times - 0.5 * times[-1])
+    state[:, -1, 0] = way * boat_speed * (times - 0.5 * times[-1])
     state[:, -1, 1] = distance - passing_distance
-    state[:, -1, 2] = boat_speed
+    state[:, -1, 2] = way * boat_speed
     return state
 
 
