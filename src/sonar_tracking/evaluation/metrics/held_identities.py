@@ -51,7 +51,13 @@ class HeldIdentities:
         return mean(self.held[self.present & (age >= period)].astype(float))
 
     def continuities(self) -> FloatArray:
-        """Return the share of each life with the identity held longest, shape (n_targets,)."""
+        """Return the longest-held identity's share of each life.
+
+        Returns
+        -------
+        ndarray, shape (n_targets,)
+            Pure numbers, 0 to 1.
+        """
         return np.array(
             [
                 _most_frequent(identity[identity >= 0]) / max(int(np.count_nonzero(present)), 1)

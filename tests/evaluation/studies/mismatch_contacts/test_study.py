@@ -14,17 +14,12 @@ import pytest
 from sonar_tracking.active.contacts.contact_positions import place_contacts
 from sonar_tracking.evaluation.monte_carlo.study import StudyRow
 from sonar_tracking.evaluation.studies.mismatch_contacts import motions, study
-from sonar_tracking.evaluation.studies.mismatch_contacts.conditions import (
-    CONDITIONS,
-    FAST_TURN,
+from sonar_tracking.evaluation.studies.mismatch_contacts.condition import (
     FIRST_PUBLISHED_PING,
-    HEAVIER_TAILS,
-    HEAVY_TAILS,
-    STANDARD,
-    WEAK_TARGETS,
     Condition,
     SimulatedScene,
 )
+from sonar_tracking.evaluation.studies.mismatch_contacts.conditions import CONDITIONS, FAST_TURN
 from sonar_tracking.evaluation.studies.mismatch_contacts.runs import (
     DEFAULTS,
     TOLD,
@@ -40,6 +35,12 @@ from sonar_tracking.evaluation.studies.mismatch_contacts.scene import (
     false_alarm_probability_of,
     k_exceedance,
     threshold_of,
+)
+from sonar_tracking.evaluation.studies.mismatch_contacts.sensors import (
+    HEAVIER_TAILS,
+    HEAVY_TAILS,
+    STANDARD,
+    WEAK_TARGETS,
 )
 from sonar_tracking.evaluation.studies.multi_target_clutter.scene import (
     SceneOptions,

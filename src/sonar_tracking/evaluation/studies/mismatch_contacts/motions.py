@@ -39,6 +39,11 @@ def parallel_lanes(
         Of the survey, m.
     generator : numpy.random.Generator
         Of the places.
+
+    Returns
+    -------
+    ndarray, shape (n_pings, n_targets, 4)
+        x, y, vx, vy, m and m/s.
     """
     n_ships = len(LANES)
     way = generator.choice([-1.0, 1.0], n_ships)
@@ -73,6 +78,11 @@ def turning_paths(
         Of the survey, m.
     generator : numpy.random.Generator
         Of courses, instants and angles.
+
+    Returns
+    -------
+    ndarray, shape (n_pings, n_targets, 4)
+        x, y, vx, vy, m and m/s.
     """
     paths = []
     for quarter in QUARTERS:
@@ -113,6 +123,11 @@ def random_walks(
         Of the survey, m.
     generator : numpy.random.Generator
         Of courses and accelerations.
+
+    Returns
+    -------
+    ndarray, shape (n_pings, n_targets, 4)
+        x, y, vx, vy, m and m/s.
     """
     n_pings, n_ships = len(times), len(QUARTERS)
     interval = float(times[1] - times[0])
@@ -147,6 +162,11 @@ def convoy(
         Of the convoy.
     generator : numpy.random.Generator
         Of its course.
+
+    Returns
+    -------
+    ndarray, shape (n_pings, n_targets, 4)
+        x, y, vx, vy, m and m/s.
     """
     state = np.zeros((len(times), n_ships, 4))
     places = spacing * (np.arange(n_ships) - 0.5 * (n_ships - 1))
@@ -177,6 +197,11 @@ def crossing(
         Their courses differ by equal angles, give or take a quarter of it.
     generator : numpy.random.Generator
         Of place and courses.
+
+    Returns
+    -------
+    ndarray, shape (n_pings, n_targets, 4)
+        x, y, vx, vy, m and m/s.
     """
     bearing = generator.uniform(0.0, 2.0 * np.pi)
     share = np.arange(n_ships) + generator.uniform(-0.25, 0.25, n_ships)
@@ -214,6 +239,11 @@ def wharf(
         Between the reflectors, and of the boat from the row, m.
     generator : numpy.random.Generator
         Of the boat's way: east or west.
+
+    Returns
+    -------
+    ndarray, shape (n_pings, n_targets, 4)
+        x, y, vx, vy, m and m/s.
     """
     way = generator.choice([-1.0, 1.0])
     state = np.zeros((len(times), n_reflectors + 1, 4))
@@ -236,6 +266,11 @@ def within(state: FloatArray, centre: FloatArray, radius: float) -> FloatArray:
         Where the sensor is, m.
     radius : float
         Of its survey, m.
+
+    Returns
+    -------
+    ndarray, shape (n_pings, n_targets, 4)
+        x, y, vx, vy, m and m/s.
     """
     away = state[..., :2] - centre[:, None]
     there = np.hypot(away[..., 0], away[..., 1]) <= radius
@@ -243,7 +278,7 @@ def within(state: FloatArray, centre: FloatArray, radius: float) -> FloatArray:
 
 
 def turned(state: FloatArray, angle: float) -> FloatArray:
-    """Return states, shape (..., 4), turned about the origin by an angle, rad, anticlockwise."""
+    """Return states, shape (..., 4), m and m/s, turned about the origin by an angle, rad."""
     cosine, sine = np.cos(angle), np.sin(angle)
     rotation = np.array([[cosine, sine], [-sine, cosine]])
     return np.concatenate([state[..., :2] @ rotation, state[..., 2:] @ rotation], axis=-1)

@@ -77,9 +77,9 @@ def simulate(
     own_ship : KinematicState
         At the pings, arrays of shape (n_pings, ...).
     true_state : ndarray, shape (n_pings, n_targets, 4)
-        NaN = not there.
+        x, y, vx, vy, m and m/s; NaN = not there.
     detection_probability : ndarray, shape (n_targets,)
-        Of each target.
+        Of each target, a probability.
     generator : numpy.random.Generator
         All randomness.
     """
