@@ -122,7 +122,7 @@ def _past_a_wharf(boat_speed: float) -> Motion:
 
 STRAIGHT_CONDITIONS = (
     *(
-        _straight("straight", STANDARD, v, 80, 200.0)
+        _straight("straight", STANDARD, v, 100, 200.0)
         for v in (0.0, 2.0, 5.0, 9.0, 12.0, 15.0, 20.0)
     ),
     *(_straight("fine sensor", FINE, v, 100, 50.0) for v in (2.0, 9.0, 15.0)),

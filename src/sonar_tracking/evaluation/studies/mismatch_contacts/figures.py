@@ -21,7 +21,7 @@ PANELS = (
     ("held_share", "time maintained", "linear", None),
     ("nees_per_dimension", "NEES per dimension", "log", 1.0),
     ("false_tracks_per_hour", "false tracks an hour", "symlog", None),
-    ("ospa_over_told", "OSPA over that of told", "log", 1.0),
+    ("ospa_over_told", "OSPA over that of told", "linear", 1.0),
 )
 """Metric, label, scale, and where it is right."""
 
@@ -49,8 +49,9 @@ def draw_conditions(path: Path, rows: Sequence[StudyRow]) -> Path:
         if right is not None:
             axes.axvline(right, color="0.6", linewidth=1.0, zorder=0)
     panels[0].set_yticks(np.arange(len(conditions)), conditions)
-    panels[0].invert_yaxis()
-    panels[0].legend(fontsize="small", loc="lower left")
+    panels[0].set_ylim(len(conditions) - 0.5, -0.5)
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=120)
     return path
