@@ -120,10 +120,12 @@ def figures(score: PositionScore, held: HeldIdentities, true_state: FloatArray) 
         "identities_per_target": len(held.confirmed) / score.targets,
     }
     speed = np.hypot(true_state[..., 2], true_state[..., 3])
-    at_rest = np.nanmax(speed, axis=0, initial=0.0) == 0.0
+    present = held.present.any(axis=0)
+    at_rest = present & (np.where(held.present, speed, 0.0).max(axis=0) == 0.0)
+    moving = present & ~at_rest
     if np.any(at_rest):
         claimed = held.speed[:, at_rest][held.held[:, at_rest]]
         metrics["fast_share_of_fixed"] = mean((claimed > FAST).astype(float))
-    if np.any(at_rest) and not np.all(at_rest):
-        metrics["moving_continuity"] = mean(held.continuities()[~at_rest])
+    if np.any(at_rest) and np.any(moving):
+        metrics["moving_continuity"] = mean(held.continuities()[moving])
     return metrics
