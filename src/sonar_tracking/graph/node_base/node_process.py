@@ -19,6 +19,7 @@ from rclpy.signals import SignalHandlerOptions
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.transport_profile import node_environment
 from sonar_tracking.graph.node_base.event_loop import EventLoop
+from sonar_tracking.graph.node_base.no_generators import do_without_generators
 from sonar_tracking.stop_signals import STOP_SIGNALS, never_end
 
 PATIENCE = 0.2
@@ -35,6 +36,7 @@ def run_node(make_node: Callable[[], Node]) -> int:
     process, and the orchestration forwards its own), a callback is never torn apart.
     """
     os.environ.update(node_environment())
+    do_without_generators()
     stop_requested = False
     events: EventLoop | None = None
 

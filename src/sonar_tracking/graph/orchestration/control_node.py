@@ -41,6 +41,7 @@ from sonar_tracking.graph.node_base import quality_of_service
 from sonar_tracking.graph.node_base.diagnostics import MATCHED, NEIGHBOURS, UNEXPECTED
 from sonar_tracking.graph.node_base.event_loop import EventLoop
 from sonar_tracking.graph.node_base.neighbours import Neighbours
+from sonar_tracking.graph.node_base.no_generators import do_without_generators
 from sonar_tracking.graph.node_base.ready_reports import LOOK_PERIOD
 from sonar_tracking.graph.orchestration.finished_stamps import FinishedStamps
 from sonar_tracking.graph.orchestration.flow_ledger import FlowLedger
@@ -110,6 +111,7 @@ class ControlNode:
         self.notices: dict[str, str] = {}
         self.errors: dict[str, str] = {}
         self.finished = FinishedStamps()
+        do_without_generators()
         self._context = Context()
         rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
         self._node = Node(

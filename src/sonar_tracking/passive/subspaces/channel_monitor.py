@@ -143,7 +143,10 @@ def _clipped(amplitudes: FloatArray) -> BoolArray:
 
 def _median(values: FloatArray, of: BoolArray) -> float:
     """Return the median of some of the values; NaN, above and below which is nothing, of none."""
-    return float(np.median(values[of])) if of.any() else np.nan
+    ordered = np.sort(values[of])
+    n = len(ordered)
+    # The median of numpy is the same, but loads its masked arrays and takes three times as long.
+    return 0.5 * float(ordered[(n - 1) // 2] + ordered[n // 2]) if n else np.nan
 
 
 def _notice(element: int, used: bool, what: str) -> Notice:
