@@ -13,6 +13,7 @@ weights those of the single particles, with both the target's and the clutter's 
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
@@ -47,9 +48,14 @@ class ParticleTracks:
         self.used = used
         self._count = configuration.n_particles
         self._motion = ParticleMotion.configured(configuration)
-        self._generator = np.random.default_rng(configuration.seed)
+        self._seed = configuration.seed
         self._clouds: dict[int, ParticleCloud] = {}
         self._densities: dict[int, FloatArray] = {}
+
+    @cached_property
+    def _generator(self) -> np.random.Generator:
+        # Most trackers have no particles, and do without 3 MB of generators.
+        return np.random.default_rng(self._seed)
 
     def predict(self, bank: TrackBank, interval: float) -> TrackBank:
         """Move all clouds and return the bank with their moments.

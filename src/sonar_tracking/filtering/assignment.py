@@ -2,15 +2,22 @@
 
 Shortest augmenting paths with duals: D. F. Crouse, "On implementing 2D rectangular assignment
 algorithms", IEEE Transactions on Aerospace and Electronic Systems 52 (2016), algorithm of section
-II. ``scipy.optimize`` has the same in C++, but takes longer to load than a whole node to start: it
-is used where it is loaded already, and for more than :data:`FEW_COSTS`. Both give the same pairs,
-of equal costs too: the steps, their order and their roundings are the same.
+II. ``scipy.optimize`` has the same in C++, but takes longer to load than a whole node to start, and
+26 MB: it is used where it is loaded already, and its solver alone for more than :data:`FEW_COSTS`.
+Both give the same pairs, of equal costs too: the steps, their order and their roundings are the
+same.
 """
 
 from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Callable
+from functools import cache
+from importlib.machinery import EXTENSION_SUFFIXES, ExtensionFileLoader, FileFinder
+from importlib.util import find_spec, module_from_spec
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +25,9 @@ from sonar_tracking.records.arrays import FloatArray, IndexArray
 
 FEW_COSTS = 1200
 """Up to so many costs the pairs are found here, in half a millisecond."""
+
+SOLVER = "_lsap"
+"""Name of the module of the solver."""
 
 
 def least_cost_pairs(costs: FloatArray) -> tuple[IndexArray, IndexArray]:
@@ -39,9 +49,7 @@ def least_cost_pairs(costs: FloatArray) -> tuple[IndexArray, IndexArray]:
         If a cost is not a number.
     """
     if costs.size > FEW_COSTS or "scipy.optimize" in sys.modules:
-        from scipy.optimize import linear_sum_assignment
-
-        rows, columns = linear_sum_assignment(costs)
+        rows, columns = _solver()(costs)
         return rows, columns
     n_rows, n_columns = costs.shape
     if n_rows <= n_columns:
@@ -56,6 +64,25 @@ def load_solver() -> None:
     """Load the solver of many costs now, so that the first of them need not wait for it."""
     side = math.isqrt(FEW_COSTS) + 1
     least_cost_pairs(np.zeros((side, side)))
+
+
+@cache
+def _solver() -> Callable[[FloatArray], Any]:
+    """Return the solver of scipy, from its own file unless the package is there already."""
+    package = find_spec("scipy")
+    if "scipy.optimize" not in sys.modules and package and package.submodule_search_locations:
+        folder = Path(package.submodule_search_locations[0]) / "optimize"
+        finder = FileFinder(str(folder), (ExtensionFileLoader, EXTENSION_SUFFIXES))
+        found = finder.find_spec(SOLVER)
+        if found is not None and found.loader is not None:
+            module: Any = module_from_spec(found)
+            found.loader.exec_module(module)
+            sys.modules[SOLVER] = module
+            if hasattr(module, "linear_sum_assignment"):
+                return module.linear_sum_assignment
+    from scipy.optimize import linear_sum_assignment
+
+    return linear_sum_assignment
 
 
 def _assigned(costs: list[list[float]], n_columns: int) -> list[int]:

@@ -37,12 +37,11 @@ STAGES = {
 """What each node runs."""
 
 WARM = {
-    "sonar_tracking.passive.lines.band_demodulator_stage:BandDemodulatorStage()": "scipy.special",
-    "sonar_tracking.passive.lines.line_tracker_stage:LineTrackerStage()": "scipy.optimize",
+    "sonar_tracking.passive.lines.line_tracker_stage:LineTrackerStage()": "_lsap",
     "sonar_tracking.active.contact_tracker:"
     "make_contact_tracker(ContactTrackerConfiguration(method='hpda_kalman'))": "scipy.special",
     "sonar_tracking.active.contact_tracker:"
-    "make_contact_tracker(ContactTrackerConfiguration(method='smc_phd'))": "scipy.optimize",
+    "make_contact_tracker(ContactTrackerConfiguration(method='smc_phd'))": "_lsap",
 }
 """What is loaded later than the stage that needs it."""
 

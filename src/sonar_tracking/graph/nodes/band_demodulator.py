@@ -40,10 +40,6 @@ class BandDemodulator(SonarNode):
             self._snapshots.publish(snapshots_to_bytes(block))
         return ()
 
-    def warm_up(self) -> None:
-        """Let the stage load what its first data need."""
-        self._stage.warm_up()
-
     def reset(self) -> None:
         """Begin again with the next block."""
         self._stage.reset()

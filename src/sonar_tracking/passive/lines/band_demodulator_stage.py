@@ -18,7 +18,6 @@ from sonar_tracking.passive.lines.band_demodulator_configuration import (
     BandDemodulatorConfiguration,
 )
 from sonar_tracking.passive.lines.demodulation import Band, Demodulator, design_band
-from sonar_tracking.passive.lines.kaiser_low_pass import load_bessel_function
 from sonar_tracking.passive.lines.sample_frames import check_samples_block, check_unchanged
 from sonar_tracking.passive.subspaces.block_checks import MAXIMUM_RELATIVE_BANDWIDTH
 from sonar_tracking.passive.subspaces.sensor_history import SensorHistory
@@ -48,10 +47,6 @@ class BandDemodulatorStage:
     def __init__(self, configuration: BandDemodulatorConfiguration | None = None) -> None:
         self._configuration = configuration or BandDemodulatorConfiguration()
         self.reset()
-
-    def warm_up(self) -> None:
-        """Load what the first band is designed with before the first data need it."""
-        load_bessel_function()
 
     def reset(self) -> None:
         """Begin again with the next block."""
