@@ -59,25 +59,25 @@ def place_contacts(contacts: Contacts, sound_speed: float) -> PlacedContacts:
     sound_speed : float
         m/s; 0 = the ping takes no time.
     """
-    direction = np.empty((len(contacts.azimuth), 2))
-    np.cos(contacts.azimuth, out=direction[:, 0])
-    np.sin(contacts.azimuth, out=direction[:, 1])
+    x, y = np.cos(contacts.azimuth), np.sin(contacts.azimuth)
     path = 2.0 * contacts.range
-    sensor = np.array(contacts.sensor_position)
+    (sensor_x, sensor_y), (speed_x, speed_y) = contacts.sensor_position, contacts.sensor_velocity
     travel = path / sound_speed if sound_speed > 0.0 else np.zeros_like(path)
-    shift = travel[:, None] * np.array(contacts.sensor_velocity)
-    along = (direction * shift).sum(axis=1)
-    distance = (path**2 - (shift**2).sum(axis=1)) / (2.0 * (path + along))
+    shift_x, shift_y = travel * speed_x, travel * speed_y
+    along = x * shift_x + y * shift_y
+    distance = (path**2 - (shift_x**2 + shift_y**2)) / (2.0 * (path + along))
     delay = (path - distance) / sound_speed if sound_speed > 0.0 else np.zeros_like(path)
+    direction, position = np.empty((len(path), 2)), np.empty((len(path), 2))
+    direction[:, 0], direction[:, 1] = x, y
+    position[:, 0] = sensor_x + shift_x + distance * x
+    position[:, 1] = sensor_y + shift_y + distance * y
     covariance = position_covariance(
         direction,
         distance,
         contacts.range_standard_deviation,
         contacts.azimuth_standard_deviation,
     )
-    return PlacedContacts(
-        sensor + shift + distance[:, None] * direction, covariance, distance, delay
-    )
+    return PlacedContacts(position, covariance, distance, delay)
 
 
 def position_covariance(
