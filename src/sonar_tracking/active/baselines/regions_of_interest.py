@@ -73,10 +73,13 @@ def find_regions(
         for later in range(ping + 1, len(window))
     }
     taken = [np.zeros(len(contacts.distance), dtype=bool) for contacts in window]
+    single = detection_probability * WINDOW < 1.0
     regions = []
     for first, contacts in enumerate(window):
+        after = [near[first, later] for later in range(first + 1, len(window))]
         for start in range(len(contacts.distance)):
-            if taken[first][start]:
+            # Most contacts have none near them.
+            if taken[first][start] or not (single or any(found[start] for found in after)):
                 continue
             chain = [(first, start)]
             for later in range(first + 1, len(window)):
@@ -110,10 +113,13 @@ def _near_contacts(
         high = np.searchsorted(distances, contacts.distance[rows[-1]] + reach)
         columns = np.sort(others_order[low:high])
         along = (others.distance[columns] - contacts.distance[rows, None]) / deviations[0]
-        across = wrap_angle(others.azimuth[columns] - contacts.azimuth[rows, None]) / deviations[1]
-        square = 0.5 * (along**2 + across**2)
-        row, column = np.nonzero(square < limit)
-        nearest = np.lexsort((square[row, column], row))
+        row, column = np.nonzero(0.5 * along**2 < limit)
+        turn = others.azimuth[columns[column]] - contacts.azimuth[rows[row]]
+        across = wrap_angle(turn) / deviations[1]
+        square = 0.5 * (along[row, column] ** 2 + across**2)
+        inside = np.flatnonzero(square < limit)
+        row, column, square = row[inside], column[inside], square[inside]
+        nearest = np.lexsort((square, row))
         pairs = zip(rows[row[nearest]].tolist(), columns[column[nearest]].tolist(), strict=True)
         for contact, other in pairs:
             near[contact].append(other)
