@@ -127,13 +127,13 @@ def predict_cloud(
     rates = TURN_DIRECTIONS.take(mode) * motion.lateral_acceleration / speed
     sine_over, versine_over, cosine, sine = turn_coefficients(rates, interval)
     noise = motion.acceleration_deviation * generator.standard_normal((count, 2))
+    noise_x, noise_y = np.ascontiguousarray(noise.T)
+    half = 0.5 * interval**2
     state = np.empty_like(cloud.state)
-    state[:, 0] = x + sine_over * vx - versine_over * vy
-    state[:, 1] = y + versine_over * vx + sine_over * vy
-    state[:, 2] = cosine * vx - sine * vy
-    state[:, 3] = sine * vx + cosine * vy
-    state[:, :2] += 0.5 * interval**2 * noise
-    state[:, 2:] += interval * noise
+    state[:, 0] = x + sine_over * vx - versine_over * vy + half * noise_x
+    state[:, 1] = y + versine_over * vx + sine_over * vy + half * noise_y
+    state[:, 2] = cosine * vx - sine * vy + interval * noise_x
+    state[:, 3] = sine * vx + cosine * vy + interval * noise_y
     return ParticleCloud(state, mode, cloud.weight)
 
 
