@@ -47,7 +47,7 @@ def established(status: CodeArray) -> BoolArray:
     ndarray of bool, shape (n_tracks,)
         True for confirmed and coasted tracks.
     """
-    return np.isin(status, (TrackStatus.CONFIRMED, TrackStatus.COASTED))
+    return (status == int(TrackStatus.CONFIRMED)) | (status == int(TrackStatus.COASTED))
 
 
 @dataclass(frozen=True)

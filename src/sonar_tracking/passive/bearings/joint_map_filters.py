@@ -11,7 +11,7 @@ done again, with what the turn has added since it began.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -217,9 +217,12 @@ def _densities(level: IntArray, steady: float, turning: float) -> FloatArray:
     return steady ** (1.0 - share) * turning**share
 
 
+@lru_cache(maxsize=64)
 def _rows(n_targets: int) -> IntArray:
     """Return where angle and rate of each target stand in the state, shape (n_targets, 2)."""
-    return np.stack([np.arange(n_targets), n_targets + np.arange(n_targets)], axis=-1)
+    rows = np.stack([np.arange(n_targets), n_targets + np.arange(n_targets)], axis=-1)
+    rows.setflags(write=False)
+    return rows
 
 
 def _equivalent_measurement(

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -25,8 +26,7 @@ LEVELS_DB = (0.0, -3.0, -5.0, -8.0)
 ELEMENTS = (15, 32, 64)
 
 BLOCK_SNAPSHOTS = 1000
-"""3 s of data together: ten times as many as in a block of the scenario, and few enough for the
-memory of all runs of a batch."""
+"""Fifty times as many as in a block of the scenario, and few enough for the memory of all runs."""
 
 
 @dataclass(frozen=True)
@@ -157,11 +157,16 @@ def start_chains(condition: StartCondition, seeds: Sequence[int]) -> tuple[Offli
                 tracked = tracker.update(estimates)
                 tracks[run].append(tracked.tracks)
                 notices[run].extend(tracked.notices)
-    truth = block_truth(scenario)
+    truth = _truth(condition)
     return tuple(
         OfflineRun(truth, tuple(own), tuple(told))
         for own, told in zip(tracks, notices, strict=True)
     )
+
+
+@lru_cache(maxsize=len(CONDITIONS))
+def _truth(condition: StartCondition) -> tuple[BearingTracks, ...]:
+    return block_truth(condition.scenario(0))
 
 
 def count_differences(
