@@ -112,7 +112,7 @@ def _past_a_wharf(boat_speed: float) -> Motion:
         partial(
             wharf,
             boat_speed=boat_speed,
-            distance=1500.0,
+            centre=(1000.0, 1500.0),
             n_reflectors=N_REFLECTORS,
             spacing=30.0,
             passing_distance=20.0,

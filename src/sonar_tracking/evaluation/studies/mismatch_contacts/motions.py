@@ -217,13 +217,13 @@ def crossing(
 def wharf(
     times: FloatArray,
     boat_speed: float,
-    distance: float,
+    centre: tuple[float, float],
     n_reflectors: int,
     spacing: float,
     passing_distance: float,
     generator: np.random.Generator,
 ) -> FloatArray:
-    """Return reflectors at rest in a row north of the origin, and last a boat that passes them.
+    """Return reflectors at rest in a row from west to east, and last a boat that passes them.
 
     Parameters
     ----------
@@ -231,8 +231,8 @@ def wharf(
         s.
     boat_speed : float
         m/s.
-    distance : float
-        Of the row from the origin, m.
+    centre : tuple of float
+        Of the row, m.
     n_reflectors : int
         Of the row.
     spacing, passing_distance : float
@@ -247,10 +247,10 @@ def wharf(
     """
     way = generator.choice([-1.0, 1.0])
     state = np.zeros((len(times), n_reflectors + 1, 4))
-    state[:, :-1, 0] = spacing * (np.arange(n_reflectors) - 0.5 * (n_reflectors - 1))
-    state[:, :-1, 1] = distance
-    state[:, -1, 0] = way * boat_speed * (times - 0.5 * times[-1])
-    state[:, -1, 1] = distance - passing_distance
+    state[..., :2] = centre
+    state[:, :-1, 0] += spacing * (np.arange(n_reflectors) - 0.5 * (n_reflectors - 1))
+    state[:, -1, 0] += way * boat_speed * (times - 0.5 * times[-1])
+    state[:, -1, 1] -= passing_distance
     state[:, -1, 2] = way * boat_speed
     return state
 
