@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.stats import poisson
 
 from sonar_tracking.evaluation.monte_carlo.batch_runner import RunBatch
 from sonar_tracking.evaluation.monte_carlo.study import StudyRow
@@ -16,6 +17,7 @@ from sonar_tracking.evaluation.studies.detection_threshold.runs import (
     SYSTEMS,
     ThresholdRuns,
     ThresholdSystem,
+    poisson_quantile,
     riccati_error,
     threshold_batch,
     track,
@@ -82,6 +84,15 @@ def test_runs_are_reproducible_and_systems_share_the_target() -> None:
     first, _ = track(SCENES[1], SYSTEMS[3], seed)
     again, _ = track(SCENES[1], SYSTEMS[3], seed)
     assert np.array_equal(first, again)
+
+
+@pytest.mark.parametrize("mean", [1e-3, 0.1, 1.0, 7.3, 300.0])
+def test_counts_are_poisson_quantiles(mean: float) -> None:
+    """Between the steps of the distribution, and at them."""
+    at_steps = poisson.cdf(np.arange(12), mean)
+    drawn = np.random.default_rng(1).random(200)
+    for probability in (*drawn, *at_steps[(at_steps > 0.0) & (at_steps < 1.0)]):
+        assert poisson_quantile(probability, mean) == poisson.ppf(probability, mean)
 
 
 def test_a_lost_run_is_counted_and_left_out_of_the_kept() -> None:

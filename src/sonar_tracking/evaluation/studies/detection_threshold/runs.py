@@ -16,7 +16,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import poisson
+from scipy.special import pdtr, pdtrik
 
 from sonar_tracking.active.detection.detection_threshold import (
     GATE_SIZE,
@@ -243,7 +243,7 @@ def _contacts(
 ) -> tuple[FloatArray, FloatArray]:
     """Return positions and amplitudes inside the gate, the target's first if it is there."""
     noise, level = generator.normal(0.0, POSITION_DEVIATION, 2), generator.exponential()
-    count = int(poisson.ppf(generator.random(), LIMITS.maximum * cells))
+    count = poisson_quantile(generator.random(), LIMITS.maximum * cells)
     # Row by row: a larger gate of another system sees the same first points.
     disc = generator.random((count, 3))
     radius, angle = np.sqrt(disc[:, 0]), 2.0 * np.pi * disc[:, 1]
@@ -256,6 +256,22 @@ def _contacts(
     distance = np.sum(innovations * np.linalg.solve(gate.spread, innovations.T).T, axis=1)
     inside = distance < GATE_SIZE**2
     return points[inside], amplitudes[inside]
+
+
+def poisson_quantile(probability: float, mean: float) -> int:
+    """Return the least count that is not exceeded with a probability.
+
+    As ``scipy.stats.poisson.ppf``, whose checks of its arguments take longer than all else.
+
+    Parameters
+    ----------
+    probability : float
+        Above 0, below 1.
+    mean : float
+        Mean count, positive.
+    """
+    count = int(np.ceil(pdtrik(probability, mean)))
+    return count - 1 if count > 0 and pdtr(count - 1, mean) >= probability else count
 
 
 def _associate(
