@@ -113,4 +113,5 @@ def test_study_is_known_by_name_and_draws(
     pictures = DETECTION_THRESHOLD.draw(results, rows, tmp_path)
     assert len(pictures) == 2
     assert all(picture.stat().st_size > 10_000 for picture in pictures)
-    assert len(DETECTION_THRESHOLD.tasks(21, 1)) == 2
+    runs = [len(task.argument.seeds) for task in DETECTION_THRESHOLD.tasks(21, 1)]
+    assert runs == [5, 5, 5, 5, 1]
