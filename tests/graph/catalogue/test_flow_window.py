@@ -6,9 +6,12 @@ import math
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from sonar_tracking.graph.catalogue.flow_window import (
-    LONG_WINDOW,
+    LONGEST_WINDOW,
+    SEGMENT_BYTES,
     SHORT_WINDOW,
     VARIABLE,
     depth_for,
@@ -23,9 +26,16 @@ from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
 
 
 def test_the_window_is_long_where_messages_are_small_and_nothing_waits_for_the_wall() -> None:
-    assert flow_window(math.inf, LARGE_MESSAGE_BYTES - 1) == LONG_WINDOW
+    assert flow_window(math.inf, 0) == flow_window(math.inf, 3000) == LONGEST_WINDOW
     assert flow_window(math.inf, LARGE_MESSAGE_BYTES) == SHORT_WINDOW
     assert flow_window(100.0, 1000) == SHORT_WINDOW
+
+
+@given(st.integers(1, 10_000_000))
+def test_a_long_window_fits_into_shared_memory(size: int) -> None:
+    window = flow_window(math.inf, size)
+    assert window in range(SHORT_WINDOW, LONGEST_WINDOW + 1, SHORT_WINDOW)
+    assert window == SHORT_WINDOW or window * size <= SEGMENT_BYTES
 
 
 def test_a_node_started_by_hand_has_the_short_window(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -35,7 +45,7 @@ def test_a_node_started_by_hand_has_the_short_window(monkeypatch: pytest.MonkeyP
     assert own_flow_window() == 16 and own_report_pause() > 0.0
 
 
-@pytest.mark.parametrize(("rate", "depth"), [(1.0, 10), (math.inf, 40)])
+@pytest.mark.parametrize(("rate", "depth"), [(1.0, 10), (math.inf, 70)])
 def test_every_node_of_a_run_has_its_window_and_room_for_it(
     rate: float, depth: int, tmp_path: Path
 ) -> None:

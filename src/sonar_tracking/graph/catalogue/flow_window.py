@@ -1,9 +1,9 @@
 """How far the data may be ahead of the slowest node of a run. No ROS import.
 
 Every report of a node and every tick of the clock stands for half a window. At full speed they cost
-as much as the data themselves, unless the window is long; but what is in it is in memory, several
-times over, so that large messages have the short one. At the pace of the data there is nothing to
-gain: the clock waits for the wall.
+as much as the data themselves, unless the window is long; but what is in it has to fit into the
+shared memory of its publisher. At the pace of the data there is nothing to gain: the clock waits
+for the wall.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ from __future__ import annotations
 import math
 import os
 
-from sonar_tracking.graph.catalogue.transport_profile import LARGE_MESSAGE_BYTES
-
-SHORT_WINDOW = 4
-LONG_WINDOW = 16
+SHORT_WINDOW, LONGEST_WINDOW = 4, 32
 """Most blocks between the clock and the slowest consumer."""
+
+SEGMENT_BYTES = 400_000
+"""What fits into the shared memory of a publisher that has no segment for large messages."""
 
 _REPORT_PAUSE = 0.2
 
@@ -33,8 +33,10 @@ def flow_window(rate: float, largest_message_bytes: int) -> int:
     largest_message_bytes : int
         Size of the largest message of the graph.
     """
-    is_long = math.isinf(rate) and largest_message_bytes < LARGE_MESSAGE_BYTES
-    return LONG_WINDOW if is_long else SHORT_WINDOW
+    if not math.isinf(rate):
+        return SHORT_WINDOW
+    fitting = SEGMENT_BYTES // max(1, largest_message_bytes)
+    return max(SHORT_WINDOW, min(LONGEST_WINDOW, fitting // SHORT_WINDOW * SHORT_WINDOW))
 
 
 def own_flow_window() -> int:

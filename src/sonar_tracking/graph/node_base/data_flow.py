@@ -26,6 +26,7 @@ from sonar_tracking.graph.node_base.progress_reporter import ProgressReporter
 from sonar_tracking.graph.node_base.stamp_check import StampCheck, Verdict, seconds_text
 from sonar_tracking.graph.node_base.stamp_guard import StampGuard
 from sonar_tracking.message_reading.field_reading import stamp_from_time
+from sonar_tracking.message_reading.snapshot_bytes import SnapshotBytes
 from sonar_tracking.records.time import UNKNOWN_STAMP
 
 
@@ -91,7 +92,7 @@ class Received:
     stamp, next_stamp : int
         Of the message, ns.
     message : message
-        As received.
+        As received; of one whose content is known already, its sensor.
     record : object or None
         What it carries; None = it could not be converted.
     rejection : str
@@ -104,6 +105,11 @@ class Received:
     message: Any
     record: Any
     rejection: str = ""
+
+    @property
+    def sensor_id(self) -> str:
+        """Name of the sensor; messages of other packages, such as Odometry, have none."""
+        return getattr(self.message, "sensor_id", "")
 
 
 class DataInput:
@@ -151,12 +157,14 @@ class DataInput:
         self._reset_after = reset_after
         self._convert = convert
         self._progress = progress
+        self._class = _used_class(topic.message_type)
         self.subscription = node.create_subscription(
-            _used_class(topic.message_type),
+            self._class,
             topic.name,
             lambda message: receive(self, message),
             quality_of_service.subscription_profile(depth),
             qos_overriding_options=overriding,
+            raw=isinstance(convert, SnapshotBytes),
         )
         self.name: str = self.subscription.topic_name
         self.guard = StampGuard(self.name, reset_after)
@@ -187,8 +195,7 @@ class DataInput:
         check = self.guard.check(
             stamp,
             received.next_stamp,
-            # Messages of other packages, such as Odometry, have no sensor.
-            getattr(received.message, "sensor_id", ""),
+            received.sensor_id,
             usable=not received.rejection,
         )
         self.rejected += check.dropped
@@ -213,6 +220,8 @@ class DataInput:
 
     def _read(self, message: Any) -> Received:
         """Return a message with its record, or with the reason why it has none."""
+        if isinstance(message, bytes):
+            return self._read_bytes(message)
         stamp = stamp_from_time(message.header.stamp)
         # Messages of other packages have no watermark.
         next_stamp = stamp_from_time(getattr(message, "next_stamp", Time()))
@@ -225,9 +234,26 @@ class DataInput:
             reason = f"its values cannot be computed with ({type(error).__name__}: {error})"
             return Received(self, stamp, next_stamp, message, None, reason)
 
+    def _read_bytes(self, data: bytes) -> Received:
+        """Return a serialised message with its record; most of it may be known already."""
+        known = self._convert.record(data) if isinstance(self._convert, SnapshotBytes) else None
+        if known is not None:
+            return Received(self, known.stamp, known.next_stamp, known.sensor, known)
+        try:
+            message = deserialize_message(data, self._class)
+        except Exception as error:
+            reason = f"its {len(data)} bytes are no such message ({error})"
+            return Received(self, head_stamp(data), UNKNOWN_STAMP, data, None, reason)
+        received = self._read(message)
+        if isinstance(self._convert, SnapshotBytes) and not received.rejection:
+            self._convert.learn(data, received.record)
+        return received
+
     @staticmethod
     def read_stamp(message: Any) -> int:
         """Return the stamp of a message, ns."""
+        if isinstance(message, bytes):
+            return head_stamp(message)
         return stamp_from_time(message.header.stamp)
 
     def finish(self, stamp: int) -> None:

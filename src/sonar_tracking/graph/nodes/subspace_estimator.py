@@ -13,7 +13,7 @@ from sonar_tracking.graph.message_writing import array_writing
 from sonar_tracking.graph.node_base.event_time_join import JoinedItem
 from sonar_tracking.graph.node_base.node_process import run_node
 from sonar_tracking.graph.node_base.sonar_node import SonarNode
-from sonar_tracking.message_reading.array_reading import snapshots_from_message
+from sonar_tracking.message_reading.snapshot_bytes import SnapshotBytes
 from sonar_tracking.passive.subspaces.subspace_configuration import SubspaceConfiguration
 from sonar_tracking.passive.subspaces.subspace_stage import SubspaceStage
 
@@ -30,7 +30,7 @@ class SubspaceEstimator(SonarNode):
         configuration = self.configuration(SubspaceConfiguration, check=SubspaceStage)
         self._stage = SubspaceStage(configuration)
         self._subspaces = self.data_publisher(SUBSPACES)
-        self.data_subscriptions({SNAPSHOTS: snapshots_from_message})
+        self.data_subscriptions({SNAPSHOTS: SnapshotBytes()})
 
     def process(self, item: JoinedItem, records: Mapping[str, Any]) -> Iterable[Notice]:
         """Feed one block and publish every estimate it completes."""
