@@ -52,6 +52,7 @@ def test_every_target_is_found_soon_and_nothing_else(result: StartRuns) -> None:
 
 
 def test_identifiers_are_never_reused(result: StartRuns) -> None:
+    assert result.example is not None
     _, tracks = result.example
     ended: set[int] = set()
     for entry in tracks:
@@ -61,6 +62,7 @@ def test_identifiers_are_never_reused(result: StartRuns) -> None:
 
 
 def test_count_differences_tell_tracks_from_targets(result: StartRuns) -> None:
+    assert result.example is not None
     truth, tracks = result.example
     without = [replace(entry, status=np.zeros_like(entry.status)) for entry in tracks]
     differences = count_differences(truth, without)
@@ -69,9 +71,10 @@ def test_count_differences_tell_tracks_from_targets(result: StartRuns) -> None:
 
 
 def test_figure_of_each_array(result: StartRuns, tmp_path: Path) -> None:
+    later = replace(result, example=None)  # of a task that has not the first run
     part = replace(result, condition=replace(CONDITION, n_elements=32))
     other = replace(result, condition=replace(CONDITION, n_elements=64))
-    results = [result, part, other]
+    results = [result, later, part, other]
     pictures = draw(results, rows(results), tmp_path)
     assert all(path.stat().st_size > 1000 for path in pictures)
     assert len(pictures) == 3

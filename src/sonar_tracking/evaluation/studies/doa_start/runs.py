@@ -108,13 +108,13 @@ class StartRuns:
         The condition.
     runs : tuple of StartRun
         One a run.
-    example : tuple of tuple of BearingTracks
-        True bearings and tracks of the first run, for the figure.
+    example : tuple of tuple of BearingTracks, or None
+        True bearings and tracks of the first run of the study, for the figure.
     """
 
     condition: StartCondition
     runs: tuple[StartRun, ...]
-    example: tuple[tuple[BearingTracks, ...], tuple[BearingTracks, ...]]
+    example: tuple[tuple[BearingTracks, ...], tuple[BearingTracks, ...]] | None
 
 
 def start_batch(task: StartBatch) -> StartRuns:
@@ -129,7 +129,8 @@ def start_batch(task: StartBatch) -> StartRuns:
         task.condition, [int(seed.generate_state(1)[0]) for seed in task.batch.seeds]
     )
     runs = tuple(_scored(chain) for chain in chains)
-    return StartRuns(task.condition, runs, (chains[0].truth, chains[0].tracks))
+    example = (chains[0].truth, chains[0].tracks) if task.batch.first_run == 0 else None
+    return StartRuns(task.condition, runs, example)
 
 
 def start_chains(condition: StartCondition, seeds: Sequence[int]) -> tuple[OfflineRun, ...]:

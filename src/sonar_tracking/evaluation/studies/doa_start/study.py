@@ -95,8 +95,8 @@ def draw(
     for n_elements in dict.fromkeys(condition.n_elements for condition in CONDITIONS):
         shown = {
             part.condition: part.example
-            for part in reversed(results)
-            if part.condition.n_elements == n_elements
+            for part in results
+            if part.condition.n_elements == n_elements and part.example is not None
         }
         conditions = [condition for condition in CONDITIONS if condition in shown]
         figure, panels = plt.subplots(
