@@ -63,13 +63,13 @@ def associate_ranked(
         own = rows[free[pairs.contact[rows]]]
         if not len(own):
             continue
-        track = pairs.track[own]
-        first = np.flatnonzero(np.diff(track, prepend=-1))
-        track = track[first]
+        left = pairs.keep(own)
+        first = left.first_of_each_track()
+        track = left.track[first]
         outcome = associate_gates_by_rank(
             first,
             evidence.density[own, 0],
-            amplitudes[pairs.contact[own]],
+            amplitudes[left.contact],
             evidence.clutter_density[own],
             gate_volume[track],
             detection_probability[track],
@@ -95,7 +95,7 @@ def _rounds_of_choice(bank: TrackBank, pairs: GatePairs) -> Iterator[IndexArray]
     before it that it shares a contact with.
     """
     first = np.searchsorted(pairs.track, np.arange(len(bank) + 1))
-    tracks = np.flatnonzero(np.diff(first))
+    tracks = np.flatnonzero(first[1:] != first[:-1])
     order = tracks[np.lexsort((-bank.existence[tracks], ~bank.confirmed[tracks]))]
     contacts, bounds = pairs.contact.tolist(), first.tolist()
     last_round: dict[int, int] = {}

@@ -63,7 +63,7 @@ def associate_gates_by_rank(
     signal_to_noise_ratio_linear : float
         SNR as a power ratio, not in dB.
     """
-    counts = np.diff(np.append(first, len(densities)))
+    counts = np.append(first[1:], len(densities)) - first
     gate = np.arange(len(first)).repeat(counts)
     in_gate = detection_probability * PROBABILITY_IN_GATE
     density = np.add.reduceat(clutter_density, first) / counts

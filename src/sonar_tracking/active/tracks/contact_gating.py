@@ -103,9 +103,9 @@ class GatePairs:
     track: IndexArray
     contact: IndexArray
 
-    def keep(self, mask: BoolArray) -> GatePairs:
-        """Return some of the pairs, by a mask, shape (n_pairs,)."""
-        return GatePairs(self.track[mask], self.contact[mask])
+    def keep(self, rows: BoolArray | IndexArray) -> GatePairs:
+        """Return some of the pairs, by a mask, shape (n_pairs,), or by rows, shape (n_kept,)."""
+        return GatePairs(self.track[rows], self.contact[rows])
 
     def first_of_each_track(self) -> IndexArray:
         """Return the rows of the pairs at which another track begins, shape (n_tracks,)."""
