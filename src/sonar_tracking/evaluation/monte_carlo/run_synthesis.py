@@ -8,6 +8,7 @@ trackers on the same data, do not depend on luck.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -23,6 +24,9 @@ from sonar_tracking.simulation.signals.snapshot_synthesis import (
     synthesize_snapshots,
 )
 from sonar_tracking.simulation.signals.source_signals import SourceSignals
+
+START_SECONDS = 2.0
+"""At the beginning, in which long blocks are as short as those of the scenario."""
 
 
 def true_bearings(scenario: Scenario, times: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -106,8 +110,8 @@ def long_blocks(
 
     They are those of :class:`~sonar_tracking.simulation.sensors.array_simulation.ArraySimulation`,
     bit for bit, of white noise and signals whose phases do not change from block to block. What all
-    runs have in common is made once. The last block is no longer than one of the scenario, so that
-    stages find the same begun windows at the end.
+    runs have in common is made once. The first and the last blocks are those of the scenario: what
+    a stage finds out at its start, and windows begun at the end, depend on where blocks end.
 
     Parameters
     ----------
@@ -127,10 +131,7 @@ def long_blocks(
     sequences = [np.random.SeedSequence(seed).spawn(2) for seed in seeds]
     generators = [np.random.default_rng(data) for data, _ in sequences]
     signals = [SourceSignals(scenario.targets, np.random.default_rng(p)) for _, p in sequences]
-    n_snapshots = round(scenario.duration * array.snapshot_rate)
-    last_begin = (n_snapshots - 1) // array.block_snapshots * array.block_snapshots
-    for first in (*range(0, last_begin, block_snapshots), last_begin):
-        end = n_snapshots if first == last_begin else min(first + block_snapshots, last_begin)
+    for first, end in pairwise(_block_ends(scenario, block_snapshots)):
         times = scenario.start + np.arange(first, end) / array.snapshot_rate
         shape = (end - first, signals[0].n_waveforms + len(positions))
         drawn = np.stack([circular_gaussian(generator, shape) for generator in generators])
@@ -150,15 +151,27 @@ def long_blocks(
             center_frequency=array.center_frequency,
             bandwidth=array.bandwidth,
             sound_speed=array.sound_speed,
-            next_stamp=END_OF_DATA if end == n_snapshots else scenario.stamp(after),
+            next_stamp=END_OF_DATA if end == _n_snapshots(scenario) else scenario.stamp(after),
             sensor=array_sensor_at(scenario, begin),
         )
+
+
+def _n_snapshots(scenario: Scenario) -> int:
+    return round(scenario.duration * scenario.array.snapshot_rate)
+
+
+def _block_ends(scenario: Scenario, block_snapshots: int) -> list[int]:
+    """Return where blocks begin, and where the last one ends."""
+    own, n_snapshots = scenario.array.block_snapshots, _n_snapshots(scenario)
+    last = (n_snapshots - 1) // own * own
+    start = min(round(START_SECONDS * scenario.array.snapshot_rate) // own * own, last)
+    return [*range(0, start, own), *range(start, last, block_snapshots), last, n_snapshots]
 
 
 def block_truth(scenario: Scenario) -> tuple[BearingTracks, ...]:
     """Return the true bearings at the beginning of each block of a scenario, whatever its seed."""
     rate, n_block = scenario.array.snapshot_rate, scenario.array.block_snapshots
-    begins = np.arange(0, round(scenario.duration * rate), n_block)
+    begins = np.arange(0, _n_snapshots(scenario), n_block)
     times = scenario.start + begins / rate
     angles, rates = true_bearings(scenario, times)
     stamps = [*(scenario.stamp(float(time)) for time in times[1:]), END_OF_DATA]
