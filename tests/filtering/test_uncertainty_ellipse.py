@@ -67,3 +67,8 @@ def test_the_outline_begins_and_ends_on_the_major_axis() -> None:
     expected = [along, across, -along, -across, along]
     np.testing.assert_allclose(outline - [100.0, -50.0], expected, atol=1e-12)
     assert ellipse.outline(np.zeros(2)).shape == (73, 2)
+
+
+@pytest.mark.parametrize(("least", "proper"), [(-0.9e-9, True), (-1.1e-9, False)])
+def test_a_billionth_below_zero_is_rounding(least: float, proper: bool) -> None:
+    assert (uncertainty_ellipse(np.diag([4.0, 4.0 * least])) is not None) == proper

@@ -71,7 +71,7 @@ def uncertainty_ellipse(
     if not np.isfinite(position).all():
         return None
     values, vectors = np.linalg.eigh(position)
-    if values[0] < -1e-9 * abs(values[1]) or values[1] <= 0.0:
+    if values[1] <= 0.0 or values[0] < -1e-9 * values[1]:
         return None
     minor, major = np.sqrt(-2.0 * math.log1p(-probability) * np.maximum(values, 0.0))
     azimuth = math.atan2(vectors[1, 1], vectors[0, 1])

@@ -62,7 +62,7 @@ def test_parts_that_do_not_fit_are_refused(changes: dict[str, object], sentence:
         changed(4, 7, 0.2),  # without its mirror image
         changed(4, 4, 1.0 + 0.1j),  # a power is real
         changed(4, 4, -0.1),  # and not below zero
-        changed(4, 7, 2e-6),
+        changed(4, 7, 1.1e-6),
     ],
 )
 def test_a_covariance_is_hermitian_with_powers_on_its_diagonal(covariance: np.ndarray) -> None:
@@ -70,7 +70,7 @@ def test_a_covariance_is_hermitian_with_powers_on_its_diagonal(covariance: np.nd
         check_estimates(estimates_of(covariance))
 
 
-@pytest.mark.parametrize(("entry", "refused"), [(1.0 - 1e-9, False), (1.0 + 1e-5, True)])
+@pytest.mark.parametrize(("entry", "refused"), [(1.0 + 0.9e-6, False), (1.0 + 1.1e-6, True)])
 def test_two_elements_are_no_more_alike_than_the_same(entry: float, refused: bool) -> None:
     covariance = changed(4, 7, 1j * entry) + changed(7, 4, -1j * entry) - UNIT
     if refused:
@@ -81,4 +81,12 @@ def test_two_elements_are_no_more_alike_than_the_same(entry: float, refused: boo
 
 
 def test_rounding_is_no_asymmetry() -> None:
-    check_estimates(estimates_of(1e6 * changed(4, 7, 5e-7 + 0.0j)))
+    check_estimates(estimates_of(1e6 * changed(4, 7, 0.9e-6 + 0.0j)))
+
+
+def test_the_runs_of_a_batch_are_checked_together() -> None:
+    runs = np.stack([UNIT, 2.0 * UNIT, changed(3, 3, 0.0)])
+    estimates = estimates_of(runs, basis=np.stack([np.eye(15, 2)[None]] * 3))
+    check_estimates(estimates)
+    with pytest.raises(InputError, match="negative power"):
+        check_estimates(replace(estimates, covariance=np.stack([UNIT, UNIT, -0.1 * UNIT])))

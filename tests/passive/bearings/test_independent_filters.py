@@ -50,6 +50,14 @@ def test_a_measurement_without_variance_is_not_used() -> None:
     ]
 
 
+def test_one_unknown_variance_of_two_stops_both() -> None:
+    both = BearingMeasurement(np.zeros(2), np.zeros(2), np.array([1.0, np.nan]), 0.0)
+    filters = IndependentFilters(GIVEN, lambda *_: (both, ()))
+    two = filters.extend(TARGET, TARGET)
+    after = filters.update(two, estimates_of(None), None)
+    assert after.filters is two and after.measurement is None
+
+
 def test_rows_are_added_kept_and_predicted() -> None:
     filters = fused_subspace_filters(GIVEN)
     second = KalmanState(np.array([[0.5, -0.1]]), np.array([np.diag([9.0, 2.0])]))

@@ -25,11 +25,13 @@ def covariance_of(sines: list[float], sources: np.ndarray, noise: np.ndarray) ->
     return np.asarray(vectors @ sources @ vectors.conj().T + noise)
 
 
-def found(sines: list[float], ratios: list[float], tracked: np.ndarray = NOBODY) -> list[float]:
+def found(
+    sines: list[float], ratios: list[float], tracked: np.ndarray = NOBODY, smooth: bool = False
+) -> list[float]:
     """Return the sines of the new bearings of incoherent sources."""
     covariance = covariance_of(sines, np.diag(ratios), np.eye(15))
     estimates = estimates_of(covariance)
-    angles, variances = new_bearings(estimates, covariance, len(sines), tracked, False)
+    angles, variances = new_bearings(estimates, covariance, len(sines), tracked, smooth)
     assert len(angles) == len(variances)
     return np.sin(angles).round(6).tolist()
 
@@ -90,3 +92,10 @@ def test_without_noise_power_nothing_is_told() -> None:
     covariance = covariance_of([0.0], np.eye(1), np.eye(15))
     estimates = estimates_of(covariance, noise_power=np.array(np.nan))
     assert [len(one) for one in new_bearings(estimates, covariance, 1, NOBODY, False)] == [0, 0]
+
+
+@pytest.mark.parametrize("n_sources", [9, 10])
+def test_as_many_sources_as_a_sub_array_has_elements_need_the_whole_array(n_sources: int) -> None:
+    """Ten of fifteen: a smoothed covariance of ten elements would have no noise left."""
+    sines = [2.0 * k / 15.0 for k in range(-5, n_sources - 5)]
+    assert found(sines, [1.0] * n_sources, smooth=True) == pytest.approx(sines, abs=1e-5)

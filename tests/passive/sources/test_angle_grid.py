@@ -52,6 +52,18 @@ def test_a_line_is_looked_at_from_end_to_end_sixteen_times_a_beam(spacing: float
     assert sines[0] + 1.0 < most and 1.0 - sines[-1] < most
 
 
+@pytest.mark.parametrize("wavenumber", [WAVENUMBER, 1.37 * WAVENUMBER])
+@pytest.mark.parametrize("n_elements", [5, 8, 9])
+def test_a_circle_is_looked_at_all_round_sixteen_times_a_beam(
+    n_elements: int, wavenumber: float
+) -> None:
+    positions = circle(n_elements)
+    angles = angle_grid(positions, wavenumber).angles
+    step = np.diff(angles).max()
+    assert step <= beamwidth(positions, wavenumber) / 16.0
+    assert angles[-1] - angles[0] + step == pytest.approx(2.0 * np.pi)
+
+
 def test_uniform_lines_need_no_steering_vectors() -> None:
     assert isinstance(angle_grid(line_array(512, 0.5), WAVENUMBER), UniformLineGrid)
     assert isinstance(angle_grid(circle(8), WAVENUMBER), SteeredGrid)

@@ -136,6 +136,16 @@ def test_a_circle_is_looked_at_all_round(angle_deg: float) -> None:
     assert found == pytest.approx([angle_deg], abs=1e-4)
 
 
+@pytest.mark.parametrize("end", [0, -1])
+def test_sources_in_the_first_and_last_direction_of_the_grid_are_found(end: int) -> None:
+    around = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
+    positions = np.stack([0.5 * np.sin(around), 0.5 * np.cos(around), 0.0 * around], axis=1)
+    angle = angle_grid(positions, WAVENUMBER).angles[[end]]
+    vectors = steering_vectors(positions, angle, WAVENUMBER)
+    found = music_bearings(5.0 * vectors @ vectors.conj().T + np.eye(8), 1, positions, WAVENUMBER)
+    assert found == pytest.approx(angle, abs=1e-9)
+
+
 def test_of_more_valleys_than_sources_the_deepest_are_taken() -> None:
     angles = np.radians([-40.0, 10.0])
     vectors = steering_vectors(POSITIONS, angles, WAVENUMBER)
