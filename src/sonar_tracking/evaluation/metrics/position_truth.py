@@ -81,7 +81,8 @@ class PositionTruth:
 
 def _placed(sample: PositionTracks) -> PositionTracks:
     """Return the targets of a sample whose position is known."""
-    return sample.selected(np.all(np.isfinite(sample.state[:, :2]), axis=-1))
+    known = np.all(np.isfinite(sample.state[:, :2]), axis=-1)
+    return sample if known.all() else sample.selected(known)
 
 
 def _between(before: PositionTracks, after: PositionTracks, stamp: int) -> TruePositions:
