@@ -18,6 +18,7 @@ from typing import Any
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.context import Context
+from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.signals import SignalHandlerOptions
@@ -39,7 +40,6 @@ from sonar_tracking.graph.message_writing.field_writing import message_class, ti
 from sonar_tracking.graph.message_writing.progress_writing import ProgressWriter
 from sonar_tracking.graph.node_base import quality_of_service
 from sonar_tracking.graph.node_base.diagnostics import MATCHED, NEIGHBOURS, UNEXPECTED
-from sonar_tracking.graph.node_base.event_loop import EventLoop
 from sonar_tracking.graph.node_base.neighbours import Neighbours
 from sonar_tracking.graph.node_base.no_generators import do_without_generators
 from sonar_tracking.graph.node_base.ready_reports import LOOK_PERIOD
@@ -105,6 +105,7 @@ class ControlNode:
         self._neighbours_by_name = {**self._nodes, control: CONTROL_NODE}
         self._told: int | None = None
         self._looked = -math.inf
+        self._has_news = False
         self._observed: dict[str, int] = {}
         self._publishers: dict[str, Publisher] = {}
         self._served: dict[str, int | None] = dict.fromkeys(sources)
@@ -137,7 +138,8 @@ class ControlNode:
         self._node.create_subscription(
             DiagnosticArray, DIAGNOSTICS_TOPIC, self._diagnostics, quality_of_service.DIAGNOSTICS
         )
-        self._events = EventLoop(self._node, self._context)
+        self._executor = EventsExecutor(context=self._context)
+        self._executor.add_node(self._node)
         # What was loaded stays: collections of garbage need not look at it again and again.
         gc.freeze()
 
@@ -150,7 +152,7 @@ class ControlNode:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._events.shutdown()
+        self._executor.shutdown()
         self._node.destroy_node()
         rclpy.shutdown(context=self._context)
 
@@ -238,18 +240,21 @@ class ControlNode:
 
     def spin_once(self, patience: float) -> None:
         """Handle one event, waiting for it at most ``patience`` seconds."""
-        self._events.run_once(patience)
+        self._executor.spin_once(timeout_sec=patience)
 
     def spin_until_news(self, patience: float) -> None:
         """Handle events until more data may be let go, at most ``patience`` seconds."""
-        self._events.run(patience)
+        deadline = time.monotonic() + patience
+        self._has_news = False
+        while not self._has_news and (left := deadline - time.monotonic()) > 0.0:
+            self._executor.spin_once(timeout_sec=left)
 
     def _observe(self, topic: str, data: bytes) -> None:
         wall = time.monotonic()
         self._observed[topic] += 1
         self._observer.observed(topic, data, wall)
         if self._ledger.finished(CONTROL_NODE, topic, self._observed[topic]):
-            self._events.stop()
+            self._has_news = True
         self.finished.finished(CONTROL_NODE, topic, head_stamp(data))
 
     def _progress(self, data: Any) -> None:
@@ -263,14 +268,14 @@ class ControlNode:
             return
         if told.topic == CLOCK_TOPIC:
             self._take_served(node, told.stamp)
-            self._events.stop()
+            self._has_news = True
         elif self._ledger.producer(told.topic) == node:
             self._ledger.published(node, told.topic, told.count)
             self._observer.announced(told.topic, told.stamp, wall)
         else:
             self._ledger.finished(node, told.topic, told.count)
             self.finished.finished(node, told.topic, told.stamp)
-            self._events.stop()
+            self._has_news = True
 
     def _take_served(self, node: str, stamp: int) -> None:
         """Take how far a source has served the clock, as far as it was told the time."""
