@@ -46,8 +46,9 @@ def test_errors_along_the_line_of_sight_are_those_of_the_range(azimuth: float) -
         range_standard_deviation=np.array([10.0, 5.0]),
         azimuth_standard_deviation=0.01,
         sensor_position=(30.0, -40.0),
+        sensor_velocity=(8.0, -3.0),
     )
-    placed = place_contacts(contacts, 0.0)  # sound that takes no time
+    placed = place_contacts(contacts, 0.0)  # sound takes no time: the sensor is where it was
     ahead = np.array([np.cos(azimuth), np.sin(azimuth)])
     across = np.array([-np.sin(azimuth), np.cos(azimuth)])
     for row, (along, aside) in enumerate([(10.0, 5.0), (5.0, 20.0)]):

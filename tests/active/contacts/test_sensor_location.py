@@ -116,13 +116,15 @@ def test_a_pose_that_was_set_is_kept_and_compared() -> None:
 
 @pytest.mark.parametrize("yaw", [0.5, np.nan])
 def test_azimuths_that_turn_with_the_sensor_are_brought_into_map(yaw: float) -> None:
-    turned = replace(CONTACTS, frame_id="own_ship/array", sensor_yaw=yaw)
+    turned = replace(CONTACTS, frame_id="own_ship/array", sensor_yaw=yaw, minimum_azimuth=-0.4)
     assert needs_own_ship(turned) == np.isnan(yaw)
     found = located(turned, ship(), MOUNTED)
     expected = 0.5 if np.isfinite(yaw) else float(ship().azimuth) + np.pi
     difference = np.exp(1j * (found.azimuth - turned.azimuth - expected))
     assert difference == pytest.approx(np.ones(2))
     assert np.all(np.abs(found.azimuth) <= np.pi)
+    sector = np.exp(1j * (found.minimum_azimuth + 0.4 - expected))
+    assert sector == pytest.approx(1.0)
     assert found.frame_id == "map"
 
 
