@@ -116,3 +116,28 @@ def test_a_tie_does_not_depend_on_the_rounding_of_stamps() -> None:
         stamp = EPOCH + round(done * period * 1e9)
         part = BlockTiming(stamp, whole.first_index + done, 11, whole.sample_period)
         assert part.nearest_index(target) == whole.nearest_index(target)
+
+
+@given(
+    rates | st.floats(1e-3, 1e7),
+    st.integers(0, 10**9),
+    st.integers(1, 5000),
+    st.integers(-(10**12), 10**12),
+    st.integers(0, 4),
+)
+def test_integers_give_what_fractions_give(
+    rate: float, late: int, size: int, apart: int, halves: int
+) -> None:
+    period = period_in_nanoseconds(1.0 / rate)
+    timing = first_timing(EPOCH + late, size, 1.0 / rate)
+    stamp = timing.stamp + apart
+    assert timing.end_stamp == timing.stamp + nearest_integer(size * period)
+    tie = Fraction(1, 1000)
+    nearest = timing.first_index + nearest_integer(Fraction(apart) / period - tie)
+    assert timing.nearest_index(stamp) == nearest
+    assert timing.following(stamp, 7)[1] == nearest_integer((stamp - timing.end_stamp) / period)
+    for index in (timing.first_index + size, size + 0.5 * halves):
+        exact = (timing.stamp - stamp + (Fraction(index) - timing.first_index) * period) / 10**9
+        assert timing.time_offset(index, stamp) == float(exact)
+    schedule = SampleSchedule(period * 3, 3, 2)
+    assert schedule.stamp(size) == nearest_integer(size * 3 * period)
