@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from sonar_tracking_msgs.msg import Progress
+from sonar_tracking_msgs.msg import Contacts, Progress
 
 from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
-from sonar_tracking.graph.catalogue.topics import DIAGNOSTICS_TOPIC, PROGRESS_TOPIC
+from sonar_tracking.graph.catalogue.topics import CONTACTS, DIAGNOSTICS_TOPIC, PROGRESS_TOPIC
 from sonar_tracking.graph.node_base import quality_of_service
 from sonar_tracking.graph.node_base.diagnostics import UNEXPECTED
 from sonar_tracking.graph.orchestration.control_node import ControlNode
@@ -144,4 +144,34 @@ def test_who_else_publishes_the_clock_is_named(monkeypatch: pytest.MonkeyPatch) 
     with ControlNode(FlowLedger({}, {}), MatchedEdges({}, {}), observer, ()) as control:
         full_name = probe.node.get_fully_qualified_name()
         probe.wait(lambda: full_name in control.other_clocks(), "the other clock")
+    probe.close()
+
+
+class _Careless:
+    """An observer that can read nothing of what it gets."""
+
+    def observed(self, topic: str, data: bytes, wall: float) -> None:
+        raise OverflowError(f"{topic} is beyond\x1b[31m all measure")
+
+
+def test_a_message_that_cannot_be_read_is_left_out_of_the_figures(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Anybody may publish on a topic of the run: whatever it is, the run goes on."""
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(ros_domain()))
+    probe = Probe()
+    observer: Any = _Careless()
+    contacts = probe.node.create_publisher(Contacts, "/active/contacts", 10)
+    with ControlNode(FlowLedger({}, {}), MatchedEdges({}, {}), observer, ()) as control:
+        control.observe([CONTACTS])
+
+        def noticed() -> bool:
+            contacts.publish(Contacts())
+            control.spin_once(0.05)
+            return bool(control.notices)
+
+        probe.wait(noticed, "the notice")
+        (sentence,) = control.notices.values()
+        assert sentence.startswith("/active/contacts: a message is left out of the figures")
+        assert "beyond" in sentence and "\x1b" not in sentence
     probe.close()

@@ -252,7 +252,13 @@ class ControlNode:
     def _observe(self, topic: str, data: bytes) -> None:
         wall = time.monotonic()
         self._observed[topic] += 1
-        self._observer.observed(topic, data, wall)
+        try:
+            self._observer.observed(topic, data, wall)
+        except Exception as error:  # whatever a stranger sends: the run goes on
+            self.notices[f"{topic}: unreadable"] = (
+                f"{topic}: a message is left out of the figures of the run: "
+                f"{shown(str(error), LONGEST_SENTENCE)}"
+            )
         if self._ledger.finished(CONTROL_NODE, topic, self._observed[topic]):
             self._has_news = True
         self.finished.finished(CONTROL_NODE, topic, head_stamp(data))
