@@ -78,6 +78,12 @@ def test_the_nearest_contact_goes_on_and_none_belongs_to_two_regions() -> None:
     assert len(regions(polar((1000.0, 0.5), (1500.0, 0.5)), polar((1500.0, 0.5)))) == 1
 
 
+def test_a_region_is_not_begun_again_from_its_middle() -> None:
+    """Its second contact has another free one near it in the third ping."""
+    here = polar((1000.0, 0.5))
+    assert regions(here, here, polar((1000.0, 0.5), (1010.0, 0.5))) == [at(1000.0, 0.5)]
+
+
 def test_the_cut_at_180_degrees_is_no_border() -> None:
     assert len(regions(polar((1000.0, np.pi - 0.005)), polar((1000.0, 0.005 - np.pi)))) == 1
 
