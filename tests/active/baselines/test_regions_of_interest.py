@@ -110,3 +110,10 @@ def test_portions_change_nothing(at_once: int, monkeypatch: pytest.MonkeyPatch) 
             expected.append(at(pings[1].distance[free[0]], pings[1].azimuth[free[0]]))
     assert len(expected) > 5
     assert regions(*pings, limit=9.0) == expected
+
+
+@pytest.mark.parametrize(("moved", "joined"), [(7.0, True), (-7.0, True), (9.0, False)])
+def test_limits_far_below_one_are_squares_too(moved: float, joined: bool) -> None:
+    """0.7 errors apart: 0.245; 0.9: 0.405."""
+    here, there = polar((1000.0, 0.5)), polar((1000.0 + moved, 0.5))
+    assert bool(regions(here, there, limit=0.32)) == joined
