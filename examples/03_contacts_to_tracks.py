@@ -42,7 +42,7 @@ def ping(number: int, generator: np.random.Generator) -> Contacts:
 def main() -> None:
     """Track ping after ping, and print the confirmed tracks of some of them."""
     generator = np.random.default_rng(1)
-    tracker = make_contact_tracker(ContactTrackerConfiguration(initial_speed_deviation=4.0))
+    tracker = make_contact_tracker(ContactTrackerConfiguration())
     print("ping  contacts  track  x (m)  y (m)  course (deg)  speed (m/s)  existence")
     for number in range(SHOWN[-1] + 1):
         contacts = ping(number, generator)

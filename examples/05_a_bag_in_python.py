@@ -38,7 +38,7 @@ def show(path: Path) -> None:
     print(bag.recovery or "The bag is whole.")
     for topic in bag.topics.values():
         print(f"{topic.name:24} {topic.message_count:6d} {topic.role:7} {topic.type_name}")
-    tracker = make_contact_tracker(ContactTrackerConfiguration(initial_speed_deviation=5.0))
+    tracker = make_contact_tracker(ContactTrackerConfiguration())
     for contacts in records_of(bag, "/active/contacts"):
         tracks = tracker.update(contacts).tracks
     for row in np.flatnonzero(tracks.established):

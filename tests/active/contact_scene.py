@@ -15,8 +15,20 @@ VELOCITY = np.array([2.0, -1.0])
 NOTHING = np.zeros(0)
 
 
+PUBLISHED: dict[str, float | str] = {
+    "motion": "turning",
+    "acceleration_deviation": 0.0015,
+    "lateral_acceleration": 0.01,
+    "initial_speed_deviation": 1.5,
+    "detection_probability": 0.9,
+    "signal_to_noise_ratio_db": 10.0,
+}
+"""What the paper tells its trackers of targets and detector."""
+
+
 def start(method: str, **values: float | str) -> ContactTracker:
-    given = {"sound_speed": 0.0, "acceleration_deviation": 0.005, "n_particles": 300, **values}
+    told = {} if method == "integrated" else {**PUBLISHED, "acceleration_deviation": 0.005}
+    given = {"sound_speed": 0.0, "n_particles": 300, **told, **values}
     return make_contact_tracker(
         ContactTrackerConfiguration(method=method, **given)  # type: ignore[arg-type]
     )

@@ -216,7 +216,7 @@ def test_a_track_that_gives_way_to_a_crowd_is_told_to_have_ended(method: str) ->
     shown: set[int] = set()
     ended: set[int] = set()
     for number in range(30):
-        tracks = tracker.update(ping(number, generator, clutter=30)).tracks
+        tracks = tracker.update(ping(number, generator, clutter=60)).tracks
         listed = {int(name) for name in tracks.id}
         assert shown <= listed
         gone = {int(name) for name in tracks.id[tracks.status == TrackStatus.TERMINATED]}

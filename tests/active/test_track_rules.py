@@ -9,6 +9,7 @@ from sonar_tracking.active.association.hpda import associate_ranked
 from sonar_tracking.active.association.lm_ipda import PairEvidence, associate_integrated
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.active.detection.clutter_monitor import ClutterMonitor
+from sonar_tracking.active.detection.detection_levels import prior_weights
 from sonar_tracking.active.detection.detection_model import DetectionModel
 from sonar_tracking.active.detection.gate_association import PROBABILITY_IN_GATE
 from sonar_tracking.active.tracks.contact_gating import GatePairs, SensorGeometry, predict_gates
@@ -32,6 +33,8 @@ MODEL = DetectionModel(
     maximum_range=10_000.0,
 )
 CONFIGURATION = ContactTrackerConfiguration()
+AT_3_M_PER_S = MotionModes(1, 0.0, initial_speed_deviation=3.0)
+NEVER_SEEN = prior_weights(np.nan)
 SENSOR = SensorGeometry(np.array([100.0, -50.0]), 20.0, 0.01, 1500.0)
 
 
@@ -76,7 +79,7 @@ def test_mixing_keeps_mean_and_covariance_of_a_track() -> None:
 
 def test_a_candidate_is_as_uncertain_at_the_reflection_as_its_contact() -> None:
     contacts = contacts_at([[1500.0, 200.0]], delay=2.0)
-    bank = start_candidates(contacts, np.array([0.003]), 0, 1, np.ones(1), 3.0)
+    bank = start_candidates(contacts, np.array([0.003]), 0, 1, AT_3_M_PER_S, NEVER_SEEN)
     delayed = np.hstack([np.eye(2), 2.0 * np.eye(2)])
     spread = delayed @ bank.covariance[0, 0] @ delayed.T
     assert spread == pytest.approx(contacts.covariance[0])
@@ -197,7 +200,12 @@ def test_existence_confirms(method: str) -> None:
 
 
 def test_strong_contacts_start_likelier_candidates_and_weak_ones_none() -> None:
-    tracker = start("integrated", tentative_probability=1e-6, search_false_alarm_probability=0.01)
+    tracker = start(
+        "integrated",
+        tentative_probability=1e-6,
+        search_false_alarm_probability=0.01,
+        detection_probability=0.95,
+    )
     scene = replace(
         ping(0, np.random.default_rng(32), clutter=0, heard=False),
         range=np.array([2000.0, 4000.0, 6000.0]),
@@ -221,6 +229,6 @@ def test_strong_contacts_start_likelier_candidates_and_weak_ones_none() -> None:
     excess = np.array([5.0, 15.0]) + np.log(0.01)
     ratio = np.exp(excess * 10.0 / 11.0) / 11.0
     odds = 0.003 / 0.997 * ratio / (0.99 + 0.01 * ratio)
-    begun = 0.999 * odds / (1.0 + odds)
+    begun = np.exp(-0.001) * odds / (1.0 + odds)
     missed = 1.0 - 0.01 ** (1.0 / 11.0) * PROBABILITY_IN_GATE
     assert existence == pytest.approx(missed * begun / (1.0 - begun + missed * begun), rel=1e-6)

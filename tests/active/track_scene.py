@@ -3,6 +3,7 @@
 import numpy as np
 
 from sonar_tracking.active.contacts.contact_positions import PlacedContacts
+from sonar_tracking.active.detection.detection_levels import LEVELS
 from sonar_tracking.active.tracks.track_bank import TrackBank
 
 COVARIANCE = np.diag([400.0, 900.0, 1.0, 2.0])
@@ -20,6 +21,10 @@ def bank_of(positions: list[list[float]], n_modes: int = 1) -> TrackBank:
         mean=np.repeat(mean[:, None], n_modes, axis=1),
         covariance=np.tile(COVARIANCE, (count, n_modes, 1, 1)),
         mode_probability=np.full((count, n_modes), 1.0 / n_modes),
+        age=np.zeros(count),
+        entered=np.zeros((count, n_modes)),
+        fresh=np.zeros((count, n_modes)),
+        detection_weight=np.tile(LEVELS == 0.95, (count, 1)).astype(float),
     )
 
 

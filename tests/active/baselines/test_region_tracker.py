@@ -12,13 +12,20 @@ from sonar_tracking.active.baselines.region_tracker import RegionTracker
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
+from tests.active.contact_scene import PUBLISHED
 
 SECOND = 1_000_000_000
 RANGE = 10.0
 
 
 def tracker(**values: Any) -> RegionTracker:
-    given = {"sound_speed": 0.0, "n_particles": 4000, "acceleration_deviation": 0.0, **values}
+    given = {
+        **PUBLISHED,
+        "sound_speed": 0.0,
+        "n_particles": 4000,
+        "acceleration_deviation": 0.0,
+        **values,
+    }
     return RegionTracker(ContactTrackerConfiguration(method="roi_clustering", **given))
 
 

@@ -12,12 +12,13 @@ from sonar_tracking.active.baselines import smc_phd
 from sonar_tracking.active.baselines.smc_phd import DensityTracker
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.records.contacts import Contacts
+from tests.active.contact_scene import PUBLISHED
 
 SECOND = 1_000_000_000
 
 
 def tracker(**values: Any) -> DensityTracker:
-    given = {"sound_speed": 0.0, "n_particles": 500, **values}
+    given = {**PUBLISHED, "sound_speed": 0.0, "n_particles": 500, **values}
     return DensityTracker(ContactTrackerConfiguration(method="smc_phd", **given))
 
 

@@ -122,12 +122,14 @@ def test_outliers_bound_what_an_amplitude_says(share: float) -> None:
 
 
 def test_an_unknown_ratio_is_averaged_over_3_to_20_decibels() -> None:
-    told = model(ping(), amplitude_model="averaged", outlier_share=0.0)
+    told = model(ping(), outlier_share=0.0)
     levels = 10.0 ** (np.arange(3.0, 20.5) / 10.0)
     assert len(levels) == 18
     excess = np.array([4.0])
     expected = np.mean([amplitude_likelihood_ratio(excess, 0.0, level) for level in levels])
     assert told.amplitude_ratio(excess + 2.0, np.array([2.0])) == pytest.approx([expected])
     assert told.amplitude_ratio(np.array([6.0]), np.array([2.0])) != pytest.approx(
-        model(ping(), outlier_share=0.0).amplitude_ratio(np.array([6.0]), np.array([2.0]))
+        model(ping(), signal_to_noise_ratio_db=10.0, outlier_share=0.0).amplitude_ratio(
+            np.array([6.0]), np.array([2.0])
+        )
     )

@@ -50,7 +50,7 @@ def applied(model: DetectionModel = MODEL, **parameters: Any) -> AppliedThreshol
 def test_as_detected_leaves_the_detector_alone() -> None:
     thresholds = applied()
     assert thresholds.threshold.tolist() == [3.0] * 3
-    assert thresholds.detection_probability.tolist() == [0.85] * 3
+    assert thresholds.detection_probability.tolist() == [0.95] * 3
     assert thresholds.clutter_share.tolist() == [1.0] * 3
     assert (thresholds.search_threshold, thresholds.search_share) == (3.0, 1.0)
     assert thresholds.published.false_alarm_probability.tolist() == [0.03] * 2

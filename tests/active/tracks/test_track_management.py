@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.detection.detection_levels import prior_weights
 from sonar_tracking.active.tracks import track_management
 from sonar_tracking.active.tracks.contact_gating import GatePairs
+from sonar_tracking.active.tracks.motion_modes import MotionModes
 from sonar_tracking.active.tracks.track_bank import TrackBank, empty_bank
 from sonar_tracking.active.tracks.track_management import (
     ListedTracks,
@@ -61,8 +63,9 @@ def test_tracks_end_at_the_bounds_of_existence_and_variance_and_not_before() -> 
 
 def test_a_candidate_starts_at_its_contact_with_the_next_name() -> None:
     contacts = contacts_at([[1.0, 2.0], [3.0, 4.0]])
-    prior = np.array([0.8, 0.1, 0.1])
-    bank = start_candidates(contacts, np.array([0.1, 0.2]), 77, 5, prior, 3.0)
+    modes = MotionModes(3, 0.0, 0.01, 0.025, 0.9, initial_speed_deviation=3.0)
+    weights = prior_weights(0.7)
+    bank = start_candidates(contacts, np.array([0.1, 0.2]), 77, 5, modes, weights)
     assert bank.id.tolist() == [5, 6]
     assert bank.existence.tolist() == [0.1, 0.2]
     assert bank.initiated.tolist() == bank.updated.tolist() == [77, 77]
@@ -70,27 +73,30 @@ def test_a_candidate_starts_at_its_contact_with_the_next_name() -> None:
     for mode in range(3):
         assert bank.mean[:, mode].tolist() == [[1.0, 2.0, 0.0, 0.0], [3.0, 4.0, 0.0, 0.0]]
         assert bank.covariance[0, mode] == pytest.approx(np.diag([100.0, 50.0, 9.0, 9.0]))
-    assert bank.mode_probability.tolist() == [prior.tolist()] * 2
+    assert bank.mode_probability == pytest.approx(np.tile([0.8, 0.1, 0.1], (2, 1)))
+    assert bank.detection_weight.tolist() == [weights.tolist()] * 2
+    assert bank.age.tolist() == [0.0, 0.0]
+    assert not np.any(bank.entered) and not np.any(bank.fresh)
 
 
 @pytest.mark.parametrize(
     ("offset", "ends"),
     [
         ([0.0, 0.0, 0.0, 0.0], True),
-        # Three deviations of the difference: of x sqrt(800), of y sqrt(1800), of vx sqrt(2).
-        ([84.0, 0.0, 0.0, 0.0], True),
-        ([86.0, 0.0, 0.0, 0.0], False),
-        ([0.0, -127.0, 0.0, 0.0], True),
-        ([0.0, -128.0, 0.0, 0.0], False),
-        ([0.0, 0.0, 4.2, 0.0], True),
-        ([0.0, 0.0, 4.3, 0.0], False),
-        ([0.0, 0.0, 0.0, 5.9], True),
-        ([0.0, 0.0, 0.0, 6.1], False),
-        ([70.0, 70.0, 0.0, 0.0], True),  # 6.1 + 2.7 of 9
-        ([70.0, 80.0, 0.0, 0.0], False),  # 6.1 + 3.6
+        # One and a half deviations of the difference: of x sqrt(800), y sqrt(1800), vx sqrt(2).
+        ([42.0, 0.0, 0.0, 0.0], True),
+        ([43.0, 0.0, 0.0, 0.0], False),
+        ([0.0, -63.5, 0.0, 0.0], True),
+        ([0.0, -64.0, 0.0, 0.0], False),
+        ([0.0, 0.0, 2.1, 0.0], True),
+        ([0.0, 0.0, 2.15, 0.0], False),
+        ([0.0, 0.0, 0.0, 2.95], True),
+        ([0.0, 0.0, 0.0, 3.05], False),
+        ([35.0, 35.0, 0.0, 0.0], True),  # 1.53 + 0.68 of 2.25
+        ([35.0, 40.0, 0.0, 0.0], False),  # 1.53 + 0.89
     ],
 )
-def test_two_tracks_are_one_within_three_deviations_of_all_their_states(
+def test_two_tracks_are_one_within_one_and_a_half_deviations_of_all_their_states(
     offset: list[float], ends: bool
 ) -> None:
     bank = alike([0.0] * 4, offset)
@@ -206,7 +212,12 @@ def test_of_too_many_the_least_probable_end_candidates_first() -> None:
     )
     before = listed(bank, alive=[True, True, True, False])
     candidates = start_candidates(
-        contacts_at([[1.0, 1.0], [2.0, 2.0]]), np.array([0.6, 0.4]), 0, 9, np.ones(1), 1.0
+        contacts_at([[1.0, 1.0], [2.0, 2.0]]),
+        np.array([0.6, 0.4]),
+        0,
+        9,
+        MotionModes(1, 0.0),
+        prior_weights(np.nan),
     )
     assert limit_tracks(before, candidates, 5) == (before, candidates)
     after, kept = limit_tracks(before, candidates, 3)

@@ -85,6 +85,7 @@ def associate_ranked(
         weights=weights[:, None],
         claimed=np.where(free, 0.0, 1.0),
         detected=sum_by_row(pairs.track, weights, len(bank)),
+        likelihood_ratio=likelihood,
     )
 
 

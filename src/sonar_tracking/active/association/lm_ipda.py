@@ -50,12 +50,15 @@ class BankAssociation:
         Probability that any track explains the contact.
     detected : ndarray, shape (n,)
         Probability that one of its contacts is the track's, given that it exists.
+    likelihood_ratio : ndarray, shape (n,)
+        Lambda: of the ping if the target exists to if it does not, pure numbers.
     """
 
     bank: TrackBank
     weights: FloatArray
     claimed: FloatArray
     detected: FloatArray
+    likelihood_ratio: FloatArray
 
 
 @dataclass(frozen=True)
@@ -126,6 +129,7 @@ def associate_integrated(
         weights=weights,
         claimed=sum_by_row(contact, beta * existence[track], n_contacts),
         detected=sum_by_row(track, beta, n_tracks),
+        likelihood_ratio=likelihood,
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from sonar_tracking.active.contacts.contact_method_registry import (
@@ -30,15 +31,18 @@ class ContactTrackerConfiguration:
         methods=CONTACT_METHODS,
     )
     detection_probability: float = parameter(
-        0.9, "P_D where the contacts do not carry it", minimum=0.01, maximum=0.999
+        0.0,
+        "P_D where the contacts do not carry it; 0 = unknown. Told or not, it is found for each "
+        "track from how often it is detected",
+        minimum=0.0,
+        maximum=0.999,
     )
     signal_to_noise_ratio_db: float = parameter(
-        10.0, "Of a target, where the contacts do not carry it", unit="dB", minimum=0.0
-    )
-    amplitude_model: str = parameter(
-        "given",
-        "Likelihood of amplitudes: for the one ratio (given), or averaged over 3 to 20 dB",
-        choices=("given", "averaged"),
+        0.0,
+        "Of a target, where the contacts do not carry it; 0 = unknown: amplitudes are judged by "
+        "the average over 3 to 20 dB",
+        unit="dB",
+        minimum=0.0,
     )
     outlier_share: float = parameter(
         0.01,
@@ -57,19 +61,21 @@ class ContactTrackerConfiguration:
         1500.0, "For reflection times; 0 = a ping takes no time", unit="m/s", minimum=0.0
     )
     motion: str = parameter(
-        "turning",
-        "Of method integrated: straight, left and right turns as interacting modes, or straight "
-        "alone (acceleration_deviation then has to cover turns)",
-        choices=("turning", "straight"),
+        "adaptive",
+        "Of method integrated: adaptive, from fixed things to boats that turn with 0.3 g; turning, "
+        "straight, left and right turns of one lateral acceleration, as published; straight alone "
+        "(acceleration_deviation then has to cover turns)",
+        choices=("adaptive", "turning", "straight"),
     )
     acceleration_deviation: float = parameter(
-        0.0015,
-        "White acceleration of a target; hpda_kalman needs it to cover turns",
+        0.05,
+        "White acceleration of a target, where motion is not adaptive; other methods need it to "
+        "cover turns",
         unit="m/s^2",
         minimum=0.0,
     )
     lateral_acceleration: float = parameter(
-        0.01, "Of a target in a turn", unit="m/s^2", minimum=0.0
+        0.05, "Of a target in a turn, where motion is turning", unit="m/s^2", minimum=0.0
     )
     turn_probability: float = parameter(
         0.01,
@@ -82,7 +88,7 @@ class ContactTrackerConfiguration:
         0.9, "That a turn lasts until the next ping", minimum=0.34, maximum=0.999
     )
     initial_speed_deviation: float = parameter(
-        1.5, "Speed per axis of a new target", unit="m/s", minimum=1e-3
+        8.0, "Speed per axis of a new target", unit="m/s", minimum=1e-3
     )
     initial_existence: float = parameter(
         0.003, "Existence probability of a candidate", minimum=1e-7, maximum=0.4
@@ -97,8 +103,8 @@ class ContactTrackerConfiguration:
         maximum=0.99,
         changeable=True,
     )
-    survival_probability: float = parameter(
-        0.999, "That a target lasts until the next ping", minimum=0.5, maximum=1.0
+    mean_lifetime: float = parameter(
+        10000.0, "Of a target in the field of view", unit="s", minimum=1.0
     )
     tentative_probability: float = parameter(
         0.1,
@@ -142,6 +148,10 @@ class ContactTrackerConfiguration:
     n_particles: int = parameter(1000, "Of each particle filter", minimum=50)
     seed: int = parameter(1, "Root of the randomness of particle filters", minimum=0)
     first_id: int = parameter(1, "Identifier of the first track", minimum=1)
+
+    def survival_probability(self, interval: float) -> float:
+        """Return the probability that a target lasts for an interval (s)."""
+        return math.exp(-interval / self.mean_lifetime)
 
     @property
     def entry(self) -> ContactMethodEntry:

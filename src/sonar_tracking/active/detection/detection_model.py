@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.detection.detection_levels import TYPICAL
 from sonar_tracking.active.detection.detection_threshold import linear_from_decibel
 from sonar_tracking.active.detection.gate_association import amplitude_likelihood_ratio
 from sonar_tracking.errors import Notice, Severity
@@ -24,6 +25,9 @@ from sonar_tracking.records.contacts import Contacts
 
 SMALLEST_CLUTTER_DENSITY = 1e-14
 """1/m^2; a density of zero would make every contact a certain target."""
+
+TYPICAL_RATIO = 10.0
+"""SNR where a method needs one number and nothing is known."""
 
 AVERAGED_LEVELS_DB = np.arange(3.0, 20.5, 1.0)
 """Over which the amplitude likelihood is averaged where the ratio is not known."""
@@ -36,7 +40,7 @@ class DetectionModel:
     Attributes
     ----------
     detection_probability : float
-        P_D at the threshold of the detector.
+        P_D at the threshold of the detector, where one number is needed.
     signal_to_noise_ratio_linear : float
         Of a target, power ratio.
     averaged : bool
@@ -59,6 +63,8 @@ class DetectionModel:
         Of the survey, m.
     sector : float
         Width of the survey, rad.
+    told_detection_probability : float
+        P_D that the ping or the user claims; NaN = nobody does.
     """
 
     detection_probability: float
@@ -73,6 +79,7 @@ class DetectionModel:
     clutter_factor: float = 1.0
     minimum_range: float = 0.0
     sector: float = 2.0 * np.pi
+    told_detection_probability: float = np.nan
 
     def expected_clutter(self) -> float:
         """Return the mean number of false contacts in a ping; infinite or NaN if unknown."""
@@ -151,12 +158,15 @@ def make_detection_model(
     if density <= 0.0:
         text = "The clutter density is zero; the smallest one that makes sense is used instead."
         notices = (Notice(Severity.WARN, "clutter_density", text),)
-    ratio = float(linear_from_decibel(configuration.signal_to_noise_ratio_db))
-    detected = _known(contacts.detection_probability, configuration.detection_probability)
+    told = _known(contacts.detection_probability, configuration.detection_probability or np.nan)
+    ratio = contacts.signal_to_noise_ratio_linear
+    if configuration.signal_to_noise_ratio_db and not math.isfinite(ratio):
+        ratio = float(linear_from_decibel(configuration.signal_to_noise_ratio_db))
     model = DetectionModel(
-        detection_probability=min(0.999, max(0.01, detected)),
-        signal_to_noise_ratio_linear=_known(contacts.signal_to_noise_ratio_linear, ratio),
-        averaged=configuration.amplitude_model == "averaged",
+        told_detection_probability=told,
+        detection_probability=min(0.999, max(0.01, _known(told, TYPICAL))),
+        signal_to_noise_ratio_linear=_known(ratio, TYPICAL_RATIO),
+        averaged=not math.isfinite(ratio),
         outlier_share=configuration.outlier_share,
         threshold=_threshold(contacts),
         false_alarm_probability=contacts.false_alarm_probability,

@@ -19,6 +19,7 @@ import numpy as np
 
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.active.contacts.gate_threshold_registry import AS_DETECTED
+from sonar_tracking.active.detection.detection_levels import mean_probability
 from sonar_tracking.active.detection.detection_model import DetectionModel
 from sonar_tracking.active.detection.detection_threshold import (
     FalseAlarmLimits,
@@ -152,7 +153,7 @@ def _as_detected(
     ratio = model.signal_to_noise_ratio_linear
     return AppliedThresholds(
         threshold=np.full(n_tracks, model.threshold),
-        detection_probability=np.full(n_tracks, model.detection_probability),
+        detection_probability=mean_probability(bank.detection_weight),
         clutter_share=np.ones(n_tracks),
         search_threshold=model.threshold,
         search_share=1.0,

@@ -43,6 +43,8 @@ class MotionModes:
         That a straight target turns at the next ping, to either side.
     stay_probability : float
         That a turn lasts another ping.
+    initial_speed_deviation : float
+        Speed per axis of a new target, m/s.
     """
 
     n_modes: int
@@ -50,6 +52,31 @@ class MotionModes:
     lateral_acceleration: float = 0.01
     turn_probability: float = 0.01
     stay_probability: float = 0.9
+    initial_speed_deviation: float = 8.0
+
+    @property
+    def speed_deviation(self) -> FloatArray:
+        """Return the speed per axis of a new target in each mode, shape (n_modes,), m/s."""
+        return np.full(self.n_modes, self.initial_speed_deviation)
+
+    def transition(self, interval: float, entered: FloatArray, age: FloatArray) -> FloatArray:
+        """Return Pi, row = mode before: the same for all targets, pings and intervals.
+
+        Parameters
+        ----------
+        interval : float
+            s.
+        entered : ndarray, shape (n, n_modes)
+            Pure numbers.
+        age : ndarray, shape (n,)
+            s.
+
+        Returns
+        -------
+        ndarray, shape (n_modes, n_modes)
+            Probabilities.
+        """
+        return self.mode_transition
 
     @cached_property
     def mode_transition(self) -> FloatArray:
@@ -86,6 +113,27 @@ class MotionModes:
         speed = np.hypot(velocity[..., 0], velocity[..., 1])
         rate = self.lateral_acceleration / np.maximum(speed, SMALLEST_SPEED)
         return np.asarray(TURN_DIRECTIONS[: self.n_modes] * rate)
+
+    def matrices(self, velocity: FloatArray, interval: float) -> FloatArray:
+        """Return F of each mode over an interval.
+
+        Parameters
+        ----------
+        velocity : ndarray, shape (..., n_modes, 2)
+            Before it, m/s.
+        interval : float
+            s.
+
+        Returns
+        -------
+        ndarray, shape (..., n_modes, 4, 4)
+            Pure numbers, s and 1/s.
+        """
+        return turn_matrices(self.turn_rates(velocity), interval)
+
+    def noise(self, interval: float) -> FloatArray:
+        """Return Q over an interval (s), shape (4, 4): the same for all modes."""
+        return white_acceleration_noise(self.acceleration_deviation, interval)
 
 
 def turn_coefficients(

@@ -14,7 +14,7 @@ from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
 CONTACTS_IN_GATE = (64, 32, 16, 8, 4)
 """Largest number in a gate: the first one with which all pairs are few enough, else the last."""
 
-MAXIMUM_PAIRS = 150_000
+MAXIMUM_PAIRS = 110_000
 MAXIMUM_BOXED = 10_000_000
 """Contacts in boxes around gates; beyond it only those in the middle of a box are looked at."""
 

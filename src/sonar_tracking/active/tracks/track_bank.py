@@ -11,16 +11,13 @@ Blom, Bar-Shalom (1988).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
 
-from sonar_tracking.active.tracks.motion_modes import (
-    MotionModes,
-    turn_matrices,
-    white_acceleration_noise,
-)
+from sonar_tracking.active.detection.detection_levels import LEVELS
+from sonar_tracking.active.tracks.motion_model import MotionModel
 from sonar_tracking.filtering.kalman import symmetrised
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 
@@ -45,6 +42,15 @@ class TrackBank:
         In each mode, m^2, m^2/s, m^2/s^2.
     mode_probability : ndarray, shape (n, n_modes)
         Probabilities, sum 1.
+    detection_weight : ndarray, shape (n, n_levels)
+        Probabilities of the levels of P_D in
+        :mod:`sonar_tracking.active.detection.detection_levels`, sum 1.
+    age : ndarray, shape (n,)
+        Since the first contact, s.
+    entered : ndarray, shape (n, n_modes)
+        How often each mode has been entered before the last ping, expected, pure numbers.
+    fresh : ndarray, shape (n, n_modes)
+        Of each mode, the probability that it was entered at the last ping.
     """
 
     id: IntArray
@@ -55,6 +61,10 @@ class TrackBank:
     mean: FloatArray
     covariance: FloatArray
     mode_probability: FloatArray
+    detection_weight: FloatArray
+    age: FloatArray
+    entered: FloatArray
+    fresh: FloatArray
 
     def __len__(self) -> int:
         return len(self.id)
@@ -107,11 +117,15 @@ def empty_bank(n_modes: int) -> TrackBank:
         mean=np.zeros((0, n_modes, 4)),
         covariance=np.zeros((0, n_modes, 4, 4)),
         mode_probability=np.zeros((0, n_modes)),
+        detection_weight=np.zeros((0, len(LEVELS))),
+        age=np.zeros(0),
+        entered=np.zeros((0, n_modes)),
+        fresh=np.zeros((0, n_modes)),
     )
 
 
 def predict_bank(
-    bank: TrackBank, modes: MotionModes, interval: float, survival_probability: float
+    bank: TrackBank, modes: MotionModel, interval: float, survival_probability: float
 ) -> TrackBank:
     """Return all tracks after an interval: modes mixed, each predicted by its own model.
 
@@ -119,33 +133,37 @@ def predict_bank(
     ----------
     bank : TrackBank
         At the ping before.
-    modes : MotionModes
+    modes : MotionModel
         Motion model.
     interval : float
         s.
     survival_probability : float
         Pi_11 of the existence recursion.
     """
-    mixed, spread, probability = _mix(bank, modes)
-    matrices = turn_matrices(modes.turn_rates(mixed[..., 2:]), interval)
-    noise = white_acceleration_noise(modes.acceleration_deviation, interval)
-    covariance = np.matmul(np.matmul(matrices, spread), matrices.swapaxes(-1, -2)) + noise
-    return TrackBank(
-        id=bank.id,
+    entered = bank.entered + bank.fresh * bank.mode_probability
+    age = bank.age + interval
+    transition = modes.transition(interval, entered, age)
+    mixed, spread, probability = _mix(bank, transition)
+    stayed = bank.mode_probability * np.einsum("...ii->...i", transition)
+    matrices = modes.matrices(mixed[..., 2:], interval)
+    covariance = np.matmul(np.matmul(matrices, spread), matrices.swapaxes(-1, -2))
+    covariance = covariance + modes.noise(interval)
+    return replace(
+        bank,
         existence=survival_probability * bank.existence,
-        confirmed=bank.confirmed,
-        initiated=bank.initiated,
-        updated=bank.updated,
         mean=np.matmul(matrices, mixed[..., None])[..., 0],
         covariance=symmetrised(covariance),
         mode_probability=probability,
+        age=age,
+        entered=entered,
+        fresh=1.0 - stayed / probability,
     )
 
 
-def _mix(bank: TrackBank, modes: MotionModes) -> tuple[FloatArray, FloatArray, FloatArray]:
-    if modes.n_modes == 1:
+def _mix(bank: TrackBank, transition: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    if transition.shape[-1] == 1:
         return bank.mean, bank.covariance, bank.mode_probability
-    joint = bank.mode_probability[:, :, None] * modes.mode_transition
+    joint = bank.mode_probability[:, :, None] * transition
     probability = joint.sum(axis=1)
     weight = (joint / probability[:, None, :]).swapaxes(1, 2)
     mean = np.matmul(weight, bank.mean)

@@ -21,11 +21,12 @@ from sonar_tracking.active.contacts.contact_positions import IDENTITY, PlacedCon
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.active.tracks.contact_gating import GatePairs
 from sonar_tracking.active.tracks.contact_track_list import ContactTrackRows
+from sonar_tracking.active.tracks.motion_model import MotionModel
 from sonar_tracking.active.tracks.track_bank import TrackBank
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
 from sonar_tracking.records.bearings import TrackStatus
 
-DUPLICATE_DISTANCE = 3.0
+DUPLICATE_DISTANCE = 1.5
 """Standard deviations of the difference of two states below which they are one target's."""
 
 COMPARED_TRACKS = 64
@@ -121,8 +122,8 @@ def start_candidates(
     existence: FloatArray,
     stamp: int,
     first_id: int,
-    mode_prior: FloatArray,
-    speed_deviation: float,
+    modes: MotionModel,
+    detection_weight: FloatArray,
 ) -> TrackBank:
     """Return one candidate a contact: at rest, its velocity unknown.
 
@@ -136,21 +137,21 @@ def start_candidates(
         Of the ping, ns.
     first_id : int
         Identifier of the first one.
-    mode_prior : ndarray, shape (n_modes,)
-        Probabilities of the motion modes.
-    speed_deviation : float
-        Per axis, m/s.
+    modes : MotionModel
+        Tells how fast new targets are in each mode.
+    detection_weight : ndarray, shape (n_levels,)
+        Probabilities of the levels of their P_D.
     """
-    count, n_modes = len(existence), len(mode_prior)
+    count, n_modes = len(existence), modes.n_modes
     mean = np.zeros((count, n_modes, 4))
     mean[..., :2] = contacts.position[:, None]
-    variance = speed_deviation**2 * IDENTITY
-    delay = contacts.delay[:, None, None]
-    covariance = np.empty((count, 4, 4))
+    variance = modes.speed_deviation[:, None, None] ** 2 * IDENTITY
+    delay = contacts.delay[:, None, None, None]
+    covariance = np.empty((count, n_modes, 4, 4))
     # The position is that at the reflection: at the stamp it was delay * velocity before.
-    covariance[:, :2, :2] = contacts.covariance + delay**2 * variance
-    covariance[:, :2, 2:] = covariance[:, 2:, :2] = -delay * variance
-    covariance[:, 2:, 2:] = variance
+    covariance[..., :2, :2] = contacts.covariance[:, None] + delay**2 * variance
+    covariance[..., :2, 2:] = covariance[..., 2:, :2] = -delay * variance
+    covariance[..., 2:, 2:] = variance
     return TrackBank(
         id=first_id + np.arange(count, dtype=np.int64),
         existence=existence,
@@ -158,8 +159,12 @@ def start_candidates(
         initiated=np.full(count, stamp, dtype=np.int64),
         updated=np.full(count, stamp, dtype=np.int64),
         mean=mean,
-        covariance=covariance[:, None].repeat(n_modes, axis=1),
-        mode_probability=mode_prior[None].repeat(count, axis=0),
+        covariance=covariance,
+        mode_probability=modes.mode_prior[None].repeat(count, axis=0),
+        detection_weight=detection_weight[None].repeat(count, axis=0),
+        age=np.zeros(count),
+        entered=np.zeros((count, n_modes)),
+        fresh=np.zeros((count, n_modes)),
     )
 
 

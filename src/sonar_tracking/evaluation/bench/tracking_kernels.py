@@ -10,10 +10,12 @@ import numpy as np
 from sonar_tracking.active.baselines.regions_of_interest import PolarContacts, find_regions
 from sonar_tracking.active.contacts.contact_positions import PlacedContacts, position_covariance
 from sonar_tracking.active.detection.amplitude_order_statistics import load_rank_probabilities
+from sonar_tracking.active.detection.detection_levels import prior_weights
 from sonar_tracking.active.detection.gate_association import GateModel, associate_by_rank
 from sonar_tracking.active.tracks.contact_gating import SensorGeometry, predict_gates
+from sonar_tracking.active.tracks.motion_modes import MotionModes
 from sonar_tracking.active.tracks.pair_search import find_pairs
-from sonar_tracking.active.tracks.track_bank import TrackBank
+from sonar_tracking.active.tracks.track_management import start_candidates
 from sonar_tracking.evaluation.bench.bench_data import SEED, SIZES, SOUND_SPEED, bench_positions
 from sonar_tracking.evaluation.bench.kernel import Kernel, Prepared, Timed, Work
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import scenario
@@ -89,21 +91,13 @@ def _gating(n_contacts: int) -> Prepared:
     generator = np.random.default_rng(SEED)
     contacts = _placed(*_contacts(n_contacts, generator))
     before = _placed(*_contacts(n_contacts, generator))
-    number = np.arange(n_contacts)
-    mean = np.zeros((n_contacts, 1, 4))
-    mean[:, 0, :2] = before.position
-    covariance = np.zeros((n_contacts, 1, 4, 4))
-    covariance[:, 0, :2, :2] = before.covariance
-    covariance[:, 0, 2:, 2:] = np.eye(2)
-    bank = TrackBank(
-        id=number,
+    bank = start_candidates(
+        before,
         existence=np.full(n_contacts, 0.01),
-        confirmed=np.zeros(n_contacts, dtype=bool),
-        initiated=number,
-        updated=number,
-        mean=mean,
-        covariance=covariance,
-        mode_probability=np.ones((n_contacts, 1)),
+        stamp=0,
+        first_id=0,
+        modes=MotionModes(1, 0.0, initial_speed_deviation=1.0),
+        detection_weight=prior_weights(np.nan),
     )
     sensor = SensorGeometry(np.zeros(2), RANGE_DEVIATION, AZIMUTH_DEVIATION, 0.0)
     gates = predict_gates(bank, sensor)

@@ -50,6 +50,7 @@ ALL = "all scenarios"
 
 CONFIGURATION = ContactTrackerConfiguration(
     sound_speed=0.0,
+    motion="turning",
     detection_probability=0.85,
     clutter_density=2e-4,
     acceleration_deviation=0.2,
@@ -61,9 +62,11 @@ CONFIGURATION = ContactTrackerConfiguration(
 """Of all scenarios: small boats, a scan every 1.7 s, clutter that comes in clumps."""
 
 SYSTEMS: Mapping[str, ContactTrackerConfiguration] = {
-    entry.label: replace(CONFIGURATION, method=entry.name) for entry in CONTACT_METHODS
-} | {DEFAULTS: ContactTrackerConfiguration(sound_speed=0.0)}
-"""Trackers by name; the times of their scans are corrected for the latency."""
+    DEFAULTS: ContactTrackerConfiguration(sound_speed=0.0),
+    **{entry.label: replace(CONFIGURATION, method=entry.name) for entry in CONTACT_METHODS},
+}
+"""Trackers by name: the defaults, then all methods with the parameters of the study; the times of
+their scans are corrected for the latency."""
 
 LAYOUTS = (
     TableLayout(

@@ -48,6 +48,7 @@ def told_turning(
     pings_of_a_turn = MEAN_TURN * speed / lateral_acceleration / interval
     return ContactTrackerConfiguration(
         sound_speed=0.0,
+        motion="turning",
         acceleration_deviation=1e-3,
         lateral_acceleration=lateral_acceleration,
         initial_speed_deviation=speed / float(np.sqrt(2.0)),
@@ -58,6 +59,7 @@ def told_turning(
 
 TOLD_PUBLISHED = ContactTrackerConfiguration(
     sound_speed=0.0,
+    motion="turning",
     acceleration_deviation=published.ACCELERATION_DEVIATION,
     lateral_acceleration=published.LATERAL_ACCELERATION,
     initial_speed_deviation=1.5,

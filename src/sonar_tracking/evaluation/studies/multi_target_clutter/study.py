@@ -39,6 +39,7 @@ from sonar_tracking.evaluation.studies.multi_target_clutter.systems import (
     HPDA_KALMAN,
     HPDA_PARTICLE,
     INTEGRATED,
+    INTEGRATED_DEFAULTS,
     INTEGRATED_STRAIGHT,
     PAPER_SYSTEMS,
     PHD,
@@ -48,7 +49,7 @@ from sonar_tracking.evaluation.studies.multi_target_clutter.systems import (
 from sonar_tracking.records.arrays import FloatArray
 
 _PAIRED = (
-    (INTEGRATED, INTEGRATED_STRAIGHT, HPDA_PARTICLE, HPDA_KALMAN),
+    (INTEGRATED, INTEGRATED_DEFAULTS, INTEGRATED_STRAIGHT, HPDA_PARTICLE, HPDA_KALMAN),
     (CLUSTERING, CLUSTERING_LITERAL, PHD),
 )
 _OTHERS = tuple(name for name in PAPER_SYSTEMS if not any(name in panel for panel in _PAIRED))

@@ -1,9 +1,9 @@
 """The trackers that the multi-target-clutter study compares, with the parameters of the paper.
 
 What the paper leaves open is one set for all: initial existence 0.003 and its rule for candidates.
-``integrated`` is the default of the package, also without its turning motion modes; the others are
-the paper's method in two versions and the two it is compared with, clustering also with the
-published distance limit of 1.
+``integrated`` is also shown without its turning motion modes, and with the defaults of the package,
+which are told nothing of the targets; the others are the paper's method in two versions and the two
+it is compared with, clustering also with the published distance limit of 1.
 """
 
 from __future__ import annotations
@@ -15,9 +15,14 @@ from sonar_tracking.active.contacts.contact_method_registry import CONTACT_METHO
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.active.contacts.gate_threshold_registry import GATE_THRESHOLDS
 from sonar_tracking.evaluation.monte_carlo.compared_methods import compared_methods
+from sonar_tracking.evaluation.studies.multi_target_clutter.scene import (
+    ACCELERATION_DEVIATION,
+    LATERAL_ACCELERATION,
+)
 
 INTEGRATED = "integrated"
 INTEGRATED_STRAIGHT = "integrated, no turns"
+INTEGRATED_DEFAULTS = "integrated, defaults"
 HPDA_PARTICLE = "HPDA, particles"
 HPDA_KALMAN = "HPDA, Kalman"
 CLUSTERING = "clustering"
@@ -29,7 +34,18 @@ KALMAN_ACCELERATION_DEVIATION = 0.008
 
 SEARCH_FALSE_ALARM_PROBABILITY = 1e-3
 
-_COMMON = ContactTrackerConfiguration(sound_speed=0.0)
+_COMMON = ContactTrackerConfiguration(
+    sound_speed=0.0,
+    motion="turning",
+    acceleration_deviation=ACCELERATION_DEVIATION,
+    lateral_acceleration=LATERAL_ACCELERATION,
+    initial_speed_deviation=1.5,
+    detection_probability=0.9,
+    signal_to_noise_ratio_db=10.0,
+)
+"""The paper tells its trackers how targets move; the contacts carry what differs from these."""
+
+_DEFAULTS = ContactTrackerConfiguration(sound_speed=0.0)
 _STRAIGHT = replace(
     _COMMON, motion="straight", acceleration_deviation=KALMAN_ACCELERATION_DEVIATION
 )
@@ -40,6 +56,7 @@ _KALMAN = replace(
 _NAMED: Mapping[str, ContactTrackerConfiguration] = {
     INTEGRATED: _COMMON,
     INTEGRATED_STRAIGHT: _STRAIGHT,
+    INTEGRATED_DEFAULTS: _DEFAULTS,
     HPDA_PARTICLE: replace(_COMMON, method="hpda_particle"),
     HPDA_KALMAN: _KALMAN,
     CLUSTERING: replace(_COMMON, method="roi_clustering"),

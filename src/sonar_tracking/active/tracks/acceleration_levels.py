@@ -1,0 +1,167 @@
+"""From things that are fixed to boats in hard turns: modes of growing acceleration.
+
+Nobody needs to say how fast targets are or how they turn. One mode stands still; the others move
+with nearly constant velocity, disturbed by accelerations that are constant between pings and ten to
+twenty times larger from one mode to the next, up to 0.3 g. What a target does shows in the mode
+probabilities, and the covariance of the mixture follows. Changes of mode come at rates per second,
+so that the interval between pings does not matter.
+
+A velocity cannot change by more than a target's speed: over long intervals the change by
+acceleration is limited to that of a boat that turns round.
+
+References
+----------
+Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with Applications to Tracking and Navigation*,
+2001, sections 6.3.2 (piecewise constant white acceleration) and 11.6 (interacting models).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from sonar_tracking.records.arrays import FloatArray
+
+ACCELERATIONS = (0.0002, 0.05, 2.0)
+"""Of the moving modes, m/s^2: straight on, turning as ships do, agile as boats are (0.3 g)."""
+
+LARGEST_CHANGE = 15.0
+"""Of a velocity per axis, standard deviation, m/s."""
+
+FIXED_SPEED = 0.02
+"""Of what is fixed, per axis, m/s: buoys swing."""
+
+FIXED_DRIFT = 0.02
+"""Of the place of what is fixed, m/s^0.5."""
+
+STRAIGHT_SPEED_SHARE = 0.6
+"""Speed of new targets that go straight on, relative to that of all: most are slow."""
+
+PRIOR = (0.25, 0.55, 0.15, 0.05)
+"""Of a new target: fixed, then the moving modes."""
+
+ENDING_RATES = np.array([1 / 3000.0, 0.0, 1 / 3000.0, 1 / 100.0])
+"""At which a mode ends by itself, 1/s. They are low: what flows back into the straight mode brings
+the uncertain velocity of the others with it."""
+
+ENDS_IN = np.array(
+    [
+        [0.0, 0.6, 0.4, 0.0],
+        [0.0, 0.0, 0.0, 0.0],
+        [0.01, 0.99, 0.0, 0.0],
+        [0.0, 0.02, 0.98, 0.0],
+    ]
+)
+"""Whereto, row = mode that ends."""
+
+TURNING, AGILE = 2, 3
+"""Modes into which a target changes at a rate of its own."""
+
+EXPECTED_CHANGES = np.array([0.05, 0.1])
+EXPECTED_TIME = 300.0
+"""Prior of these rates, into turning and agile: as if so many changes had been seen in so many
+seconds (a Gamma distribution). A target that has turned is soon believed to turn again."""
+
+
+@dataclass(frozen=True)
+class AccelerationLevels:
+    """The modes as a motion model.
+
+    Parameters
+    ----------
+    initial_speed_deviation : float
+        Speed per axis of a new target that moves, m/s.
+    """
+
+    initial_speed_deviation: float
+
+    @property
+    def n_modes(self) -> int:
+        """Number of modes: the fixed one and the moving ones."""
+        return 1 + len(ACCELERATIONS)
+
+    @property
+    def mode_prior(self) -> FloatArray:
+        """Return the mode probabilities of a new target, shape (n_modes,)."""
+        return np.array(PRIOR)
+
+    @cached_property
+    def speed_deviation(self) -> FloatArray:
+        """Return the speed per axis of a new target in each mode, shape (n_modes,), m/s."""
+        speed = np.full(self.n_modes, self.initial_speed_deviation)
+        speed[0] = min(FIXED_SPEED, self.initial_speed_deviation)
+        speed[1] *= STRAIGHT_SPEED_SHARE
+        return speed
+
+    def transition(self, interval: float, entered: FloatArray, age: FloatArray) -> FloatArray:
+        """Return Pi of each target over an interval, row = mode before.
+
+        Parameters
+        ----------
+        interval : float
+            s.
+        entered : ndarray, shape (n, n_modes)
+            How often each mode has been entered, expected, pure numbers.
+        age : ndarray, shape (n,)
+            How long the targets have been observed, s.
+
+        Returns
+        -------
+        ndarray, shape (n, n_modes, n_modes)
+            Probabilities.
+        """
+        changes = EXPECTED_CHANGES + entered[:, TURNING:]
+        rates = changes / (EXPECTED_TIME + age[:, None])
+        flow = np.tile(ENDING_RATES[:, None] * ENDS_IN, (len(age), 1, 1))
+        flow[:, :TURNING, TURNING] += rates[:, :1]
+        flow[:, :AGILE, AGILE] += rates[:, 1:]
+        leaving = np.sum(flow, axis=-1)
+        leaves = -np.expm1(-interval * leaving)
+        transition = flow * (leaves / leaving)[..., None]
+        np.einsum("nii->ni", transition)[...] = 1.0 - leaves
+        return transition
+
+    def matrices(self, velocity: FloatArray, interval: float) -> FloatArray:
+        """Return F of each mode: what is fixed has lost its velocity, the others keep it.
+
+        Parameters
+        ----------
+        velocity : ndarray, shape (..., n_modes, 2)
+            m/s; of no influence.
+        interval : float
+            s.
+
+        Returns
+        -------
+        ndarray, shape (n_modes, 4, 4)
+            The same for all targets; pure numbers, s and 1/s.
+        """
+        return _matrices(interval)
+
+    def noise(self, interval: float) -> FloatArray:
+        """Return Q of each mode over an interval (s), shape (n_modes, 4, 4)."""
+        return _noise(interval)
+
+
+@lru_cache(maxsize=16)
+def _matrices(interval: float) -> FloatArray:
+    matrices = np.tile(np.eye(4) + interval * np.eye(4, k=2), (1 + len(ACCELERATIONS), 1, 1))
+    matrices[0] = np.diag([1.0, 1.0, 0.0, 0.0])
+    return _kept(matrices)
+
+
+@lru_cache(maxsize=16)
+def _noise(interval: float) -> FloatArray:
+    change = np.minimum(np.array(ACCELERATIONS) * interval, LARGEST_CHANGE)
+    gain = np.kron(np.array([[0.5 * interval], [1.0]]), np.eye(2))
+    moving = change[:, None, None] ** 2 * (gain @ gain.T)
+    place, speed = FIXED_DRIFT**2 * interval, FIXED_SPEED**2
+    return _kept(np.concatenate([np.diag([place, place, speed, speed])[None], moving]))
+
+
+def _kept(array: FloatArray) -> FloatArray:
+    """Return an array that is kept for other pings, made read only."""
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,79 @@
+"""Protects the modes of the default tracker: intervals do not matter, rates are learnt."""
+
+import numpy as np
+import pytest
+
+from sonar_tracking.active.tracks.acceleration_levels import (
+    ACCELERATIONS,
+    AGILE,
+    EXPECTED_CHANGES,
+    EXPECTED_TIME,
+    TURNING,
+    AccelerationLevels,
+)
+
+MODES = AccelerationLevels(8.0)
+NEW = np.zeros((1, 4)), np.zeros(1)
+
+
+def test_the_probabilities_are_probabilities() -> None:
+    assert np.sum(MODES.mode_prior) == pytest.approx(1.0)
+    assert len(MODES.mode_prior) == MODES.n_modes == 4
+    for interval in (0.5, 10.0, 60.0, 1e5):
+        (transition,) = MODES.transition(interval, *NEW)
+        assert np.sum(transition, axis=1) == pytest.approx(np.ones(4))
+        assert np.min(transition) >= 0.0
+
+
+def test_a_short_interval_leaves_every_mode_as_it_is() -> None:
+    (transition,) = MODES.transition(1e-6, *NEW)
+    assert transition == pytest.approx(np.eye(4), abs=1e-7)
+    # Whatever the interval, a mode is left at one rate.
+    leaving = [-np.log(np.diagonal(MODES.transition(each, *NEW)[0])) / each for each in (1.0, 30.0)]
+    assert leaving[0] == pytest.approx(leaving[1])
+
+
+def test_changes_into_turns_come_at_the_rates_that_were_seen() -> None:
+    """Mean of a Gamma distribution: changes expected and seen, over time expected and seen."""
+    entered = np.array([[0.0, 0.0, 3.0, 1.0], [0.0, 0.0, 0.0, 0.0]])
+    transition = MODES.transition(0.01, entered, np.array([700.0, 700.0]))
+    for target, (turns, hard_turns) in enumerate(entered[:, TURNING:]):
+        rate = transition[target, 1] / 0.01
+        for mode, count, expected in (
+            (TURNING, turns, EXPECTED_CHANGES[0]),
+            (AGILE, hard_turns, EXPECTED_CHANGES[1]),
+        ):
+            assert rate[mode] == pytest.approx(
+                (count + expected) / (EXPECTED_TIME + 700.0), rel=1e-3
+            )
+    assert transition[0, 1, TURNING] > 20.0 * transition[1, 1, TURNING]
+
+
+def test_what_is_fixed_has_no_velocity_and_stays() -> None:
+    state = np.array([100.0, -50.0, 3.0, 4.0])
+    matrices = MODES.matrices(np.zeros((1, 4, 2)), 10.0)
+    assert (matrices[0] @ state).tolist() == [100.0, -50.0, 0.0, 0.0]
+    for matrix in matrices[1:]:
+        assert (matrix @ state).tolist() == [130.0, -10.0, 3.0, 4.0]
+    noise = MODES.noise(100.0)[0]
+    assert np.sqrt(np.diag(noise)) == pytest.approx([0.2, 0.2, 0.02, 0.02])
+
+
+def test_accelerations_are_constant_from_ping_to_ping() -> None:
+    """A velocity changes by a T, a position by a T^2 / 2, both by the same acceleration."""
+    for acceleration, noise in zip(ACCELERATIONS, MODES.noise(2.0)[1:], strict=True):
+        step = np.array([2.0 * acceleration, 0.0, 2.0 * acceleration, 0.0])  # T^2 / 2 = T = 2
+        other = np.array([0.0, 2.0 * acceleration, 0.0, 2.0 * acceleration])
+        expected = np.outer(step, step) + np.outer(other, other)
+        assert noise == pytest.approx(expected)
+
+
+def test_a_velocity_changes_by_no_more_than_a_boat_can_turn() -> None:
+    agile = MODES.noise(60.0)[-1]
+    assert np.sqrt(agile[2, 2]) == pytest.approx(15.0)
+    assert np.sqrt(agile[0, 0]) == pytest.approx(450.0)
+
+
+def test_new_targets_are_slow_or_fast() -> None:
+    assert MODES.speed_deviation == pytest.approx([0.02, 4.8, 8.0, 8.0])
+    assert AccelerationLevels(0.01).speed_deviation[0] == 0.01
