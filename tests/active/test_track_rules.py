@@ -79,7 +79,7 @@ def test_mixing_keeps_mean_and_covariance_of_a_track() -> None:
 
 def test_a_candidate_is_as_uncertain_at_the_reflection_as_its_contact() -> None:
     contacts = contacts_at([[1500.0, 200.0]], delay=2.0)
-    bank = start_candidates(contacts, np.array([0.003]), 0, 1, AT_3_M_PER_S, NEVER_SEEN)
+    bank = start_candidates(contacts, np.array([0.003]), 0, 1, AT_3_M_PER_S, np.ones(1), NEVER_SEEN)
     delayed = np.hstack([np.eye(2), 2.0 * np.eye(2)])
     spread = delayed @ bank.covariance[0, 0] @ delayed.T
     assert spread == pytest.approx(contacts.covariance[0])

@@ -63,7 +63,12 @@ from sonar_tracking.active.tracks.gate_thresholds import check_thresholds
 from sonar_tracking.active.tracks.motion_model import MotionModel
 from sonar_tracking.active.tracks.motion_modes import MotionModes
 from sonar_tracking.active.tracks.pair_updates import mix_updates
-from sonar_tracking.active.tracks.track_bank import TrackBank, empty_bank, predict_bank
+from sonar_tracking.active.tracks.track_bank import (
+    TrackBank,
+    empty_bank,
+    new_target_modes,
+    predict_bank,
+)
 from sonar_tracking.active.tracks.track_management import (
     ListedTracks,
     duplicates,
@@ -257,6 +262,7 @@ class MultiTargetTracker:
             ping.stamp,
             self._next_id,
             self._modes,
+            new_target_modes(self._bank, self._modes),
             self._new_detection,
         )
         self._next_id += len(rows)

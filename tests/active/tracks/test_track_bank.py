@@ -8,7 +8,12 @@ import numpy as np
 import pytest
 
 from sonar_tracking.active.tracks.motion_modes import MotionModes, turn_matrices
-from sonar_tracking.active.tracks.track_bank import TrackBank, empty_bank, predict_bank
+from sonar_tracking.active.tracks.track_bank import (
+    TrackBank,
+    empty_bank,
+    new_target_modes,
+    predict_bank,
+)
 from tests.active.track_scene import bank_of
 
 INTERVAL = 7.0
@@ -103,3 +108,16 @@ def test_rows_are_chosen_and_joined_in_all_columns() -> None:
         np.testing.assert_array_equal(getattr(joined, field.name), both)
         chosen = getattr(bank.select(np.array([False, True])), field.name)
         np.testing.assert_array_equal(chosen, column[1:])
+
+
+def test_new_targets_are_expected_to_move_as_the_confirmed_ones_do() -> None:
+    modes = MotionModes(3, 0.0, 0.01, 0.025, 0.9)
+    bank = bank_of([[0.0, 0.0]] * 5, 3)
+    bank = replace(
+        bank,
+        mode_probability=np.tile([0.0, 1.0, 0.0], (5, 1)),
+        confirmed=np.array([True] * 4 + [False]),
+    )
+    # The prior counts as much as four tracks.
+    assert new_target_modes(bank, modes) == pytest.approx([0.4, 0.55, 0.05])
+    assert new_target_modes(empty_bank(3), modes) == pytest.approx(modes.mode_prior)

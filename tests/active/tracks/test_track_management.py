@@ -65,7 +65,7 @@ def test_a_candidate_starts_at_its_contact_with_the_next_name() -> None:
     contacts = contacts_at([[1.0, 2.0], [3.0, 4.0]])
     modes = MotionModes(3, 0.0, 0.01, 0.025, 0.9, initial_speed_deviation=3.0)
     weights = prior_weights(0.7)
-    bank = start_candidates(contacts, np.array([0.1, 0.2]), 77, 5, modes, weights)
+    bank = start_candidates(contacts, np.array([0.1, 0.2]), 77, 5, modes, modes.mode_prior, weights)
     assert bank.id.tolist() == [5, 6]
     assert bank.existence.tolist() == [0.1, 0.2]
     assert bank.initiated.tolist() == bank.updated.tolist() == [77, 77]
@@ -217,6 +217,7 @@ def test_of_too_many_the_least_probable_end_candidates_first() -> None:
         0,
         9,
         MotionModes(1, 0.0),
+        np.ones(1),
         prior_weights(np.nan),
     )
     assert limit_tracks(before, candidates, 5) == (before, candidates)

@@ -39,7 +39,7 @@ FIXED_DRIFT = 0.02
 STRAIGHT_SPEED_SHARE = 0.6
 """Speed of new targets that go straight on, relative to that of all: most are slow."""
 
-PRIOR = (0.25, 0.55, 0.15, 0.05)
+PRIOR = (0.4, 0.4, 0.15, 0.05)
 """Of a new target: fixed, then the moving modes."""
 
 ENDING_RATES = np.array([1 / 3000.0, 0.0, 1 / 3000.0, 1 / 100.0])

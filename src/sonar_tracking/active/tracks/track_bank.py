@@ -21,6 +21,9 @@ from sonar_tracking.active.tracks.motion_model import MotionModel
 from sonar_tracking.filtering.kalman import symmetrised
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 
+PRIOR_TRACKS = 4.0
+"""Confirmed tracks that the prior of the modes counts as much as."""
+
 
 @dataclass(frozen=True)
 class TrackBank:
@@ -158,6 +161,28 @@ def predict_bank(
         entered=entered,
         fresh=1.0 - stayed / probability,
     )
+
+
+def new_target_modes(bank: TrackBank, modes: MotionModel) -> FloatArray:
+    """Return the mode probabilities of a new target: the prior, and what the confirmed ones do.
+
+    Where a wharf has been seen, what appears there is rather fixed.
+
+    Parameters
+    ----------
+    bank : TrackBank
+        After the ping before.
+    modes : MotionModel
+        Motion model.
+
+    Returns
+    -------
+    ndarray, shape (n_modes,)
+        Probabilities.
+    """
+    known = bank.mode_probability[bank.confirmed]
+    total = PRIOR_TRACKS * modes.mode_prior + known.sum(axis=0)
+    return np.asarray(total / (PRIOR_TRACKS + len(known)))
 
 
 def _mix(bank: TrackBank, transition: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

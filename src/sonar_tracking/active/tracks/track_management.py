@@ -123,6 +123,7 @@ def start_candidates(
     stamp: int,
     first_id: int,
     modes: MotionModel,
+    mode_prior: FloatArray,
     detection_weight: FloatArray,
 ) -> TrackBank:
     """Return one candidate a contact: at rest, its velocity unknown.
@@ -139,6 +140,8 @@ def start_candidates(
         Identifier of the first one.
     modes : MotionModel
         Tells how fast new targets are in each mode.
+    mode_prior : ndarray, shape (n_modes,)
+        Probabilities of the modes.
     detection_weight : ndarray, shape (n_levels,)
         Probabilities of the levels of their P_D.
     """
@@ -160,7 +163,7 @@ def start_candidates(
         updated=np.full(count, stamp, dtype=np.int64),
         mean=mean,
         covariance=covariance,
-        mode_probability=modes.mode_prior[None].repeat(count, axis=0),
+        mode_probability=mode_prior[None].repeat(count, axis=0),
         detection_weight=detection_weight[None].repeat(count, axis=0),
         age=np.zeros(count),
         entered=np.zeros((count, n_modes)),

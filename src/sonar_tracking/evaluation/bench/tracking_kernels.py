@@ -97,6 +97,7 @@ def _gating(n_contacts: int) -> Prepared:
         stamp=0,
         first_id=0,
         modes=MotionModes(1, 0.0, initial_speed_deviation=1.0),
+        mode_prior=np.ones(1),
         detection_weight=prior_weights(np.nan),
     )
     sensor = SensorGeometry(np.zeros(2), RANGE_DEVIATION, AZIMUTH_DEVIATION, 0.0)
