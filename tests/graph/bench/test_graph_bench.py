@@ -54,6 +54,7 @@ def test_processor_time_is_start_mathematics_and_messages() -> None:
             "start_percent": 25.0,
             "mathematics_percent": 25.0,
             "messages_percent": 50.0,
+            "messages_milliseconds_per_data_second": 40.0,
         }
     )
     assert rows["tracker"]["cpu_messages_seconds"] == pytest.approx(1.0)

@@ -20,9 +20,11 @@ GRAPH_LAYOUTS = (
             Column("start_percent", "start, %", ".0f"),
             Column("mathematics_percent", "maths, %", ".0f"),
             Column("messages_percent", "messages, %", ".0f"),
+            Column("messages_milliseconds_per_data_second", "messages, ms/s", ".1f"),
         ),
         "Start: processor time until data flow. Maths: of the same stages on the same data in one "
-        "process. Messages: all the rest. Failures: what the run reports, such as a rate that it "
+        "process. Messages: all the rest; their share grows when the others need less: ms/s is for "
+        "each second of data. Failures: what the run reports, such as a rate that it "
         "did not keep.",
     ),
     TableLayout(
@@ -85,7 +87,7 @@ def graph_rows(
         "times_real_time": report["data_seconds"] / wall,
         "data_seconds": report["data_seconds"],
         "failures": float(len(report["failures"])),
-        **_shares(processes, costs),
+        **_shares(processes, costs, report["data_seconds"]),
     }
     yield StudyRow("throughput", name, figures)
     if is_paced:
@@ -137,7 +139,7 @@ def _process(node: str, run: MeasuredRun, costs: Mapping[str, float]) -> dict[st
 
 
 def _shares(
-    processes: Mapping[str, Mapping[str, float]], costs: Mapping[str, float]
+    processes: Mapping[str, Mapping[str, float]], costs: Mapping[str, float], data_seconds: float
 ) -> dict[str, float]:
     def total(figure: str) -> float:
         return sum(each[figure] for each in processes.values())
@@ -149,5 +151,7 @@ def _shares(
     }
     if costs:
         figures["mathematics_percent"] = 100.0 * total("cpu_mathematics_seconds") / whole
-        figures["messages_percent"] = 100.0 * total("cpu_messages_seconds") / whole
+        messages = total("cpu_messages_seconds")
+        figures["messages_percent"] = 100.0 * messages / whole
+        figures["messages_milliseconds_per_data_second"] = 1e3 * messages / data_seconds
     return figures
