@@ -30,7 +30,7 @@ from sonar_tracking.active.tracks.contact_gating import GatePairs
 from sonar_tracking.active.tracks.contact_track_list import ContactTrackRows
 from sonar_tracking.active.tracks.track_management import ListedTracks
 from sonar_tracking.errors import Notice, Severity
-from sonar_tracking.records.arrays import FloatArray, IntArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 from sonar_tracking.records.contacts import Contacts
 from sonar_tracking.records.time import seconds
 
@@ -189,8 +189,11 @@ class LastingErrorMonitor:
 
     def _with(self, third: _LastContacts, tracks: IntArray) -> LastingErrorMonitor:
         """Return the monitor with third contacts of some tracks, and with these tracks alone."""
+        kept = _among(self.id, tracks) & ~_among(self.id, third.id)
+        if not len(third.id) and kept.all():
+            return self
         row = np.searchsorted(self.id, third.id)
-        known = np.isin(third.id, self.id)
+        known = _among(third.id, self.id)
         times = np.full((len(third.id), 2), np.nan)
         positions = np.zeros((len(third.id), 2, 2))
         covariances = np.zeros((len(third.id), 2, 2, 2))
@@ -198,7 +201,6 @@ class LastingErrorMonitor:
         positions[known] = self.position[row[known]]
         covariances[known] = self.covariance[row[known]]
         squares = _squares(times, positions, covariances, third)
-        kept = np.isin(self.id, tracks) & ~np.isin(self.id, third.id)
         ids = np.concatenate([self.id[kept], third.id])
         order = np.argsort(ids, kind="stable")
 
@@ -224,6 +226,11 @@ class _LastContacts:
     time: FloatArray
     position: FloatArray
     covariance: FloatArray
+
+
+def _among(ids: IntArray, others: IntArray) -> BoolArray:
+    """Return which identifiers are among others, both ascending and positive."""
+    return np.asarray(np.append(others, -1)[others.searchsorted(ids)] == ids)
 
 
 def _claimed_error(contacts: Contacts) -> ClaimedError | None:
