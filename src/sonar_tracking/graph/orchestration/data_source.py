@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import time
 from typing import Protocol
 
 IDLE_SECONDS = 1.0
 """Nothing to do before something is heard from the graph."""
+
+BURST = 64
+"""Most messages a source lets go before the events of the graph are looked at."""
 
 RESEND_SECONDS = 0.5
 """A tick nobody served for this long was lost: it is published again, s."""
@@ -46,3 +50,12 @@ class DataSource(Protocol):
     def resume(self, wall: float) -> None:
         """Let wall time count from now on, after a pause."""
         ...
+
+
+def let_go(source: DataSource) -> float:
+    """Let go all data that are due, some at most; return how long to wait for more, s."""
+    for _ in range(BURST):
+        wait = source.advance(time.monotonic())
+        if wait > 0.0:
+            return wait
+    return 0.0

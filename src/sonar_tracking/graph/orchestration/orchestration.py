@@ -22,7 +22,7 @@ from sonar_tracking.graph.catalogue.run_identity import CONTROL_NODE
 from sonar_tracking.graph.catalogue.topics import TRUE_TRACKS
 from sonar_tracking.graph.orchestration import reported_figures
 from sonar_tracking.graph.orchestration.clock_watch import ClockWatch
-from sonar_tracking.graph.orchestration.data_source import DataSource
+from sonar_tracking.graph.orchestration.data_source import DataSource, let_go
 from sonar_tracking.graph.orchestration.graph_plan import GraphPlan
 from sonar_tracking.graph.orchestration.process_supervisor import (
     ProcessSupervisor,
@@ -31,6 +31,7 @@ from sonar_tracking.graph.orchestration.process_supervisor import (
 from sonar_tracking.graph.orchestration.rate_watch import RateWatch
 from sonar_tracking.graph.orchestration.restart_plan import restarted_process
 from sonar_tracking.graph.orchestration.run_report import RunReport
+from sonar_tracking.graph.orchestration.server_watch import ServerWatch
 from sonar_tracking.graph.orchestration.stall_watch import StallWatch
 from sonar_tracking.stop_signals import STOP_SIGNALS, note_stop, stop_code
 
@@ -40,16 +41,13 @@ if TYPE_CHECKING:
 
 RESTART_LIMIT = 3
 START_PATIENCE = 60.0
-SERVER_PATIENCE = 5.0
 DRAIN_PATIENCE = 10.0
 INTERRUPTED_DRAIN_PATIENCE = 2.0
 FOREIGN_PATIENCE = 3.0
 DISPLAY_PATIENCE = 10.0
 DISPLAY_SECONDS = 0.5
 _RUNNING = "running"
-_SHORTEST_WAIT, _LONGEST_WAIT, _WATCH_SECONDS, _NEVER = 0.0001, 0.05, 0.1, float("inf")
-_BURST = 64
-"""Most messages a source lets go before the events of the graph are looked at."""
+_SHORTEST_WAIT, _LONGEST_WAIT, _WATCH_SECONDS = 0.0001, 0.05, 0.1
 
 
 class RunFailedError(SonarTrackingError):
@@ -76,7 +74,6 @@ class Orchestration:
         self._nodes = {node.name: node for node in plan.nodes}
         self._ended: deque[SupervisedProcess] = deque()
         self._stops = 0
-        self._doubt = _NEVER
         self._watched = 0.0
         self._flow_started: float | None = None
         self._flow_ended: float | None = None
@@ -87,6 +84,7 @@ class Orchestration:
         self.ledger = plan.ledger()
         self._stall_watch = StallWatch(self.ledger, log_directory)
         self._rate_watch = RateWatch(self.ledger, plan.sources)
+        self._server_watch = ServerWatch()
         self.edges = plan.edges()
         self.failures: list[str] = []
         self.warnings: list[str] = [plan.transport.warning] if plan.transport.warning else []
@@ -173,7 +171,7 @@ class Orchestration:
         source.resume(time.monotonic())
         while not self.interrupted:
             wall = time.monotonic()
-            wait = self._let_go(source)
+            wait = let_go(source)
             if source.finished and self.ledger.largest_backlog() == 0:
                 late = self._rate_watch.failure(source.behind(wall), self.wall_seconds)
                 return self._fail(late) if late else None
@@ -181,15 +179,6 @@ class Orchestration:
             self._watch(control, source, _RUNNING)
             if self._ended:
                 self._recover(control, source)
-
-    @staticmethod
-    def _let_go(source: DataSource) -> float:
-        """Let go all data that are due; return how long to wait for more, s."""
-        for _ in range(_BURST):
-            wait = source.advance(time.monotonic())
-            if wait > 0.0:
-                return wait
-        return 0.0
 
     def _drain(self, control: ControlNode, source: DataSource) -> None:
         """Let the nodes finish what was published."""
@@ -215,7 +204,7 @@ class Orchestration:
     def _bring_up(self, control: ControlNode, source: DataSource) -> None:
         """Start what has ended until every node runs and is matched."""
         restarted: set[str] = set()
-        self._doubt = time.monotonic() + SERVER_PATIENCE
+        self._server_watch.begin(time.monotonic())
         if self._flow_started is None:
             # Until it says what it hears, a display would pass for one that data wait for.
             shown = partial(self._displays_connected, control)
@@ -243,7 +232,7 @@ class Orchestration:
                 _WATCH_SECONDS,
                 activity,
             )
-        self._doubt = _NEVER
+        self._server_watch.end()
         if self._flow_started is None:
             self._refuse_foreign(control, source)
         for name in restarted:
@@ -325,10 +314,8 @@ class Orchestration:
         behind = source.behind(wall) if activity == _RUNNING else 0.0
         for sentence in (*self._stall_watch.news(wall), *self._rate_watch.news(behind)):
             self._display.say(sentence)
-        if wall > self._doubt:
-            self._doubt = _NEVER
-            if silence := silence_in_words():
-                self._warn(f"the nodes do not find each other yet.{silence}")
+        for sentence in self._server_watch.news(wall):
+            self._warn(sentence)
         if self._display.due(wall):
             backlog = self.ledger.largest_backlog()
             state = GraphState(
