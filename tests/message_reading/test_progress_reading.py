@@ -47,6 +47,15 @@ def test_what_is_cut_short_or_garbled_is_refused() -> None:
         progress_from_bytes(data[:28] + b"\xff\xff\xff\x7f" + data[32:])
 
 
+@pytest.mark.parametrize("seconds", [-(10**9), -(2**31), -1, 0])
+def test_a_malformed_time_before_the_first_second_can_be_reported(seconds: int) -> None:
+    """A node ended by it, too."""
+    stamp = stamp_from_time(Time(sec=seconds, nanosec=7))
+    data = ProgressWriter("recorder", "/clock").message(1, stamp)
+    assert deserialize_message(data, Progress).header.stamp == Time(sec=seconds, nanosec=7)
+    assert progress_from_bytes(data).stamp == stamp
+
+
 @pytest.mark.parametrize("nanosec", [10**9 - 1, 10**9, 2**32 - 1])
 def test_a_malformed_time_after_the_last_second_can_be_reported(nanosec: int) -> None:
     """A node ended by it: its seconds, once carried over, did not fit into a message."""

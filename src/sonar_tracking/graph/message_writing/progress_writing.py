@@ -6,7 +6,7 @@ import struct
 
 from sonar_tracking.records.time import NANOSECONDS
 
-_HEAD = struct.Struct("<4sII5s3xiI")
+_HEAD = struct.Struct("<4siI5s3xiI")
 """Encapsulation, stamp, empty frame, next stamp."""
 
 
