@@ -16,6 +16,9 @@ from types import FrameType
 
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
+HUNG = signal.SIGALRM
+"""Kills what has done its work, and does not come to its end."""
+
 _received: list[int] = []
 """The stop signals this process has noted."""
 
@@ -56,6 +59,16 @@ def never_end() -> None:
     """
     for number in STOP_SIGNALS:
         signal.signal(number, signal.SIG_IGN)
+
+
+def end_within(seconds: float) -> None:
+    """Let the system end this process after a time, s, whatever it hangs in then.
+
+    No handler of Python would be heard in a library that waits for itself. The process is then
+    killed by :data:`HUNG`.
+    """
+    signal.signal(HUNG, signal.SIG_DFL)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
 
 
 def _end(_number: int, _frame: FrameType | None) -> None:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import subprocess
+import sys
 import time
 from pathlib import Path
 
 import pytest
 
 from tests.graph.live_graph import Probe, node_process
+from tests.ros_domain import ros_domain
 
 pytestmark = pytest.mark.graph
 
@@ -63,3 +67,41 @@ def test_wrong_parameters_are_said_and_end_a_node_with_code_one(
         assert process.wait() == 1
         assert all(sentence in process.output for sentence in sentences)
         assert "Traceback" not in process.output
+
+
+HANGING = """
+import sys, threading
+from rclpy.node import Node
+from sonar_tracking.graph.node_base import node_process
+
+node_process.LEAVING_SECONDS = 0.5
+
+class Hanging(Node):
+    def destroy_node(self):
+        threading.Event().wait()
+
+node = []
+def make_node():
+    node.append(Hanging("hanging"))
+    print("made", flush=True)
+    return node[0]
+
+sys.exit(node_process.run_node(make_node, lambda node: print("finished", flush=True)))
+"""
+
+
+def test_a_node_that_has_done_its_work_does_not_hang_in_the_middleware(tmp_path: Path) -> None:
+    """The system ends it: a library that waits for itself hears of no handler."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", HANGING],
+        env={**os.environ, "ROS_DOMAIN_ID": str(ros_domain()), "ROS_HOME": str(tmp_path)},
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "made\n"
+    time.sleep(0.2)
+    process.send_signal(signal.SIGINT)
+    said, _ = process.communicate(timeout=60.0)
+    assert said == "finished\n"
+    assert process.returncode == -signal.SIGALRM

@@ -6,7 +6,7 @@ import gc
 import os
 import signal
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar
 
 import rclpy
 from rclpy.exceptions import ParameterException
@@ -20,17 +20,27 @@ from rclpy.signals import SignalHandlerOptions
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.transport_profile import node_environment
 from sonar_tracking.graph.node_base.no_generators import do_without_generators
-from sonar_tracking.stop_signals import STOP_SIGNALS, never_end
+from sonar_tracking.stop_signals import STOP_SIGNALS, end_within, never_end
+
+NodeType = TypeVar("NodeType", bound=Node)
 
 PATIENCE = 0.2
 """Longest wait for an event before a stop request is noticed, s."""
 
+LEAVING_SECONDS = 4.0
+"""Longest time in which a node that has done its work leaves the graph, s."""
 
-def run_node(make_node: Callable[[], Node]) -> int:
+
+def run_node(
+    make_node: Callable[[], NodeType], finish: Callable[[NodeType], None] | None = None
+) -> int:
     """Spin a node until SIGINT, SIGTERM or a shutdown from outside; return the exit code.
 
     It is 1, after a sentence for each, if the parameters given to the node cannot be used. Unless
     the environment says otherwise, the node finds, and is found by, participants of this machine.
+
+    What a node has to finish, it finishes in its own time; then it has to leave the graph within
+    :data:`LEAVING_SECONDS`.
 
     The handlers only leave a note: however many signals arrive (a terminal sends one to every
     process, and the orchestration forwards its own), a callback is never torn apart.
@@ -68,6 +78,11 @@ def run_node(make_node: Callable[[], Node]) -> int:
         get_logger("sonar_tracking").fatal(f"{error}")
         return 1
     finally:
+        if node is not None and finish is not None:
+            finish(node)
+        # The middleware has been seen to wait for itself when a participant left while another one
+        # was discovered. The node has done its work by now.
+        end_within(LEAVING_SECONDS)
         if node is not None:
             node.destroy_node()
         rclpy.try_shutdown()

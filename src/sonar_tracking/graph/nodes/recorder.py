@@ -90,13 +90,18 @@ class Recorder(Node):
         self.create_timer(FLUSH_PERIOD / 2, self._flush, clock=steady)
         self.create_timer(STATUS_PERIOD, self._diagnostics.publish_if_due)
 
-    def destroy_node(self) -> None:
-        """Finish the bag and release the node."""
+    def finish(self) -> None:
+        """Finish the bag."""
         try:
             if self._writer is not None:
                 self._writer.close()
+            self._writer = None
         except OSError as error:
             self._cannot_write(error)
+
+    def destroy_node(self) -> None:
+        """Finish the bag and release the node."""
+        self.finish()
         super().destroy_node()
 
     def _declared_parameters(self) -> dict[str, Any]:
@@ -252,7 +257,7 @@ def main() -> int:
         nodes.append(Recorder())
         return nodes[0]
 
-    return run_node(make_node) or int(any(node.failed for node in nodes))
+    return run_node(make_node, Recorder.finish) or int(any(node.failed for node in nodes))
 
 
 if __name__ == "__main__":

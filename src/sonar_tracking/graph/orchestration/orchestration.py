@@ -136,7 +136,7 @@ class Orchestration:
         asked = [name for name in names if name in self._nodes]
         for name in asked if self._flow_started is not None else ():
             process = self.supervisor.processes[name]
-            if process.exit_code != 0:
+            if not process.has_done_its_work:
                 self._fail(
                     f"{name} {process.end_in_words} when it was told to stop; "
                     f"its log is {process.log}."

@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from sonar_tracking.graph.orchestration.forked_node import ForkedNode, can_fork, fork_node
+from sonar_tracking.stop_signals import HUNG
 
 STOP_STAGES = ((signal.SIGINT, 8.0), (signal.SIGTERM, 3.0), (signal.SIGKILL, 2.0))
 LOG_TAIL_LINES = 10
@@ -77,6 +78,11 @@ class SupervisedProcess:
     restarts: int = 0
     cpu_seconds: float = 0.0
     unexpected_exits: int = 0
+
+    @property
+    def has_done_its_work(self) -> bool:
+        """Whether it ended when it was told to, be it that the middleware did not let it go."""
+        return self.exit_code in (0, -HUNG)
 
     @property
     def end_in_words(self) -> str:
