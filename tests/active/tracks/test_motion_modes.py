@@ -13,7 +13,7 @@ from tests.active.track_scene import bank_of
 
 
 def test_modes_mix_without_changing_the_mean() -> None:
-    modes = MotionModes(3, 0.0, 0.01, 0.05, 0.8)
+    modes = MotionModes(3, 0.0, 0.01, 0.05, 0.8, initial_speed_deviation=8.0)
     bank = bank_of([[100.0, 200.0]], 3)
     still = predict_bank(bank, modes, 0.0, 1.0)
     assert still.moments()[0] == pytest.approx(bank.moments()[0])
@@ -35,23 +35,25 @@ def test_turns_keep_the_speed_and_follow_the_circle() -> None:
 
 
 def test_modes_change_with_their_probabilities() -> None:
-    modes = MotionModes(3, 0.0, 0.01, 0.06, 0.8)
+    modes = MotionModes(3, 0.0, 0.01, 0.06, 0.8, initial_speed_deviation=8.0)
     expected = [[0.94, 0.03, 0.03], [0.2, 0.8, 0.0], [0.2, 0.0, 0.8]]
     assert modes.mode_transition == pytest.approx(np.array(expected))
     # In the long run as many turns begin (0.03 of the straight ones) as end (0.2 of them).
     assert modes.mode_prior == pytest.approx(np.array([1.0, 0.15, 0.15]) / 1.3)
-    single = MotionModes(1, 0.0)
+    single = MotionModes(1, 0.0, initial_speed_deviation=8.0)
     assert single.mode_transition.tolist() == [[1.0]]
     assert single.mode_prior.tolist() == [1.0]
 
 
 def test_the_turn_rate_is_the_lateral_acceleration_over_the_speed() -> None:
-    modes = MotionModes(3, 0.0, 0.012)
+    modes = MotionModes(3, 0.0, 0.012, initial_speed_deviation=8.0)
     velocity = np.array([[3.0, 4.0], [0.0, 0.3], [0.0, 0.1]])
     rates = modes.turn_rates(np.repeat(velocity[:, None], 3, axis=1))
     # Below 0.3 m/s the rate does not grow any more. Left is positive.
     assert rates == pytest.approx(np.outer([0.0024, 0.04, 0.04], [0.0, 1.0, -1.0]))
-    assert MotionModes(1, 0.0, 0.012).turn_rates(np.array([[3.0, 4.0]])).tolist() == [0.0]
+    assert MotionModes(1, 0.0, 0.012, initial_speed_deviation=8.0).turn_rates(
+        np.array([[3.0, 4.0]])
+    ).tolist() == [0.0]
 
 
 @pytest.mark.parametrize("rate", [0.01, -0.02, 1e-9, 0.0])

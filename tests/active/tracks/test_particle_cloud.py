@@ -37,7 +37,7 @@ def test_particles_move_as_the_modes_do() -> None:
     state = np.tile([0.0, 0.0, 2.0, 1.0], (3, 1))
     cloud = ParticleCloud(state, np.arange(3), np.ones(3))
     moved = predict_cloud(cloud, ParticleMotion(0.0, 0.01, 1.0), 10.0, generator)
-    rates = MotionModes(3, 0.0, 0.01).turn_rates(state[None, :, 2:])[0]
+    rates = MotionModes(3, 0.0, 0.01, initial_speed_deviation=8.0).turn_rates(state[None, :, 2:])[0]
     expected = turn_matrices(rates, 10.0) @ state[0]
     assert moved.state == pytest.approx(expected)
 

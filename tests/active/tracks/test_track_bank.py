@@ -17,7 +17,7 @@ from sonar_tracking.active.tracks.track_bank import (
 from tests.active.track_scene import bank_of
 
 INTERVAL = 7.0
-MODES = MotionModes(3, 0.02, 0.03, 0.1, 0.7)
+MODES = MotionModes(3, 0.02, 0.03, 0.1, 0.7, initial_speed_deviation=8.0)
 
 
 def random_bank(n_modes: int) -> TrackBank:
@@ -88,7 +88,7 @@ def test_prediction_is_that_of_interacting_models_one_by_one() -> None:
 
 def test_one_mode_moves_straight() -> None:
     bank = random_bank(1)
-    predicted = predict_bank(bank, MotionModes(1, 0.02), INTERVAL, 1.0)
+    predicted = predict_bank(bank, MotionModes(1, 0.02, initial_speed_deviation=8.0), INTERVAL, 1.0)
     motion = np.eye(4) + INTERVAL * np.eye(4, k=2)
     for row in range(2):
         assert predicted.mean[row, 0] == pytest.approx(motion @ bank.mean[row, 0])
@@ -111,7 +111,7 @@ def test_rows_are_chosen_and_joined_in_all_columns() -> None:
 
 
 def test_new_targets_are_expected_to_move_as_the_confirmed_ones_do() -> None:
-    modes = MotionModes(3, 0.0, 0.01, 0.025, 0.9)
+    modes = MotionModes(3, 0.0, 0.01, 0.025, 0.9, initial_speed_deviation=8.0)
     bank = bank_of([[0.0, 0.0]] * 5, 3)
     bank = replace(
         bank,

@@ -216,7 +216,7 @@ def test_of_too_many_the_least_probable_end_candidates_first() -> None:
         np.array([0.6, 0.4]),
         0,
         9,
-        MotionModes(1, 0.0),
+        MotionModes(1, 0.0, initial_speed_deviation=8.0),
         np.ones(1),
         prior_weights(np.nan),
     )

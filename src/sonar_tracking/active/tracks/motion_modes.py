@@ -11,7 +11,7 @@ Kim, Song (2007), equations 1-2 (the speed under the root is printed as the posi
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -52,7 +52,7 @@ class MotionModes:
     lateral_acceleration: float = 0.01
     turn_probability: float = 0.01
     stay_probability: float = 0.9
-    initial_speed_deviation: float = 8.0
+    initial_speed_deviation: float = field(kw_only=True)
 
     @property
     def speed_deviation(self) -> FloatArray:
