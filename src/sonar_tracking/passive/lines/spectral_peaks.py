@@ -66,7 +66,8 @@ def hann_transform(offset: FloatArray) -> FloatArray:
     """
     square = np.asarray(offset, np.float64) ** 2
     pole = np.abs(square - 1.0) < 1e-12
-    return np.where(pole, 0.5, np.sinc(offset) / np.where(pole, 1.0, 1.0 - square))
+    top = np.full(square.shape, 0.5)
+    return np.asarray(np.divide(np.sinc(offset), 1.0 - square, out=top, where=~pole))
 
 
 def find_peaks(normalised: FloatArray, threshold: FloatArray, power: FloatArray) -> SpectralPeaks:

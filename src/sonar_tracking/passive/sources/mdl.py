@@ -133,8 +133,7 @@ def counting_snapshots(
     variance = variance_along(positions)
     spread = wavenumber**2 * variance * (largest_turn * n) ** 2 / 12.0 * ratio
     allowed = n[spread < 0.5 * np.sqrt(len(positions) / n)]
-    most = int(allowed[-1]) if len(allowed) else 1
-    return min(max(most, LEAST_COUNTING_SNAPSHOTS), n_snapshots)
+    return min(int(np.max(allowed, initial=LEAST_COUNTING_SNAPSHOTS)), n_snapshots)
 
 
 def source_count(
