@@ -118,3 +118,22 @@ def test_a_track_that_coasts_is_remembered_and_one_that_ends_is_not() -> None:
             assert len(kept) == 1 and update.tracks.status[0] == TrackStatus.COASTED
     assert len(update.tracks) == 0
     assert len(kept) == 0
+
+
+def test_times_are_counted_from_the_first_ping() -> None:
+    """So that they keep the digits that seconds since 1970 would cost them."""
+    tracker = make_contact_tracker(ContactTrackerConfiguration(sound_speed=0.0))
+    for number in range(12):
+        contacts = Contacts(
+            stamp=10**18 + 2 * number * SECOND,
+            range=np.array([300.0]),
+            azimuth=np.zeros(1),
+            amplitude=np.zeros(0),
+            range_standard_deviation=RANGE,
+            azimuth_standard_deviation=AZIMUTH,
+            maximum_range=1000.0,
+        )
+        tracker.update(contacts)
+    monitor = vars(tracker)["_lasting"]
+    assert monitor.start == 10**18
+    assert monitor.time.tolist() == [[20.0, 22.0]]

@@ -95,3 +95,22 @@ def test_a_contact_far_from_all_particles_leaves_finite_weights() -> None:
     assert updates.density[0, 0] == 1e-30
     after = particles.update(before, pairs, np.array([0.2]))
     assert np.all(np.isfinite(after.mean))
+
+
+def test_only_the_ratios_of_the_weights_count() -> None:
+    """Those of a cloud need not sum to one: four times as heavy, it says the same."""
+    contacts = contacts_at([[1010.0, 1990.0]])
+    pairs = GatePairs(np.array([0]), np.array([0]))
+    gaussian = update_pairs(bank(), contacts, pairs)
+    densities, means = [], []
+    for factor in (1.0, 4.0):
+        particles = started()
+        clouds = vars(particles)["_clouds"]
+        for identifier, cloud in clouds.items():
+            clouds[identifier] = replace(cloud, weight=factor * cloud.weight)
+        updates = particles.pair_densities(bank(), pairs, gaussian, contacts, SENSOR)
+        densities.append(updates.density[0, 0])
+        means.append(particles.update(bank(), pairs, np.array([0.7])).mean)
+    assert densities[0] > 1e-6
+    assert densities[1] == pytest.approx(densities[0], rel=1e-12)
+    np.testing.assert_allclose(means[1], means[0], rtol=1e-12)

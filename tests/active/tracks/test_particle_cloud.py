@@ -157,3 +157,14 @@ def test_a_kernel_keeps_apart_what_was_drawn_twice() -> None:
     assert np.std(left) == pytest.approx(width, rel=0.06)
     assert np.mean(left) == pytest.approx(-np.sqrt(1.0 - width**2), abs=0.02)
     assert np.var(after.state[:, 0]) == pytest.approx(1.0, rel=0.02)
+
+
+def test_a_covariance_that_rounding_has_made_indefinite_is_mended() -> None:
+    """Errors of 1 m in x and y alike: to rounding, y is off by as much as x, of variance 1."""
+    covariance = np.zeros((4, 4))
+    covariance[:2, :2] = [[1.0, 1.0], [1.0, 1.0 - 1e-5]]
+    cloud = gaussian_cloud(np.arange(4.0), covariance, 1000, np.random.default_rng(12))
+    off = cloud.state - np.arange(4.0)
+    assert off[:, 1] == pytest.approx(off[:, 0], abs=1e-2)
+    assert np.var(off[:, 0]) == pytest.approx(1.0, abs=5.0 * np.sqrt(2.0 / 1000))
+    assert np.abs(off[:, 2:]).max() < 1e-2

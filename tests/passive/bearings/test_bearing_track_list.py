@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from sonar_tracking.filtering.kalman import KalmanState
+from sonar_tracking.geometry import line_array
 from sonar_tracking.passive.bearings.bearing_measurement import BearingMeasurement
-from sonar_tracking.passive.bearings.bearing_track_list import running_rows
+from sonar_tracking.passive.bearings.bearing_track_list import folded_angles, running_rows
 from sonar_tracking.records.bearings import TrackStatus
 
 
@@ -20,3 +21,15 @@ def test_an_older_measurement_is_brought_to_the_stamp(age: float) -> None:
     )
     assert rows.measurement == pytest.approx(angle)
     assert rows.innovation == pytest.approx(0.01 * angle)
+
+
+def test_angles_at_the_ends_of_the_range_stay_and_those_beyond_come_back() -> None:
+    square = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]])
+    angles, signs = folded_angles(np.array([-np.pi, np.pi, np.pi + 0.1]), square)
+    assert angles[:2].tolist() == [-np.pi, np.pi]
+    assert angles[2] == pytest.approx(0.1 - np.pi)
+    assert signs.tolist() == [1.0, 1.0, 1.0]
+    angles, signs = folded_angles(0.5 * np.pi + np.array([-np.pi, 0.0, 0.1]), line_array(4, 0.5))
+    assert angles[:2].tolist() == [-0.5 * np.pi, 0.5 * np.pi]
+    assert angles[2] == pytest.approx(0.5 * np.pi - 0.1)
+    assert signs.tolist() == [1.0, 1.0, -1.0]

@@ -158,3 +158,18 @@ def test_independent_subspaces_divide_the_variance_by_their_number() -> None:
     )
     assert forgetting_factor_of(1.9 / 0.1) == pytest.approx(0.9)
     assert mean_age(0.9) == pytest.approx(9.0)
+
+
+def test_the_floor_at_endfire_is_a_share_of_what_the_array_gives_at_broadside() -> None:
+    """Two elements 2 m apart, 1 rad/m, a source at broadside, c = cos(prediction) = 1e-8.
+
+    y = (e^(2j) - 1) / 2 (-1, 1) and u = j 2 c e^(2j) / 2 (-1, 1), so that Re(u^H y) = c sin 2.
+    |u|^2 = 2 c^2 is below the floor 1e-12 (2 m x 1 rad/m)^2.
+    """
+    positions = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]])
+    basis = np.full((1, 2, 1), np.sqrt(0.5), dtype=complex)
+    predicted = np.array([0.5 * np.pi - 1e-8])
+    expected = -1e-8 * np.sin(2.0) / 4e-12
+    for unit in (1.0, 10.0):
+        found = angular_innovations(basis, unit * positions, predicted, 1.0 / unit)
+        assert found[0] == pytest.approx([expected], rel=1e-6)

@@ -88,3 +88,12 @@ def test_snapshots_are_as_many_as_the_band_is_wide_or_a_few_more(
     assert (band.frequency, band.bandwidth) == (8000.0, width)
     assert band.reach == (len(band.taps) - 1) // 2
     assert np.sum(band.taps) == pytest.approx(1.0)
+
+
+def test_a_carrier_that_turns_half_a_cycle_more_between_snapshots_keeps_its_phase() -> None:
+    """5050 Hz goes through 50.5 cycles in the 480 samples of a step."""
+    band = design_band(RATE, 5050.0, 100.0)
+    samples = 3.0 * np.cos(2 * np.pi * 5050.0 * np.arange(9600) / RATE + 0.4)
+    data = Demodulator(band, RATE).update(samples[:, None])
+    assert len(data) > 4
+    np.testing.assert_allclose(data[:, 0], 3.0 * np.exp(0.4j), atol=0.01)

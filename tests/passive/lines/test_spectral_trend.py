@@ -59,3 +59,11 @@ def test_few_bins_are_their_own_trend(count: int) -> None:
     spectrum = np.array([3.0, 2.0, 5.0])[:count]
     trend = SpectralTrend(np.array([1.0, 2.0, 3.0])[:count]).of(spectrum)
     np.testing.assert_allclose(trend, spectrum)
+
+
+def test_a_narrow_band_far_from_zero_is_met_as_well() -> None:
+    """One hertz at 10 kHz: its logarithms differ in their fifth digit alone."""
+    frequencies = np.linspace(10_000.0, 10_001.0, 101)
+    along = 1e4 * np.log(frequencies / 10_000.0)
+    spectrum = np.exp(2.0 + along - 3.0 * along**2)
+    np.testing.assert_allclose(SpectralTrend(frequencies).of(spectrum), spectrum, rtol=2e-8)

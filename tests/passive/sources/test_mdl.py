@@ -231,3 +231,10 @@ def test_noise_from_ahead_is_no_source() -> None:
     assert source_count(noise, 100) > 0
     assert source_count(noise, 100, noise) == 0
     assert source_count(noise + vector @ vector.conj().T, 100, noise) == 1
+
+
+def test_smoothing_loses_no_weak_power() -> None:
+    covariance = np.diag([1.0, 2.0, 5.0]).astype(complex)
+    weak = forward_backward_smoothed(np.multiply(1e-20, covariance, dtype=np.complex128), 2)
+    # Means 1.5 and 3.5 along the diagonal, and both ways 2.5.
+    np.testing.assert_allclose(weak, 2.5e-20 * np.eye(2), rtol=1e-12)

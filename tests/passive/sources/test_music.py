@@ -189,3 +189,16 @@ def test_noise_from_ahead_pulls_no_angle() -> None:
     noise = noise_from_ahead()
     found = music_bearings(vectors @ vectors.conj().T + noise, 2, POSITIONS, WAVENUMBER, noise)
     assert found == pytest.approx(angles, abs=1e-7)
+
+
+def test_a_newton_step_is_the_slope_over_the_whole_bend() -> None:
+    """By differences of the null spectrum, away from the floor, of a line and of an oval."""
+    around = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
+    circle = np.stack([0.5 * np.sin(around), 0.3 * np.cos(around), 0.0 * around], axis=1)
+    for positions, off in ((POSITIONS, 0.015), (circle, 0.1)):
+        source = steering_vectors(positions, np.array([0.3]), WAVENUMBER)
+        spectrum = NullSpectrum(positions, WAVENUMBER, source / np.linalg.norm(source), None)
+        left, middle, right = spectrum.at(0.3 + off + np.array([-1e-4, 0.0, 1e-4]))
+        expected = -0.5 * 1e-4 * (right - left) / (left - 2.0 * middle + right)
+        step = spectrum.newton_step(np.array([0.3 + off]))
+        assert step == pytest.approx([expected], rel=1e-4)

@@ -208,3 +208,21 @@ def test_the_best_of_all_starts_is_taken_whatever_their_order() -> None:
         winner = int(np.argmin([each.cost[run] for each in one]))
         assert both.mean[run] == pytest.approx(one[winner].mean[run])
         assert both.covariance[run] == pytest.approx(one[winner].covariance[run])
+
+
+def test_the_search_starts_from_the_first_and_the_last_five_azimuths() -> None:
+    """Five at either end at almost one instant, from one place: the start is the truth itself."""
+    times = [0, 1, 2, 3, 4, *(n * SECOND for n in (20, 40, 50, 60, 80))]
+    times += [100 * SECOND - n for n in (4, 3, 2, 1, 0)]
+    measured = []
+    for number, stamp in enumerate(times):
+        own = np.array([0.0, -1000.0 if 5 <= number < 10 else 0.0])
+        x, y = np.array([3000.0, -400.0 + 8.0 * stamp / SECOND]) - own
+        azimuth = np.array([[np.arctan2(y, x)]])
+        none = np.empty((1, 0))
+        measured.append(
+            TmaMeasurement(stamp, own, np.zeros(2), azimuth, np.array(1e-4), none, none)
+        )
+    parameters = BatchConfiguration(start_ranges=(float(np.hypot(3000.0, 400.0)),), iterations=1)
+    estimate = estimate_batch_likelihood(measured, parameters)
+    assert estimate.mean[0] == pytest.approx([3000.0, 400.0, 0.0, 8.0], abs=1e-3)

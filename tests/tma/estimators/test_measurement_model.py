@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sonar_tracking.tma.estimators.measurement_model import linearise, range_rate
+from sonar_tracking.tma.estimators.measurement_model import linearise, offset_seen, range_rate
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 
 
@@ -59,3 +59,11 @@ def test_what_is_not_there_changes_nothing() -> None:
     assert np.all(rows.innovation[~rows.present] == 0.0)
     assert np.all(rows.derivative[~rows.present] == 0.0)
     assert np.all(rows.variance[~rows.present] == 1.0)
+
+
+def test_unless_told_otherwise_sound_takes_no_time() -> None:
+    frame = measurement()
+    assert frame.propagation_speed == np.inf
+    offset, delay = offset_seen(STATE[0, :4], frame.position, frame.propagation_speed)
+    assert offset.tolist() == [1100.0, 750.0]
+    assert delay == 0.0

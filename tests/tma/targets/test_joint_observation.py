@@ -115,3 +115,14 @@ def test_methods_without_a_bank_take_their_observations_in_one_by_one(method: st
     seen = replace(AHEAD, stamp=1)
     outcomes = observe_together([(beside, seen), (banked, seen)], StationPairing(100.0))
     assert [len(one) for one in outcomes if isinstance(one, tuple)] == [1, 1]
+
+
+def test_a_refusal_is_told_of_its_own_target_where_trials_take_part_too() -> None:
+    old, new, bad = alone("bow"), alone("stern"), alone("keel")
+    pairing = StationPairing(1.0)
+    old.solutions = old.solver.update(AHEAD)
+    pairing.begin(new, [old])
+    refused = replace(another(1), azimuth_variance=-1.0)
+    first, second = observe_together([(bad, refused), (new, another(1))], pairing)
+    assert isinstance(first, InputError)
+    assert isinstance(second, tuple)

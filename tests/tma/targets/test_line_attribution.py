@@ -127,3 +127,13 @@ def test_of_two_tracks_in_one_direction_the_one_known_better_gets_the_line() -> 
     attribution = LineAttribution(4.0)
     found = [attribution.update(lines(10.0), {3: TRACKS[3], 8: blurred})[0] for _ in range(4)]
     assert found == [0, 0, 3, 3]
+
+
+def test_an_angle_far_from_all_tracks_prefers_none() -> None:
+    """Both squares, 153 and 28, count as 4^2 + 10: then 10 deg leads by 1.3 and by 2.47 a frame.
+
+    Of 20 deg they are 50, and count as 26, too: 2 x 1.3 is below ln 20 = 3.0, 3 x 2.47 above.
+    """
+    attribution = LineAttribution(4.0)
+    found = [attribution.update(lines(angle), TRACKS)[0] for angle in (27.5, 10.0, 10.0)]
+    assert found == [0, 0, 3]

@@ -218,3 +218,12 @@ def test_parameters_that_do_not_fit_are_refused() -> None:
         TmaTrackerStage(TmaTrackerConfiguration(minimum_range=30_000.0))
     with pytest.raises(ConfigurationError, match="manoeuvre_acceleration"):
         TmaTrackerStage(TmaTrackerConfiguration(acceleration=1.0))
+
+
+def test_lines_that_come_between_two_lists_are_taken_in() -> None:
+    first, second = frames_of(scene(DIRECTIONS, duration=2.0))[:2]
+    stage = TmaTrackerStage()
+    assert listed(stage.update(replace(first, lines=()))).line_id.tolist() == []
+    later = tuple(replace(one, stamp=one.stamp + SECOND // 2) for one in first.lines)
+    assert stage.update(PassiveFrame(first.stamp + SECOND // 2, lines=later)).tracks is None
+    assert listed(stage.update(replace(second, lines=()))).line_id.tolist() == [1, 2, 3]
