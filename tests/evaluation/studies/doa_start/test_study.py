@@ -22,6 +22,7 @@ from sonar_tracking.evaluation.studies.doa_start.runs import (
 )
 from sonar_tracking.evaluation.studies.doa_start.study import SYSTEM, draw, rows, tasks
 from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.simulation.scenarios.scenario import Scenario
 
 CONDITION = StartCondition(15, 0.0)
 
@@ -80,8 +81,15 @@ def test_figure_of_each_array(result: StartRuns, tmp_path: Path) -> None:
     assert len(pictures) == 3
 
 
+class Short(StartCondition):
+    """The first part of the scene, in which there are targets already."""
+
+    def scenario(self, seed: int) -> Scenario:
+        return replace(super().scenario(seed), duration=30.0)
+
+
 @pytest.mark.parametrize(
-    "condition", [CONDITION, pytest.param(StartCondition(64, -8.0), marks=pytest.mark.slow)]
+    "condition", [Short(15, 0.0), pytest.param(Short(64, -8.0), marks=pytest.mark.slow)]
 )
 def test_long_blocks_of_many_runs_give_what_each_run_gives_by_itself(
     condition: StartCondition,
