@@ -132,9 +132,7 @@ class LastingErrorMonitor:
             Its contacts, with the noise they are believed to have.
         """
         bank = listed.bank
-        probability = np.sum(
-            association.bank.mode_probability[pairs.track] * association.weights, axis=1
-        )
+        probability = bank.contact_probabilities(pairs.track, association.weights)
         sure = (probability > SURE) & (bank.confirmed & listed.alive)[pairs.track]
         track, contact = pairs.track[sure], pairs.contact[sure]
         start = self.start or contacts.stamp

@@ -82,9 +82,28 @@ def scene_weights(weights: FloatArray, confirmed: BoolArray, told: float) -> Flo
     ndarray, shape (n_levels,)
         Probabilities, sum 1.
     """
-    known = weights[confirmed]
-    total = PRIOR_TRACKS * prior_weights(told) + np.sum(known, axis=0)
-    return np.asarray(total / (PRIOR_TRACKS + len(known)))
+    return averaged(prior_weights(told), PRIOR_TRACKS, weights[confirmed])
+
+
+def averaged(prior: FloatArray, prior_tracks: float, known: FloatArray) -> FloatArray:
+    """Return the mean of probabilities of tracks and of a prior that counts as several tracks.
+
+    Parameters
+    ----------
+    prior : ndarray, shape (n_values,)
+        Probabilities, sum 1.
+    prior_tracks : float
+        Tracks that it counts as much as.
+    known : ndarray, shape (n_tracks, n_values)
+        Probabilities, sums 1.
+
+    Returns
+    -------
+    ndarray, shape (n_values,)
+        Probabilities, sum 1.
+    """
+    total = prior_tracks * prior + np.sum(known, axis=0)
+    return np.asarray(total / (prior_tracks + len(known)))
 
 
 def contradiction(weights: FloatArray, confirmed: BoolArray, told: float) -> tuple[Notice, ...]:

@@ -16,10 +16,10 @@ from functools import cached_property
 
 import numpy as np
 
-from sonar_tracking.active.detection.detection_levels import LEVELS
+from sonar_tracking.active.detection.detection_levels import LEVELS, averaged
 from sonar_tracking.active.tracks.motion_model import MotionModel
 from sonar_tracking.filtering.kalman import symmetrised
-from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray, IntArray
 
 PRIOR_TRACKS = 4.0
 """Confirmed tracks that the prior of the modes counts as much as."""
@@ -81,6 +81,23 @@ class TrackBank:
         return TrackBank(
             *[np.concatenate((getattr(self, name), getattr(other, name))) for name in COLUMNS]
         )
+
+    def contact_probabilities(self, track: IndexArray, weights: FloatArray) -> FloatArray:
+        """Return the probability that each contact in a gate is its track's, over all modes.
+
+        Parameters
+        ----------
+        track : ndarray of int, shape (n_pairs,)
+            Row of the track of each pair.
+        weights : ndarray, shape (n_pairs, n_modes)
+            Probabilities of association in each mode.
+
+        Returns
+        -------
+        ndarray, shape (n_pairs,)
+            Probabilities.
+        """
+        return np.asarray(np.sum(self.mode_probability[track] * weights, axis=1))
 
     def moments(self) -> tuple[FloatArray, FloatArray]:
         """Return mean and covariance of the mixture over the modes.
@@ -180,9 +197,7 @@ def new_target_modes(bank: TrackBank, modes: MotionModel) -> FloatArray:
     ndarray, shape (n_modes,)
         Probabilities.
     """
-    known = bank.mode_probability[bank.confirmed]
-    total = PRIOR_TRACKS * modes.mode_prior + known.sum(axis=0)
-    return np.asarray(total / (PRIOR_TRACKS + len(known)))
+    return averaged(modes.mode_prior, PRIOR_TRACKS, bank.mode_probability[bank.confirmed])
 
 
 def _mix(bank: TrackBank, transition: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -261,7 +261,7 @@ def _regular(covariance: FloatArray) -> FloatArray:
 
 def _own_contact(bank: TrackBank, pairs: GatePairs, weights: FloatArray) -> IndexArray:
     """Return the contact that is more probably than not each track's, -1 = none is."""
-    probability = np.sum(bank.mode_probability[pairs.track] * weights, axis=1)
+    probability = bank.contact_probabilities(pairs.track, weights)
     likely = probability > 0.5
     own = np.full(len(bank), -1, dtype=np.intp)
     own[pairs.track[likely]] = pairs.contact[likely]
