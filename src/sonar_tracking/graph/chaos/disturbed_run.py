@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.graph.chaos import network
-from sonar_tracking.graph.chaos.fault_plan import ENDS_THE_RUN, Fault, FaultKind
+from sonar_tracking.graph.chaos.fault_plan import DELAYED, ENDS_THE_RUN, Fault, FaultKind
+from sonar_tracking.graph.chaos.network import Network
 from sonar_tracking.graph.chaos.outcome import Outcome
 from sonar_tracking.graph.chaos.recording_check import (
     longest_hole,
@@ -61,12 +61,15 @@ class DisturbedRun:
         Where its bag, its output and its logs go.
     reference : callable
         Returns the lists of an undisturbed run, asked for only where a track was lost.
+    network : Network or None
+        What the run communicates by; None if no fault is of the network.
     """
 
     graph: WatchedGraph
     rate: float
     folder: Path
     reference: Callable[[], Sequence[TrackList]]
+    network: Network | None
     outcomes: list[Outcome] = field(default_factory=list)
     _windows: list[tuple[Outcome, list[TrackList], list[TrackList]]] = field(default_factory=list)
     _truth: list[TrackList] = field(default_factory=list)
@@ -99,6 +102,8 @@ class DisturbedRun:
             if run.poll() is None:
                 os.kill(run.pid, signal.SIGINT)
                 _ended(run)
+            if self.network is not None:
+                self.network.quicken()
         if run.returncode == REFUSED:
             said = log.read_text(errors="replace").strip()
             raise ConfigurationError(said.removeprefix("sonar-tracking: "))
@@ -170,7 +175,7 @@ class DisturbedRun:
         outcome = Outcome(fault)
         before, due, at = len(watch.lists), watch.due, time.monotonic()
         interval = watch.interval
-        _do(run.pid, fault, watch)
+        self._do(run.pid, fault, watch)
         if fault.kind is not FaultKind.KILL:
             before, due, at = len(watch.lists), watch.due, time.monotonic()
         first = deadline = max(due, at)
@@ -188,6 +193,15 @@ class DisturbedRun:
             outcome.stalled = run.poll() is None
         if outcome.late is not None or outcome.stalled:
             self.outcomes.append(outcome)
+
+    def _do(self, run: int, fault: Fault, watch: TrackWatch) -> None:
+        """Let a fault happen; return when it is over."""
+        if fault.kind is FaultKind.MALFORMED:
+            watch.send_malformed(fault.target, fault.seed)
+        elif self.network is not None:
+            _disturb_network(self.network, fault, watch)
+        elif fault.target:
+            _signal_node(run, fault, watch)
 
     def _judge(self) -> None:
         """Tell whether tracks were kept; by an undisturbed run, too, if not."""
@@ -217,20 +231,16 @@ def _malformed(faults: Sequence[Fault]) -> bool:
     return faults[0].kind is FaultKind.MALFORMED
 
 
-def _do(run: int, fault: Fault, watch: TrackWatch) -> None:
-    """Let a fault happen; return when it is over."""
-    if fault.kind is FaultKind.MALFORMED:
-        watch.send_malformed(fault.target, fault.seed)
-    elif fault.kind is FaultKind.DELAY:
-        network.slow()
+def _disturb_network(network: Network, fault: Fault, watch: TrackWatch) -> None:
+    network.slow()
+    if fault.kind is FaultKind.DELAY:
         watch.spin(fault.duration)
         network.quicken()
-    elif fault.kind is FaultKind.PARTITION:
-        network.part()
-        watch.spin(fault.duration)
-        network.join()
-    elif fault.target:
-        _signal_node(run, fault, watch)
+        return
+    watch.spin(DELAYED)
+    network.part()
+    watch.spin(fault.duration)
+    network.slow()
 
 
 def _signal_node(run: int, fault: Fault, watch: TrackWatch) -> None:

@@ -23,7 +23,7 @@ MALFORMED_MESSAGES = 40
 """Sent at once."""
 
 DELAYED, PARTED = 10.0, 30.0
-"""The network is slow, or parted, for so long, s."""
+"""The network is slow, or parted, for so long, s; before it is parted, it is slow, too."""
 
 
 class FaultKind(Enum):
@@ -48,7 +48,9 @@ DESCRIPTIONS: Mapping[FaultKind, str] = {
     FaultKind.MALFORMED: "40 malformed messages on an input of a node, from a second publisher",
     FaultKind.RECORDER: "the recorder gets SIGKILL",
     FaultKind.DELAY: "the network between all nodes delays by 50 ms and loses 10 %, for 10 s",
-    FaultKind.PARTITION: "between no two nodes anything arrives for 30 s",
+    FaultKind.PARTITION: (
+        "the network is slow as by delay; after 10 s nothing arrives for 30 s, and it stays slow"
+    ),
     FaultKind.START: "the run is started and, once data flow, ended by Ctrl-C",
     FaultKind.ORCHESTRATION: "the orchestration gets SIGKILL, at any moment of its life",
     FaultKind.INTERRUPT: "Ctrl-C, at any moment from the first line of the program on",

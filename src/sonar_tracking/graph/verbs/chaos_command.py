@@ -17,7 +17,6 @@ from rich.console import Console
 from rich.progress import track
 
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.graph.chaos import network
 from sonar_tracking.graph.chaos.fault_plan import (
     DESCRIPTIONS,
     OF_THE_NETWORK,
@@ -25,6 +24,7 @@ from sonar_tracking.graph.chaos.fault_plan import (
     fault_kinds,
     plan_faults,
 )
+from sonar_tracking.graph.chaos.network import Network
 from sonar_tracking.graph.chaos.outcome import Outcome, as_plain
 from sonar_tracking.graph.chaos.outcome_table import outcome_table
 from sonar_tracking.graph.chaos.track_identities import TrackList
@@ -69,8 +69,7 @@ def chaos(
     pace = rate_from_text(rate)
     if math.isinf(pace):
         raise ConfigurationError("chaos disturbs runs while they go on; give --rate a number.")
-    if OF_THE_NETWORK & set(kinds):
-        network.enter(slowed=FaultKind.DELAY in kinds)
+    network = Network(seed) if OF_THE_NETWORK & set(kinds) else None
     console = Console()
     folder = Path(mkdtemp(prefix="sonar_tracking-chaos-"))
     outcomes: list[Outcome] = []
@@ -81,7 +80,8 @@ def chaos(
     with suppress(KeyboardInterrupt):
         for number in track(range(runs), "disturbed runs", console=console):
             place = folder / f"run_{number}"
-            outcomes += _suffered(*next(turns), pace, place, [seed, number], references)
+            graph, kind = next(turns)
+            outcomes += _suffered(graph, kind, pace, place, [seed, number], references, network)
             loads.append(os.getloadavg()[0])
     _tell(console, kinds, outcomes, folder)
     if json is not None:
@@ -110,6 +110,7 @@ def _suffered(
     folder: Path,
     seed: Sequence[int],
     references: dict[str, Sequence[TrackList]],
+    network: Network | None,
 ) -> list[Outcome]:
     """Return what came of the faults of one run."""
     from sonar_tracking.graph.chaos.disturbed_run import DisturbedRun
@@ -123,7 +124,7 @@ def _suffered(
 
     topics = [topic.name for topic in graph.inputs]
     planned = plan_faults(kind, graph.names, topics, FAULTS_A_RUN, np.random.default_rng(seed))
-    return DisturbedRun(graph, rate, folder, reference).suffer(planned)
+    return DisturbedRun(graph, rate, folder, reference, network).suffer(planned)
 
 
 def _machine(loads: Sequence[float]) -> dict[str, object]:
