@@ -9,7 +9,7 @@ from sonar_tracking.active.association.hpda import associate_ranked
 from sonar_tracking.active.association.lm_ipda import PairEvidence, associate_integrated
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.active.detection.clutter_monitor import ClutterMonitor
-from sonar_tracking.active.detection.detection_levels import prior_weights
+from sonar_tracking.active.detection.detection_levels import mean_probability, prior_weights
 from sonar_tracking.active.detection.detection_model import DetectionModel
 from sonar_tracking.active.detection.gate_association import PROBABILITY_IN_GATE
 from sonar_tracking.active.tracks.contact_gating import GatePairs, SensorGeometry, predict_gates
@@ -127,7 +127,9 @@ def test_a_threshold_changes_detection_and_clutter_together(gate_probability: fl
     applied = apply_thresholds(bank, predict_gates(bank, SENSOR), MODEL, configuration, 7, 8)
     probability = np.array([gate_probability, 2e-3])
     assert applied.threshold == pytest.approx(-np.log(probability))
-    assert applied.detection_probability == pytest.approx(probability ** (1.0 / 11.0))
+    # What is found at the detector's threshold, here .95, falls by P_D's law of the threshold.
+    left = (probability / 0.03) ** (1.0 / 11.0)
+    assert applied.detection_probability == pytest.approx(0.95 * left)
     assert applied.clutter_share == pytest.approx(probability / 0.03)
     assert applied.search_threshold == pytest.approx(-np.log(2e-3))
     assert (applied.published.stamp, applied.published.next_stamp) == (7, 8)
@@ -230,5 +232,6 @@ def test_strong_contacts_start_likelier_candidates_and_weak_ones_none() -> None:
     ratio = np.exp(excess * 10.0 / 11.0) / 11.0
     odds = 0.003 / 0.997 * ratio / (0.99 + 0.01 * ratio)
     begun = np.exp(-0.001) * odds / (1.0 + odds)
-    missed = 1.0 - 0.01 ** (1.0 / 11.0) * PROBABILITY_IN_GATE
+    detection = float(mean_probability(prior_weights(0.95))) * (0.01 / 0.05) ** (1.0 / 11.0)
+    missed = 1.0 - detection * PROBABILITY_IN_GATE
     assert existence == pytest.approx(missed * begun / (1.0 - begun + missed * begun), rel=1e-6)

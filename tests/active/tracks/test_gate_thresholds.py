@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.detection.detection_levels import weigh
 from sonar_tracking.active.detection.detection_model import DetectionModel
 from sonar_tracking.active.detection.detection_threshold import (
     FalseAlarmLimits,
     closed_form_false_alarm_probability,
 )
+from sonar_tracking.active.detection.gate_association import PROBABILITY_IN_GATE
 from sonar_tracking.active.tracks.contact_gating import SensorGeometry, TrackGates, predict_gates
 from sonar_tracking.active.tracks.gate_thresholds import (
     AppliedThresholds,
@@ -68,6 +70,21 @@ def test_what_is_told_of_the_gates_of_confirmed_tracks(parameters: dict[str, Any
     assert published.gate_covariance == pytest.approx(GATES.covariance[[0, 2]])
     assert published.signal_to_noise_ratio_linear.tolist() == [10.0, 10.0]
     assert (published.stamp, published.next_stamp) == (7, 8)
+
+
+def test_what_is_found_of_detection_is_not_forgotten_in_a_gate_with_a_threshold() -> None:
+    """A ping weighs P_D at the detector's threshold, of which the gate's leaves a known share."""
+    uneven = np.array([0.0, 0.5, 0.0, 0.0, 0.0, 0.5])
+    bank = replace(BANK, detection_weight=np.tile(uneven, (3, 1)))
+    configuration = ContactTrackerConfiguration(gate_threshold="fixed")
+    in_force = apply_thresholds(bank, GATES, MODEL, configuration, 7, 8).detection_probability
+    left = (configuration.gate_false_alarm_probability / 0.03) ** (1.0 / 11.0)
+    confirmed = in_force[[0, 2]]
+    assert confirmed == pytest.approx(0.625 * left)
+    missed = 1.0 - confirmed * PROBABILITY_IN_GATE
+    weights = weigh(bank.detection_weight[[0, 2]], missed)
+    expected = 1.0 - np.array([0.3, 0.95]) * left * PROBABILITY_IN_GATE
+    assert weights[0, [1, 5]] == pytest.approx(expected / np.sum(expected))
 
 
 def test_a_search_threshold_alone_holds_in_gates_as_well() -> None:

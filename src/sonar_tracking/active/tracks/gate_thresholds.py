@@ -97,9 +97,11 @@ def apply_thresholds(
     probability = np.where(bank.confirmed, in_gates(cells, model), probability)
     threshold = detection_threshold(probability)
     ratio = model.signal_to_noise_ratio_linear
+    # What is found of P_D is that of the detector; a higher threshold leaves a share of it.
+    left = detection_probability(probability, ratio) / detection_probability(base, ratio)
     return AppliedThresholds(
         threshold=threshold,
-        detection_probability=detection_probability(probability, ratio),
+        detection_probability=mean_probability(bank.detection_weight) * left,
         clutter_share=probability / base,
         search_threshold=-float(np.log(search)),
         search_share=search / base,
