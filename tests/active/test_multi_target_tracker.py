@@ -1,5 +1,6 @@
 """Protects: tracks from contacts in clutter, their lives and their names."""
 
+from copy import deepcopy
 from dataclasses import replace
 
 import numpy as np
@@ -243,3 +244,20 @@ def test_thresholds_may_change_between_pings_without_losing_tracks(method: str) 
         assert target in strict.id
         # What has been shown before is shown to its end; no other candidate is likely enough.
         assert set(strict.id[strict.status == TrackStatus.TENTATIVE]) <= set(before.id)
+
+
+def test_a_track_is_updated_by_a_contact_that_is_likelier_its_own_than_not() -> None:
+    """And coasts with all others: contacts ever farther from where it is, in dense clutter."""
+    generator = np.random.default_rng(29)
+    tracker = start("integrated")
+    for number in range(20):
+        update = tracker.update(ping(number, generator, clutter=0))
+    stamp, (row,) = float(update.tracks.updated[-1]), confirmed(update)
+    near = replace(ping(20, generator, clutter=0), clutter_density=2e-3)
+    updated = []
+    for offset in np.arange(0.0, 60.0, 4.0):
+        tracks = deepcopy(tracker).update(replace(near, range=near.range + offset)).tracks
+        updated.append(tracks.updated[row] > stamp)
+        assert updated[-1] == (tracks.status[row] == TrackStatus.CONFIRMED)
+    assert updated == sorted(updated, reverse=True)
+    assert updated[0] and not updated[-1]

@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sonar_tracking.active.baselines.region_tracker import RegionTracker
+from sonar_tracking.active.baselines.region_tracker import RegionTracker, _inside_gate
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.tracks.particle_cloud import ParticleCloud
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
 from tests.active.contact_scene import PUBLISHED
+from tests.active.track_scene import contacts_at
 
 SECOND = 1_000_000_000
 RANGE = 10.0
@@ -156,3 +158,12 @@ def test_contacts_outside_the_gate_have_no_share() -> None:
     far = [(2020.0, 0.0), (4000.0, 2.0), (2900.0, 0.0), (4500.0, -1.0)]
     second = crowded.update(ping(3, *far)).tracks.state
     assert second[0] == pytest.approx(first[0])
+
+
+@pytest.mark.parametrize("delay", [0.0, 3.0])
+def test_the_gate_is_where_the_track_is_when_sound_reaches_it(delay: float) -> None:
+    """A track of one particle, 20 m/s along x; contacts of 10 m, a gate of 4 deviations."""
+    cloud = ParticleCloud(np.array([[2000.0, 0.0, 20.0, 0.0]]), np.zeros(1, int), np.ones(1))
+    along = [[2000.0 + 20.0 * delay + offset, 0.0] for offset in (-41.0, -39.0, 39.0, 41.0)]
+    inside = _inside_gate(cloud, contacts_at(along, delay))
+    assert inside.tolist() == [False, True, True, False]

@@ -23,14 +23,15 @@ SEEN = exact_covariance(INCOHERENT)
         (0, 5, 3, 100, 3),  # no more than targets
         (0, -1, 5, 100, 2),  # not counted: the columns of the basis
         (0, 14, 20, 100, 14),
-        (0, 15, 20, 100, 14),  # one eigenvector is noise
+        (0, 15, 20, 100, 14),
+        (0, 15, None, 100, 14),  # one eigenvector is noise
         (3, 1, 2, 100, 3),  # what is given is taken
         (3, 1, 2, 3, 2),  # of three snapshots
         (14, 1, 2, 100, 14),
         (0, 1, 5, 2, 1),
     ],
 )
-def test_rank(given: int, found: int, largest: int, snapshots: int, rank: int) -> None:
+def test_rank(given: int, found: int, largest: int | None, snapshots: int, rank: int) -> None:
     configuration = BearingTrackerConfiguration(source_rank=given)
     estimates = estimates_of(SEEN, rank=found, covariance_snapshots=snapshots)
     subspace, notices = covariance_subspace(configuration, estimates, largest)

@@ -232,3 +232,28 @@ def test_music_reports_the_deepest_valleys_in_order_of_bearing(n_sources: int) -
     fix = near_field_music(covariance, n_sources, GRID)
     expected = [-30.0, 40.0] if n_sources == 2 else [40.0]
     assert np.degrees(fix.angles) == pytest.approx(expected, abs=0.3)
+
+
+class _PlainGrid(NearFieldGrid):
+    """Steering vectors that are the points themselves, so that a cost can be told by them."""
+
+    def vectors(self, points: np.ndarray) -> np.ndarray:
+        return points.T
+
+
+@pytest.mark.parametrize("n_curvatures", [2, 3, 5])
+def test_the_search_begins_between_the_points_of_the_grid(n_curvatures: int) -> None:
+    """Half a cell of three angles to either side, and the next curvature."""
+    angles, curvatures = 0.1 * np.arange(7), 0.2 * np.arange(n_curvatures)
+    grid = _PlainGrid(POSITIONS, WAVENUMBER, angles, curvatures)
+    tried: list[np.ndarray] = []
+
+    def cost(points: np.ndarray) -> np.ndarray:
+        tried.append(points.T)
+        return np.hypot(points[0] - 0.3, points[1])
+
+    found = grid.refined(cost, np.array([0.3, 0.0]))
+    assert found.tolist() == [0.3, 0.0]
+    assert np.unique(np.round(tried[1], 9), axis=0).tolist() == [
+        [angle, curvature] for angle in (0.2, 0.3, 0.4) for curvature in (0.0, 0.2)
+    ]

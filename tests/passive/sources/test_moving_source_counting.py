@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
+from sonar_tracking.geometry import steering_vectors
 from sonar_tracking.passive.sources.mdl import counting_snapshots, source_count
 from sonar_tracking.passive.sources.moving_source_counting import (
+    _largest_turn,
     count_moving_sources,
     sample_covariance,
 )
@@ -73,3 +76,11 @@ def test_where_none_is_seen_twice_as_many_are_looked_at() -> None:
     assert counted(weak, thorough=False, fastest=np.radians(60.0)) == 1
     noise = circular_noise(generator, 200, 15)
     assert counted(noise, thorough=True, fastest=np.radians(60.0)) == 0
+
+
+def test_the_turn_is_between_halves_of_equal_length() -> None:
+    """Of five snapshots the one in the middle belongs to neither half, however strong it is."""
+    angles = np.array([[0.1], [0.1], [-0.9], [0.13], [0.13]])
+    data = steering_vectors(POSITIONS, angles, WAVENUMBER)[..., 0]
+    data[2] *= 100.0
+    assert _largest_turn(data, 1, POSITIONS, WAVENUMBER, None) == pytest.approx(0.01, abs=1e-6)

@@ -226,3 +226,9 @@ def test_the_search_starts_from_the_first_and_the_last_five_azimuths() -> None:
     parameters = BatchConfiguration(start_ranges=(float(np.hypot(3000.0, 400.0)),), iterations=1)
     estimate = estimate_batch_likelihood(measured, parameters)
     assert estimate.mean[0] == pytest.approx([3000.0, 400.0, 0.0, 8.0], abs=1e-3)
+
+
+def test_every_range_has_a_start_within_a_factor_of_two() -> None:
+    ranges = np.geomspace(750.0, 30_000.0, 500)
+    factors = ranges[:, None] / BatchConfiguration().start_ranges
+    assert np.abs(np.log2(factors)).min(axis=1).max() <= 1.0 + 1e-12

@@ -281,3 +281,12 @@ def test_the_likelihood_of_both_azimuths_of_a_cone_is_their_sum() -> None:
     assert likelihood(0.6, -0.6) == pytest.approx(near)
     assert likelihood(0.6, 0.6) == pytest.approx(near + np.log(2.0))
     assert likelihood(-0.6) == -np.inf
+
+
+def test_likelihoods_found_together_are_those_found_alone() -> None:
+    """Of a cone, which has two azimuths, beside a direction, which has one."""
+    solver = TargetSolver()
+    solver.update(bearing_frame(0, (0.6,)))
+    tasks = [(solver, bearing_frame(1, azimuths)) for azimuths in ((0.6, -0.6), (0.61,))]
+    alone = [log_likelihoods([task])[0] for task in tasks]
+    assert log_likelihoods(tasks) == pytest.approx(alone)

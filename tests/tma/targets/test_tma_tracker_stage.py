@@ -178,6 +178,22 @@ def test_the_watermark_is_unknown_until_every_station_has_reported() -> None:
     assert [listed(update).next_stamp for update in fed(stage, frames)] == [0] * 5
 
 
+@pytest.mark.parametrize(("bow", "stern", "told"), [(7, 9, 7), (9, 7, 7), (9, 5, 0), (9, 4, 0)])
+def test_the_watermark_is_that_of_the_station_that_may_report_first(
+    bow: int, stern: int, told: int
+) -> None:
+    """At 5 s; one that may report at 5 s again or has reported no more tells nothing."""
+    stage = TmaTrackerStage(n_stations=2)
+    frame = PassiveFrame(
+        5 * SECOND,
+        unusable=(
+            UnusableBearings("bow", bow * SECOND),
+            UnusableBearings("stern", stern * SECOND),
+        ),
+    )
+    assert listed(stage.update(frame)).next_stamp == told * SECOND
+
+
 def test_an_unusable_list_coasts_the_targets() -> None:
     frames = frames_of(scene(DIRECTIONS, duration=30.0))
     stage = TmaTrackerStage()

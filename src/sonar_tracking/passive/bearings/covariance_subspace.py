@@ -16,7 +16,9 @@ from sonar_tracking.records.bearings import SubspaceEstimates
 
 
 def covariance_subspace(
-    configuration: BearingTrackerConfiguration, estimates: SubspaceEstimates, largest_rank: int
+    configuration: BearingTrackerConfiguration,
+    estimates: SubspaceEstimates,
+    largest_rank: int | None = None,
 ) -> tuple[SignalSubspace | None, tuple[Notice, ...]]:
     """Return the signal subspace of a block, or None and why there is none.
 
@@ -26,8 +28,8 @@ def covariance_subspace(
         Parameters of the tracker.
     estimates : SubspaceEstimates
         With or without a covariance.
-    largest_rank : int
-        An estimated rank above it is lowered to it.
+    largest_rank : int or None
+        An estimated rank above it is lowered to it; None = to what leaves an eigenvector of noise.
 
     Raises
     ------
@@ -43,7 +45,9 @@ def covariance_subspace(
     if covariance is None:
         text = "No covariance at this sample time; the tracks are predicted only."
         return None, (Notice(Severity.WARN, "covariance", text),)
-    rank = configuration.source_rank or min(_estimated_rank(estimates), largest_rank)
+    rank = configuration.source_rank or _estimated_rank(estimates)
+    if largest_rank is not None and not configuration.source_rank:
+        rank = min(rank, largest_rank)
     rank = min(rank, n_elements - 1, estimates.covariance_snapshots - 1)
     if rank < 1 or not covariance.any():
         text = "No source is seen in this covariance; the tracks are predicted only."

@@ -144,8 +144,7 @@ class JointMapFilters:
             Covariance of the sources, linear power: not used, the likelihood of the block finds
             its own.
         """
-        n_elements = len(estimates.element_positions)
-        subspace, notices = covariance_subspace(self.configuration, estimates, n_elements - 1)
+        subspace, notices = covariance_subspace(self.configuration, estimates)
         if subspace is None:
             return FilterUpdate(filters, None, notices)
         fit = partial(
