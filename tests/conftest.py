@@ -7,6 +7,7 @@ long ones come first, so that all workers end at about the same time.
 
 from __future__ import annotations
 
+import gc
 import os
 from typing import TYPE_CHECKING, Any
 
@@ -43,6 +44,13 @@ MARKS = {
 """Marks of all tests below a directory; single files and tests carry theirs themselves."""
 
 LONGEST_FIRST = ("system", "graph", "slow")
+TOGETHER = {
+    "tests/display/": "pictures",  # what draws takes long to import
+    "tests/test_docstrings.py": "source",
+    "tests/test_layers.py": "source",
+    "tests/test_sizes.py": "source",
+}
+"""Files that stay with one worker as if they were one, by how they begin."""
 SHARED_OUT_SINGLY = ("tests/system/", "tests/docs/test_tutorials.py", "tests/regression/")
 
 
@@ -54,6 +62,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
                 item.add_marker(mark)
     if hasattr(config, "workerinput"):
         items.sort(key=_rank)
+
+
+def pytest_collection_finish() -> None:
+    """Spare the collector of garbage what has been imported: it stays anyway."""
+    gc.collect()
+    gc.freeze()
 
 
 def _rank(item: pytest.Item) -> int:
@@ -70,7 +84,9 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> LoadScopeSch
     class FilesAndSingleTests(LoadScopeScheduling):
         def _split_scope(self, nodeid: str) -> str:
             file = nodeid.partition("::")[0]
-            return nodeid if file.startswith(SHARED_OUT_SINGLY) else file
+            if file.startswith(SHARED_OUT_SINGLY):
+                return nodeid
+            return next((name for start, name in TOGETHER.items() if file.startswith(start)), file)
 
     config.option.loadscopereorder = False  # the order of the tests is meant as it is
     return FilesAndSingleTests(config, log)

@@ -8,14 +8,12 @@ Yes-or-no and index arrays need no unit.
 from __future__ import annotations
 
 import ast
-import inspect
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
-import sonar_tracking
+from tests.package_source import FILES, PACKAGE, parsed
 
 ARRAYS = re.compile(r"\b(Float|Complex|Bool|Int|Index|Id|Code|Row|ND)Array\b|\bArrayLike\b")
 NUMBERS = re.compile(r"\b(Float|Complex)Array\b|\bNDArray\[(Any|np\.float)|\bArrayLike\b")
@@ -87,11 +85,10 @@ def missing(node: ast.FunctionDef | ast.ClassDef) -> Iterator[str]:
 
 
 def test_arrays_have_shapes_and_units() -> None:
-    package = Path(inspect.getfile(sonar_tracking)).parent
     unsaid = [
-        f"{path.relative_to(package)}: {what}"
-        for path in sorted(package.rglob("*.py"))
-        for node in public_definitions(ast.parse(path.read_text()))
+        f"{path.relative_to(PACKAGE)}: {what}"
+        for path in FILES
+        for node in public_definitions(parsed(path))
         for what in missing(node)
     ]
     assert not unsaid, "\n".join(unsaid)

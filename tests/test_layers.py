@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
 
-SOURCE = Path(__file__).resolve().parents[1] / "src"
-PACKAGE = "sonar_tracking"
+from tests import package_source
+
+PACKAGE = package_source.PACKAGE.name
 
 ROOMS = (
     "stop_signals",
@@ -111,11 +113,11 @@ STAGES = {"passive", "tma", "active"}
 
 def module_name(path: Path) -> str:
     """Return the name of a module below the package, e.g. ``passive.subspaces.past``."""
-    parts = path.relative_to(SOURCE / PACKAGE).with_suffix("").parts
+    parts = path.relative_to(package_source.PACKAGE).with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
-FILES = {module_name(path): path for path in sorted((SOURCE / PACKAGE).rglob("*.py"))}
+FILES = {module_name(path): path for path in package_source.FILES}
 PACKAGES = {name for name, path in FILES.items() if path.name == "__init__.py"}
 
 
@@ -124,9 +126,14 @@ def room_of(module: str) -> str:
     return max((r for r in ROOMS if f"{module}.".startswith(f"{r}." if r else "")), key=len)
 
 
-def imports_of(path: Path) -> Iterator[str]:
-    """Yield the full name of every module a file imports, wherever in the file it does so."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+@cache
+def imports_of(path: Path) -> tuple[str, ...]:
+    """Return the full name of every module a file imports, wherever in the file it does so."""
+    return tuple(_imports_of(path))
+
+
+def _imports_of(path: Path) -> Iterator[str]:
+    for node in package_source.nodes_of(path):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import re
 import shlex
+from functools import cache
+from typing import Any
 
 import pytest
 
-from docs.reference_writer.command_line import commands
+from docs.reference_writer import command_line
 from sonar_tracking.evaluation.studies.study_catalogue import DATA_STUDIES, STUDIES
 from sonar_tracking.simulation.scenarios.scenario_file import scenario_names
 from tests.docs.code_blocks import PROJECT, all_blocks
@@ -22,6 +24,12 @@ COMMANDS = sorted(
         if re.match(r"(ros2 run sonar_tracking )?sonar-tracking\b", line)
     }
 )
+
+
+@cache
+def commands() -> dict[str, Any]:
+    """Return every command by its words."""
+    return command_line.commands()
 
 
 def test_every_block_has_a_language_that_is_tested() -> None:

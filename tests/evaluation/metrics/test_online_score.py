@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 
-from sonar_tracking.evaluation.metrics.bearing_score import OnlineBearingScore, score_bearing_tracks
+from sonar_tracking.evaluation.metrics.bearing_score import (
+    BearingScore,
+    OnlineBearingScore,
+    score_bearing_tracks,
+)
 from sonar_tracking.evaluation.metrics.online_score import KEPT_TRUTH
 from sonar_tracking.evaluation.metrics.position_score import (
     OnlinePositionScore,
@@ -19,7 +25,8 @@ from tests.evaluation.metrics.test_position_score import picture
 SECONDS = 300
 
 
-def scene(truth_offset: float) -> tuple[list[BearingTracks], list[BearingTracks]]:
+@cache
+def scene(truth_offset: float) -> tuple[tuple[BearingTracks, ...], tuple[BearingTracks, ...]]:
     """Return truth at ten samples a second, and noisy lists of tracks that come, swap and go."""
     random = np.random.default_rng(1)
     truth = [
@@ -31,13 +38,19 @@ def scene(truth_offset: float) -> tuple[list[BearingTracks], list[BearingTracks]
         angles = {10 + second // 90: 10.0 + 0.1 * second, 20: -20.0, 30 + second: 60.0}
         kept = {one: a + random.normal() for one, a in angles.items() if random.random() > 0.2}
         tracks.append(bearings(float(second), kept, variance=1e-3))
-    return truth, tracks
+    return tuple(truth), tuple(tracks)
+
+
+@cache
+def score_of_the_whole(truth_offset: float) -> BearingScore:
+    return score_bearing_tracks(*scene(truth_offset))
 
 
 @pytest.mark.parametrize("lag", [0, 1, 40])
 @pytest.mark.parametrize("truth_offset", [0.0, 0.03])
 def test_bearings_that_come_with_the_truth_or_after_it(lag: int, truth_offset: float) -> None:
-    truth, tracks = scene(truth_offset)
+    truth, waiting = scene(truth_offset)
+    tracks = list(waiting)
     online = OnlineBearingScore()
     for sample in truth:
         online.add_truth(sample)
@@ -45,7 +58,7 @@ def test_bearings_that_come_with_the_truth_or_after_it(lag: int, truth_offset: f
             online.add_tracks(tracks.pop(0))
     for rest in tracks:
         online.add_tracks(rest)
-    whole = score_bearing_tracks(*scene(truth_offset))
+    whole = score_of_the_whole(truth_offset)
     assert online.score() == whole
     assert online.score() == whole, "a score can be asked for twice"
 
