@@ -5,6 +5,7 @@ from __future__ import annotations
 import array
 import dataclasses
 import math
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -32,8 +33,16 @@ told = reals.filter(bool)
 stamps = st.integers(1, 2**31 * 10**9 - 1)
 
 
+@cache
+def columns(
+    shape: tuple[int, ...], elements: st.SearchStrategy[float]
+) -> st.SearchStrategy[np.ndarray]:
+    """Return a strategy that is checked once, not at every draw."""
+    return arrays.arrays(np.float64, shape, elements=elements)
+
+
 def floats(draw: st.DrawFn, *shape: int, elements: st.SearchStrategy[float] = reals) -> np.ndarray:
-    return draw(arrays.arrays(np.float64, shape, elements=elements))
+    return draw(columns(shape, elements))
 
 
 @st.composite

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,19 @@ from sonar_tracking.message_reading.position_reading import position_tracks_from
 from sonar_tracking.records.positions import COLUMNS, PositionTracks, TrackSource, TruthTracks
 
 stamps = st.integers(1, 2**31 * 10**9 - 1)
+told = st.floats().filter(bool)
+"""Numbers that cannot be zero: a zero says that they are unknown."""
+
+
+@cache
+def rows_of(tracks: int) -> st.SearchStrategy[Any]:
+    return st.integers(0, max(0, tracks - 1))
+
+
+@cache
+def filled(dtype: Any, shape: tuple[int, ...], elements: Any) -> st.SearchStrategy[np.ndarray]:
+    """Return a strategy that is checked once, not at every draw."""
+    return arrays.arrays(dtype, shape, elements=elements)
 
 
 @st.composite
@@ -38,10 +52,10 @@ def position_tracks(draw: st.DrawFn, reported: bool = True) -> PositionTracks:
         if described.fill is not None and not reported:
             continue
         owner = name == described.key != "id"
-        elements: Any = st.integers(0, max(0, tracks - 1)) if owner else None
+        elements = rows_of(tracks) if owner else None
         if name in FIELD_USES["Tracks"] and FIELD_USES["Tracks"][name].unfilled is Unfilled.UNKNOWN:
-            elements = st.floats().filter(bool)  # a zero says that it is unknown
-        columns[name] = draw(arrays.arrays(described.dtype, shape, elements=elements))
+            elements = told
+        columns[name] = draw(filled(described.dtype, shape, elements))
     count = rows["contributor_track"]
     names = draw(st.lists(st.text("ab/_", max_size=4), min_size=count, max_size=count))
     return PositionTracks(

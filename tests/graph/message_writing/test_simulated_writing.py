@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -32,8 +33,16 @@ own_ships = st.builds(OwnShipState, stamps, pairs, angles, pairs, reals)
 words = st.text("abc/_é", max_size=9)
 
 
+@cache
+def columns(
+    shape: tuple[int, ...], elements: st.SearchStrategy[float]
+) -> st.SearchStrategy[np.ndarray]:
+    """Return a strategy that is checked once, not at every draw."""
+    return arrays.arrays(np.float64, shape, elements=elements)
+
+
 def floats(draw: st.DrawFn, *shape: int) -> np.ndarray:
-    return draw(arrays.arrays(np.float64, shape, elements=reals))
+    return draw(columns(shape, reals))
 
 
 @st.composite

@@ -244,7 +244,8 @@ class _PlainGrid(NearFieldGrid):
 @pytest.mark.parametrize("n_curvatures", [2, 3, 5])
 def test_the_search_begins_between_the_points_of_the_grid(n_curvatures: int) -> None:
     """Half a cell of three angles to either side, and the next curvature."""
-    angles, curvatures = 0.1 * np.arange(7), 0.2 * np.arange(n_curvatures)
+    angles = np.array([0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
+    curvatures = np.array([0.0, 0.2, 0.4, 0.6, 0.8])[:n_curvatures]
     grid = _PlainGrid(POSITIONS, WAVENUMBER, angles, curvatures)
     tried: list[np.ndarray] = []
 
