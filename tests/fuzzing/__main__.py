@@ -61,6 +61,7 @@ class Fuzzer:
         self.number = 0
         self._unexpected = ""
         self._refused = False
+        self._was_reset = False
         self._latest = 0
         self.node.node.get_logger().set_level(LoggingSeverity.FATAL)
         self.node.node.report = self._report  # type: ignore[method-assign]
@@ -82,6 +83,7 @@ class Fuzzer:
     def _recover(self, topic: str, bad: Any, wanted: int) -> None:
         (source,) = (each for each in self.node.node.data_inputs if each.name == topic)
         self.node.outputs.clear()
+        self._was_reset = False
         while wanted:
             name, good = next(self._stream)
             self._refused = False
@@ -95,10 +97,15 @@ class Fuzzer:
             self._note("no output within three good messages", topic, bad)
 
     def _answers(self, topic: str) -> bool:
-        """Tell whether there is an output, soon: samples are collected for some blocks first."""
+        """Tell whether there is an output, soon: samples are collected for some blocks first.
+
+        So they are after a reset by any topic: a list that ends the data, some seconds ahead of
+        the rest, is well formed, and what follows it begins anew.
+        """
         if topic in SILENT:
             return True
-        for _ in range(COLLECTED.get(topic, 0)):
+        collected = (each.name for each in self.node.node.data_inputs if self._was_reset)
+        for _ in range(max(COLLECTED.get(name, 0) for name in (topic, *collected))):
             if self.node.outputs:
                 break
             self._feed(*next(self._stream), "good")
@@ -120,6 +127,7 @@ class Fuzzer:
             self._note(f"a {what} message takes too long", topic, bad)
 
     def _report(self, concern: str, culprit: str, severity: Severity, sentence: str) -> None:
+        self._was_reset |= "everything was reset" in sentence
         self._refused |= f"at {seconds_text(self._latest)}: rejected" in sentence
         if "please report" in sentence:
             self._unexpected = sentence.partition("unexpected ")[2][:150]

@@ -145,7 +145,7 @@ class MultiTargetTracker:
         contacts, notices = check_ping(contacts, self._last)
         ping, guesses = self._place(contacts)
         bank = self._predict(ping.stamp)
-        gating = gate_ping(bank, ping, self.configuration, self._particles)
+        gating = gate_ping(bank, ping, self.configuration, self._particles, self._modes)
         association = self._rule.associate(bank, gating.of_ping(ping))
         bank = self._update_states(association, gating)
         listed = self._confirm_and_end(bank, association, gating, ping)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from sonar_tracking.active.tracks.contact_gating import (
     sensor_geometry,
 )
 from sonar_tracking.active.tracks.gate_thresholds import AppliedThresholds, apply_thresholds
+from sonar_tracking.active.tracks.motion_model import MotionModel
 from sonar_tracking.active.tracks.pair_search import find_pairs
 from sonar_tracking.active.tracks.pair_updates import PairUpdates, update_pairs
 from sonar_tracking.active.tracks.track_bank import TrackBank
@@ -131,6 +132,7 @@ def gate_ping(
     ping: PlacedPing,
     configuration: ContactTrackerConfiguration,
     particles: ParticleTracks,
+    modes: MotionModel,
 ) -> PingGating:
     """Pair the tracks with the contacts in their gates that pass the thresholds.
 
@@ -144,13 +146,50 @@ def gate_ping(
         Which thresholds are wanted.
     particles : ParticleTracks
         Clouds of confirmed tracks, if they are used.
+    modes : MotionModel
+        Of the targets.
     """
     gates = predict_gates(bank, ping.sensor)
     thresholds = apply_thresholds(
         bank, gates, ping.model, configuration, ping.stamp, ping.next_stamp
     )
     pairs = find_pairs(bank, gates, ping.placed, ping.amplitudes, thresholds.threshold)
+    if modes.widest_mode is not None and bank.confirmed.any():
+        pairs = _joined(pairs, _far_pairs(bank, ping, pairs, thresholds, modes.widest_mode))
     updates = update_pairs(bank, ping.placed, pairs)
     if particles.used:
         updates = particles.pair_densities(bank, pairs, updates, ping.placed, ping.sensor)
     return PingGating(gates, thresholds, pairs, updates)
+
+
+def _far_pairs(
+    bank: TrackBank,
+    ping: PlacedPing,
+    pairs: GatePairs,
+    thresholds: AppliedThresholds,
+    widest_mode: int,
+) -> GatePairs:
+    """Return pairs of confirmed tracks and contacts beyond all gates, as after a hard turn.
+
+    However improbable it is, a hard turn leads out of the gate of the mixture at once; a contact
+    there is judged by the probability of that mode like all else. One in the gate of another
+    confirmed track is rather that one's.
+    """
+    rows = np.flatnonzero(bank.confirmed)
+    in_mode = np.eye(bank.mode_probability.shape[1])[widest_mode]
+    turning = replace(bank.select(rows), mode_probability=np.tile(in_mode, (len(rows), 1)))
+    gates = predict_gates(turning, ping.sensor)
+    found = find_pairs(turning, gates, ping.placed, ping.amplitudes, thresholds.threshold[rows])
+    explained = np.zeros(len(ping.amplitudes), dtype=bool)
+    explained[pairs.contact[bank.confirmed[pairs.track]]] = True
+    found = found.keep(~explained[found.contact])
+    return GatePairs(rows[found.track], found.contact)
+
+
+def _joined(first: GatePairs, second: GatePairs) -> GatePairs:
+    """Return both, in the order of the tracks."""
+    both = GatePairs(
+        np.concatenate((first.track, second.track)),
+        np.concatenate((first.contact, second.contact)),
+    )
+    return both.keep(np.argsort(both.track, kind="stable"))

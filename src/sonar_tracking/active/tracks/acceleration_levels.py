@@ -24,7 +24,7 @@ import numpy as np
 
 from sonar_tracking.records.arrays import FloatArray
 
-ACCELERATIONS = (0.0002, 0.05, 2.0)
+ACCELERATIONS = (0.0002, 0.05, 3.0)
 """Of the moving modes, m/s^2: straight on, turning as ships do, agile as boats are (0.3 g)."""
 
 LARGEST_CHANGE = 15.0
@@ -94,6 +94,11 @@ class AccelerationLevels:
         speed[0] = min(FIXED_SPEED, self.initial_speed_deviation)
         speed[1] *= STRAIGHT_SPEED_SHARE
         return speed
+
+    @property
+    def widest_mode(self) -> int:
+        """Return the agile mode."""
+        return AGILE
 
     def transition(self, interval: float, entered: FloatArray, age: FloatArray) -> FloatArray:
         """Return Pi of each target over an interval, row = mode before.

@@ -22,6 +22,10 @@ class MotionModel(Protocol):
     def speed_deviation(self) -> FloatArray:
         """Return the speed per axis of a new target in each mode, shape (n_modes,), m/s."""
 
+    @property
+    def widest_mode(self) -> int | None:
+        """Return the mode of the hardest manoeuvres; None if there are none to be looked for."""
+
     def transition(self, interval: float, entered: FloatArray, age: FloatArray) -> FloatArray:
         """Return Pi of each target over an interval, row = mode before.
 

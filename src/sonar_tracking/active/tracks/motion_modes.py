@@ -59,6 +59,11 @@ class MotionModes:
         """Return the speed per axis of a new target in each mode, shape (n_modes,), m/s."""
         return np.full(self.n_modes, self.initial_speed_deviation)
 
+    @property
+    def widest_mode(self) -> None:
+        """Return that there is none: gates are those of the mixture, as published."""
+        return None
+
     def transition(self, interval: float, entered: FloatArray, age: FloatArray) -> FloatArray:
         """Return Pi, row = mode before: the same for all targets, pings and intervals.
 
