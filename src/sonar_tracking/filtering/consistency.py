@@ -8,7 +8,6 @@ Bar-Shalom, Li, Kirubarajan (2001), section 5.4.
 from __future__ import annotations
 
 import numpy as np
-from scipy.stats import chi2
 
 from sonar_tracking.records.arrays import FloatArray
 
@@ -49,7 +48,9 @@ def chi_square_band(dimension: int, count: int, probability: float = 0.95) -> tu
     low, high : float
         Bounds of the mean statistic per dimension.
     """
+    from scipy.special import gammaincinv  # what all of scipy.stats asks for its quantiles
+
     freedom = dimension * count
     tail = 0.5 * (1.0 - probability)
-    low, high = chi2.ppf([tail, 1.0 - tail], freedom) / freedom
+    low, high = 2.0 * gammaincinv(0.5 * freedom, [tail, 1.0 - tail]) / freedom
     return float(low), float(high)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.signal import firwin, kaiserord
 
 from sonar_tracking.passive.lines.kaiser_low_pass import kaiser_low_pass
 
 
 def test_the_taps_are_those_of_scipy() -> None:
+    from scipy.signal import firwin, kaiserord  # which no other test should wait for
+
     generator = np.random.default_rng(1)
     for _ in range(200):
         rate = float(generator.choice([1000.0, 4000.0, 44_100.0, 48_000.0]))

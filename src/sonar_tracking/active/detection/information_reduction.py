@@ -21,7 +21,6 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import minimize_scalar
 from scipy.special import exp1
 
 from sonar_tracking.active.detection.detection_threshold import (
@@ -111,6 +110,8 @@ def optimal_false_alarm_probability(
     InputError
         If there are not more than 0 cells, or the ratio is negative or no number.
     """
+    from scipy.optimize import minimize_scalar  # takes longer to load than a study to start
+
     cells, ratio = checked_gate(resolution_cells, signal_to_noise_ratio_linear)
     n_cells = float(cells)
     grid = np.linspace(np.log(SMALLEST_FALSE_ALARM_PROBABILITY), 0.0, GRID_POINTS)

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.stats import poisson
 
 from sonar_tracking.evaluation.monte_carlo.batch_runner import RunBatch
 from sonar_tracking.evaluation.monte_carlo.study import StudyRow
@@ -89,6 +88,8 @@ def test_runs_are_reproducible_and_systems_share_the_target() -> None:
 @pytest.mark.parametrize("mean", [1e-3, 0.1, 1.0, 7.3, 300.0])
 def test_counts_are_poisson_quantiles(mean: float) -> None:
     """Between the steps of the distribution, and at them."""
+    from scipy.stats import poisson  # which no other test should wait for
+
     at_steps = poisson.cdf(np.arange(12), mean)
     drawn = np.random.default_rng(1).random(200)
     for probability in (*drawn, *at_steps[(at_steps > 0.0) & (at_steps < 1.0)]):

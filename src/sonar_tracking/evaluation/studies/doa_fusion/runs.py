@@ -10,7 +10,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from sonar_tracking.evaluation.monte_carlo.batch_runner import RunBatch
 from sonar_tracking.evaluation.monte_carlo.bearing_histories import (
@@ -26,6 +25,7 @@ from sonar_tracking.evaluation.studies.doa_fusion.systems import (
     given_start_configuration,
     subspace_configuration,
 )
+from sonar_tracking.filtering.assignment import least_cost_pairs
 from sonar_tracking.filtering.consistency import normalised_squared
 from sonar_tracking.passive.bearings.bearing_tracker_stage import BearingTrackerStage
 from sonar_tracking.passive.subspaces.subspace_configuration import SubspaceConfiguration
@@ -192,7 +192,7 @@ def matched_to_targets(tracks: Sequence[BearingTracks], angles: FloatArray) -> l
         new = [row for row in confirmed if int(one.id[row]) not in target_of]
         free = [target for target in range(len(truth)) if target not in target_of.values()]
         distance = np.abs(one.arrival_angle[new][:, None] - truth[free])
-        for row, column in zip(*linear_sum_assignment(distance), strict=True):
+        for row, column in zip(*least_cost_pairs(distance), strict=True):
             target_of[int(one.id[new[row]])] = free[column]
         rows = np.full(len(truth), -1)
         for row in confirmed:

@@ -10,8 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
-from scipy.signal import oaconvolve
 
 from sonar_tracking.evaluation.studies.room_array.near_field_rows import (
     PLANE,
@@ -29,6 +27,7 @@ from sonar_tracking.evaluation.studies.room_array.responses import (
     read_room_responses,
     source_noise,
 )
+from sonar_tracking.filtering.assignment import least_cost_pairs
 from sonar_tracking.geometry import wavenumber
 from sonar_tracking.passive.lines.demodulation import Demodulator, design_band
 from sonar_tracking.passive.near_field.near_field_search import (
@@ -130,6 +129,8 @@ def whole_array_snapshots(
     ndarray, shape (n_snapshots, n_elements), complex
         Linear amplitude.
     """
+    from scipy.signal import oaconvolve  # takes longer to load than any study
+
     responses = room.responses[room.source_ids.index(source)]
     n_samples = round(DURATION * room.sample_rate) + responses.shape[1] - 1
     noise = source_noise(n_samples, band[0], room.sample_rate, generator)
@@ -197,6 +198,6 @@ def _matched(reference: FloatArray, fix: NearFieldFix) -> FloatArray:
     """Return the angles and ranges of a fix in the order of the sources, NaN = missing."""
     matched = np.full(reference.shape, np.nan)
     distances = np.abs(reference[:, :1] - fix.angles)
-    rows, columns = linear_sum_assignment(distances)
+    rows, columns = least_cost_pairs(distances)
     matched[rows] = np.stack([fix.angles, fix.ranges], axis=-1)[columns]
     return matched

@@ -13,8 +13,6 @@ positions are those of a loudspeaker's case, a hand's breadth from where its sou
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import least_squares
-from scipy.signal import resample
 
 from sonar_tracking.evaluation.studies.room_array.responses import SOUND_SPEED, RoomResponses
 from sonar_tracking.records.arrays import FloatArray
@@ -50,6 +48,8 @@ def onset_positions(room: RoomResponses) -> FloatArray:
 
 def _onsets(responses: FloatArray, sample_rate: int) -> FloatArray:
     """Return the time of the first arrival at each element, s."""
+    from scipy.signal import resample  # takes longer to load than any study
+
     begin = responses[:, :_LONGEST]
     level = np.abs(resample(begin, begin.shape[1] * _OVERSAMPLING, axis=1))
     threshold = _SHARE_OF_PEAK * level.max(axis=1, keepdims=True)
@@ -57,6 +57,8 @@ def _onsets(responses: FloatArray, sample_rate: int) -> FloatArray:
 
 
 def _located(onsets: FloatArray, places: FloatArray, surveyed: FloatArray) -> FloatArray:
+    from scipy.optimize import least_squares  # likewise
+
     def travel(point: FloatArray) -> FloatArray:
         return np.asarray(np.hypot(point[0], places - point[1]) / SOUND_SPEED)
 

@@ -18,8 +18,6 @@ from pathlib import Path
 import numpy as np
 import yaml
 from numpy.typing import NDArray
-from scipy.io import wavfile
-from scipy.signal import firwin, oaconvolve
 
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.records.arrays import FloatArray
@@ -141,6 +139,8 @@ def source_noise(
     ndarray, shape (n_samples,)
         Linear amplitude.
     """
+    from scipy.signal import firwin, oaconvolve  # takes longer to load than any study
+
     edges = [frequency - _SOURCE_BANDWIDTH / 2, frequency + _SOURCE_BANDWIDTH / 2]
     band = firwin(1025, edges, pass_zero=False, fs=sample_rate)
     return np.asarray(oaconvolve(generator.normal(size=n_samples), band, "same"))
@@ -167,6 +167,8 @@ def received_signal(
     ndarray, shape (n_samples, SUB_ARRAY_ELEMENTS)
         Samples at the rate of the responses, linear amplitude.
     """
+    from scipy.signal import oaconvolve  # likewise
+
     responses = room.responses[room.source_ids.index(source)]
     history = responses.shape[1] - 1
     n_samples = round(room.duration * room.sample_rate)
@@ -210,6 +212,8 @@ def write_recording(
     tuple of Path
         WAV file, geometry file, truth file.
     """
+    from scipy.io import wavfile
+
     # The source has its power in its own band, white noise spreads over half the sample rate.
     in_band = min(snapshot_bandwidth / _SOURCE_BANDWIDTH, 1.0)
     noise_power = in_band * 10 ** (-SIGNAL_TO_NOISE_DB / 10)
