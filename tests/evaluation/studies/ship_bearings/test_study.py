@@ -1,5 +1,6 @@
 """Protects the study on real bearings: what is read, what is left out, what comes of it."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -7,7 +8,8 @@ import numpy as np
 import pytest
 
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.evaluation.studies.ship_bearings.data import read_bearings
+from sonar_tracking.evaluation.studies.ship_bearings.data import ArrayBearings, read_bearings
+from sonar_tracking.evaluation.studies.ship_bearings.pairing import pair_bearings
 from sonar_tracking.evaluation.studies.ship_bearings.study import (
     UNLABELLED,
     PairingPart,
@@ -23,6 +25,7 @@ from sonar_tracking.evaluation.studies.ship_bearings.tracks import (
     FIXES,
     SINGLE,
     SMOOTHED,
+    ShipTrack,
 )
 from sonar_tracking.evaluation.studies.study_catalogue import run_study
 from tests.recorded_data import recorded_data
@@ -60,15 +63,20 @@ def circling(seed: int) -> dict[str, Any]:
     return data
 
 
-@pytest.fixture
-def made_up(tmp_path: Path) -> Path:
-    path = tmp_path / "bearings.npz"
+@pytest.fixture(scope="module")
+def made_up(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("made_up") / "bearings.npz"
     np.savez(path, **circling(1))
     return path
 
 
-def test_every_way_finds_a_circling_ship(made_up: Path) -> None:
-    rows = ship_rows([locate(made_up)])
+@pytest.fixture(scope="module")
+def located(made_up: Path) -> tuple[ShipTrack, ...]:
+    return locate(made_up)
+
+
+def test_every_way_finds_a_circling_ship(located: tuple[ShipTrack, ...]) -> None:
+    rows = ship_rows([located])
     medians = {(row.system, row.condition): row.metrics["median_m"] for row in rows}
     assert len(medians) == 14
     assert medians[SINGLE, "array EE"] < 30.0
@@ -80,8 +88,10 @@ def test_every_way_finds_a_circling_ship(made_up: Path) -> None:
         assert medians[SMOOTHED + way, "array EE and EW"] < medians[way, "array EE and EW"]
 
 
-def test_an_antenna_where_the_noise_comes_from_is_found_there(made_up: Path) -> None:
-    rows = {(row.system, row.condition): row.metrics for row in ship_rows([locate(made_up)])}
+def test_an_antenna_where_the_noise_comes_from_is_found_there(
+    located: tuple[ShipTrack, ...],
+) -> None:
+    rows = {(row.system, row.condition): row.metrics for row in ship_rows([located])}
     assert abs(rows[ANTENNA + BOTH, "array EE and EW"]["antenna_m"]) < 5.0
     assert np.isnan(rows[BOTH, "array EE and EW"]["antenna_m"])
 
@@ -116,8 +126,8 @@ def test_a_wrong_file_is_a_sentence(tmp_path: Path) -> None:
         run_study("ship-bearings")
 
 
-def test_pictures_are_drawn(made_up: Path, tmp_path: Path) -> None:
-    tracks = locate(made_up)[::5]  # of all ways and arrays some
+def test_pictures_are_drawn(made_up: Path, located: tuple[ShipTrack, ...], tmp_path: Path) -> None:
+    tracks = located[::5]  # of all ways and arrays some
     pictures = ship_bearings(made_up).draw([tracks], ship_rows([tracks]), tmp_path)
     assert len(pictures) == len(tracks)
     assert all(picture.stat().st_size > 5_000 for picture in pictures)
@@ -149,9 +159,18 @@ def test_the_real_ship_is_found_better_than_by_single_seconds(
         assert 0.3 < rows[SMOOTHED + way, arrays]["median_nees"] < 2.0
 
 
+def beginning(array: ArrayBearings, end: float) -> ArrayBearings:
+    """Return what an array has measured until a time in s."""
+    early = array.times < end
+    series = ("times", "azimuth", "elevation", "deviation", "ship")
+    return replace(array, **{name: getattr(array, name)[early] for name in series})
+
+
 @pytest.mark.data
 def test_real_bearings_without_labels_go_to_their_ships() -> None:
-    path = recorded_data("harp_ship_bearings/two_arrays_A.npz")
-    (row,) = ship_rows([pair(PairingPart(path, 1))])
+    """Of the first half hour of the recording."""
+    arrays = read_bearings(recorded_data("harp_ship_bearings/two_arrays_A.npz"))
+    beginnings = tuple(beginning(array, arrays[0].times[0] + 1800.0) for array in arrays)
+    (row,) = ship_rows([(pair_bearings(beginnings, np.random.default_rng(1)),)])
     assert row.metrics["right_percent"] > 99.0
     assert row.metrics["real_median_m"] < 25.0
