@@ -26,7 +26,7 @@ from tests.bags.bag_fixtures import TRACKS, information, open_writer, write_mess
 zstd = pytest.importorskip("backports.zstd")
 
 DEEP = {
-    "flow": "[" * 100_000,
+    "flow": "[\n" * 100_000,
     "block": "\n".join(" " * depth + "a:" for depth in range(3000)),
     "list": "- " * 20_000,
 }

@@ -9,7 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path, PurePosixPath
+from types import MappingProxyType
 from typing import Any
 
 from sonar_tracking.bags.storage.stored_text import LARGEST_YAML, StoredTextError, yaml_value
@@ -61,6 +63,7 @@ def read_metadata_file(directory: Path) -> BagInformation | None:
     return information if information and information.wrapped else None
 
 
+@lru_cache(maxsize=8)  # the files of a bag repeat it, and a bag is opened more than once
 def information_from_text(text: str) -> BagInformation | None:
     """Return what a mapping written as YAML says, wrapped or bare; None where it is none."""
     try:
@@ -78,7 +81,7 @@ def information_from_text(text: str) -> BagInformation | None:
     return BagInformation(
         message_count=_count(values.get("message_count")),
         file_names=_file_names(values.get("relative_file_paths")),
-        custom_data=_texts(custom_data) if isinstance(custom_data, dict) else {},
+        custom_data=MappingProxyType(_texts(custom_data if isinstance(custom_data, dict) else {})),
         compression_mode="" if mode in ("NONE", "STORAGE") else mode,
         compression_format=_text(values.get("compression_format")).lower(),
         wrapped=wrapped,

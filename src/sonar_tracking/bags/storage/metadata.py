@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Literal
 
 import yaml
@@ -130,6 +131,7 @@ def _topic_entry(topic: TopicSummary) -> dict[str, Any]:
     }
 
 
+@lru_cache(maxsize=64)  # most topics of a bag are offered alike
 def quality_from_text(text: str) -> OfferedQuality:
     """Return the first profile of a list written as YAML; the default where there is none.
 
