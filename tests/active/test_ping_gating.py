@@ -80,3 +80,23 @@ def test_candidates_look_into_their_gates_only(confirmed: bool) -> None:
 
 def test_the_hardest_mode_is_the_agile_one() -> None:
     assert LEVELS.widest_mode == AGILE == np.argmax(LEVELS.noise(10.0)[:, 2, 2])
+
+
+def test_a_track_at_the_sensor_does_not_explain_whatever_points_at_it() -> None:
+    """Clutter of a cell has no density there: each contact of a short range points at it."""
+    model = DetectionModel(0.9, 10.0, False, 0.0, 9.2, 1e-4, 2.0, np.nan, 10_000.0)
+    bank = ships([0.5, 0.0], [3000.0, 0.0])
+    ping = PlacedPing(
+        stamp=1,
+        next_stamp=2,
+        placed=contacts_at([[30.0, 0.0], [3010.0, 0.0]]),
+        amplitudes=np.full(2, np.nan),
+        model=model,
+        sensor=SensorGeometry(np.zeros(2), 10.0, 0.002, 0.0),
+        reach=10_000.0,
+    )
+    configuration = ContactTrackerConfiguration()
+    gating = gate_ping(bank, ping, configuration, ParticleTracks(configuration, False), LEVELS)
+    density = gating.of_ping(ping).evidence.clutter_density
+    # At the track, no nearer than a metre; at the contact where that is the nearer one.
+    assert density == pytest.approx([1e-4 / 2.0, 1e-4 / (2.0 * 3000.0)], rel=0.01)

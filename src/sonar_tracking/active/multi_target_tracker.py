@@ -252,9 +252,10 @@ class MultiTargetTracker:
     def _start_candidates(
         self, association: BankAssociation, gating: PingGating, ping: PlacedPing
     ) -> TrackBank:
-        """Start a candidate at each contact that no track explains."""
+        """Start a candidate at each contact that no track explains; most of them are clutter."""
         threshold = gating.thresholds.search_threshold
         free = association.claimed <= LARGEST_CLAIM_OF_A_NEW_CONTACT
+        self._clutter = self._clutter.with_unexplained(ping.amplitudes[free] - ping.model.threshold)
         rows = np.flatnonzero(free & ~(ping.amplitudes < threshold))
         candidates = start_candidates(
             ping.placed.select(rows),

@@ -81,7 +81,9 @@ class PingGating:
     def of_ping(self, ping: PlacedPing) -> GatedPing:
         """Return what a rule of association looks at."""
         pairs, thresholds = self.pairs, self.thresholds
-        density = ping.model.clutter_density(ping.placed.distance)[pairs.contact]
+        # Near the sensor all contacts point at a track: what counts is where it is, not they.
+        distance = np.minimum(ping.placed.distance[pairs.contact], self.gates.distance[pairs.track])
+        density = ping.model.clutter_density(distance)
         evidence = PairEvidence(
             density=self.updates.density,
             amplitude_ratio=ping.model.amplitude_ratio(

@@ -2,17 +2,22 @@
 
 False-alarm probabilities are computed for exponential amplitudes; real reverberation has heavier
 tails and gives several times as many contacts. A tracker that believes the claim then takes clutter
-for targets. Contacts are therefore counted over the last pings, and the clutter density is raised
-where there are clearly more than claimed.
+for targets. Contacts are therefore counted over the last pings; where there are clearly more than
+claimed, the clutter density is raised, and the law of their amplitudes is found from those that no
+track explains.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
+import numpy as np
+
+from sonar_tracking.active.detection.clutter_amplitudes import fit_excess_law
 from sonar_tracking.active.detection.detection_model import DetectionModel
 from sonar_tracking.errors import Notice, Severity
+from sonar_tracking.records.arrays import FloatArray
 
 FORGETTING = 0.9
 """Weight of the pings before, about ten of which count."""
@@ -20,6 +25,9 @@ FORGETTING = 0.9
 CLEAR_RATIO = 1.5
 CLEAR_DEVIATIONS = 4.0
 """Counted must exceed claimed by both, or the claim is believed."""
+
+FEWEST_AMPLITUDES, MOST_AMPLITUDES = 30, 2000
+"""From which the law of amplitudes is found; with more of them it would be no better."""
 
 
 @dataclass(frozen=True)
@@ -32,10 +40,14 @@ class ClutterMonitor:
         Contacts that are no confirmed track's.
     claimed : float
         False contacts to be expected.
+    excess : ndarray, shape (n,)
+        Of the latest contacts that no track explains above the threshold of the detector, linear
+        powers.
     """
 
     counted: float = 0.0
     claimed: float = 0.0
+    excess: FloatArray = field(default_factory=lambda: np.zeros(0), compare=False)
 
     def after(self, n_contacts: int, n_tracks: int, model: DetectionModel) -> ClutterMonitor:
         """Return the monitor after another ping.
@@ -53,20 +65,35 @@ class ClutterMonitor:
         if not math.isfinite(claimed):
             return self
         counted = max(0.0, n_contacts - n_tracks * model.detection_probability)
-        return ClutterMonitor(
-            FORGETTING * self.counted + counted, FORGETTING * self.claimed + claimed
+        return replace(
+            self,
+            counted=FORGETTING * self.counted + counted,
+            claimed=FORGETTING * self.claimed + claimed,
         )
+
+    def with_unexplained(self, excess: FloatArray) -> ClutterMonitor:
+        """Return the monitor with contacts of the ping that no track explains.
+
+        Parameters
+        ----------
+        excess : ndarray, shape (n,)
+            Above the threshold of the detector, linear powers; NaN = not known.
+        """
+        known = excess[np.isfinite(excess)]
+        return replace(self, excess=np.concatenate((self.excess, known))[-MOST_AMPLITUDES:])
 
     def corrected(self, model: DetectionModel) -> DetectionModel:
         """Return the model with as much clutter as was counted.
 
-        Clutter that does not follow the claimed law is not told from targets by its amplitude,
-        either: amplitudes are then left aside.
+        Clutter that does not follow the claimed law in number does not in its amplitudes, either:
+        these have the law that was found, and are left aside until there is one.
         """
         factor = self.factor()
         if factor == 1.0:
             return model
-        return replace(model, clutter_factor=factor, outlier_share=1.0)
+        if len(self.excess) < FEWEST_AMPLITUDES:
+            return replace(model, clutter_factor=factor, outlier_share=1.0)
+        return replace(model, clutter_factor=factor, clutter_law=fit_excess_law(self.excess))
 
     def factor(self) -> float:
         """Return by what the claimed density has to be multiplied; 1 = the claim is believed."""
@@ -82,6 +109,6 @@ class ClutterMonitor:
             return ()
         text = (
             f"There are {factor:.1f} times as many contacts as the claimed clutter explains; the "
-            "tracker expects as many and does not trust amplitudes. Check the detector's threshold."
+            "tracker expects as many, of the amplitudes they have. Check the detector's threshold."
         )
         return (Notice(Severity.WARN, "clutter", text),)

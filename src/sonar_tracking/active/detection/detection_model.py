@@ -16,9 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.detection.clutter_amplitudes import IN_NOISE, ExcessLaw
 from sonar_tracking.active.detection.detection_levels import TYPICAL
 from sonar_tracking.active.detection.detection_threshold import linear_from_decibel
-from sonar_tracking.active.detection.gate_association import amplitude_likelihood_ratio
 from sonar_tracking.errors import Notice, Severity
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.contacts import Contacts
@@ -65,6 +65,8 @@ class DetectionModel:
         Width of the survey, rad.
     told_detection_probability : float
         P_D that the ping or the user claims; NaN = nobody does.
+    clutter_law : ExcessLaw
+        Of the amplitudes of false contacts.
     """
 
     detection_probability: float
@@ -80,6 +82,7 @@ class DetectionModel:
     minimum_range: float = 0.0
     sector: float = 2.0 * np.pi
     told_detection_probability: float = np.nan
+    clutter_law: ExcessLaw = IN_NOISE
 
     def expected_clutter(self) -> float:
         """Return the mean number of false contacts in a ping; infinite or NaN if unknown."""
@@ -122,13 +125,14 @@ class DetectionModel:
         ndarray, shape (n,)
             Likelihood ratios, pure numbers; 1 where either is not known.
         """
-        excess = amplitudes - thresholds
+        excess, raised = amplitudes - thresholds, thresholds - self.threshold
+        law = self.clutter_law
         if self.averaged:
             levels = linear_from_decibel(AVERAGED_LEVELS_DB)
-            ratios = [amplitude_likelihood_ratio(excess, 0.0, float(level)) for level in levels]
+            ratios = [law.likelihood_ratio(excess, raised, float(level)) for level in levels]
             ratio = np.asarray(np.mean(ratios, axis=0))
         else:
-            ratio = amplitude_likelihood_ratio(excess, 0.0, self.signal_to_noise_ratio_linear)
+            ratio = law.likelihood_ratio(excess, raised, self.signal_to_noise_ratio_linear)
         share = self.outlier_share
         return np.where(np.isfinite(excess), ratio / (1.0 - share + share * ratio), 1.0)
 
