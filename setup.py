@@ -11,6 +11,11 @@ from xml.etree.ElementTree import parse
 from setuptools import Extension, find_packages, setup
 
 PACKAGE = "sonar_tracking"
+if sys.version_info < (3, 10):  # noqa: UP036  (the pip of an older one names a dependency instead)
+    sys.exit(
+        f"{PACKAGE} needs Python 3.10 to 3.13, and this is {sys.version.split()[0]}: make the"
+        " environment with another one, e.g. python3.12 -m venv .venv."
+    )
 VERSION = parse("package.xml").findtext("version")
 NODES = (
     "array_simulator",

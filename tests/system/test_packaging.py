@@ -139,6 +139,14 @@ def test_pip_refuses_another_python(
     assert f'requires-python = "{told["python_requires"]}"' in messages
 
 
+def test_the_build_refuses_an_older_python_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The pip of such a Python finds no version of a dependency, and says no more than that."""
+    monkeypatch.setattr(sys, "version_info", (3, 9, 18))
+    monkeypatch.setattr(sys, "version", "3.9.18 (main)")
+    with pytest.raises(SystemExit, match=r"needs Python 3\.10 to 3\.13, and this is 3\.9\.18:"):
+        setup_arguments(monkeypatch)
+
+
 @pytest.mark.parametrize("command", ["install", "develop"])
 def test_colcon_leaves_dependencies_to_rosdep(
     monkeypatch: pytest.MonkeyPatch, command: str
