@@ -19,6 +19,7 @@ from sonar_tracking.active.tracks.track_bank import TrackBank
 from tests.active.track_scene import bank_of, contacts_at
 
 LEVELS = AccelerationLevels(8.0)
+FAST = np.full((4, 2), 20.0)
 STRAIGHT = np.array([1e-6, 1.0 - 3e-6, 1e-6, 1e-6])
 """Mode probabilities of a track that has never turned."""
 
@@ -28,7 +29,7 @@ def ships(*places: list[float]) -> TrackBank:
     bank = bank_of(list(places), n_modes=LEVELS.n_modes)
     return replace(
         bank,
-        covariance=bank.covariance + LEVELS.noise(10.0),
+        covariance=bank.covariance + LEVELS.noise(FAST, 10.0),
         mode_probability=np.tile(STRAIGHT, (len(bank), 1)),
     )
 
@@ -79,7 +80,7 @@ def test_candidates_look_into_their_gates_only(confirmed: bool) -> None:
 
 
 def test_the_hardest_mode_is_the_agile_one() -> None:
-    assert LEVELS.widest_mode == AGILE == np.argmax(LEVELS.noise(10.0)[:, 2, 2])
+    assert LEVELS.widest_mode == AGILE == np.argmax(LEVELS.noise(FAST, 10.0)[:, 2, 2])
 
 
 def test_a_track_at_the_sensor_does_not_explain_whatever_points_at_it() -> None:

@@ -13,6 +13,7 @@ from sonar_tracking.active.tracks.acceleration_levels import (
 )
 
 MODES = AccelerationLevels(8.0)
+FAST = np.full((4, 2), 20.0)
 NEW = np.zeros((1, 4)), np.zeros(1)
 
 
@@ -55,13 +56,13 @@ def test_what_is_fixed_has_no_velocity_and_stays() -> None:
     assert (matrices[0] @ state).tolist() == [100.0, -50.0, 0.0, 0.0]
     for matrix in matrices[1:]:
         assert (matrix @ state).tolist() == [130.0, -10.0, 3.0, 4.0]
-    noise = MODES.noise(100.0)[0]
+    noise = MODES.noise(np.zeros((4, 2)), 100.0)[0]
     assert np.sqrt(np.diag(noise)) == pytest.approx([0.2, 0.2, 0.02, 0.02])
 
 
 def test_accelerations_are_constant_from_ping_to_ping() -> None:
     """A velocity changes by a T, a position by a T^2 / 2, both by the same acceleration."""
-    for acceleration, noise in zip(ACCELERATIONS, MODES.noise(2.0)[1:], strict=True):
+    for acceleration, noise in zip(ACCELERATIONS, MODES.noise(FAST, 2.0)[1:], strict=True):
         step = np.array([2.0 * acceleration, 0.0, 2.0 * acceleration, 0.0])  # T^2 / 2 = T = 2
         other = np.array([0.0, 2.0 * acceleration, 0.0, 2.0 * acceleration])
         expected = np.outer(step, step) + np.outer(other, other)
@@ -69,9 +70,20 @@ def test_accelerations_are_constant_from_ping_to_ping() -> None:
 
 
 def test_a_velocity_changes_by_no_more_than_a_boat_can_turn() -> None:
-    agile = MODES.noise(60.0)[-1]
+    agile = MODES.noise(FAST, 60.0)[-1]
     assert np.sqrt(agile[2, 2]) == pytest.approx(15.0)
     assert np.sqrt(agile[0, 0]) == pytest.approx(450.0)
+
+
+def test_a_slow_ship_does_not_turn_hard() -> None:
+    """At 3 m/s a velocity changes by 2 + 3 m/s, at rest by 2 m/s, and in other modes as ever."""
+    velocity = np.zeros((2, 4, 2))
+    velocity[0, -1] = [1.8, 2.4]
+    noise = MODES.noise(velocity, 10.0)
+    assert np.sqrt(noise[:, -1, 2, 2]) == pytest.approx([5.0, 2.0])
+    assert np.sqrt(noise[:, -1, 1, 1]) == pytest.approx([25.0, 10.0])
+    assert noise[:, -1, 0, 2] == pytest.approx([125.0, 20.0])
+    assert np.array_equal(noise[0, :-1], MODES.noise(FAST, 10.0)[:-1])
 
 
 def test_new_targets_are_slow_or_fast() -> None:

@@ -6,8 +6,8 @@ twenty times larger from one mode to the next, up to 0.3 g. What a target does s
 probabilities, and the covariance of the mixture follows. Changes of mode come at rates per second,
 so that the interval between pings does not matter.
 
-A velocity cannot change by more than a target's speed: over long intervals the change by
-acceleration is limited to that of a boat that turns round.
+A turn changes a velocity by no more than twice the speed: the change in the agile mode is limited
+by that of the target, and a slow ship does not jump to the contacts around it.
 
 References
 ----------
@@ -29,6 +29,9 @@ ACCELERATIONS = (0.0002, 0.05, 3.0)
 
 LARGEST_CHANGE = 15.0
 """Of a velocity per axis, standard deviation, m/s."""
+
+LARGEST_CHANGE_AT_REST = 2.0
+"""The same of what does not move yet, m/s; with its speed it grows as that does."""
 
 FIXED_SPEED = 0.02
 """Of what is fixed, per axis, m/s: buoys swing."""
@@ -145,9 +148,26 @@ class AccelerationLevels:
         """
         return _matrices(interval)
 
-    def noise(self, interval: float) -> FloatArray:
-        """Return Q of each mode over an interval (s), shape (n_modes, 4, 4)."""
-        return _noise(interval)
+    def noise(self, velocity: FloatArray, interval: float) -> FloatArray:
+        """Return Q of each mode over an interval.
+
+        Parameters
+        ----------
+        velocity : ndarray, shape (..., n_modes, 2)
+            Before it, m/s.
+        interval : float
+            s.
+
+        Returns
+        -------
+        ndarray, shape (..., n_modes, 4, 4)
+            m^2, m^2/s, m^2/s^2.
+        """
+        agile = velocity[..., AGILE, :]
+        largest = LARGEST_CHANGE_AT_REST + np.hypot(agile[..., 0], agile[..., 1])
+        share = np.ones(velocity.shape[:-1])
+        share[..., AGILE] = np.minimum(largest / _changes(interval)[-1], 1.0) ** 2
+        return np.asarray(share[..., None, None] * _noise(interval))
 
 
 @lru_cache(maxsize=16)
@@ -157,9 +177,13 @@ def _matrices(interval: float) -> FloatArray:
     return _kept(matrices)
 
 
+def _changes(interval: float) -> FloatArray:
+    return np.minimum(np.array(ACCELERATIONS) * interval, LARGEST_CHANGE)
+
+
 @lru_cache(maxsize=16)
 def _noise(interval: float) -> FloatArray:
-    change = np.minimum(np.array(ACCELERATIONS) * interval, LARGEST_CHANGE)
+    change = _changes(interval)
     gain = np.kron(np.array([[0.5 * interval], [1.0]]), np.eye(2))
     moving = change[:, None, None] ** 2 * (gain @ gain.T)
     place, speed = FIXED_DRIFT**2 * interval, FIXED_SPEED**2

@@ -60,11 +60,18 @@ class MotionModel(Protocol):
             For the state x, y, vx, vy; pure numbers, s and 1/s.
         """
 
-    def noise(self, interval: float) -> FloatArray:
-        """Return Q of each mode over an interval (s).
+    def noise(self, velocity: FloatArray, interval: float) -> FloatArray:
+        """Return Q of each mode over an interval.
+
+        Parameters
+        ----------
+        velocity : ndarray, shape (..., n_modes, 2)
+            Before it, m/s.
+        interval : float
+            s.
 
         Returns
         -------
-        ndarray, shape (n_modes, 4, 4) or (4, 4)
+        ndarray, shape (..., n_modes, 4, 4) or (4, 4)
             m^2, m^2/s, m^2/s^2; the latter if all are alike.
         """

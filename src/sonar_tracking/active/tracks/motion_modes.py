@@ -136,8 +136,21 @@ class MotionModes:
         """
         return turn_matrices(self.turn_rates(velocity), interval)
 
-    def noise(self, interval: float) -> FloatArray:
-        """Return Q over an interval (s), shape (4, 4): the same for all modes."""
+    def noise(self, velocity: FloatArray, interval: float) -> FloatArray:
+        """Return Q over an interval: the same for all modes and velocities.
+
+        Parameters
+        ----------
+        velocity : ndarray, shape (..., n_modes, 2)
+            m/s; of no influence.
+        interval : float
+            s.
+
+        Returns
+        -------
+        ndarray, shape (4, 4)
+            m^2, m^2/s, m^2/s^2.
+        """
         return white_acceleration_noise(self.acceleration_deviation, interval)
 
 

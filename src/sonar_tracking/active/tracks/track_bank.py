@@ -167,7 +167,7 @@ def predict_bank(
     stayed = bank.mode_probability * np.einsum("...ii->...i", transition)
     matrices = modes.matrices(mixed[..., 2:], interval)
     covariance = np.matmul(np.matmul(matrices, spread), matrices.swapaxes(-1, -2))
-    covariance = covariance + modes.noise(interval)
+    covariance = covariance + modes.noise(mixed[..., 2:], interval)
     return replace(
         bank,
         existence=survival_probability * bank.existence,
