@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+pytest.importorskip("rclpy")
+
 ORCHESTRATION = """
 import json, os, sys, threading, time
 from pathlib import Path
