@@ -55,7 +55,7 @@ from sonar_tracking.active.tracks.particle_cloud import (
 )
 from sonar_tracking.active.tracks.particle_densities import particle_densities
 from sonar_tracking.errors import Notice, Severity
-from sonar_tracking.records.arrays import BoolArray, FloatArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
 
@@ -242,13 +242,13 @@ class RegionTracker:
         single = np.empty_like(regions)
         n_single = 0
         for region in regions:
-            if np.all(_distances(single[:n_single], region) >= 3.0 * deviation):
+            if not len(_near(single[:n_single], region, 3.0 * deviation)):
                 single[n_single] = region
                 n_single += 1
         before, counts = self._pending
         positions, numbers = [], []
         for region in single[:n_single]:
-            near = _distances(before, region) < 3.0 * np.sqrt(2.0) * deviation
+            near = _near(before, region, 3.0 * np.sqrt(2.0) * deviation)
             count = int(np.max(counts[near], initial=0)) + 1
             if count < BIRTH_COUNT:
                 positions.append(region)
@@ -285,9 +285,11 @@ class RegionTracker:
         )
 
 
-def _distances(positions: FloatArray, region: FloatArray) -> FloatArray:
-    separation = region - positions
-    return np.hypot(separation[:, 0], separation[:, 1])
+def _near(positions: FloatArray, region: FloatArray, distance: float) -> IndexArray:
+    """Return the rows of the positions, shape (n, 2), that are nearer than a distance."""
+    rows = np.flatnonzero(np.abs(region[0] - positions[:, 0]) < distance)
+    separation = region - positions[rows]
+    return rows[np.hypot(separation[:, 0], separation[:, 1]) < distance]
 
 
 def _region_covariances(regions: FloatArray, sensor: SensorGeometry) -> FloatArray:
