@@ -2,7 +2,8 @@
 
 ``./scripts/test.sh`` runs workers of pytest-xdist on all processors. A file of tests stays with one
 worker, since its tests share fixtures; where they share none, long tests are shared out singly. The
-long ones come first, so that all workers end at about the same time.
+long ones come first, so that all workers end at about the same time: those that compute among those
+with processes, which wait for one another now and then and leave the processors to others.
 """
 
 from __future__ import annotations
@@ -43,7 +44,8 @@ MARKS = {
 }
 """Marks of all tests below a directory; single files and tests carry theirs themselves."""
 
-LONGEST_FIRST = ("system", "graph", "slow")
+LONG = ({"system", "graph"}, {"slow"})
+"""Marks of the tests that come first, of both kinds in turn."""
 TOGETHER = {
     "tests/display/": "pictures",  # what draws takes long to import
     "tests/test_docstrings.py": "source",
@@ -61,7 +63,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             if item.nodeid.startswith(directory):
                 item.add_marker(mark)
     if hasattr(config, "workerinput"):
-        items.sort(key=_rank)
+        _put_long_ones_first(items)
 
 
 def pytest_collection_finish() -> None:
@@ -70,10 +72,27 @@ def pytest_collection_finish() -> None:
     gc.freeze()
 
 
-def _rank(item: pytest.Item) -> int:
-    marks = {mark.name for mark in item.iter_markers()}
-    ranks = [rank for rank, name in enumerate(LONGEST_FIRST) if name in marks]
-    return min(ranks, default=len(LONGEST_FIRST))
+def _put_long_ones_first(items: list[pytest.Item]) -> None:
+    """Let what one worker gets at once stay together, and both kinds of long ones end together."""
+    kinds: dict[str, int] = {}
+    for item in items:
+        marks = {mark.name for mark in item.iter_markers()}
+        kind = next((number for number, names in enumerate(LONG) if names & marks), len(LONG))
+        kinds[_scope(item.nodeid)] = min(kind, kinds.get(_scope(item.nodeid), kind))
+    places: dict[str, float] = {}
+    for kind in range(len(LONG) + 1):
+        scopes = [scope for scope, own in kinds.items() if own == kind]
+        last = float(kind == len(LONG))
+        places |= {scope: last + number / len(scopes) for number, scope in enumerate(scopes)}
+    items.sort(key=lambda item: places[_scope(item.nodeid)])
+
+
+def _scope(nodeid: str) -> str:
+    """Return the name of all that one worker gets at once with a test."""
+    file = nodeid.partition("::")[0]
+    if file.startswith(SHARED_OUT_SINGLY):
+        return nodeid
+    return next((name for start, name in TOGETHER.items() if file.startswith(start)), file)
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -83,10 +102,7 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> LoadScopeSch
 
     class FilesAndSingleTests(LoadScopeScheduling):
         def _split_scope(self, nodeid: str) -> str:
-            file = nodeid.partition("::")[0]
-            if file.startswith(SHARED_OUT_SINGLY):
-                return nodeid
-            return next((name for start, name in TOGETHER.items() if file.startswith(start)), file)
+            return _scope(nodeid)
 
     config.option.loadscopereorder = False  # the order of the tests is meant as it is
     return FilesAndSingleTests(config, log)
