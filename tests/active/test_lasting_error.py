@@ -113,7 +113,7 @@ def test_a_track_that_coasts_is_remembered_and_one_that_ends_is_not() -> None:
             clutter_density=1e-6,
         )
         update = tracker.update(replace(contacts))
-        kept = vars(tracker)["_lasting"].id
+        kept = vars(tracker)["_scene"].lasting.id
         if number == 22:
             assert len(kept) == 1 and update.tracks.status[0] == TrackStatus.COASTED
     assert len(update.tracks) == 0
@@ -134,6 +134,6 @@ def test_times_are_counted_from_the_first_ping() -> None:
             maximum_range=1000.0,
         )
         tracker.update(contacts)
-    monitor = vars(tracker)["_lasting"]
+    monitor = vars(tracker)["_scene"].lasting
     assert monitor.start == 10**18
     assert monitor.time.tolist() == [[20.0, 22.0]]

@@ -15,6 +15,7 @@ from sonar_tracking.active.tracks.acceleration_levels import AGILE, Acceleration
 from sonar_tracking.active.tracks.contact_gating import SensorGeometry
 from sonar_tracking.active.tracks.motion_model import MotionModel
 from sonar_tracking.active.tracks.motion_modes import MotionModes
+from sonar_tracking.active.tracks.scene_rows import SceneRows
 from sonar_tracking.active.tracks.track_bank import TrackBank
 from tests.active.track_scene import bank_of, contacts_at
 
@@ -45,12 +46,14 @@ def paired(
         next_stamp=2,
         placed=contacts_at(places),
         amplitudes=np.full(len(places), np.nan),
-        model=model,
-        sensor=SensorGeometry(np.zeros(2), 10.0, 0.002, 0.0),
-        reach=10_000.0,
+        contact_rows=SceneRows((len(places),)),
+        models=[model],
+        sensors=[SensorGeometry(np.zeros(2), 10.0, 0.002, 0.0)],
+        reaches=[10_000.0],
     )
     particles = ParticleTracks(configuration, used=False)
-    pairs = gate_ping(bank, ping, configuration, particles, modes).pairs
+    tracks = SceneRows((len(bank),))
+    pairs = gate_ping(bank, tracks, ping, configuration, particles, modes).pairs
     assert np.all(np.diff(pairs.track) >= 0)
     return list(zip(pairs.track.tolist(), pairs.contact.tolist(), strict=True))
 
@@ -92,12 +95,14 @@ def test_a_track_at_the_sensor_does_not_explain_whatever_points_at_it() -> None:
         next_stamp=2,
         placed=contacts_at([[30.0, 0.0], [3010.0, 0.0]]),
         amplitudes=np.full(2, np.nan),
-        model=model,
-        sensor=SensorGeometry(np.zeros(2), 10.0, 0.002, 0.0),
-        reach=10_000.0,
+        contact_rows=SceneRows((2,)),
+        models=[model],
+        sensors=[SensorGeometry(np.zeros(2), 10.0, 0.002, 0.0)],
+        reaches=[10_000.0],
     )
     configuration = ContactTrackerConfiguration()
-    gating = gate_ping(bank, ping, configuration, ParticleTracks(configuration, False), LEVELS)
+    particles = ParticleTracks(configuration, used=False)
+    gating = gate_ping(bank, SceneRows((2,)), ping, configuration, particles, LEVELS)
     density = gating.of_ping(ping).evidence.clutter_density
     # At the track, no nearer than a metre; at the contact where that is the nearer one.
     assert density == pytest.approx([1e-4 / 2.0, 1e-4 / (2.0 * 3000.0)], rel=0.01)

@@ -19,6 +19,7 @@ Kirubarajan (2001), section 5.6 on the consistency that is restored by it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -28,9 +29,10 @@ from sonar_tracking.active.association.lm_ipda import BankAssociation
 from sonar_tracking.active.contacts.contact_positions import PlacedContacts, position_covariance
 from sonar_tracking.active.tracks.contact_gating import GatePairs
 from sonar_tracking.active.tracks.contact_track_list import ContactTrackRows
+from sonar_tracking.active.tracks.scene_rows import SceneRows, joined
 from sonar_tracking.active.tracks.track_management import ListedTracks
 from sonar_tracking.errors import Notice, Severity
-from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray, IntArray
 from sonar_tracking.records.contacts import Contacts
 from sonar_tracking.records.time import seconds
 
@@ -51,6 +53,9 @@ SURE = 0.9
 
 LASTING_TIME = 20.0
 """In which a lasting error changes, s."""
+
+SCENE_APART = 1 << 40
+"""Between the identifiers of two scenes whose tables are joined: more than any has tracks."""
 
 
 @dataclass(frozen=True)
@@ -108,43 +113,6 @@ class LastingErrorMonitor:
         share = float(np.median(self.squares)) / MEDIAN_OF_SQUARES
         return max(share, SMALLEST_SHARE) if share < CLEAR_SHARE else 1.0
 
-    def after(
-        self,
-        listed: ListedTracks,
-        pairs: GatePairs,
-        association: BankAssociation,
-        contacts: Contacts,
-        placed: PlacedContacts,
-    ) -> LastingErrorMonitor:
-        """Return the monitor after another ping.
-
-        Parameters
-        ----------
-        listed : ListedTracks
-            Which tracks there are, and which have ended.
-        pairs : GatePairs
-            Contacts in their gates.
-        association : BankAssociation
-            Whose contacts they are.
-        contacts : Contacts
-            The ping as received.
-        placed : PlacedContacts
-            Its contacts, with the noise they are believed to have.
-        """
-        bank = listed.bank
-        probability = bank.contact_probabilities(pairs.track, association.weights)
-        sure = (probability > SURE) & (bank.confirmed & listed.alive)[pairs.track]
-        track, contact = pairs.track[sure], pairs.contact[sure]
-        start = self.start or contacts.stamp
-        time = seconds(contacts.stamp - start) + placed.delay[contact]
-        claimed = placed.covariance[contact] / self.noise_share
-        third = _LastContacts(bank.id[track], time, placed.position[contact], claimed)
-        return replace(
-            self._with(third, bank.id[bank.confirmed & listed.alive]),
-            start=start,
-            claimed=_claimed_error(contacts) or self.claimed,
-        )
-
     def without_it(self, contacts: Contacts) -> Contacts:
         """Return a ping whose contacts have the errors that are new at each ping alone."""
         factor = float(np.sqrt(self.noise_share))
@@ -185,35 +153,56 @@ class LastingErrorMonitor:
         )
         return (Notice(Severity.OK, "lasting error", text),)
 
-    def _with(self, third: _LastContacts, tracks: IntArray) -> LastingErrorMonitor:
-        """Return the monitor with third contacts of some tracks, and with these tracks alone."""
-        kept = _among(self.id, tracks) & ~_among(self.id, third.id)
-        if not len(third.id) and kept.all():
-            return self
-        row = np.searchsorted(self.id, third.id)
-        known = _among(third.id, self.id)
-        times = np.full((len(third.id), 2), np.nan)
-        positions = np.zeros((len(third.id), 2, 2))
-        covariances = np.zeros((len(third.id), 2, 2, 2))
-        times[known] = self.time[row[known]]
-        positions[known] = self.position[row[known]]
-        covariances[known] = self.covariance[row[known]]
-        squares = _squares(times, positions, covariances, third)
-        ids = np.concatenate([self.id[kept], third.id])
-        order = np.argsort(ids, kind="stable")
 
-        def merged(old: FloatArray, second: FloatArray, newest: FloatArray) -> FloatArray:
-            new = np.stack([second[:, 1], newest], axis=1)
-            return np.concatenate([old[kept], new])[order]
+def monitors_after(
+    monitors: Sequence[LastingErrorMonitor],
+    listed: ListedTracks,
+    tracks: SceneRows,
+    pairs: GatePairs,
+    association: BankAssociation,
+    pings: Sequence[Contacts],
+    placed: PlacedContacts,
+) -> list[LastingErrorMonitor]:
+    """Return the monitor of each scene after another ping.
 
-        return replace(
-            self,
-            id=ids[order],
-            time=merged(self.time, times, third.time),
-            position=merged(self.position, positions, third.position),
-            covariance=merged(self.covariance, covariances, third.covariance),
-            squares=np.concatenate([self.squares, squares])[-MOST_SQUARES:],
-        )
+    Parameters
+    ----------
+    monitors : sequence of LastingErrorMonitor
+        Before it, one a scene.
+    listed : ListedTracks
+        Which tracks there are, and which have ended.
+    tracks : SceneRows
+        Whose tracks they are.
+    pairs : GatePairs
+        Contacts in their gates.
+    association : BankAssociation
+        Whose contacts they are.
+    pings : sequence of Contacts
+        The ping as received, in each scene.
+    placed : PlacedContacts
+        Its contacts, with the noise they are believed to have.
+    """
+    bank = listed.bank
+    goes_on = bank.confirmed & listed.alive
+    probability = bank.contact_probabilities(pairs.track, association.weights)
+    sure = (probability > SURE) & goes_on[pairs.track]
+    track, contact = pairs.track[sure], pairs.contact[sure]
+    scenes = tracks.of(track)
+    starts = [m.start or ping.stamp for m, ping in zip(monitors, pings, strict=True)]
+    since = [seconds(p.stamp - start) for p, start in zip(pings, starts, strict=True)]
+    share = scenes.spread([np.array(monitor.noise_share)[None, None] for monitor in monitors])
+    keys = bank.id + tracks.spread([scene * SCENE_APART for scene in range(len(monitors))])
+    third = _LastContacts(
+        keys[track],
+        scenes.spread(since) + placed.delay[contact],
+        placed.position[contact],
+        placed.covariance[contact] / share,
+    )
+    followed = _followed(monitors, third, keys[goes_on], scenes)
+    return [
+        replace(monitor, start=start, claimed=_claimed_error(ping) or monitor.claimed)
+        for monitor, start, ping in zip(followed, starts, pings, strict=True)
+    ]
 
 
 @dataclass(frozen=True)
@@ -224,6 +213,65 @@ class _LastContacts:
     time: FloatArray
     position: FloatArray
     covariance: FloatArray
+
+
+def _followed(
+    monitors: Sequence[LastingErrorMonitor],
+    third: _LastContacts,
+    tracks: IntArray,
+    scenes: SceneRows,
+) -> list[LastingErrorMonitor]:
+    """Return the monitors with third contacts of some tracks, and with these tracks alone."""
+    rows = SceneRows(tuple(len(monitor.id) for monitor in monitors))
+    first = rows.spread([scene * SCENE_APART for scene in range(len(monitors))])
+    known_ids = joined([monitor.id for monitor in monitors]) + first
+    kept = _among(known_ids, tracks) & ~_among(known_ids, third.id)
+    if not len(third.id) and kept.all():
+        return list(monitors)
+    before = {
+        name: joined([getattr(monitor, name) for monitor in monitors])
+        for name in ("time", "position", "covariance")
+    }
+    row = np.searchsorted(known_ids, third.id)
+    known = _among(third.id, known_ids)
+    last = {
+        "time": np.full((len(third.id), 2), np.nan),
+        "position": np.zeros((len(third.id), 2, 2)),
+        "covariance": np.zeros((len(third.id), 2, 2, 2)),
+    }
+    for name, column in last.items():
+        column[known] = before[name][row[known]]
+    full, squares = _squares(last["time"], last["position"], last["covariance"], third)
+    ids = np.concatenate([known_ids[kept], third.id])
+    order = np.argsort(ids, kind="stable")
+    ids = ids[order]
+    columns = {
+        name: np.concatenate(
+            [before[name][kept], np.stack([column[:, 1], getattr(third, name)], axis=1)]
+        )[order]
+        for name, column in last.items()
+    }
+    bounds = [scene * SCENE_APART for scene in range(1, len(monitors))]
+    of_scene = SceneRows(tuple(np.diff([0, *ids.searchsorted(bounds), len(ids)]).tolist()))
+    parts = [of_scene.split(column) for column in columns.values()]
+    return [
+        LastingErrorMonitor(
+            id=own - scene * SCENE_APART,
+            time=time,
+            position=position,
+            covariance=covariance,
+            squares=np.concatenate([monitor.squares, new])[-MOST_SQUARES:],
+        )
+        for scene, (monitor, own, time, position, covariance, new) in enumerate(
+            zip(
+                monitors,
+                of_scene.split(ids),
+                *parts,
+                scenes.of(full).split(squares),
+                strict=True,
+            )
+        )
+    ]
 
 
 def _among(ids: IntArray, others: IntArray) -> BoolArray:
@@ -243,8 +291,8 @@ def _claimed_error(contacts: Contacts) -> ClaimedError | None:
 
 def _squares(
     time: FloatArray, position: FloatArray, covariance: FloatArray, third: _LastContacts
-) -> FloatArray:
-    """Return the squared distances of third contacts from the line through the two before."""
+) -> tuple[IndexArray, FloatArray]:
+    """Return which third contacts have two before them, and how far they are from their line."""
     before = time[:, 1] - time[:, 0]
     full = np.flatnonzero(before > 0.0)
     ratio = (third.time[full] - time[full, 1]) / before[full]
@@ -254,4 +302,4 @@ def _squares(
     total = third.covariance[full] + (1.0 + ratio) ** 2 * covariance[full, 1]
     total = total + ratio**2 * covariance[full, 0]
     scaled = np.linalg.solve(total, distance[..., None])[..., 0]
-    return np.asarray(np.sum(distance * scaled, axis=1))
+    return full, np.asarray(np.sum(distance * scaled, axis=1))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,19 +11,22 @@ from sonar_tracking.active.association.association_rule import GatedPing
 from sonar_tracking.active.association.lm_ipda import PairEvidence
 from sonar_tracking.active.contacts.contact_positions import PlacedContacts, place_contacts
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
-from sonar_tracking.active.detection.detection_model import DetectionModel
+from sonar_tracking.active.detection.detection_model import DetectionModel, amplitude_ratios
 from sonar_tracking.active.particle_tracks import ParticleTracks
 from sonar_tracking.active.tracks.contact_gating import (
     GatePairs,
     SensorGeometry,
     TrackGates,
+    pairs_of_scenes,
     predict_gates,
     sensor_geometry,
+    sensors_of_tracks,
 )
 from sonar_tracking.active.tracks.gate_thresholds import AppliedThresholds, apply_thresholds
 from sonar_tracking.active.tracks.motion_model import MotionModel
 from sonar_tracking.active.tracks.pair_search import find_pairs
 from sonar_tracking.active.tracks.pair_updates import PairUpdates, update_pairs
+from sonar_tracking.active.tracks.scene_rows import SceneRows, joined, joined_tables
 from sonar_tracking.active.tracks.track_bank import TrackBank
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.contacts import Contacts
@@ -40,21 +44,24 @@ class PlacedPing:
         Where the contacts were reflected.
     amplitudes : ndarray, shape (n_contacts,)
         Linear powers; NaN where not measured.
-    model : DetectionModel
-        Detection, clutter and amplitudes.
-    sensor : SensorGeometry
-        Where the ping came from.
-    reach : float
-        Beyond which a track is out of range, m.
+    contact_rows : SceneRows
+        Whose contacts they are.
+    models : sequence of DetectionModel
+        Detection, clutter and amplitudes in each scene.
+    sensors : sequence of SensorGeometry
+        Where the ping came from in each scene.
+    reaches : sequence of float
+        Beyond which a track is out of range in each scene, m.
     """
 
     stamp: int
     next_stamp: int
     placed: PlacedContacts
     amplitudes: FloatArray
-    model: DetectionModel
-    sensor: SensorGeometry
-    reach: float
+    contact_rows: SceneRows
+    models: Sequence[DetectionModel]
+    sensors: Sequence[SensorGeometry]
+    reaches: Sequence[float]
 
 
 @dataclass(frozen=True)
@@ -63,74 +70,94 @@ class PingGating:
 
     Attributes
     ----------
+    tracks : SceneRows
+        Whose tracks they are.
     gates : TrackGates
         Of the tracks.
-    thresholds : AppliedThresholds
-        In force in them.
+    thresholds : sequence of AppliedThresholds
+        In force in them, in each scene.
     pairs : GatePairs
         Contacts in gates that pass the thresholds.
     updates : PairUpdates
         Of the pairs.
     """
 
+    tracks: SceneRows
     gates: TrackGates
-    thresholds: AppliedThresholds
+    thresholds: Sequence[AppliedThresholds]
     pairs: GatePairs
     updates: PairUpdates
 
     def of_ping(self, ping: PlacedPing) -> GatedPing:
         """Return what a rule of association looks at."""
         pairs, thresholds = self.pairs, self.thresholds
+        of_pairs = self.tracks.of(pairs.track)
         # Near the sensor all contacts point at a track: what counts is where it is, not they.
         distance = np.minimum(ping.placed.distance[pairs.contact], self.gates.distance[pairs.track])
-        density = ping.model.clutter_density(distance)
+        distances = of_pairs.split(distance)
+        density = [m.clutter_density(d) for m, d in zip(ping.models, distances, strict=True)]
+        share = joined([each.clutter_share for each in thresholds])
+        threshold = joined([each.threshold for each in thresholds])
         evidence = PairEvidence(
             density=self.updates.density,
-            amplitude_ratio=ping.model.amplitude_ratio(
-                ping.amplitudes[pairs.contact], thresholds.threshold[pairs.track]
+            amplitude_ratio=amplitude_ratios(
+                ping.models,
+                of_pairs.scene,
+                ping.amplitudes[pairs.contact],
+                threshold[pairs.track],
             ),
-            clutter_density=density * thresholds.clutter_share[pairs.track],
+            clutter_density=joined(density) * share[pairs.track],
         )
         return GatedPing(
             pairs,
             evidence,
             ping.amplitudes,
             self.gates.volume,
-            thresholds.detection_probability,
-            ping.model.signal_to_noise_ratio_linear,
+            joined([each.detection_probability for each in thresholds]),
+            ping.models[0].signal_to_noise_ratio_linear,
         )
 
 
 def place_ping(
-    contacts: Contacts, model: DetectionModel, sound_speed: float, reach: float
+    pings: Sequence[Contacts],
+    models: Sequence[DetectionModel],
+    sound_speed: float,
+    reaches: Sequence[float],
 ) -> PlacedPing:
     """Bring the contacts of a ping into ``map``.
 
     Parameters
     ----------
-    contacts : Contacts
-        The ping.
-    model : DetectionModel
+    pings : sequence of Contacts
+        The ping in each scene.
+    models : sequence of DetectionModel
         What is known of it.
     sound_speed : float
         m/s; 0 = the ping takes no time.
-    reach : float
+    reaches : sequence of float
         Beyond which a track is out of range, m.
     """
-    measured = len(contacts.amplitude) > 0
     return PlacedPing(
-        stamp=contacts.stamp,
-        next_stamp=contacts.next_stamp,
-        placed=place_contacts(contacts, sound_speed),
-        amplitudes=contacts.amplitude if measured else np.full(len(contacts.range), np.nan),
-        model=model,
-        sensor=sensor_geometry(contacts, sound_speed),
-        reach=reach,
+        stamp=pings[0].stamp,
+        next_stamp=pings[0].next_stamp,
+        placed=joined_tables([place_contacts(contacts, sound_speed) for contacts in pings]),
+        amplitudes=joined([_amplitudes(contacts) for contacts in pings]),
+        contact_rows=SceneRows(tuple(len(contacts.range) for contacts in pings)),
+        models=models,
+        sensors=[sensor_geometry(contacts, sound_speed) for contacts in pings],
+        reaches=reaches,
     )
+
+
+def _amplitudes(contacts: Contacts) -> FloatArray:
+    if len(contacts.amplitude):
+        return contacts.amplitude
+    return np.full(len(contacts.range), np.nan)
 
 
 def gate_ping(
     bank: TrackBank,
+    tracks: SceneRows,
     ping: PlacedPing,
     configuration: ContactTrackerConfiguration,
     particles: ParticleTracks,
@@ -142,6 +169,8 @@ def gate_ping(
     ----------
     bank : TrackBank
         Predicted tracks.
+    tracks : SceneRows
+        Whose tracks they are.
     ping : PlacedPing
         The contacts.
     configuration : ContactTrackerConfiguration
@@ -151,24 +180,46 @@ def gate_ping(
     modes : MotionModel
         Of the targets.
     """
-    gates = predict_gates(bank, ping.sensor)
-    thresholds = apply_thresholds(
-        bank, gates, ping.model, configuration, ping.stamp, ping.next_stamp
-    )
-    pairs = find_pairs(bank, gates, ping.placed, ping.amplitudes, thresholds.threshold)
+    gates = predict_gates(bank, sensors_of_tracks(ping.sensors, tracks))
+    thresholds = [
+        apply_thresholds(*scene, configuration, ping.stamp, ping.next_stamp)
+        for scene in zip(bank.parts(tracks), tracks.parts(gates), ping.models, strict=True)
+    ]
+    threshold = joined([each.threshold for each in thresholds])
+    pairs = _pairs(bank, tracks, gates, ping, threshold)
     if modes.widest_mode is not None and bank.confirmed.any():
-        pairs = _joined(pairs, _far_pairs(bank, ping, pairs, thresholds, modes.widest_mode))
+        far = _far_pairs(bank, tracks, ping, pairs, threshold, modes.widest_mode)
+        pairs = _joined(pairs, far)
     updates = update_pairs(bank, ping.placed, pairs)
     if particles.used:
-        updates = particles.pair_densities(bank, pairs, updates, ping.placed, ping.sensor)
-    return PingGating(gates, thresholds, pairs, updates)
+        updates = particles.pair_densities(bank, pairs, updates, ping.placed, ping.sensors[0])
+    return PingGating(tracks, gates, thresholds, pairs, updates)
+
+
+def _pairs(
+    bank: TrackBank, tracks: SceneRows, gates: TrackGates, ping: PlacedPing, threshold: FloatArray
+) -> GatePairs:
+    """Return the contacts above the threshold in the gate of each track."""
+    found = [
+        find_pairs(*scene)
+        for scene in zip(
+            bank.parts(tracks),
+            tracks.parts(gates),
+            ping.contact_rows.parts(ping.placed),
+            ping.contact_rows.split(ping.amplitudes),
+            tracks.split(threshold),
+            strict=True,
+        )
+    ]
+    return pairs_of_scenes(found, tracks, ping.contact_rows)
 
 
 def _far_pairs(
     bank: TrackBank,
+    tracks: SceneRows,
     ping: PlacedPing,
     pairs: GatePairs,
-    thresholds: AppliedThresholds,
+    threshold: FloatArray,
     widest_mode: int,
 ) -> GatePairs:
     """Return pairs of confirmed tracks and contacts beyond all gates, as after a hard turn.
@@ -178,10 +229,11 @@ def _far_pairs(
     confirmed track is rather that one's.
     """
     rows = np.flatnonzero(bank.confirmed)
+    of_rows = tracks.of(rows)
     in_mode = np.eye(bank.mode_probability.shape[1])[widest_mode]
     turning = replace(bank.select(rows), mode_probability=np.tile(in_mode, (len(rows), 1)))
-    gates = predict_gates(turning, ping.sensor)
-    found = find_pairs(turning, gates, ping.placed, ping.amplitudes, thresholds.threshold[rows])
+    gates = predict_gates(turning, sensors_of_tracks(ping.sensors, of_rows))
+    found = _pairs(turning, of_rows, gates, ping, threshold[rows])
     explained = np.zeros(len(ping.amplitudes), dtype=bool)
     explained[pairs.contact[bank.confirmed[pairs.track]]] = True
     found = found.keep(~explained[found.contact])

@@ -18,6 +18,7 @@ from sonar_tracking.active.tracks.track_management import (
     duplicates,
     limit_tracks,
     list_tracks,
+    listed_rows,
     start_candidates,
     survivors,
 )
@@ -179,15 +180,13 @@ def test_confirmed_tracks_and_likely_candidates_are_shown_and_each_end_once() ->
         initiated=np.arange(7),
         updated=10 + np.arange(7),
     )
-    rows = list_tracks(
-        listed(
-            bank,
-            alive=[True, True, True, True, True, False, False],
-            was_shown=[True, False, False, False, False, True, False],
-            detected=[0.49, 0.51, 0.0, 0.0, 0.0, 0.0, 0.0],
-        ),
-        0.1,
+    tracks = listed(
+        bank,
+        alive=[True, True, True, True, True, False, False],
+        was_shown=[True, False, False, False, False, True, False],
+        detected=[0.49, 0.51, 0.0, 0.0, 0.0, 0.0, 0.0],
     )
+    rows = list_tracks(tracks, listed_rows(tracks, 0.1))
     assert rows.id.tolist() == [1, 2, 3, 4, 6]
     assert rows.status.tolist() == [
         TrackStatus.COASTED,

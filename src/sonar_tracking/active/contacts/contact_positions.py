@@ -42,7 +42,7 @@ class PlacedContacts:
     distance: FloatArray
     delay: FloatArray
 
-    def select(self, rows: IndexArray) -> PlacedContacts:
+    def select(self, rows: IndexArray | slice) -> PlacedContacts:
         """Return some of the contacts, by their rows, shape (n_kept,)."""
         return PlacedContacts(
             self.position[rows], self.covariance[rows], self.distance[rows], self.delay[rows]

@@ -47,7 +47,10 @@ class ExcessLaw:
     shape: float
 
     def likelihood_ratio(
-        self, excess: FloatArray, raised: FloatArray, signal_to_noise_ratio_linear: float
+        self,
+        excess: FloatArray,
+        raised: FloatArray,
+        signal_to_noise_ratio_linear: float | FloatArray,
     ) -> FloatArray:
         """Return e, target against false contact, of contacts above a threshold.
 
@@ -60,12 +63,12 @@ class ExcessLaw:
             Of the contacts above the threshold in force, linear powers.
         raised : ndarray, shape (n,)
             Of that threshold above the detector's, linear powers.
-        signal_to_noise_ratio_linear : float
-            Of the target, power ratio.
+        signal_to_noise_ratio_linear : float or ndarray, shape (m, 1)
+            Of the target, power ratio; several of them give a row each.
 
         Returns
         -------
-        ndarray, shape (n,)
+        ndarray, shape (n,) or (m, n)
             Pure numbers.
         """
         if self == IN_NOISE:

@@ -11,6 +11,7 @@ Kim, Song (2007), equations 4-5; Jung, Shin (2002), equations 2-3.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +21,7 @@ from sonar_tracking.active.detection.clutter_amplitudes import IN_NOISE, ExcessL
 from sonar_tracking.active.detection.detection_levels import TYPICAL
 from sonar_tracking.active.detection.detection_threshold import linear_from_decibel
 from sonar_tracking.errors import Notice, Severity
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import FloatArray, IndexArray
 from sonar_tracking.records.contacts import Contacts
 
 SMALLEST_CLUTTER_DENSITY = 1e-14
@@ -31,6 +32,9 @@ TYPICAL_RATIO = 10.0
 
 AVERAGED_LEVELS_DB = np.arange(3.0, 20.5, 1.0)
 """Over which the amplitude likelihood is averaged where the ratio is not known."""
+
+AVERAGED_RATIOS = linear_from_decibel(AVERAGED_LEVELS_DB)
+"""The same, as power ratios."""
 
 
 @dataclass(frozen=True)
@@ -112,6 +116,12 @@ class DetectionModel:
         density = self.clutter_factor * (self.false_alarm_probability / area)
         return np.maximum(density, SMALLEST_CLUTTER_DENSITY)
 
+    @property
+    def amplitude_law(self) -> tuple[object, ...]:
+        """All that the likelihood ratio of an amplitude depends on."""
+        told = (self.averaged, self.signal_to_noise_ratio_linear, self.outlier_share)
+        return told if self.clutter_law == IN_NOISE else (*told, self.clutter_law, self.threshold)
+
     def amplitude_ratio(self, amplitudes: FloatArray, thresholds: FloatArray) -> FloatArray:
         """Return e(a) of amplitudes above thresholds.
 
@@ -128,13 +138,45 @@ class DetectionModel:
         excess, raised = amplitudes - thresholds, thresholds - self.threshold
         law = self.clutter_law
         if self.averaged:
-            levels = linear_from_decibel(AVERAGED_LEVELS_DB)
-            ratios = [law.likelihood_ratio(excess, raised, float(level)) for level in levels]
-            ratio = np.asarray(np.mean(ratios, axis=0))
+            ratios = law.likelihood_ratio(excess, raised, AVERAGED_RATIOS[:, None])
+            ratio = ratios.mean(axis=0)
         else:
             ratio = law.likelihood_ratio(excess, raised, self.signal_to_noise_ratio_linear)
         share = self.outlier_share
         return np.where(np.isfinite(excess), ratio / (1.0 - share + share * ratio), 1.0)
+
+
+def amplitude_ratios(
+    models: Sequence[DetectionModel],
+    scene: IndexArray,
+    amplitudes: FloatArray,
+    thresholds: FloatArray,
+) -> FloatArray:
+    """Return e(a) of amplitudes above thresholds in several scenes.
+
+    Parameters
+    ----------
+    models : sequence of DetectionModel
+        One a scene.
+    scene : ndarray of int, shape (n,)
+        Of each amplitude.
+    amplitudes, thresholds : ndarray, shape (n,)
+        Linear powers, noise mean 1; NaN = not known.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Likelihood ratios, pure numbers; 1 where either is not known.
+    """
+    laws = [model.amplitude_law for model in models]
+    if len(set(laws)) == 1:
+        return models[0].amplitude_ratio(amplitudes, thresholds)
+    ratios = np.empty(len(amplitudes))
+    for law in dict.fromkeys(laws):
+        alike = np.array([each == law for each in laws])[scene]
+        model = models[laws.index(law)]
+        ratios[alike] = model.amplitude_ratio(amplitudes[alike], thresholds[alike])
+    return ratios
 
 
 def make_detection_model(

@@ -60,7 +60,9 @@ class GateAssociation:
 
 
 def amplitude_likelihood_ratio(
-    amplitudes: FloatArray, threshold: FloatArray | float, signal_to_noise_ratio_linear: float
+    amplitudes: FloatArray,
+    threshold: FloatArray | float,
+    signal_to_noise_ratio_linear: float | FloatArray,
 ) -> FloatArray:
     """Return e(a) = exp[(a - tau) SNR / (1 + SNR)] / (1 + SNR), target against noise above tau.
 
@@ -70,12 +72,12 @@ def amplitude_likelihood_ratio(
         Linear powers, noise mean 1.
     threshold : float or ndarray, shape (m,)
         tau, linear.
-    signal_to_noise_ratio_linear : float
-        SNR as a power ratio, not in dB.
+    signal_to_noise_ratio_linear : float or ndarray, shape (n, 1)
+        SNR as a power ratio, not in dB; several of them give a row each.
 
     Returns
     -------
-    ndarray, shape (m,)
+    ndarray, shape (m,) or (n, m)
         Pure numbers.
     """
     ratio = signal_to_noise_ratio_linear

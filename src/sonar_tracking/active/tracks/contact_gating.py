@@ -10,12 +10,14 @@ Kim, Song (2007), equations 13-14: the gate is the local one, never the field of
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from sonar_tracking.active.contacts.contact_positions import position_covariance
 from sonar_tracking.active.detection.detection_threshold import GATE_SIZE
+from sonar_tracking.active.tracks.scene_rows import SceneRows
 from sonar_tracking.active.tracks.track_bank import TrackBank
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
 from sonar_tracking.records.contacts import Contacts
@@ -43,6 +45,40 @@ class SensorGeometry:
     range_standard_deviation: float
     azimuth_standard_deviation: float
     sound_speed: float
+
+
+@dataclass(frozen=True)
+class SensorsOfTracks:
+    """The same for the tracks of several scenes.
+
+    Attributes
+    ----------
+    position : ndarray, shape (n, 2)
+        In ``map``, m.
+    range_standard_deviation, azimuth_standard_deviation : ndarray, shape (n,)
+        m and rad.
+    sound_speed : float
+        m/s; the same for all.
+    """
+
+    position: FloatArray
+    range_standard_deviation: FloatArray
+    azimuth_standard_deviation: FloatArray
+    sound_speed: float
+
+
+def sensors_of_tracks(
+    sensors: Sequence[SensorGeometry], tracks: SceneRows
+) -> SensorGeometry | SensorsOfTracks:
+    """Return the sensor of each track, of one sensor a scene, all in the same water."""
+    if tracks.single:
+        return sensors[0]
+    return SensorsOfTracks(
+        tracks.spread([sensor.position for sensor in sensors]),
+        tracks.spread([sensor.range_standard_deviation for sensor in sensors]),
+        tracks.spread([sensor.azimuth_standard_deviation for sensor in sensors]),
+        sensors[0].sound_speed,
+    )
 
 
 def sensor_geometry(contacts: Contacts, sound_speed: float) -> SensorGeometry:
@@ -83,7 +119,7 @@ class TrackGates:
     volume: FloatArray
     distance: FloatArray
 
-    def select(self, rows: IndexArray) -> TrackGates:
+    def select(self, rows: IndexArray | slice) -> TrackGates:
         """Return some of the gates, by their rows, shape (n_kept,)."""
         return TrackGates(
             self.centre[rows], self.covariance[rows], self.volume[rows], self.distance[rows]
@@ -114,14 +150,36 @@ class GatePairs:
         return np.flatnonzero(begins)
 
 
-def predict_gates(bank: TrackBank, sensor: SensorGeometry) -> TrackGates:
+def pairs_of_scenes(
+    found: Sequence[GatePairs], tracks: SceneRows, contacts: SceneRows
+) -> GatePairs:
+    """Return the pairs of all scenes, their rows those of all tracks and of all contacts.
+
+    Parameters
+    ----------
+    found : sequence of GatePairs
+        Rows are those of the scene.
+    tracks, contacts : SceneRows
+        Whose they are.
+    """
+    if tracks.single:
+        return found[0]
+    return GatePairs(
+        np.concatenate([p.track + first for p, first in zip(found, tracks.starts, strict=True)]),
+        np.concatenate(
+            [p.contact + first for p, first in zip(found, contacts.starts, strict=True)]
+        ),
+    )
+
+
+def predict_gates(bank: TrackBank, sensor: SensorGeometry | SensorsOfTracks) -> TrackGates:
     """Return the gates of predicted tracks.
 
     Parameters
     ----------
     bank : TrackBank
         Predicted to the stamp of the ping.
-    sensor : SensorGeometry
+    sensor : SensorGeometry or SensorsOfTracks
         Where the ping comes from.
     """
     mean, spread = bank.moments()

@@ -40,6 +40,18 @@ class ContactTrackRows:
     initiated: IntArray
     updated: IntArray
 
+    def select(self, rows: slice) -> ContactTrackRows:
+        """Return some of the tracks, next to each other."""
+        return ContactTrackRows(
+            self.id[rows],
+            self.status[rows],
+            self.existence[rows],
+            self.state[rows],
+            self.covariance[rows],
+            self.initiated[rows],
+            self.updated[rows],
+        )
+
 
 def shown_tracks(rows: ContactTrackRows, stamp: int, next_stamp: int) -> PositionTracks:
     """Return tracks as the complete picture at a ping.

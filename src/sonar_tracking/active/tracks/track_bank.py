@@ -18,6 +18,7 @@ import numpy as np
 
 from sonar_tracking.active.detection.detection_levels import LEVELS, averaged
 from sonar_tracking.active.tracks.motion_model import MotionModel
+from sonar_tracking.active.tracks.scene_rows import SceneRows
 from sonar_tracking.filtering.kalman import symmetrised
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray, IntArray
 
@@ -72,7 +73,7 @@ class TrackBank:
     def __len__(self) -> int:
         return len(self.id)
 
-    def select(self, rows: BoolArray | IntArray) -> TrackBank:
+    def select(self, rows: BoolArray | IntArray | slice) -> TrackBank:
         """Return some of the tracks, by a mask, shape (n,), or by their rows, shape (n_kept,)."""
         return TrackBank(*[getattr(self, name)[rows] for name in COLUMNS])
 
@@ -110,6 +111,17 @@ class TrackBank:
             m^2, m^2/s, m^2/s^2.
         """
         return self._moments
+
+    def parts(self, scenes: SceneRows) -> list[TrackBank]:
+        """Return the tracks of each scene; moments that are known stay known."""
+        if scenes.single:
+            return [self]
+        parts = [self.select(rows) for rows in scenes.slices]
+        if "_moments" in vars(self):
+            mean, covariance = self._moments
+            for part, rows in zip(parts, scenes.slices, strict=True):
+                vars(part)["_moments"] = mean[rows], covariance[rows]
+        return parts
 
     @cached_property
     def _moments(self) -> tuple[FloatArray, FloatArray]:

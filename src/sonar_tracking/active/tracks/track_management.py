@@ -19,11 +19,12 @@ import numpy as np
 
 from sonar_tracking.active.contacts.contact_positions import IDENTITY, PlacedContacts
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.detection.detection_levels import LEVELS
 from sonar_tracking.active.tracks.contact_gating import GatePairs
 from sonar_tracking.active.tracks.contact_track_list import ContactTrackRows
 from sonar_tracking.active.tracks.motion_model import MotionModel
 from sonar_tracking.active.tracks.track_bank import TrackBank
-from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray, IntArray
 from sonar_tracking.records.bearings import TrackStatus
 
 DUPLICATE_DISTANCE = 1.5
@@ -121,7 +122,7 @@ def start_candidates(
     contacts: PlacedContacts,
     existence: FloatArray,
     stamp: int,
-    first_id: int,
+    first_id: int | IntArray,
     modes: MotionModel,
     mode_prior: FloatArray,
     detection_weight: FloatArray,
@@ -136,13 +137,13 @@ def start_candidates(
         Existence probability of each.
     stamp : int
         Of the ping, ns.
-    first_id : int
-        Identifier of the first one.
+    first_id : int or ndarray of int, shape (n_contacts,)
+        Identifier of the first one; each has its row more.
     modes : MotionModel
         Tells how fast new targets are in each mode.
-    mode_prior : ndarray, shape (n_modes,)
+    mode_prior : ndarray, shape (n_modes,) or (n_contacts, n_modes)
         Probabilities of the modes.
-    detection_weight : ndarray, shape (n_levels,)
+    detection_weight : ndarray, shape (n_levels,) or (n_contacts, n_levels)
         Probabilities of the levels of their P_D.
     """
     count, n_modes = len(existence), modes.n_modes
@@ -163,8 +164,8 @@ def start_candidates(
         updated=np.full(count, stamp, dtype=np.int64),
         mean=mean,
         covariance=covariance,
-        mode_probability=mode_prior[None].repeat(count, axis=0),
-        detection_weight=detection_weight[None].repeat(count, axis=0),
+        mode_probability=np.broadcast_to(mode_prior, (count, n_modes)).copy(),
+        detection_weight=np.broadcast_to(detection_weight, (count, len(LEVELS))).copy(),
         age=np.zeros(count),
         entered=np.zeros((count, n_modes)),
         fresh=np.zeros((count, n_modes)),
@@ -191,6 +192,12 @@ class ListedTracks:
     alive: BoolArray
     was_shown: BoolArray
     detected: FloatArray
+
+    def select(self, rows: slice) -> ListedTracks:
+        """Return some of the tracks, next to each other."""
+        return ListedTracks(
+            self.bank.select(rows), self.alive[rows], self.was_shown[rows], self.detected[rows]
+        )
 
 
 def limit_tracks(
@@ -220,8 +227,8 @@ def limit_tracks(
     return replace(listed, alive=alive), candidates.select(stays[len(rows) :])
 
 
-def list_tracks(listed: ListedTracks, tentative_probability: float) -> ContactTrackRows:
-    """Return the complete picture: confirmed tracks, likely candidates, and what has ended.
+def listed_rows(listed: ListedTracks, tentative_probability: float) -> IndexArray:
+    """Return the rows of the tracks that are shown, shape (n_shown,).
 
     What has been shown once is shown until it ends, which is reported once.
 
@@ -234,7 +241,20 @@ def list_tracks(listed: ListedTracks, tentative_probability: float) -> ContactTr
     """
     bank = listed.bank
     likely = bank.confirmed | (bank.existence >= tentative_probability)
-    rows = np.flatnonzero(listed.was_shown | (listed.alive & likely))
+    return np.flatnonzero(listed.was_shown | (listed.alive & likely))
+
+
+def list_tracks(listed: ListedTracks, rows: IndexArray) -> ContactTrackRows:
+    """Return the complete picture: confirmed tracks, likely candidates, and what has ended.
+
+    Parameters
+    ----------
+    listed : ListedTracks
+        Tracks and what became of them.
+    rows : ndarray of int, shape (n_shown,)
+        Those that are shown, from :func:`listed_rows`.
+    """
+    bank = listed.bank
     confirmed = bank.confirmed[rows]
     status = np.where(confirmed, int(TrackStatus.CONFIRMED), int(TrackStatus.TENTATIVE))
     status[confirmed & (listed.detected[rows] < 0.5)] = int(TrackStatus.COASTED)

@@ -25,7 +25,7 @@ from sonar_tracking.evaluation.studies.mismatch_contacts.runs import (
     TOLD,
     MismatchRun,
     MismatchTask,
-    mismatch_run,
+    mismatch_runs,
 )
 from sonar_tracking.evaluation.studies.mismatch_contacts.scene import (
     UNKNOWN_TO_A_SENSOR,
@@ -82,15 +82,15 @@ def near_share(scene: Scene, target: int) -> float:
 
 
 @pytest.fixture(scope="module")
-def results() -> list[MismatchRun]:
+def results() -> list[tuple[MismatchRun, ...]]:
     return [
-        mismatch_run(MismatchTask(name, np.random.SeedSequence((3, part)), PINGS))
+        mismatch_runs(MismatchTask(name, (np.random.SeedSequence((3, part)),), PINGS, timed=True))
         for part, name in enumerate(CONDITIONS)
     ]
 
 
 @pytest.fixture(scope="module")
-def rows(results: list[MismatchRun]) -> tuple[StudyRow, ...]:
+def rows(results: list[tuple[MismatchRun, ...]]) -> tuple[StudyRow, ...]:
     return study.rows(results)
 
 
@@ -106,11 +106,15 @@ def test_row_of_a_condition_has_finite_figures(rows: tuple[StudyRow, ...], name:
     assert systems[DEFAULTS]["ospa_over_told"] == pytest.approx(ratio)
 
 
-def test_same_seed_gives_the_same_run(results: list[MismatchRun]) -> None:
-    again = mismatch_run(MismatchTask(results[0].condition, np.random.SeedSequence((3, 0)), PINGS))
+def test_same_seed_gives_the_same_run_whatever_is_tracked_with_it(
+    results: list[tuple[MismatchRun, ...]],
+) -> None:
+    (first,) = results[0]
+    seeds = tuple(np.random.SeedSequence((3, number)) for number in (7, 0, 8))
+    _, again, _ = mismatch_runs(MismatchTask(first.condition, seeds, PINGS))
     for system, metrics in again.metrics.items():
         assert {n: v for n, v in metrics.items() if n != "cpu_ms"} == {
-            n: v for n, v in results[0].metrics[system].items() if n != "cpu_ms"
+            n: v for n, v in first.metrics[system].items() if n != "cpu_ms"
         }
 
 
@@ -304,7 +308,7 @@ def test_nothing_but_the_telling_differs_from_the_published_scene() -> None:
 
 
 def test_study_is_known_by_name_and_draws(
-    results: list[MismatchRun], rows: tuple[StudyRow, ...], tmp_path: Path
+    results: list[tuple[MismatchRun, ...]], rows: tuple[StudyRow, ...], tmp_path: Path
 ) -> None:
     definition = STUDIES["mismatch-contacts"]
     tasks = definition.tasks(2, 1)

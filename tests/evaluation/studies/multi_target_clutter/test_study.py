@@ -14,7 +14,7 @@ from sonar_tracking.evaluation.studies.multi_target_clutter.clutter_bound import
 from sonar_tracking.evaluation.studies.multi_target_clutter.runs import (
     ClutterRun,
     ClutterTask,
-    clutter_run,
+    clutter_runs,
 )
 from sonar_tracking.evaluation.studies.multi_target_clutter.scene import (
     EPOCH,
@@ -41,22 +41,21 @@ PINGS = 190
 
 
 @pytest.fixture(scope="module")
-def results() -> list[ClutterRun]:
-    seeds = np.random.SeedSequence((1, 0)).spawn(2)
+def results() -> list[tuple[ClutterRun, ...]]:
+    seeds = tuple(np.random.SeedSequence((1, 0)).spawn(2))
     runs = [
-        clutter_run(
-            ClutterTask(f"environment {number}", SceneOptions(number), PAPER_SYSTEMS, seed, PINGS)
+        clutter_runs(
+            ClutterTask(f"environment {number}", SceneOptions(number), PAPER_SYSTEMS, seeds, PINGS)
         )
         for number in (1, 2)
-        for seed in seeds
     ]
     computed = {n: c for n, c in THRESHOLD_SYSTEMS.items() if n.startswith(INTEGRATED)}
-    third = ClutterTask("environment 3", SceneOptions(3), computed, seeds[0], 60)
-    return [*runs, clutter_run(third)]
+    third = ClutterTask("environment 3", SceneOptions(3), computed, seeds[:1], 60)
+    return [*runs, clutter_runs(third)]
 
 
 @pytest.fixture(scope="module")
-def rows(results: list[ClutterRun]) -> tuple[StudyRow, ...]:
+def rows(results: list[tuple[ClutterRun, ...]]) -> tuple[StudyRow, ...]:
     return study.rows(results)
 
 
@@ -142,7 +141,7 @@ def test_bound_shrinks_with_detection() -> None:
 
 
 def test_study_is_known_by_name_and_draws(
-    results: list[ClutterRun], rows: tuple[StudyRow, ...], tmp_path: Path
+    results: list[tuple[ClutterRun, ...]], rows: tuple[StudyRow, ...], tmp_path: Path
 ) -> None:
     assert STUDIES["multi-target-clutter"] is MULTI_TARGET_CLUTTER
     assert len(MULTI_TARGET_CLUTTER.tasks(2, 1)) == 10

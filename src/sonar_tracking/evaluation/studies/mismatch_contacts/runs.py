@@ -1,18 +1,17 @@
-"""One run under one condition: the same contacts for both trackers, and their scores."""
+"""Runs under one condition: the same contacts for both trackers, and their scores."""
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.active.contact_tracker import make_contact_tracker
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.evaluation.metrics.held_identities import HeldIdentities, held_identities
 from sonar_tracking.evaluation.metrics.position_score import PositionScore, score_position_tracks
 from sonar_tracking.evaluation.metrics.score_statistics import mean
+from sonar_tracking.evaluation.monte_carlo.tracked_runs import track_runs
 from sonar_tracking.evaluation.studies.mismatch_contacts.conditions import CONDITIONS
 from sonar_tracking.evaluation.studies.mismatch_contacts.scene import Scene, as_told
 from sonar_tracking.records.arrays import FloatArray
@@ -33,21 +32,24 @@ FAST = 1.0
 
 @dataclass(frozen=True)
 class MismatchTask:
-    """One run.
+    """Runs that are tracked together.
 
     Attributes
     ----------
     condition : str
         Name of the condition.
-    seed : numpy.random.SeedSequence
-        Of the run.
+    seeds : tuple of numpy.random.SeedSequence
+        One a run.
     n_pings : int
-        Its length; 0 = that of the condition.
+        Their length; 0 = that of the condition.
+    timed : bool
+        Whether processor times are measured, too.
     """
 
     condition: str
-    seed: np.random.SeedSequence
+    seeds: tuple[np.random.SeedSequence, ...]
     n_pings: int = 0
+    timed: bool = False
 
 
 @dataclass(frozen=True)
@@ -66,33 +68,38 @@ class MismatchRun:
     metrics: Mapping[str, Mapping[str, float]]
 
 
-def mismatch_run(task: MismatchTask) -> MismatchRun:
-    """Simulate one run and track it with the defaults and with what is true."""
+def mismatch_runs(task: MismatchTask) -> tuple[MismatchRun, ...]:
+    """Simulate runs and track them with the defaults and with what is true."""
     condition = CONDITIONS[task.condition]
-    scene = condition.scene(task.seed, task.n_pings or condition.n_pings)
-    reduced = [as_told(ping, condition.hidden, condition.claimed) for ping in scene.pings]
-    return MismatchRun(
-        task.condition,
-        {
-            DEFAULTS: _tracked(DEFAULT_CONFIGURATION, reduced, scene, condition.cutoff_m),
-            TOLD: _tracked(condition.told, scene.pings, scene, condition.cutoff_m),
-        },
+    scenes = [condition.scene(seed, task.n_pings or condition.n_pings) for seed in task.seeds]
+    told = [scene.pings for scene in scenes]
+    reduced = [
+        [as_told(ping, condition.hidden, condition.claimed) for ping in pings] for pings in told
+    ]
+    by_default = _tracked(DEFAULT_CONFIGURATION, reduced, scenes, condition.cutoff_m, task.timed)
+    by_truth = _tracked(condition.told, told, scenes, condition.cutoff_m, task.timed)
+    return tuple(
+        MismatchRun(task.condition, {DEFAULTS: one, TOLD: other})
+        for one, other in zip(by_default, by_truth, strict=True)
     )
 
 
 def _tracked(
     configuration: ContactTrackerConfiguration,
-    pings: Sequence[Contacts],
-    scene: Scene,
+    runs: Sequence[Sequence[Contacts]],
+    scenes: Sequence[Scene],
     cutoff_m: float,
-) -> dict[str, float]:
-    tracker = make_contact_tracker(configuration)
-    started = time.process_time()
-    tracks = [tracker.update(ping).tracks for ping in pings]
-    seconds = (time.process_time() - started) / len(pings)
-    score = score_position_tracks(scene.truth(), tracks, cutoff_m)
-    held = held_identities(scene.true_state, tracks, cutoff_m)
-    return {**figures(score, held, scene.true_state), "cpu_ms": 1e3 * seconds}
+    timed: bool,
+) -> list[dict[str, float]]:
+    tracked = track_runs(configuration, runs, timed)
+    metrics = []
+    for scene, updates in zip(scenes, tracked.updates, strict=True):
+        tracks = [update.tracks for update in updates]
+        score = score_position_tracks(scene.truth(), tracks, cutoff_m)
+        held = held_identities(scene.true_state, tracks, cutoff_m)
+        own = figures(score, held, scene.true_state)
+        metrics.append({**own, "cpu_ms": 1e3 * tracked.seconds})
+    return metrics
 
 
 def figures(score: PositionScore, held: HeldIdentities, true_state: FloatArray) -> dict[str, float]:

@@ -21,6 +21,7 @@ from sonar_tracking.evaluation.monte_carlo.study_definition import (
     StudyDefinition,
     TableLayout,
 )
+from sonar_tracking.evaluation.monte_carlo.tracked_runs import RUNS_TOGETHER
 from sonar_tracking.evaluation.studies.mismatch_contacts.conditions import CONDITIONS
 from sonar_tracking.evaluation.studies.mismatch_contacts.figures import draw_conditions
 from sonar_tracking.evaluation.studies.mismatch_contacts.runs import (
@@ -28,7 +29,7 @@ from sonar_tracking.evaluation.studies.mismatch_contacts.runs import (
     TOLD,
     MismatchRun,
     MismatchTask,
-    mismatch_run,
+    mismatch_runs,
 )
 from sonar_tracking.records.arrays import FloatArray
 
@@ -50,7 +51,7 @@ LAYOUTS = (
         "maintained: share of time with a confirmed track; from 11th: of the 11th ping of each "
         "target on. swaps a run. NEES per dimension, 1 is right: median and mean over the runs. "
         "OSPA: m, order 2, cut-off 200 m (coarse sensor 500 m, fine sensor 50 m, wharf 30 m). ms: "
-        "processor time a ping.",
+        "processor time a ping of a tracker by itself, in the first run.",
     ),
     TableLayout(
         "Things that do not move",
@@ -66,20 +67,20 @@ LAYOUTS = (
 
 
 def tasks(runs: int, seed: int) -> tuple[Task, ...]:
-    """Return what the workers compute: one task a run and condition."""
+    """Return what the workers compute: a few runs under a condition each."""
     return tuple(
-        Task(mismatch_run, MismatchTask(name, run_seed))
+        Task(mismatch_runs, MismatchTask(name, batch.seeds, timed=batch.first_run == 0))
         for part, name in enumerate(CONDITIONS)
-        for batch in run_batches(runs, seed, part)
-        for run_seed in batch.seeds
+        for batch in run_batches(runs, seed, part, RUNS_TOGETHER)
     )
 
 
-def rows(results: Sequence[Any]) -> tuple[StudyRow, ...]:
+def rows(results: Sequence[Sequence[MismatchRun]]) -> tuple[StudyRow, ...]:
     """Turn the results of the tasks into rows: under each condition the defaults come first."""
     table = []
-    for name in dict.fromkeys(result.condition for result in results):
-        runs = [result for result in results if result.condition == name]
+    every = [run for part in results for run in part]
+    for name in dict.fromkeys(run.condition for run in every):
+        runs = [run for run in every if run.condition == name]
         told = system_metrics(runs, TOLD)
         for system in (DEFAULTS, TOLD):
             metrics = system_metrics(runs, system)

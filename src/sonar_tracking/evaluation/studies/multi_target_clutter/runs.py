@@ -1,8 +1,7 @@
-"""One run of the multi-target-clutter study: all trackers on the same contacts, and scores."""
+"""Runs of the multi-target-clutter study: all trackers on the same contacts, and scores."""
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sonar_tracking.active.contact_tracker import make_contact_tracker
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.evaluation.metrics.identity_score import (
     IdentityScore,
@@ -18,6 +16,7 @@ from sonar_tracking.evaluation.metrics.identity_score import (
     score_identities,
 )
 from sonar_tracking.evaluation.metrics.ospa_gospa import Assignment, assign, gospa, ospa
+from sonar_tracking.evaluation.monte_carlo.tracked_runs import track_runs
 from sonar_tracking.evaluation.studies.multi_target_clutter.clutter_bound import position_bound
 from sonar_tracking.evaluation.studies.multi_target_clutter.scene import (
     N_PINGS,
@@ -39,7 +38,7 @@ SETTLED_PINGS = 20
 
 @dataclass(frozen=True)
 class ClutterTask:
-    """One run in one environment.
+    """Runs in one environment that are tracked together.
 
     Attributes
     ----------
@@ -49,17 +48,20 @@ class ClutterTask:
         The scene.
     systems : mapping of str to ContactTrackerConfiguration
         Trackers by name.
-    seed : numpy.random.SeedSequence
-        Of the run.
+    seeds : tuple of numpy.random.SeedSequence
+        One a run.
     n_pings : int
-        Length of the run.
+        Length of a run.
+    timed : bool
+        Whether processor times are measured, too.
     """
 
     condition: str
     options: SceneOptions
     systems: Mapping[str, ContactTrackerConfiguration]
-    seed: np.random.SeedSequence
+    seeds: tuple[np.random.SeedSequence, ...]
     n_pings: int = N_PINGS
+    timed: bool = False
 
 
 @dataclass(frozen=True)
@@ -81,7 +83,7 @@ class SystemRun:
     identities : IdentityScore
         Of no meaning for trackers without identities.
     seconds : float
-        Processor time a ping, s.
+        Processor time a ping of a tracker by itself, s; NaN = not measured.
     estimates : tuple of ndarray, shape (n_estimates, 3)
         Identity, x and y at each ping, m.
     """
@@ -122,25 +124,39 @@ class ClutterRun:
     bound_square_error: FloatArray
 
 
-def clutter_run(task: ClutterTask) -> ClutterRun:
-    """Simulate one run and track it with all systems."""
-    pings = simulate_scene(task.options, task.seed, task.n_pings)
-    return ClutterRun(
-        condition=task.condition,
-        true_count=np.array([len(ping.target_id) for ping in pings], dtype=np.float64),
-        truth=tuple(_identified(ping.target_id, ping.state) for ping in pings),
-        systems={name: _system_run(c, pings) for name, c in task.systems.items()},
-        bound_square_error=position_bound(task.options, pings, SETTLED_PINGS),
+def clutter_runs(task: ClutterTask) -> tuple[ClutterRun, ...]:
+    """Simulate runs and track them with all systems."""
+    scenes = [simulate_scene(task.options, seed, task.n_pings) for seed in task.seeds]
+    systems = {name: _system_runs(c, scenes, task.timed) for name, c in task.systems.items()}
+    return tuple(
+        ClutterRun(
+            condition=task.condition,
+            true_count=np.array([len(ping.target_id) for ping in pings], dtype=np.float64),
+            truth=tuple(_identified(ping.target_id, ping.state) for ping in pings),
+            systems={name: runs[number] for name, runs in systems.items()},
+            bound_square_error=position_bound(task.options, pings, SETTLED_PINGS),
+        )
+        for number, pings in enumerate(scenes)
     )
 
 
-def _system_run(
-    configuration: ContactTrackerConfiguration, pings: Sequence[SimulatedPing]
+def _system_runs(
+    configuration: ContactTrackerConfiguration,
+    scenes: Sequence[Sequence[SimulatedPing]],
+    timed: bool,
+) -> list[SystemRun]:
+    tracked = track_runs(
+        configuration, [[ping.contacts for ping in pings] for pings in scenes], timed
+    )
+    return [
+        _scored_run(pings, updates, tracked.seconds)
+        for pings, updates in zip(scenes, tracked.updates, strict=True)
+    ]
+
+
+def _scored_run(
+    pings: Sequence[SimulatedPing], updates: Sequence[ContactTrackerUpdate], seconds: float
 ) -> SystemRun:
-    tracker = make_contact_tracker(configuration)
-    started = time.process_time()
-    updates = [tracker.update(ping.contacts) for ping in pings]
-    seconds = (time.process_time() - started) / len(pings)
     scores = [_Scored.of(ping, update) for ping, update in zip(pings, updates, strict=True)]
     first_seen: dict[int, int] = {}
     for ping in pings:

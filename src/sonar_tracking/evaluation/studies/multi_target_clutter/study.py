@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from sonar_tracking.evaluation.metrics.score_statistics import mean
 from sonar_tracking.evaluation.monte_carlo.batch_runner import Task, run_batches
 from sonar_tracking.evaluation.monte_carlo.study import StudyRow
 from sonar_tracking.evaluation.monte_carlo.study_definition import (
@@ -21,6 +21,7 @@ from sonar_tracking.evaluation.monte_carlo.study_definition import (
     StudyDefinition,
     TableLayout,
 )
+from sonar_tracking.evaluation.monte_carlo.tracked_runs import RUNS_TOGETHER
 from sonar_tracking.evaluation.studies.multi_target_clutter.figures import (
     draw_counts,
     draw_scene,
@@ -30,7 +31,7 @@ from sonar_tracking.evaluation.studies.multi_target_clutter.runs import (
     ClutterRun,
     ClutterTask,
     SystemRun,
-    clutter_run,
+    clutter_runs,
 )
 from sonar_tracking.evaluation.studies.multi_target_clutter.scene import SceneOptions
 from sonar_tracking.evaluation.studies.multi_target_clutter.systems import (
@@ -84,7 +85,8 @@ LAYOUTS = (
         "environment 2 clustering counts too few, SMC-PHD too many early. curve: mean absolute "
         "error of the run-averaged number; count: of single runs; early: pings 5 to 99. The more "
         "runs are averaged, the more the curve hides the scatter of SMC-PHD, which count shows. "
-        "OSPA, GOSPA: m, cut-off 200 m, order 2. ms: processor time a ping.",
+        "OSPA, GOSPA: m, cut-off 200 m, order 2. ms: processor time a ping of a tracker by "
+        "itself, in the first run.",
     ),
     TableLayout(
         "Tracks",
@@ -105,20 +107,23 @@ LAYOUTS = (
 
 
 def tasks(runs: int, seed: int) -> tuple[Task, ...]:
-    """Return what the workers compute: one task a run and environment."""
+    """Return what the workers compute: a few runs of an environment each."""
     return tuple(
-        Task(clutter_run, ClutterTask(condition, options, systems, run_seed))
+        Task(
+            clutter_runs,
+            ClutterTask(condition, options, systems, batch.seeds, timed=batch.first_run == 0),
+        )
         for part, (condition, options, systems) in enumerate(CONDITIONS)
-        for batch in run_batches(runs, seed, part)
-        for run_seed in batch.seeds
+        for batch in run_batches(runs, seed, part, RUNS_TOGETHER)
     )
 
 
-def rows(results: Sequence[Any]) -> tuple[StudyRow, ...]:
+def rows(results: Sequence[Sequence[ClutterRun]]) -> tuple[StudyRow, ...]:
     """Turn the results of the tasks into rows."""
     table = []
-    for condition in dict.fromkeys(result.condition for result in results):
-        runs = [result for result in results if result.condition == condition]
+    every = [run for part in results for run in part]
+    for condition in dict.fromkeys(run.condition for run in every):
+        runs = [run for run in every if run.condition == condition]
         for name in runs[0].systems:
             table.append(StudyRow(name, condition, system_metrics(runs, name)))
         bound = np.concatenate([run.bound_square_error for run in runs])
@@ -152,7 +157,7 @@ def system_metrics(runs: Sequence[ClutterRun], name: str) -> dict[str, float]:
         "gospa_m": float(np.mean([run.gospa for run in own])),
         "rmse_m": _root_mean([run.square_error for run in own]),
         "settled_rmse_m": _root_mean([run.settled_square_error for run in own]),
-        "cpu_ms": 1e3 * float(np.mean([run.seconds for run in own])),
+        "cpu_ms": 1e3 * mean([run.seconds for run in own if np.isfinite(run.seconds)]),
         "held_share": float(np.mean([run.identities.held_share for run in own])),
     }
     return {**metrics, **_identity_metrics(own)}
@@ -176,9 +181,12 @@ def _root_mean(squares: Sequence[FloatArray]) -> float:
     return float(np.sqrt(np.mean(joined))) if joined.size else np.nan
 
 
-def draw(results: Sequence[Any], rows: Sequence[StudyRow], directory: Path) -> tuple[Path, ...]:
+def draw(
+    results: Sequence[Sequence[ClutterRun]], rows: Sequence[StudyRow], directory: Path
+) -> tuple[Path, ...]:
     """Write the paper's figures: scene, true number, single runs, numbers of all trackers."""
-    first = {run.condition: run for run in reversed(results)}
+    every = [run for part in results for run in part]
+    first = {run.condition: run for run in reversed(every)}
     one = first["environment 1"]
     pictures = [
         draw_scene(directory / "figure_4_scene.png", one.truth),
@@ -188,7 +196,7 @@ def draw(results: Sequence[Any], rows: Sequence[StudyRow], directory: Path) -> t
     ]
     for number in (1, 2):
         condition = f"environment {number}"
-        runs = [run for run in results if run.condition == condition]
+        runs = [run for run in every if run.condition == condition]
         path = directory / f"figure_{7 + number}_number_environment_{number}.png"
         pictures.append(draw_counts(path, runs, PANELS))
     return tuple(pictures)

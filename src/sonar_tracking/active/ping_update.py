@@ -1,0 +1,293 @@
+"""One ping of a tracker of several targets: from its contacts to the tracks after it.
+
+The scenes of several runs are computed at once. What is computed of a track does not depend on the
+tracks of other scenes, so that all arrays hold those of one scene after the other; a node has one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sonar_tracking.active.association.association_rule import AssociationRule
+from sonar_tracking.active.association.lm_ipda import BankAssociation
+from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.detection.detection_levels import forget, mean_probability, weigh
+from sonar_tracking.active.detection.detection_model import amplitude_ratios
+from sonar_tracking.active.lasting_error import monitors_after
+from sonar_tracking.active.ping_gating import PingGating, PlacedPing, gate_ping, place_ping
+from sonar_tracking.active.scene_memory import AdmittedPing, SceneMemory
+from sonar_tracking.active.tracks.motion_model import MotionModel
+from sonar_tracking.active.tracks.pair_updates import mix_updates
+from sonar_tracking.active.tracks.scene_rows import SceneRows, joined, joined_tables
+from sonar_tracking.active.tracks.track_bank import TrackBank, new_target_modes, predict_bank
+from sonar_tracking.active.tracks.track_management import (
+    ListedTracks,
+    duplicates,
+    limit_tracks,
+    list_tracks,
+    listed_rows,
+    start_candidates,
+    survivors,
+)
+from sonar_tracking.records.arrays import FloatArray, IndexArray
+from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
+
+LARGEST_CLAIM_OF_A_NEW_CONTACT = 0.5
+"""A contact that tracks explain with more than this probability starts no candidate."""
+
+
+@dataclass(frozen=True)
+class TrackingMethod:
+    """How contacts become tracks.
+
+    Attributes
+    ----------
+    configuration : ContactTrackerConfiguration
+        Parameters.
+    rule : AssociationRule
+        How contacts are associated with tracks.
+    modes : MotionModel
+        How targets move.
+    """
+
+    configuration: ContactTrackerConfiguration
+    rule: AssociationRule
+    modes: MotionModel
+
+
+def update_scenes(
+    method: TrackingMethod, scenes: Sequence[SceneMemory], pings: Sequence[Contacts]
+) -> list[ContactTrackerUpdate]:
+    """Return the tracks of several scenes after one ping.
+
+    Scenes with pings at other times, or with particles, are computed one after the other.
+
+    Parameters
+    ----------
+    method : TrackingMethod
+        The same for all.
+    scenes : sequence of SceneMemory
+        What is remembered of each; changed.
+    pings : sequence of Contacts
+        One a scene.
+
+    Raises
+    ------
+    InputError
+        If a ping cannot be used; nothing is then changed.
+    """
+    configuration = method.configuration
+    admitted = [
+        scene.admit(contacts, configuration) for scene, contacts in zip(scenes, pings, strict=True)
+    ]
+    if len(scenes) == 1 or (_alike(scenes, admitted) and not method.rule.has_particles):
+        return _update_at_once(method, scenes, admitted)
+    return [
+        update
+        for scene, ping in zip(scenes, admitted, strict=True)
+        for update in _update_at_once(method, [scene], [ping])
+    ]
+
+
+def predict_scenes(method: TrackingMethod, scenes: Sequence[SceneMemory], stamp: int) -> TrackBank:
+    """Return the tracks of all scenes, moved to the transmit time of a ping.
+
+    Parameters
+    ----------
+    method : TrackingMethod
+        Its motion model and parameters.
+    scenes : sequence of SceneMemory
+        With the same ping before.
+    stamp : int
+        Of the ping, ns.
+    """
+    last, particles = scenes[0].last, scenes[0].particles
+    interval = 0.0 if last is None else last.interval(stamp)
+    survival = method.configuration.survival_probability(interval)
+    tracks = SceneRows(tuple(len(scene.bank) for scene in scenes))
+    bank = joined_tables([scene.bank for scene in scenes])
+    bank = predict_bank(bank, method.modes, interval, survival)
+    levels = tracks.spread([scene.new_detection for scene in scenes])
+    bank = replace(bank, detection_weight=forget(bank.detection_weight, levels))
+    return particles.predict(bank, interval) if particles.used else bank
+
+
+def _alike(scenes: Sequence[SceneMemory], pings: Sequence[AdmittedPing]) -> bool:
+    """Return whether scenes can be computed at once."""
+    times = {
+        (ping.contacts.stamp, ping.contacts.next_stamp, scene.last and scene.last.stamp)
+        for scene, ping in zip(scenes, pings, strict=True)
+    }
+    levels = {ping.model.signal_to_noise_ratio_linear for ping in pings}
+    return len(times) == len(levels) == 1
+
+
+def _update_at_once(
+    method: TrackingMethod, scenes: Sequence[SceneMemory], admitted: Sequence[AdmittedPing]
+) -> list[ContactTrackerUpdate]:
+    configuration = method.configuration
+    known = [scene.learn(ping) for scene, ping in zip(scenes, admitted, strict=True)]
+    ping = place_ping(
+        [each.contacts for each in known],
+        [each.model for each in known],
+        configuration.sound_speed,
+        [each.reach for each in known],
+    )
+    tracks = SceneRows(tuple(len(scene.bank) for scene in scenes))
+    bank = predict_scenes(method, scenes, ping.stamp)
+    gating = gate_ping(bank, tracks, ping, configuration, scenes[0].particles, method.modes)
+    association = method.rule.associate(bank, gating.of_ping(ping))
+    bank = _update_states(scenes, tracks, association, gating)
+    listed = _confirm_and_end(configuration, scenes, tracks, bank, association, gating, ping)
+    candidates, new = _start_candidates(method, scenes, association, gating, ping)
+    next_ids = [scene.next_id + count for scene, count in zip(scenes, new.counts, strict=True)]
+    most = configuration.maximum_tracks
+    listed, candidates, new = _limited(listed, tracks, candidates, new, most)
+    received = [each.contacts for each in admitted]
+    monitors = [scene.lasting for scene in scenes]
+    lasting = monitors_after(
+        monitors, listed, tracks, gating.pairs, association, received, ping.placed
+    )
+    banks = _banks_of_scenes(listed, tracks, candidates, new)
+    for number, scene in enumerate(scenes):
+        scene.remember(banks[number], next_ids[number], lasting[number], received[number])
+    return _reports(configuration, scenes, listed, tracks, gating, known)
+
+
+def _update_states(
+    scenes: Sequence[SceneMemory],
+    tracks: SceneRows,
+    association: BankAssociation,
+    gating: PingGating,
+) -> TrackBank:
+    """Update all tracks by their contacts, confirmed ones with particles if there are any."""
+    weights, particles = association.weights, scenes[0].particles
+    bank = mix_updates(association.bank, gating.pairs, gating.updates, weights)
+    levels = tracks.split(bank.detection_weight)
+    ratios = tracks.split(association.likelihood_ratio)
+    detection = [weigh(*scene) for scene in zip(levels, ratios, strict=True)]
+    bank = replace(bank, detection_weight=joined(detection))
+    return particles.update(bank, gating.pairs, weights[:, 0]) if particles.used else bank
+
+
+def _confirm_and_end(
+    configuration: ContactTrackerConfiguration,
+    scenes: Sequence[SceneMemory],
+    tracks: SceneRows,
+    bank: TrackBank,
+    association: BankAssociation,
+    gating: PingGating,
+    ping: PlacedPing,
+) -> ListedTracks:
+    """Confirm tracks that exist, and find out which go on."""
+    detected = association.detected
+    bank = replace(
+        bank,
+        confirmed=bank.confirmed | (bank.existence >= configuration.confirmation_probability),
+        updated=np.where(detected > 0.5, ping.stamp, bank.updated),
+    )
+    mean, _ = bank.moments()
+    separation = mean[:, :2] - tracks.spread([sensor.position for sensor in ping.sensors])
+    distance = np.hypot(separation[:, 0], separation[:, 1])
+    detection = tracks.spread([float(mean_probability(scene.new_detection)) for scene in scenes])
+    alive = survivors(bank, distance, tracks.spread(ping.reaches), detection, configuration)
+    alive &= ~duplicates(bank, gating.pairs, association.weights)
+    ids = tracks.split(bank.id)
+    shown = [scene.were_shown(own) for scene, own in zip(scenes, ids, strict=True)]
+    return ListedTracks(bank, alive, joined(shown), detected)
+
+
+def _start_candidates(
+    method: TrackingMethod,
+    scenes: Sequence[SceneMemory],
+    association: BankAssociation,
+    gating: PingGating,
+    ping: PlacedPing,
+) -> tuple[TrackBank, SceneRows]:
+    """Start a candidate at each contact that no track explains, and return whose they are, too.
+
+    Most of them are clutter.
+    """
+    contacts, modes = ping.contact_rows, method.modes
+    threshold = contacts.spread([applied.search_threshold for applied in gating.thresholds])
+    free = association.claimed <= LARGEST_CLAIM_OF_A_NEW_CONTACT
+    for scene, model, own, loud in zip(
+        scenes, ping.models, contacts.split(free), contacts.split(ping.amplitudes), strict=True
+    ):
+        scene.clutter = scene.clutter.with_unexplained(loud[own] - model.threshold)
+    rows = np.flatnonzero(free & ~(ping.amplitudes < threshold))
+    new = contacts.of(rows)
+    firsts = zip(scenes, new.starts.tolist(), strict=True)
+    thresholds = np.broadcast_to(threshold, len(ping.amplitudes))[rows]
+    candidates = start_candidates(
+        ping.placed.select(rows),
+        _initial_existence(method, ping, rows, thresholds),
+        ping.stamp,
+        new.spread([scene.next_id - first for scene, first in firsts]),
+        modes,
+        new.spread([new_target_modes(scene.bank, modes) for scene in scenes]),
+        new.spread([scene.new_detection for scene in scenes]),
+    )
+    return candidates, new
+
+
+def _initial_existence(
+    method: TrackingMethod, ping: PlacedPing, rows: IndexArray, thresholds: FloatArray
+) -> FloatArray:
+    initial = method.configuration.initial_existence
+    if not method.rule.weighs_amplitudes:
+        return np.full(len(rows), initial)
+    scene = ping.contact_rows.scene[rows]
+    ratio = amplitude_ratios(ping.models, scene, ping.amplitudes[rows], thresholds)
+    odds = initial / (1.0 - initial) * ratio
+    return np.minimum(odds / (1.0 + odds), 0.5 * method.configuration.confirmation_probability)
+
+
+def _limited(
+    listed: ListedTracks,
+    tracks: SceneRows,
+    candidates: TrackBank,
+    new: SceneRows,
+    maximum_tracks: int,
+) -> tuple[ListedTracks, TrackBank, SceneRows]:
+    """Return tracks and candidates of which the least probable end if a scene has too many."""
+    if max(tracks.counts) + max(new.counts) <= maximum_tracks:
+        return listed, candidates, new
+    parts = zip(tracks.parts(listed), new.parts(candidates), strict=True)
+    limited = [limit_tracks(*scene, maximum_tracks) for scene in parts]
+    alive = joined([own.alive for own, _ in limited])
+    counts = tuple(len(started) for _, started in limited)
+    started = joined_tables([started for _, started in limited])
+    return replace(listed, alive=alive), started, SceneRows(counts)
+
+
+def _banks_of_scenes(
+    listed: ListedTracks, tracks: SceneRows, candidates: TrackBank, new: SceneRows
+) -> list[TrackBank]:
+    """Return the tracks that go on and those that begin, of each scene."""
+    bank = listed.bank.select(listed.alive).append(candidates)
+    if tracks.single:
+        return [bank]
+    left = tracks.of(np.flatnonzero(listed.alive))
+    order = np.argsort(np.concatenate([left.scene, new.scene]), kind="stable")
+    counts = [old + begun for old, begun in zip(left.counts, new.counts, strict=True)]
+    return bank.select(order).parts(SceneRows(tuple(counts)))
+
+
+def _reports(
+    configuration: ContactTrackerConfiguration,
+    scenes: Sequence[SceneMemory],
+    listed: ListedTracks,
+    tracks: SceneRows,
+    gating: PingGating,
+    pings: Sequence[AdmittedPing],
+) -> list[ContactTrackerUpdate]:
+    rows = listed_rows(listed, configuration.tentative_probability)
+    shown = tracks.of(rows).parts(list_tracks(listed, rows))
+    return [
+        scene.report(own, applied.published, ping.notices)
+        for scene, own, applied, ping in zip(scenes, shown, gating.thresholds, pings, strict=True)
+    ]
