@@ -312,6 +312,7 @@ def test_study_is_known_by_name_and_draws(
 ) -> None:
     definition = STUDIES["mismatch-contacts"]
     tasks = definition.tasks(2, 1)
-    assert len(tasks) == 2 * len(CONDITIONS) and definition.default_runs == 50
+    assert sum(len(task.argument.seeds) for task in tasks) == 2 * len(CONDITIONS)
+    assert all(task.argument.timed for task in tasks) and definition.default_runs == 50
     (picture,) = definition.draw(results, rows, tmp_path)
     assert picture.stat().st_size > 10_000
