@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from sonar_tracking.display.plan_view import COLUMNS, ROWS, PlanView
 from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.records.positions import TrackSource
 from tests.display.position_pictures import position_tracks
 
 
@@ -57,3 +58,14 @@ def test_without_an_established_track_there_is_no_picture() -> None:
     status = np.array([TrackStatus.TENTATIVE, TrackStatus.CONFIRMED], np.uint8)
     view.add("/tracks", position_tracks(0.0, [[1.0] * 4, [np.nan] * 4], status=status))
     assert view.render().plain == ""
+
+
+def test_what_is_fixed_is_no_ship() -> None:
+    view = PlanView()
+    source = np.array([TrackSource.ACTIVE, TrackSource.STATIC], np.uint8)
+    places = [[1000.0, 0.0, 1.0, 0.0], [0.0, 1000.0, 0.0, 0.0]]
+    view.add("tracks", position_tracks(0.0, places, source=source))
+    lines = lines_of(view)
+    assert sum(line.count("#") for line in lines) == 1
+    assert place_of(lines, "#")[0] < place_of(lines, "1")[0]
+    assert not any("2" in line for line in lines)

@@ -12,7 +12,7 @@ from sonar_tracking.display.position_table import compass_text, position_cells, 
 from sonar_tracking.display.run_display import LineDisplay, LiveDisplay
 from sonar_tracking.display.track_table import GraphState, TrackTable
 from sonar_tracking.records.bearings import TrackStatus
-from sonar_tracking.records.positions import TrackHypothesis
+from sonar_tracking.records.positions import TrackHypothesis, TrackSource
 from tests.display.position_pictures import position_tracks
 
 STATE = GraphState("tma", 12.0, 6.0, 1, "running")
@@ -43,6 +43,12 @@ def test_a_row_is_in_the_units_people_use() -> None:
 def test_what_is_not_known_is_a_dash() -> None:
     assert position_cells(position_tracks(0.0, [[np.nan] * 4]), 0) == ("-",) * 8
     assert position_cells(position_tracks(0.0, [[1.0, 2.0, 0.0, 0.0]]), 0)[2] == "-"
+
+
+def test_what_is_fixed_has_no_course() -> None:
+    source = np.array([TrackSource.STATIC], np.uint8)
+    tracks = position_tracks(0.0, [[1.0, 2.0, 0.01, 0.0]], source=source)
+    assert position_cells(tracks, 0)[2:4] == ("fixed", "0.0")
 
 
 @pytest.mark.parametrize(

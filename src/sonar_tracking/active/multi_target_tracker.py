@@ -125,7 +125,9 @@ class MultiTargetTracker:
         alive = survivors(bank, nowhere, np.inf, detection, model)
         listed = ListedTracks(bank, alive, scene.were_shown(bank.id), detected=nowhere)
         scene.keep(bank.select(alive), scene.last and scene.last.moved_to(stamp))
-        rows = list_tracks(listed, listed_rows(listed, model.tentative_probability))
+        rows = list_tracks(
+            listed, listed_rows(listed, model.tentative_probability), self._modes.static_mode
+        )
         return scene.report(rows, thresholds_without_gates(stamp, next_stamp))
 
 

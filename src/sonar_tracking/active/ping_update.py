@@ -154,7 +154,7 @@ def _update_at_once(
     banks = _banks_of_scenes(listed, tracks, candidates, new)
     for number, scene in enumerate(scenes):
         scene.remember(banks[number], next_ids[number], lasting[number], received[number])
-    return _reports(configuration, scenes, listed, tracks, gating, known)
+    return _reports(method, scenes, listed, tracks, gating, known)
 
 
 def _update_states(
@@ -278,15 +278,15 @@ def _banks_of_scenes(
 
 
 def _reports(
-    configuration: ContactTrackerConfiguration,
+    method: TrackingMethod,
     scenes: Sequence[SceneMemory],
     listed: ListedTracks,
     tracks: SceneRows,
     gating: PingGating,
     pings: Sequence[AdmittedPing],
 ) -> list[ContactTrackerUpdate]:
-    rows = listed_rows(listed, configuration.tentative_probability)
-    shown = tracks.of(rows).parts(list_tracks(listed, rows))
+    rows = listed_rows(listed, method.configuration.tentative_probability)
+    shown = tracks.of(rows).parts(list_tracks(listed, rows, method.modes.static_mode))
     return [
         scene.report(own, applied.published, ping.notices)
         for scene, own, applied, ping in zip(scenes, shown, gating.thresholds, pings, strict=True)

@@ -1,8 +1,8 @@
 """Plan view for the terminal: where the tracks are, seen from above, north up.
 
-Each established track is the last character of its identifier, its past a trail of dots; ``+`` is
-the origin of ``map``. A row of the terminal is about twice as high as a column is wide, and stands
-for twice as many metres.
+Each established track is the last character of its identifier, its past a trail of dots; ``#`` is
+something fixed, ``+`` the origin of ``map``. A row of the terminal is about twice as high as a
+column is wide, and stands for twice as many metres.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 from rich.text import Text
 
 from sonar_tracking.records.arrays import FloatArray
-from sonar_tracking.records.positions import PositionTracks
+from sonar_tracking.records.positions import PositionTracks, TrackSource
 
 COLUMNS, ROWS = 61, 16
 TRAIL_LENGTH = 200
@@ -52,7 +52,11 @@ class PlanView:
         self._mark(cells, np.zeros((1, 2)), "+", centre, step)
         self._mark(cells, trail, "." * len(trail), centre, step)
         for tracks in self._newest.values():
-            names = "".join(NAMES[int(identifier) % len(NAMES)] for identifier in tracks.id)
+            fixed = tracks.source == TrackSource.STATIC
+            names = "".join(
+                "#" if static else NAMES[int(identifier) % len(NAMES)]
+                for static, identifier in zip(fixed, tracks.id, strict=True)
+            )
             self._mark(cells, tracks.state[:, :2], names, centre, step)
         head = f"north up, {_distance(step * COLUMNS)} wide, centre {_place(centre)}"
         return Text("\n".join([head, *("".join(row) for row in cells)]), no_wrap=True)

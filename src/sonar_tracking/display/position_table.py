@@ -15,7 +15,7 @@ from rich.text import Text
 from sonar_tracking.filtering.uncertainty_ellipse import uncertainty_ellipse
 from sonar_tracking.motion import compass_from_azimuth
 from sonar_tracking.records.bearings import TrackStatus
-from sonar_tracking.records.positions import PositionTracks, TrackHypothesis
+from sonar_tracking.records.positions import PositionTracks, TrackHypothesis, TrackSource
 
 MOST_ROWS = 24
 STATUS_STYLE = {
@@ -94,18 +94,25 @@ def position_cells(tracks: PositionTracks, row: int) -> tuple[str, ...]:
     row : int
         Row of the track.
     """
-    x, y, vx, vy = (float(value) for value in tracks.state[row])
-    speed = math.hypot(vx, vy)
+    x, y = (float(value) for value in tracks.state[row, :2])
+    speed = math.hypot(*tracks.state[row, 2:])
     return (
         _number(x, "+.0f"),
         _number(y, "+.0f"),
-        compass_text(math.atan2(vy, vx)) if speed > 0.0 else "-",
+        _course(tracks, row),
         _number(speed, ".1f"),
         _ellipse(tracks, row),
         _number(float(tracks.existence_probability[row]), ".2f"),
         _number(float(tracks.observability[row]), ".2f"),
         side_text(tracks, row),
     )
+
+
+def _course(tracks: PositionTracks, row: int) -> str:
+    if int(tracks.source[row]) == TrackSource.STATIC:
+        return "fixed"
+    vx, vy = (float(value) for value in tracks.state[row, 2:])
+    return compass_text(math.atan2(vy, vx)) if math.hypot(vx, vy) > 0.0 else "-"
 
 
 def compass_text(azimuth: float) -> str:

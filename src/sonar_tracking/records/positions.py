@@ -32,6 +32,8 @@ class TrackSource(IntEnum):
     TMA = 1
     FUSED = 2
     TRUTH = 3
+    STATIC = 4
+    """Contacts of something that is fixed, rather than of a target that moves."""
 
 
 class TrackHypothesis(IntEnum):

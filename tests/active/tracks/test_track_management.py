@@ -11,6 +11,7 @@ from sonar_tracking.active.contacts.contact_tracker_configuration import Contact
 from sonar_tracking.active.detection.detection_levels import prior_weights
 from sonar_tracking.active.tracks import track_management
 from sonar_tracking.active.tracks.contact_gating import GatePairs
+from sonar_tracking.active.tracks.contact_track_list import shown_tracks
 from sonar_tracking.active.tracks.motion_modes import MotionModes
 from sonar_tracking.active.tracks.track_bank import TrackBank, empty_bank
 from sonar_tracking.active.tracks.track_management import (
@@ -24,6 +25,7 @@ from sonar_tracking.active.tracks.track_management import (
 )
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.records.positions import TrackSource
 from tests.active.track_scene import COVARIANCE, bank_of, contacts_at
 
 CONFIGURATION = ContactTrackerConfiguration()
@@ -186,7 +188,7 @@ def test_confirmed_tracks_and_likely_candidates_are_shown_and_each_end_once() ->
         was_shown=[True, False, False, False, False, True, False],
         detected=[0.49, 0.51, 0.0, 0.0, 0.0, 0.0, 0.0],
     )
-    rows = list_tracks(tracks, listed_rows(tracks, 0.1))
+    rows = list_tracks(tracks, listed_rows(tracks, 0.1), None)
     assert rows.id.tolist() == [1, 2, 3, 4, 6]
     assert rows.status.tolist() == [
         TrackStatus.COASTED,
@@ -201,6 +203,18 @@ def test_confirmed_tracks_and_likely_candidates_are_shown_and_each_end_once() ->
         [0, 1, 2, 3, 5],
         [10, 11, 12, 13, 15],
     )
+
+
+def test_what_is_rather_fixed_than_moving_is_told_as_such() -> None:
+    bank = bank_of([[0.0, 0.0]] * 3, n_modes=2)
+    probability = np.array([[0.51, 0.49], [0.5, 0.5], [0.01, 0.99]])
+    tracks = listed(replace(bank, mode_probability=probability))
+    rows = list_tracks(tracks, np.arange(3), 0)
+    assert rows.static is not None
+    shown = shown_tracks(rows, 1, 2)
+    assert shown.source.tolist() == [TrackSource.STATIC, TrackSource.ACTIVE, TrackSource.ACTIVE]
+    assert list_tracks(tracks, np.arange(3), None).static is None
+    assert shown_tracks(rows.select(slice(0, 1)), 1, 2).source.tolist() == [TrackSource.STATIC]
 
 
 def test_of_too_many_the_least_probable_end_candidates_first() -> None:

@@ -123,3 +123,11 @@ def test_nothing_is_drawn_that_is_all_but_transparent(
     opacity = {TrackStatus.CONFIRMED: 1.0, TrackStatus.TENTATIVE: 0.4, TrackStatus.COASTED: 0.2}
     seen = opacity.get(status, 0.0) * probability >= 0.05
     assert (len(markers) > 1) == seen
+
+
+def test_what_is_fixed_has_a_form_of_its_own() -> None:
+    both = tracks(TrackStatus.CONFIRMED, TrackStatus.CONFIRMED)
+    source = np.array([TrackSource.ACTIVE, TrackSource.STATIC], np.uint8)
+    drawn = position_markers(replace(both, source=source)).markers
+    forms = {marker.id: marker.type for marker in drawn if marker.ns == "position"}
+    assert list(forms.values()) == [Marker.SPHERE, Marker.CUBE]

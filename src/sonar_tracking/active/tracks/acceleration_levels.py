@@ -59,6 +59,9 @@ ENDS_IN = np.array(
 )
 """Whereto, row = mode that ends."""
 
+STATIC = 0
+"""Mode of what is fixed."""
+
 TURNING, AGILE = 2, 3
 """Modes into which a target changes at a rate of its own."""
 
@@ -97,6 +100,11 @@ class AccelerationLevels:
         speed[0] = min(FIXED_SPEED, self.initial_speed_deviation)
         speed[1] *= STRAIGHT_SPEED_SHARE
         return speed
+
+    @property
+    def static_mode(self) -> int:
+        """Return the first mode."""
+        return STATIC
 
     @property
     def widest_mode(self) -> int:

@@ -8,7 +8,7 @@ import numpy as np
 
 from sonar_tracking.active.contacts.gate_threshold_registry import AS_DETECTED
 from sonar_tracking.active.detection.detection_model import DetectionModel
-from sonar_tracking.records.arrays import FloatArray, IntArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 from sonar_tracking.records.contacts import GateThresholds
 from sonar_tracking.records.positions import PositionTracks, TrackSource
 from sonar_tracking.records.time import NANOSECONDS, UNKNOWN_STAMP
@@ -30,6 +30,8 @@ class ContactTrackRows:
         x, y, vx, vy in ``map``, m and m/s; m^2, m^2/s, m^2/s^2.
     initiated, updated : ndarray of int, shape (n,)
         Stamps of the first and the last contact, ns.
+    static : ndarray of bool, shape (n,), optional
+        Which are of something that is fixed; None = not estimated.
     """
 
     id: IntArray
@@ -39,6 +41,7 @@ class ContactTrackRows:
     covariance: FloatArray
     initiated: IntArray
     updated: IntArray
+    static: BoolArray | None = None
 
     def select(self, rows: slice) -> ContactTrackRows:
         """Return some of the tracks, next to each other."""
@@ -50,6 +53,7 @@ class ContactTrackRows:
             self.covariance[rows],
             self.initiated[rows],
             self.updated[rows],
+            None if self.static is None else self.static[rows],
         )
 
 
@@ -63,11 +67,14 @@ def shown_tracks(rows: ContactTrackRows, stamp: int, next_stamp: int) -> Positio
     stamp, next_stamp : int
         Of the ping, ns.
     """
+    source = np.full(len(rows.id), int(TrackSource.ACTIVE), np.uint8)
+    if rows.static is not None:
+        source[rows.static] = int(TrackSource.STATIC)
     return PositionTracks(
         stamp=stamp,
         id=rows.id.astype(np.uint64),
         status=rows.status.astype(np.uint8),
-        source=np.full(len(rows.id), int(TrackSource.ACTIVE), np.uint8),
+        source=source,
         state=rows.state,
         covariance=rows.covariance,
         existence_probability=rows.existence,

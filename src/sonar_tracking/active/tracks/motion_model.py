@@ -23,6 +23,10 @@ class MotionModel(Protocol):
         """Return the speed per axis of a new target in each mode, shape (n_modes,), m/s."""
 
     @property
+    def static_mode(self) -> int | None:
+        """Return the mode of what is fixed; None if there is none."""
+
+    @property
     def widest_mode(self) -> int | None:
         """Return the mode of the hardest manoeuvres; None if there are none to be looked for."""
 

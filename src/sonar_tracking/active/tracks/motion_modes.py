@@ -60,6 +60,11 @@ class MotionModes:
         return np.full(self.n_modes, self.initial_speed_deviation)
 
     @property
+    def static_mode(self) -> None:
+        """Return that there is none: what is fixed is not told from what moves slowly."""
+        return None
+
+    @property
     def widest_mode(self) -> None:
         """Return that there is none: gates are those of the mixture, as published."""
         return None

@@ -244,7 +244,9 @@ def listed_rows(listed: ListedTracks, tentative_probability: float) -> IndexArra
     return np.flatnonzero(listed.was_shown | (listed.alive & likely))
 
 
-def list_tracks(listed: ListedTracks, rows: IndexArray) -> ContactTrackRows:
+def list_tracks(
+    listed: ListedTracks, rows: IndexArray, static_mode: int | None
+) -> ContactTrackRows:
     """Return the complete picture: confirmed tracks, likely candidates, and what has ended.
 
     Parameters
@@ -253,6 +255,8 @@ def list_tracks(listed: ListedTracks, rows: IndexArray) -> ContactTrackRows:
         Tracks and what became of them.
     rows : ndarray of int, shape (n_shown,)
         Those that are shown, from :func:`listed_rows`.
+    static_mode : int or None
+        Mode of what is fixed; None = there is none.
     """
     bank = listed.bank
     confirmed = bank.confirmed[rows]
@@ -260,6 +264,7 @@ def list_tracks(listed: ListedTracks, rows: IndexArray) -> ContactTrackRows:
     status[confirmed & (listed.detected[rows] < 0.5)] = int(TrackStatus.COASTED)
     status[~listed.alive[rows]] = int(TrackStatus.TERMINATED)
     mean, covariance = bank.moments()
+    static = None if static_mode is None else bank.mode_probability[rows, static_mode] > 0.5
     return ContactTrackRows(
         id=bank.id[rows],
         status=status,
@@ -268,6 +273,7 @@ def list_tracks(listed: ListedTracks, rows: IndexArray) -> ContactTrackRows:
         covariance=covariance[rows],
         initiated=bank.initiated[rows],
         updated=bank.updated[rows],
+        static=static,
     )
 
 

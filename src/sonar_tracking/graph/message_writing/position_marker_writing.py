@@ -26,7 +26,7 @@ from sonar_tracking.graph.message_writing.marker_writing import (
     set_colour,
     set_turn,
 )
-from sonar_tracking.records.positions import PositionTracks, TrackHypothesis
+from sonar_tracking.records.positions import PositionTracks, TrackHypothesis, TrackSource
 
 ARROW_SECONDS = 60.0
 """An arrow ends where the target will be after this time."""
@@ -34,6 +34,8 @@ ARROW_SECONDS = 60.0
 
 def position_markers(tracks: PositionTracks, size: float = MARKER_SIZE) -> MarkerArray:
     """Return dots, arrows, ellipses and names of all running tracks, as far as they can be seen.
+
+    What is fixed is a cube.
 
     Parameters
     ----------
@@ -65,7 +67,8 @@ def position_markers(tracks: PositionTracks, size: float = MARKER_SIZE) -> Marke
 
 def _of_track(header: Header, tracks: PositionTracks, row: int, size: float) -> list[Marker]:
     x, y, _, northward = (float(value) for value in tracks.state[row])
-    position = new_marker(header, Marker.SPHERE, "position", row)
+    static = int(tracks.source[row]) == TrackSource.STATIC
+    position = new_marker(header, Marker.CUBE if static else Marker.SPHERE, "position", row)
     set_vector(position.pose.position, (x, y, 0.0))
     set_vector(position.scale, (size, size, size))
     beside = -2.0 * size if northward > 0.0 else 2.0 * size  # where the arrow does not go

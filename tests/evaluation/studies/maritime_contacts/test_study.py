@@ -85,6 +85,10 @@ def test_study_draws_a_chart_of_each_scenario(tmp_path: Path) -> None:
     results = [task.function(task.argument)]
     rows = definition.rows(results)
     assert {row.condition for row in rows} == {study.ALL, "scenario16"}
-    assert len({row.system for row in rows}) == len(study.SYSTEMS) + 2
+    assert len({row.system for row in rows}) == len(study.SYSTEMS) + 3
+    means = {row.system: row.metrics for row in rows if row.condition == study.ALL}
+    everything, moving = means[study.DEFAULTS], means[study.MOVING]
+    assert moving["false_tracks_per_hour"] < everything["false_tracks_per_hour"]
+    assert moving["held_share"] > 0.8 * everything["held_share"]
     (picture,) = definition.draw(results, rows, tmp_path)
     assert picture.stat().st_size > 10_000

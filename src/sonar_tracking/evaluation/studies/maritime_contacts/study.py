@@ -38,13 +38,14 @@ from sonar_tracking.evaluation.studies.maritime_contacts.scenarios import (
     estimated_latency,
     read_scenarios,
 )
-from sonar_tracking.records.positions import PositionTracks
+from sonar_tracking.records.positions import PositionTracks, TrackSource
 
 MARITIME_CONTACTS = "maritime-contacts"
 
 INTEGRATED = CONTACT_METHODS["integrated"].label
 AS_STAMPED = "integrated, as stamped"
 DEFAULTS = "integrated, defaults"
+MOVING = "integrated, defaults, moving"
 NEAREST = "nearest contacts"
 ALL = "all scenarios"
 
@@ -137,6 +138,8 @@ def run_scenarios(path: Path) -> tuple[ScenarioRun, ...]:
         latency = estimated_latency(others)
         for name, configuration in SYSTEMS.items():
             runs.append(track_scenario(name, configuration, scenario, latency))
+            if name == DEFAULTS:
+                runs.append(without_static_tracks(runs[-1], scenario, latency))
         runs.append(track_scenario(AS_STAMPED, CONFIGURATION, scenario, 0.0))
         runs.append(nearest_contacts(scenario, latency))
     return tuple(runs)
@@ -169,6 +172,25 @@ def track_scenario(
     score = score_position_tracks(scenario.true_tracks(latency), tracks, CUTOFF)
     metrics = {**_figures(score), "scan_ms": 1e3 * seconds, "latency_s": latency}
     return ScenarioRun(name, scenario.name, metrics, tracks)
+
+
+def without_static_tracks(
+    run: ScenarioRun, scenario: MaritimeScenario, latency: float
+) -> ScenarioRun:
+    """Return a run of which what is told to be fixed is left out.
+
+    Parameters
+    ----------
+    run : ScenarioRun
+        Of a tracker.
+    scenario : MaritimeScenario
+        The scans.
+    latency : float
+        By which they are stamped too late, s.
+    """
+    tracks = tuple(each.selected(each.source != TrackSource.STATIC) for each in run.tracks)
+    score = score_position_tracks(scenario.true_tracks(latency), tracks, CUTOFF)
+    return ScenarioRun(MOVING, scenario.name, {**run.metrics, **_figures(score)}, tracks)
 
 
 def nearest_contacts(scenario: MaritimeScenario, latency: float) -> ScenarioRun:
