@@ -14,7 +14,7 @@ from sonar_tracking.evaluation.bench.bench import PartDefinition, Step
 from sonar_tracking.evaluation.bench.bench_report import read_report
 from sonar_tracking.evaluation.bench.machine import Machine
 from sonar_tracking.evaluation.monte_carlo.study import StudyRow
-from sonar_tracking.graph.bench.graph_cases import LARGE, graph_cases
+from sonar_tracking.graph.bench.graph_cases import graph_cases
 from sonar_tracking.graph.bench.graph_rows import graph_rows
 from sonar_tracking.graph.bench.measured_run import ORCHESTRATION, MeasuredRun
 from sonar_tracking.graph.bench.process_figures import nodes_of_run, process_figures
@@ -104,7 +104,7 @@ def test_the_runs_of_the_bench_are_valid_and_have_names_of_their_own() -> None:
         check_scenario(case.scenario, case.name)
     paced = [case for case in cases if case.rate != "max"]
     assert paced[0].scenario.duration / 0.1 > 300
-    assert any(len(case.scenario.array.element_positions()) == LARGE for case in cases)
+    assert any(len(case.scenario.array.element_positions()) == 512 for case in cases)
 
 
 @pytest.fixture

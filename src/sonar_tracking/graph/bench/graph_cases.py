@@ -17,7 +17,7 @@ from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
 LATENCY_PERIOD = 0.1
 """Between estimates where their latency is measured, s: 400 in 40 s."""
 
-LARGE, LARGE_FREQUENCY = 256, 300_000.0
+LARGE = {256: 300_000.0, 512: 600_000.0}
 """Elements, and frequency at which the narrow band suits their aperture, Hz."""
 
 
@@ -60,17 +60,20 @@ def graph_cases() -> tuple[GraphCase, ...]:
         GraphCase("doa_fusion at rate 1, 10 estimates/s", fast, BEARING_TRACKS, "1"),
         GraphCase("doa_fusion_long, 300 s", long, BEARING_TRACKS, recorded=True, has_costs=True),
         GraphCase("active, 1200 s", active, ACTIVE_TRACKS, has_costs=True),
-        GraphCase(f"{LARGE} elements, 30 s", _large(long), BEARING_TRACKS, has_costs=True),
+        *(
+            GraphCase(f"{size} elements, 30 s", _large(long, size), BEARING_TRACKS, has_costs=True)
+            for size in LARGE
+        ),
         GraphCase("tonals, 60 s", replace(tonals, duration=60.0), PASSIVE_TRACKS),
     )
 
 
-def _large(scenario: Scenario) -> Scenario:
+def _large(scenario: Scenario, size: int) -> Scenario:
     """Return a scenario with a large array, short by its frequency, and default parameters."""
     return replace(
         scenario,
-        name="large",
-        array=ArrayConfiguration(n_elements=LARGE, center_frequency=LARGE_FREQUENCY),
+        name=f"large_{size}",
+        array=ArrayConfiguration(n_elements=size, center_frequency=LARGE[size]),
         duration=30.0,
         nodes={name: {} for name in scenario.nodes},
     )
