@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -230,8 +230,7 @@ def _far_pairs(
     """
     rows = np.flatnonzero(bank.confirmed)
     of_rows = tracks.of(rows)
-    in_mode = np.eye(bank.mode_probability.shape[1])[widest_mode]
-    turning = replace(bank.select(rows), mode_probability=np.tile(in_mode, (len(rows), 1)))
+    turning = bank.select(rows).in_mode(widest_mode)
     gates = predict_gates(turning, sensors_of_tracks(ping.sensors, of_rows))
     found = _pairs(turning, of_rows, gates, ping, threshold[rows])
     explained = np.zeros(len(ping.amplitudes), dtype=bool)

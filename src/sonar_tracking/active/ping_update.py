@@ -221,7 +221,7 @@ def _start_candidates(
     rows = np.flatnonzero(free & ~(ping.amplitudes < threshold))
     new = contacts.of(rows)
     firsts = zip(scenes, new.starts.tolist(), strict=True)
-    thresholds = np.broadcast_to(threshold, len(ping.amplitudes))[rows]
+    thresholds = (np.zeros(len(ping.amplitudes)) + threshold)[rows]
     candidates = start_candidates(
         ping.placed.select(rows),
         _initial_existence(method, ping, rows, thresholds),

@@ -102,7 +102,7 @@ def averaged(prior: FloatArray, prior_tracks: float, known: FloatArray) -> Float
     ndarray, shape (n_values,)
         Probabilities, sum 1.
     """
-    total = prior_tracks * prior + np.sum(known, axis=0)
+    total = prior_tracks * prior + known.sum(axis=0)
     return np.asarray(total / (prior_tracks + len(known)))
 
 
@@ -188,4 +188,4 @@ def weigh(weights: FloatArray, likelihood_ratio: FloatArray) -> FloatArray:
     least = 1.0 - PROBABILITY_IN_GATE
     likelihood = np.maximum(1.0 + LEVELS * slope[:, None], least)
     product = weights * likelihood
-    return np.asarray(product / np.sum(product, axis=1, keepdims=True))
+    return np.asarray(product / product.sum(axis=1, keepdims=True))

@@ -62,6 +62,9 @@ ENDS_IN = np.array(
 STATIC = 0
 """Mode of what is fixed."""
 
+FLOW = ENDING_RATES[:, None] * ENDS_IN
+"""From mode to mode, 1/s."""
+
 TURNING, AGILE = 2, 3
 """Modes into which a target changes at a rate of its own."""
 
@@ -130,10 +133,10 @@ class AccelerationLevels:
         """
         changes = EXPECTED_CHANGES + entered[:, TURNING:]
         rates = changes / (EXPECTED_TIME + age[:, None])
-        flow = np.tile(ENDING_RATES[:, None] * ENDS_IN, (len(age), 1, 1))
+        flow = np.ones((len(age), 1, 1)) * FLOW
         flow[:, :TURNING, TURNING] += rates[:, :1]
         flow[:, :AGILE, AGILE] += rates[:, 1:]
-        leaving = np.sum(flow, axis=-1)
+        leaving = flow.sum(axis=-1)
         leaves = -np.expm1(-interval * leaving)
         transition = flow * (leaves / leaving)[..., None]
         np.einsum("nii->ni", transition)[...] = 1.0 - leaves

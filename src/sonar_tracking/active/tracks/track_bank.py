@@ -98,7 +98,7 @@ class TrackBank:
         ndarray, shape (n_pairs,)
             Probabilities.
         """
-        return np.asarray(np.sum(self.mode_probability[track] * weights, axis=1))
+        return np.asarray((self.mode_probability[track] * weights).sum(axis=1))
 
     def moments(self) -> tuple[FloatArray, FloatArray]:
         """Return mean and covariance of the mixture over the modes.
@@ -111,6 +111,18 @@ class TrackBank:
             m^2, m^2/s, m^2/s^2.
         """
         return self._moments
+
+    def in_mode(self, mode: int) -> TrackBank:
+        """Return the tracks as they are if their motion is that of one mode for sure."""
+        only = slice(mode, mode + 1)
+        return replace(
+            self,
+            mean=self.mean[:, only],
+            covariance=self.covariance[:, only],
+            mode_probability=np.ones((len(self), 1)),
+            entered=self.entered[:, only],
+            fresh=self.fresh[:, only],
+        )
 
     def parts(self, scenes: SceneRows) -> list[TrackBank]:
         """Return the tracks of each scene; moments that are known stay known."""

@@ -19,7 +19,6 @@ import numpy as np
 
 from sonar_tracking.active.contacts.contact_positions import IDENTITY, PlacedContacts
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
-from sonar_tracking.active.detection.detection_levels import LEVELS
 from sonar_tracking.active.tracks.contact_gating import GatePairs
 from sonar_tracking.active.tracks.contact_track_list import ContactTrackRows
 from sonar_tracking.active.tracks.motion_model import MotionModel
@@ -108,7 +107,7 @@ def duplicates(bank: TrackBank, pairs: GatePairs, weights: FloatArray) -> BoolAr
     difference = mean[first] - mean[second]
     spread = _regular(covariance[first] + covariance[second])
     scaled = np.linalg.solve(spread, difference[..., None])[..., 0]
-    near = np.sum(difference * scaled, axis=1) < DUPLICATE_DISTANCE**2
+    near = (difference * scaled).sum(axis=1) < DUPLICATE_DISTANCE**2
     own = _own_contact(bank, pairs, weights)
     near &= (own[first] == own[second]) | (own[first] < 0) | (own[second] < 0)
     first, second = first[near], second[near]
@@ -164,8 +163,8 @@ def start_candidates(
         updated=np.full(count, stamp, dtype=np.int64),
         mean=mean,
         covariance=covariance,
-        mode_probability=np.broadcast_to(mode_prior, (count, n_modes)).copy(),
-        detection_weight=np.broadcast_to(detection_weight, (count, len(LEVELS))).copy(),
+        mode_probability=np.ones((count, 1)) * mode_prior,
+        detection_weight=np.ones((count, 1)) * detection_weight,
         age=np.zeros(count),
         entered=np.zeros((count, n_modes)),
         fresh=np.zeros((count, n_modes)),
