@@ -12,7 +12,7 @@ from sonar_tracking.evaluation.bench.array_stages import (
     array_exponents,
     measure_array,
 )
-from sonar_tracking.evaluation.bench.stage_costs import stage_costs
+from sonar_tracking.evaluation.bench.stage_costs import ORCHESTRATION, stage_costs
 from sonar_tracking.evaluation.bench.tma_stages import measure_targets, target_exponent
 from sonar_tracking.evaluation.bench.tracking_kernels import tracking_kernels
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
@@ -55,7 +55,7 @@ def test_a_tracker_among_clutter_has_a_row_for_each_amount(monkeypatch: pytest.M
 )
 def test_mathematics_has_a_cost_by_node(scenario: str, nodes: set[str]) -> None:
     costs = stage_costs(replace(load_scenario(scenario), duration=30.0))
-    assert set(costs) == nodes
+    assert set(costs) == {*nodes, ORCHESTRATION}
     assert all(cost > 0.0 for cost in costs.values())
 
 

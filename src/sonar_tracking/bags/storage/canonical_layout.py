@@ -53,6 +53,64 @@ class _UnknownLayoutError(Exception):
     pass
 
 
+class _Walk:
+    """A walk over the fields of a message, and what it found.
+
+    Messages of one topic are mostly of one build: as many entries in each column, the same texts.
+    Where this is so the next walk would lead to the same places.
+    """
+
+    def __init__(self, data: bytes) -> None:
+        self.end = 0
+        self.gaps: list[tuple[int, int]] = []
+        self._data = data
+        self._build: list[tuple[int, int, bytes]] = []
+
+    def fits(self, data: bytes) -> bool:
+        """Tell whether a message has the same build: its lengths and texts, byte by byte."""
+        if len(data) != len(self._data):
+            return False
+        return all(data[begin:end] == same for begin, end, same in self._build)
+
+    def over(self, fields: list[Any], begin: int) -> int:
+        """Note the padding between some fields; return where the last one ends."""
+        data, position = self._data, begin
+        for field in fields:
+            if isinstance(field, _Numbers):
+                position = self._aligned(position, field.size) + field.size * field.length
+                continue
+            position = self._aligned(position, 4)
+            (length,) = _LENGTH(data, position)
+            position += 4
+            self._note(position - 4, position)
+            if isinstance(field, _Column):
+                if length:
+                    position = self._aligned(position, field.size) + length * field.size
+            elif isinstance(field, _Text):
+                end = position + length
+                if not length or end > len(data) or data[end - 1]:
+                    raise ValueError(f"a text of {length} bytes at {position} does not end there")
+                data[position : end - 1].decode()
+                self._note(position, end)
+                position = end
+            else:
+                if position + length > len(data):
+                    raise ValueError(f"{length} entries at {position} are more than the bytes")
+                for _ in range(length):
+                    position = self.over(field.fields, position)
+        return position
+
+    def _note(self, begin: int, end: int) -> None:
+        self._build.append((begin, end, self._data[begin:end]))
+
+    def _aligned(self, position: int, size: int) -> int:
+        """Return where a field of some size begins, the padding before it noted."""
+        gap = (4 - position) % size
+        if gap and position + gap <= len(self._data):
+            self.gaps.append((position, position + gap))
+        return position + gap
+
+
 class CanonicalLayout:
     """Where the padding is in the messages of one type, little-endian.
 
@@ -72,6 +130,7 @@ class CanonicalLayout:
     def __init__(self, store: Typestore, type_name: str) -> None:
         self._type_name = type_name
         self._fields: list[Any] = []
+        self._walk: _Walk | None = None
         self.is_known = True
         try:
             self._fields = _merged(_fields_of(store, type_name))
@@ -86,15 +145,24 @@ class CanonicalLayout:
         InputError
             If the bytes are not a message of this type.
         """
+        walk = self._walk
+        if walk is None or not walk.fits(raw_cdr):
+            walk = self._walk = self._walked(raw_cdr)
         data = bytearray(raw_cdr)
         data[:4] = _HEAD
+        for begin, end in walk.gaps:
+            data[begin:end] = bytes(end - begin)
+        return memoryview(data)[: walk.end]
+
+    def _walked(self, raw_cdr: bytes) -> _Walk:
+        walk = _Walk(raw_cdr)
         try:
-            end = _walked(self._fields, data, 4)
+            walk.end = walk.over(self._fields, 4)
         except (struct.error, ValueError, IndexError) as error:
             raise self._error(raw_cdr, str(error)) from error
-        if not end <= len(raw_cdr) <= end + _LONGEST_TAIL:
-            raise self._error(raw_cdr, f"it would end after {end}")
-        return memoryview(data)[:end]
+        if not walk.end <= len(raw_cdr) <= walk.end + _LONGEST_TAIL:
+            raise self._error(raw_cdr, f"it would end after {walk.end}")
+        return walk
 
     def _error(self, raw_cdr: bytes, reason: str) -> InputError:
         return InputError(
@@ -144,38 +212,3 @@ def _merged(fields: list[Any]) -> list[Any]:
         else:
             merged.append(field)
     return merged
-
-
-def _walked(fields: list[Any], data: bytearray, begin: int) -> int:
-    """Set the padding between some fields to zero; return where the last one ends."""
-    position = begin
-    for field in fields:
-        if isinstance(field, _Numbers):
-            position = _aligned(data, position, field.size) + field.size * field.length
-            continue
-        position = _aligned(data, position, 4)
-        (length,) = _LENGTH(data, position)
-        position += 4
-        if isinstance(field, _Column):
-            if length:
-                position = _aligned(data, position, field.size) + length * field.size
-        elif isinstance(field, _Text):
-            end = position + length
-            if not length or end > len(data) or data[end - 1]:
-                raise ValueError(f"a text of {length} bytes at {position} does not end there")
-            data[position : end - 1].decode()
-            position = end
-        else:
-            if position + length > len(data):
-                raise ValueError(f"{length} entries at {position} are more than there are bytes")
-            for _ in range(length):
-                position = _walked(field.fields, data, position)
-    return position
-
-
-def _aligned(data: bytearray, position: int, size: int) -> int:
-    """Return where a field of some size begins, the padding before it set to zero."""
-    gap = (4 - position) % size
-    if gap and position + gap <= len(data):
-        data[position : position + gap] = bytes(gap)
-    return position + gap

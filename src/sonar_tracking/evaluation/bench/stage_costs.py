@@ -1,7 +1,7 @@
 """Processor time that the mathematics of each node takes for the data of a scenario.
 
 The same stage objects as in the nodes, fed with the same data in one process: what a node takes
-beyond it goes into messages.
+beyond it goes into messages. The orchestration scores what it hears.
 """
 
 from __future__ import annotations
@@ -18,6 +18,9 @@ from sonar_tracking.active.contacts.contact_defaults import (
     with_defaults,
 )
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.evaluation.metrics.bearing_score import OnlineBearingScore
+from sonar_tracking.evaluation.metrics.position_score import OnlinePositionScore
+from sonar_tracking.evaluation.metrics.position_truth import truth_as_tracks
 from sonar_tracking.evaluation.offline.offline_bearing_chain import stage_configuration
 from sonar_tracking.evaluation.offline.offline_contact_chain import TRACKER
 from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
@@ -31,6 +34,9 @@ from sonar_tracking.simulation.sensors.active_sonar_simulation import ActiveSona
 from sonar_tracking.simulation.sensors.array_simulation import ArraySimulation
 
 Result = TypeVar("Result")
+
+ORCHESTRATION = "orchestration"
+"""The process that starts the nodes, and scores their tracks."""
 
 SAMPLED_SECONDS = 60.0
 """Of an array's data: the costs of the rest are taken to be the same."""
@@ -71,11 +77,13 @@ def _bearing_costs(scenario: Scenario) -> dict[str, float]:
     given = [scenario.nodes.get(name, {}) for name in ("subspace_estimator", "bearing_tracker")]
     estimator = SubspaceStage(stage_configuration(SubspaceConfiguration, given[0], where))
     tracker = BearingTrackerStage(stage_configuration(BearingTrackerConfiguration, given[1], where))
-    simulation = ArraySimulation(scenario)
+    simulation, score = ArraySimulation(scenario), OnlineBearingScore()
     while (block := clock.timed("array_simulator", simulation.next_block)) is not None:
+        clock.timed(ORCHESTRATION, partial(score.add_truth, block.truth_bearings))
         found = clock.timed("subspace_estimator", partial(estimator.update, block.snapshots))
         for each in found.estimates:
-            clock.timed("bearing_tracker", partial(tracker.update, each))
+            tracked = clock.timed("bearing_tracker", partial(tracker.update, each))
+            clock.timed(ORCHESTRATION, partial(score.add_tracks, tracked.tracks))
     return clock.seconds
 
 
@@ -86,8 +94,10 @@ def _contact_costs(scenario: Scenario) -> dict[str, float]:
     tracker = make_contact_tracker(
         stage_configuration(ContactTrackerConfiguration, given, scenario.name)
     )
-    pings = iter(ActiveSonarSimulation(scenario))
+    pings, score = iter(ActiveSonarSimulation(scenario)), OnlinePositionScore()
     while (ping := clock.timed("contact_simulator", lambda: next(pings, None))) is not None:
+        clock.timed(ORCHESTRATION, partial(score.add_truth, truth_as_tracks(ping.truth_tracks)))
         contacts = with_defaults(ping.contacts, defaults)
-        clock.timed(TRACKER, partial(tracker.update, contacts))
+        tracked = clock.timed(TRACKER, partial(tracker.update, contacts))
+        clock.timed(ORCHESTRATION, partial(score.add_tracks, tracked.tracks))
     return clock.seconds

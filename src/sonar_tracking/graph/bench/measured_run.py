@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from sonar_tracking.errors import SonarTrackingError
+from sonar_tracking.evaluation.bench.stage_costs import ORCHESTRATION
 from sonar_tracking.graph.bench.first_message import FirstMessage
 from sonar_tracking.graph.bench.process_figures import (
     ProcessFigures,
@@ -23,7 +24,6 @@ from sonar_tracking.graph.bench.process_figures import (
 )
 from sonar_tracking.graph.catalogue.topics import Topic
 
-ORCHESTRATION = "orchestration"
 LOOK = 0.2
 """Between looks at the processes, s."""
 
