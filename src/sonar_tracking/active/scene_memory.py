@@ -126,7 +126,7 @@ class SceneMemory:
         )
 
     def were_shown(self, ids: IntArray) -> BoolArray:
-        """Return which of the tracks, those shown among them, were in the last picture."""
+        """Return which tracks, shape (n,), those shown among them, were in the last picture."""
         shown = np.zeros(len(ids), dtype=bool)
         shown[ids.searchsorted(self.shown)] = True
         return shown

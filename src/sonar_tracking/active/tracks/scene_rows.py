@@ -66,7 +66,7 @@ class SceneRows:
         return [table] if self.single else [table.select(rows) for rows in self.slices]
 
     def split(self, column: NDArray[Any]) -> list[NDArray[Any]]:
-        """Return the part of a column, shape (n, ...), that belongs to each scene."""
+        """Return what of a column, shape (n, ...), in any unit, belongs to each scene."""
         return [column] if self.single else [column[rows] for rows in self.slices]
 
     def spread(self, values: Sequence[ArrayLike]) -> Any:
@@ -75,7 +75,7 @@ class SceneRows:
         Parameters
         ----------
         values : sequence of array_like, shape (...)
-            One a scene.
+            One a scene, in any unit.
 
         Returns
         -------
@@ -93,7 +93,7 @@ class SceneRows:
 
 
 def joined(columns: Sequence[NDArray[Any]]) -> NDArray[Any]:
-    """Return the columns of all scenes, one after the other."""
+    """Return columns, shape (n, ...), in one unit, of all scenes: one after the other."""
     return columns[0] if len(columns) == 1 else np.concatenate(columns)
 
 
