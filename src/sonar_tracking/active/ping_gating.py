@@ -17,14 +17,13 @@ from sonar_tracking.active.tracks.contact_gating import (
     GatePairs,
     SensorGeometry,
     TrackGates,
-    pairs_of_scenes,
     predict_gates,
     sensor_geometry,
     sensors_of_tracks,
 )
 from sonar_tracking.active.tracks.gate_thresholds import AppliedThresholds, apply_thresholds
 from sonar_tracking.active.tracks.motion_model import MotionModel
-from sonar_tracking.active.tracks.pair_search import find_pairs
+from sonar_tracking.active.tracks.pair_search import find_pairs_of_scenes
 from sonar_tracking.active.tracks.pair_updates import PairUpdates, update_pairs
 from sonar_tracking.active.tracks.scene_rows import SceneRows, joined, joined_tables
 from sonar_tracking.active.tracks.track_bank import TrackBank
@@ -186,7 +185,8 @@ def gate_ping(
         for scene in zip(bank.parts(tracks), tracks.parts(gates), ping.models, strict=True)
     ]
     threshold = joined([each.threshold for each in thresholds])
-    pairs = _pairs(bank, tracks, gates, ping, threshold)
+    contacts = (ping.placed, ping.contact_rows, ping.amplitudes)
+    pairs = find_pairs_of_scenes(bank, tracks, gates, *contacts, threshold)
     if modes.widest_mode is not None and bank.confirmed.any():
         far = _far_pairs(bank, tracks, ping, pairs, threshold, modes.widest_mode)
         pairs = _joined(pairs, far)
@@ -194,24 +194,6 @@ def gate_ping(
     if particles.used:
         updates = particles.pair_densities(bank, pairs, updates, ping.placed, ping.sensors[0])
     return PingGating(tracks, gates, thresholds, pairs, updates)
-
-
-def _pairs(
-    bank: TrackBank, tracks: SceneRows, gates: TrackGates, ping: PlacedPing, threshold: FloatArray
-) -> GatePairs:
-    """Return the contacts above the threshold in the gate of each track."""
-    found = [
-        find_pairs(*scene)
-        for scene in zip(
-            bank.parts(tracks),
-            tracks.parts(gates),
-            ping.contact_rows.parts(ping.placed),
-            ping.contact_rows.split(ping.amplitudes),
-            tracks.split(threshold),
-            strict=True,
-        )
-    ]
-    return pairs_of_scenes(found, tracks, ping.contact_rows)
 
 
 def _far_pairs(
@@ -232,7 +214,8 @@ def _far_pairs(
     of_rows = tracks.of(rows)
     turning = bank.select(rows).in_mode(widest_mode)
     gates = predict_gates(turning, sensors_of_tracks(ping.sensors, of_rows))
-    found = _pairs(turning, of_rows, gates, ping, threshold[rows])
+    contacts = (ping.placed, ping.contact_rows, ping.amplitudes)
+    found = find_pairs_of_scenes(turning, of_rows, gates, *contacts, threshold[rows])
     explained = np.zeros(len(ping.amplitudes), dtype=bool)
     explained[pairs.contact[bank.confirmed[pairs.track]]] = True
     found = found.keep(~explained[found.contact])

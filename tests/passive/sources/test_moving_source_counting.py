@@ -31,7 +31,8 @@ def eigenvalues(data: ComplexArray) -> FloatArray:
 
 
 def counted(data: ComplexArray, thorough: bool, fastest: float = FASTEST) -> int:
-    return count_moving_sources(data, eigenvalues(data), HEADER, fastest, thorough)
+    covariance = sample_covariance(data)
+    return count_moving_sources(data, covariance, eigenvalues(data), HEADER, fastest, thorough)
 
 
 def strong_and_weak(seed: int, rate_deg: float = 0.0) -> ComplexArray:

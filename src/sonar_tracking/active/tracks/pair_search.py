@@ -17,6 +17,7 @@ from sonar_tracking.active.tracks.contact_gating import (
     TrackGates,
     delayed_position_covariance,
     determinant,
+    pairs_of_scenes,
 )
 from sonar_tracking.active.tracks.pair_limits import (
     CONTACTS_IN_GATE,
@@ -26,6 +27,7 @@ from sonar_tracking.active.tracks.pair_limits import (
     half_widths,
     nearest_in_gates,
 )
+from sonar_tracking.active.tracks.scene_rows import SceneRows
 from sonar_tracking.active.tracks.track_bank import TrackBank
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
 
@@ -113,13 +115,93 @@ def find_pairs(
     return GatePairs(rows[pairs.track], pairs.contact)
 
 
+def find_pairs_of_scenes(
+    bank: TrackBank,
+    tracks: SceneRows,
+    gates: TrackGates,
+    contacts: PlacedContacts,
+    contact_rows: SceneRows,
+    amplitudes: FloatArray,
+    thresholds: FloatArray,
+) -> GatePairs:
+    """Return all pairs of a track and a contact of its scene in its gate, as of each by itself.
+
+    Parameters
+    ----------
+    bank : TrackBank
+        Predicted tracks of all scenes.
+    tracks : SceneRows
+        Whose they are.
+    gates : TrackGates
+        Their gates.
+    contacts : PlacedContacts
+        Contacts of the ping in all scenes.
+    contact_rows : SceneRows
+        Whose they are.
+    amplitudes : ndarray, shape (n_contacts,)
+        Linear powers; NaN where not measured.
+    thresholds : ndarray, shape (n,)
+        Linear powers, of each track; NaN where not known.
+    """
+    if tracks.single:
+        return find_pairs(bank, gates, contacts, amplitudes, thresholds)
+    compared = sum(n * m for n, m in zip(tracks.counts, contact_rows.counts, strict=True))
+    if compared > MAXIMUM_BOXED or max(tracks.counts) * CONTACTS_IN_GATE[0] > MAXIMUM_PAIRS:
+        parts = zip(
+            bank.parts(tracks),
+            tracks.parts(gates),
+            contact_rows.parts(contacts),
+            contact_rows.split(amplitudes),
+            tracks.split(thresholds),
+            strict=True,
+        )
+        return pairs_of_scenes([find_pairs(*scene) for scene in parts], tracks, contact_rows)
+    all_tracks = GatedTracks(*bank.moments(), gates, bank.confirmed)
+    highest = [np.max(each, initial=-np.inf) for each in tracks.split(thresholds)]
+    strong = np.flatnonzero(~(amplitudes < contact_rows.spread(highest)))
+    if 2 * len(strong) > len(amplitudes):
+        found = _pairs_of_all(all_tracks, tracks, contacts, contact_rows)
+        return _passing(found, amplitudes, thresholds)
+    strict = ~(thresholds < tracks.spread(highest))
+    rows = np.flatnonzero(strict)
+    loud = _pairs_of_all(
+        all_tracks.select(rows), tracks.of(rows), contacts.select(strong), contact_rows.of(strong)
+    )
+    strict[rows[loud.track]] = False
+    # In a crowd the weak ones count among the nearest, too.
+    rows = np.flatnonzero(~strict)
+    found = _pairs_of_all(all_tracks.select(rows), tracks.of(rows), contacts, contact_rows)
+    found = _passing(found, amplitudes, thresholds[rows])
+    return GatePairs(rows[found.track], found.contact)
+
+
+def _pairs_of_all(
+    tracks: GatedTracks, track_rows: SceneRows, contacts: PlacedContacts, contact_rows: SceneRows
+) -> GatePairs:
+    """Return the contacts in all gates; few enough to be looked at in one portion."""
+    xs = zip(contact_rows.starts, contact_rows.split(contacts.position[:, 0]), strict=True)
+    order = np.concatenate([first + ascending_rows(x) for first, x in xs])
+    sorted_x, sorted_y = np.ascontiguousarray(contacts.position.take(order, axis=0).T)
+    gates = tracks.gates
+    x_of, centre_of = contact_rows.split(sorted_x), track_rows.split(gates.centre[:, 0])
+    half_of = track_rows.split(BOX_SIZE * np.sqrt(gates.covariance[:, 0, 0]))
+    scenes = list(zip(contact_rows.starts, x_of, centre_of, half_of, strict=True))
+    low = np.concatenate([first + x.searchsorted(c - half) for first, x, c, half in scenes])
+    high = np.concatenate([first + x.searchsorted(c + half) for first, x, c, half in scenes])
+    pairs = _near(np.arange(len(tracks)), low, high, gates, order, sorted_y)
+    square = _squared_distances(tracks.mean, tracks.spread, contacts, pairs)
+    inside = square < GATE_SIZE**2
+    pairs = pairs.keep(inside)
+    return pairs.keep(nearest_in_gates(pairs.track, square[inside]))
+
+
 def _passing(pairs: GatePairs, amplitudes: FloatArray, thresholds: FloatArray) -> GatePairs:
     # Written so that an amplitude or a threshold that is not known lets the contact pass.
     return pairs.keep(~(amplitudes[pairs.contact] < thresholds[pairs.track]))
 
 
 def _all_pairs(tracks: GatedTracks, contacts: PlacedContacts) -> GatePairs:
-    order = contacts.position[:, 0].argsort(kind="stable")
+    order = ascending_rows(contacts.position[:, 0])
     mean, spread, gates = tracks.mean, tracks.spread, tracks.gates
     if len(tracks) * len(order) <= COMPARED_AT_ONCE:
         pairs = _near_of_few(gates, order, contacts)
@@ -150,6 +232,27 @@ def _all_pairs(tracks: GatedTracks, contacts: PlacedContacts) -> GatePairs:
         return GatePairs(nothing, nothing)
     pairs = GatePairs(np.concatenate(found), np.concatenate(columns))
     return pairs.keep(few_enough(pairs.track, np.concatenate(squares), tracks.confirmed))
+
+
+def ascending_rows(values: FloatArray) -> IndexArray:
+    """Return the rows of values in ascending order, equal ones in that of their rows.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        In any unit.
+
+    Returns
+    -------
+    ndarray of int, shape (n,)
+        Rows.
+    """
+    # Several times as fast as a stable sort, and the same where no two values are equal.
+    order = values.argsort()
+    ascending = values.take(order)
+    if (ascending[1:] == ascending[:-1]).any():
+        return values.argsort(kind="stable")
+    return order
 
 
 def _boxed(

@@ -80,12 +80,21 @@ def forward_backward_smoothed(covariance: ComplexArray, n_smoothed: int) -> Comp
     n_elements = len(covariance)
     n_arrays = n_elements - n_smoothed + 1
     # Running sums along the diagonals: entry (i, j) of the sum over the sub-arrays is the
-    # difference of two of them.
-    running = np.zeros((n_elements + 1, n_elements + 1), dtype=np.complex128)
-    for row in range(n_elements):
-        running[row + 1, 1:] = running[row, :-1] + covariance[row]
-    last, first = running[n_arrays:, n_arrays:], running[:n_smoothed, :n_smoothed]
-    smoothed = (last - first) / n_arrays
+    # difference of two of them. In rows of one entry less, each diagonal is a column.
+    columns = np.zeros((n_elements, 2 * n_elements - 1), dtype=np.complex128)
+    entry = columns.itemsize
+    running: ComplexArray = np.ndarray(
+        (n_elements, n_elements),
+        dtype=columns.dtype,
+        buffer=columns,
+        offset=(n_elements - 1) * entry,
+        strides=((2 * n_elements - 2) * entry, entry),
+    )
+    running[...] = covariance
+    np.add.accumulate(columns, axis=0, out=columns)
+    smoothed = running[n_arrays - 1 :, n_arrays - 1 :].copy()
+    smoothed[1:, 1:] -= running[: n_smoothed - 1, : n_smoothed - 1]
+    smoothed /= n_arrays
     return 0.5 * (smoothed + smoothed[::-1, ::-1].conj())
 
 

@@ -25,6 +25,7 @@ from sonar_tracking.records.bearings import ArraySnapshots
 
 def count_moving_sources(
     snapshots: ComplexArray,
+    covariance: ComplexArray,
     eigenvalues: FloatArray,
     header: ArraySnapshots,
     maximum_rate: float,
@@ -37,8 +38,10 @@ def count_moving_sources(
     ----------
     snapshots : ndarray, shape (n_snapshots, n_elements), complex
         Linear amplitude, not whitened.
+    covariance : ndarray, shape (n_elements, n_elements), complex
+        Of all of them, linear power.
     eigenvalues : ndarray, shape (n_elements,)
-        Of their covariance, linear power, descending.
+        Of their covariance, with the floor of the steering errors, linear power, descending.
     header : ArraySnapshots
         Array and frequency.
     maximum_rate : float
@@ -57,8 +60,9 @@ def count_moving_sources(
     used = counting_snapshots(eigenvalues, n_snapshots, positions, number, fastest)
 
     def count_on_newest(n_newest: int) -> int:
-        covariance = sample_covariance(snapshots[-n_newest:])
-        return source_count(with_steering_error(covariance, steering_error, noise), n_newest, noise)
+        whole = n_newest == n_snapshots
+        newest = covariance if whole else sample_covariance(snapshots[-n_newest:])
+        return source_count(with_steering_error(newest, steering_error, noise), n_newest, noise)
 
     count = count_on_newest(used)
     while count == 0 and used < n_snapshots:

@@ -191,7 +191,8 @@ def music_bearings(
     grid = angle_grid(positions, wavenumber)
     spectrum = null_spectrum.on_grid(grid)
     # The grid is cyclic: at half a wavelength both ends of a line array are the same wave.
-    valley = (spectrum <= np.roll(spectrum, 1)) & (spectrum < np.roll(spectrum, -1))
+    around = np.concatenate((spectrum[-1:], spectrum, spectrum[:1]))
+    valley = (spectrum <= around[:-2]) & (spectrum < around[2:])
     found = np.flatnonzero(valley)
     found = found[np.argsort(spectrum[found], kind="stable")][:n_sources]
     angles = np.sort(_refined(null_spectrum, grid.angles, found))

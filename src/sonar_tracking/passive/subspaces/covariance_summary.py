@@ -81,10 +81,10 @@ def summarise_covariance(
     n_snapshots, n_elements = snapshots.shape[-2:]
     if n_snapshots == 0:
         return CovarianceSummary()
-    covariance = sample_covariance(snapshots)
-    floor = steering_error_floor(covariance, steering_error)[..., None]
-    covariance = with_steering_error(covariance, steering_error, header.noise_covariance)
-    eigenvalues = signal_values = _descending_eigenvalues(snapshots) + floor
+    sampled = sample_covariance(snapshots)
+    floor = steering_error_floor(sampled, steering_error)[..., None]
+    covariance = with_steering_error(sampled, steering_error, header.noise_covariance)
+    eigenvalues = signal_values = _descending_eigenvalues(snapshots, sampled) + floor
     if whitening is not None:
         signal_values = _descending_eigenvalues(snapshots @ whitening.T) + floor
         if steering_error > 0.0:
@@ -95,7 +95,7 @@ def summarise_covariance(
         rank = minimum_description_length(signal_values, n_snapshots)
     if snapshots.ndim == 2 and is_uniform_line(header.element_positions):
         count = count_moving_sources(
-            snapshots, eigenvalues, header, maximum_rate, n_columns == 0, steering_error
+            snapshots, sampled, eigenvalues, header, maximum_rate, n_columns == 0, steering_error
         )
     n_signals = n_columns if n_columns > 0 else max(rank, count, 0)
     return CovarianceSummary(
@@ -108,11 +108,15 @@ def summarise_covariance(
     )
 
 
-def _descending_eigenvalues(snapshots: ComplexArray) -> FloatArray:
+def _descending_eigenvalues(
+    snapshots: ComplexArray, covariance: ComplexArray | None = None
+) -> FloatArray:
     """Return the eigenvalues of the sample covariance; of fewer snapshots by their own products."""
     n_snapshots, n_elements = snapshots.shape[-2:]
     if n_snapshots >= n_elements:
-        values = np.linalg.eigvalsh(sample_covariance(snapshots))
+        values = np.linalg.eigvalsh(
+            sample_covariance(snapshots) if covariance is None else covariance
+        )
         return np.asarray(values[..., ::-1], dtype=np.float64)
     products = snapshots.conj() @ np.swapaxes(snapshots, -1, -2) / n_snapshots
     padded = np.zeros((*snapshots.shape[:-2], n_elements))
