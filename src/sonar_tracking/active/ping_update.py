@@ -214,10 +214,12 @@ def _start_candidates(
     contacts, modes = ping.contact_rows, method.modes
     threshold = contacts.spread([applied.search_threshold for applied in gating.thresholds])
     free = association.claimed <= LARGEST_CLAIM_OF_A_NEW_CONTACT
-    for scene, model, own, loud in zip(
-        scenes, ping.models, contacts.split(free), contacts.split(ping.amplitudes), strict=True
+    columns = (free, ping.amplitudes, ping.placed.distance)
+    for scene, model, own, loud, distance in zip(
+        scenes, ping.models, *map(contacts.split, columns), strict=True
     ):
-        scene.clutter = scene.clutter.with_unexplained(loud[own] - model.threshold)
+        excess = loud[own] - model.threshold
+        scene.clutter = scene.clutter.with_unexplained(excess, distance[own], model)
     rows = np.flatnonzero(free & ~(ping.amplitudes < threshold))
     new = contacts.of(rows)
     firsts = zip(scenes, new.starts.tolist(), strict=True)

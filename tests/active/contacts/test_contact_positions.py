@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sonar_tracking.active.contacts.contact_positions import place_contacts
+from sonar_tracking.active.contacts.contact_positions import place_contacts, position_covariance
 from sonar_tracking.records.contacts import Contacts
 
 
@@ -59,3 +59,13 @@ def test_errors_along_the_line_of_sight_are_those_of_the_range(azimuth: float) -
         expected = np.array([30.0, -40.0]) + contacts.range[row] * ahead
         assert placed.position[row] == pytest.approx(expected)
     assert placed.delay.tolist() == [0.0, 0.0]
+
+
+def test_near_the_sensor_the_direction_says_little_of_the_place() -> None:
+    """What is at the sensor is seen anywhere around it, at the distance of the range error."""
+    direction = np.array([[1.0, 0.0], [0.6, 0.8], [1.0, 0.0]])
+    distance = np.array([5.0, 29.0, 31.0])
+    covariance = position_covariance(direction, distance, 10.0, 0.01)
+    assert covariance[0] == pytest.approx(100.0 * np.eye(2))
+    assert covariance[1] == pytest.approx(100.0 * np.eye(2))
+    assert covariance[2] == pytest.approx(np.diag([100.0, 0.31**2]))

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sonar_tracking.active.detection.clutter_amplitudes import ExcessLaw
+from sonar_tracking.active.detection.clutter_amplitudes import IN_NOISE, ExcessLaw
 from sonar_tracking.active.detection.clutter_monitor import MOST_AMPLITUDES, ClutterMonitor
 from sonar_tracking.active.detection.detection_model import DetectionModel
 
@@ -68,23 +68,35 @@ def test_a_claim_is_contradicted_by_half_more_and_four_deviations(
     assert f"{factor:.1f} times as many" in notice.text
 
 
+def unexplained(monitor: ClutterMonitor, excess: np.ndarray) -> ClutterMonitor:
+    return monitor.with_unexplained(excess, np.linspace(1.0, 999.0, len(excess)), MODEL)
+
+
 def test_amplitudes_of_what_no_track_explains_make_the_law_once_there_are_enough() -> None:
     monitor = ClutterMonitor(300.0, 100.0)
-    assert monitor.with_unexplained(np.full(29, 2.0)).corrected(MODEL).outlier_share == 1.0
+    assert unexplained(monitor, np.full(29, 2.0)).corrected(MODEL).outlier_share == 1.0
     law = ExcessLaw(4.0, 0.0)
     excess = -4.0 * np.log1p(-(np.arange(1, 1001) - 0.5) / 1000.0)
     unknown = np.full(5, np.nan)
-    learnt = monitor.with_unexplained(unknown).with_unexplained(excess).corrected(MODEL)
+    learnt = unexplained(unexplained(monitor, unknown), excess).corrected(MODEL)
     assert (learnt.outlier_share, learnt.clutter_factor) == (MODEL.outlier_share, 3.0)
     assert learnt.clutter_law.scale == pytest.approx(law.scale, rel=0.02)
     assert learnt.clutter_law.shape == pytest.approx(0.0, abs=0.02)
     # A claim that is believed is believed in all.
-    believed = ClutterMonitor(100.0, 100.0).with_unexplained(excess).corrected(MODEL)
-    assert believed is MODEL
+    believed = unexplained(ClutterMonitor(100.0, 100.0), excess).corrected(MODEL)
+    assert (believed.clutter_factor, believed.clutter_law) == (1.0, IN_NOISE)
 
 
 def test_the_latest_amplitudes_count() -> None:
-    monitor = ClutterMonitor().with_unexplained(np.full(1500, 1.0))
-    monitor = monitor.with_unexplained(np.full(1500, 2.0))
+    monitor = unexplained(ClutterMonitor(), np.full(1500, 1.0))
+    monitor = unexplained(monitor, np.full(1500, 2.0))
     assert len(monitor.excess) == MOST_AMPLITUDES
     assert np.count_nonzero(monitor.excess == 2.0) == 1500
+
+
+def test_without_a_largest_range_the_farthest_contact_so_far_bounds_the_rings() -> None:
+    endless = replace(MODEL, maximum_range=np.inf)
+    monitor = ClutterMonitor().with_unexplained(np.zeros(2), np.array([10.0, 700.0]), endless)
+    monitor = monitor.with_unexplained(np.zeros(1), np.array([300.0]), endless)
+    assert monitor.profile.reach == 700.0
+    assert np.sum(monitor.profile.counted) == pytest.approx(2.0 * 0.95 + 1.0)

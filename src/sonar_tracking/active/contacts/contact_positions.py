@@ -20,6 +20,9 @@ from sonar_tracking.records.contacts import Contacts
 
 IDENTITY = np.eye(2)
 
+NEAR = 3.0
+"""Deviations of the range, up to which a contact may as well be at the sensor."""
+
 
 @dataclass(frozen=True)
 class PlacedContacts:
@@ -88,6 +91,9 @@ def position_covariance(
 ) -> FloatArray:
     """Return rot diag(sigma_r^2, (r sigma_theta)^2) rot^T.
 
+    Nearer than a few deviations of the range the direction says little of the place: what is at
+    the sensor is seen anywhere around it. The error is then that of the range all around.
+
     Parameters
     ----------
     direction : ndarray, shape (n, 2)
@@ -104,6 +110,8 @@ def position_covariance(
     """
     along = np.square(range_standard_deviation)
     across = (distance * azimuth_standard_deviation) ** 2
+    near = distance < NEAR * np.asarray(range_standard_deviation)
+    across = np.where(near, np.maximum(across, along), across)
     more, (x, y) = along - across, direction.T
     covariance = np.empty((len(distance), 2, 2))
     covariance[:, 0, 0] = across + more * (x * x)

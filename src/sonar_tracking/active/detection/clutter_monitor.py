@@ -15,6 +15,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from sonar_tracking.active.detection.clutter_amplitudes import fit_excess_law
+from sonar_tracking.active.detection.clutter_profile import ClutterProfile, ring_edges
 from sonar_tracking.active.detection.detection_model import DetectionModel
 from sonar_tracking.errors import Notice, Severity
 from sonar_tracking.records.arrays import FloatArray
@@ -43,11 +44,14 @@ class ClutterMonitor:
     excess : ndarray, shape (n,)
         Of the latest contacts that no track explains above the threshold of the detector, linear
         powers.
+    profile : ClutterProfile
+        Where they were.
     """
 
     counted: float = 0.0
     claimed: float = 0.0
     excess: FloatArray = field(default_factory=lambda: np.zeros(0), compare=False)
+    profile: ClutterProfile = field(default_factory=ClutterProfile, compare=False)
 
     def after(self, n_contacts: int, n_tracks: int, model: DetectionModel) -> ClutterMonitor:
         """Return the monitor after another ping.
@@ -71,16 +75,27 @@ class ClutterMonitor:
             claimed=FORGETTING * self.claimed + claimed,
         )
 
-    def with_unexplained(self, excess: FloatArray) -> ClutterMonitor:
+    def with_unexplained(
+        self, excess: FloatArray, distance: FloatArray, model: DetectionModel
+    ) -> ClutterMonitor:
         """Return the monitor with contacts of the ping that no track explains.
 
         Parameters
         ----------
         excess : ndarray, shape (n,)
             Above the threshold of the detector, linear powers; NaN = not known.
+        distance : ndarray, shape (n,)
+            From the sensor, m.
+        model : DetectionModel
+            What is believed of the ping.
         """
         known = excess[np.isfinite(excess)]
-        return replace(self, excess=np.concatenate((self.excess, known))[-MOST_AMPLITUDES:])
+        kept = np.concatenate((self.excess, known))[-MOST_AMPLITUDES:]
+        reach = model.maximum_range
+        if not math.isfinite(reach):
+            reach = max(self.profile.reach, float(np.max(distance, initial=0.0)))
+        expected = model.expected_in_rings(ring_edges(reach))
+        return replace(self, excess=kept, profile=self.profile.after(distance, expected, reach))
 
     def corrected(self, model: DetectionModel) -> DetectionModel:
         """Return the model with as much clutter as was counted.
@@ -88,6 +103,8 @@ class ClutterMonitor:
         Clutter that does not follow the claimed law in number does not in its amplitudes, either:
         these have the law that was found, and are left aside until there is one.
         """
+        if self.profile.contradicted.any():
+            model = replace(model, clutter_profile=self.profile)
         factor = self.factor()
         if factor == 1.0:
             return model

@@ -18,6 +18,7 @@ import numpy as np
 
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.active.detection.clutter_amplitudes import IN_NOISE, ExcessLaw
+from sonar_tracking.active.detection.clutter_profile import ClutterProfile
 from sonar_tracking.active.detection.detection_levels import TYPICAL
 from sonar_tracking.active.detection.detection_threshold import linear_from_decibel
 from sonar_tracking.errors import Notice, Severity
@@ -71,6 +72,8 @@ class DetectionModel:
         P_D that the ping or the user claims; NaN = nobody does.
     clutter_law : ExcessLaw
         Of the amplitudes of false contacts.
+    clutter_profile : ClutterProfile, optional
+        Where there are more than their share; None = nowhere.
     """
 
     detection_probability: float
@@ -87,6 +90,7 @@ class DetectionModel:
     sector: float = 2.0 * np.pi
     told_detection_probability: float = np.nan
     clutter_law: ExcessLaw = IN_NOISE
+    clutter_profile: ClutterProfile | None = None
 
     def expected_clutter(self) -> float:
         """Return the mean number of false contacts in a ping; infinite or NaN if unknown."""
@@ -111,10 +115,33 @@ class DetectionModel:
         """
         if math.isfinite(self.uniform_density):
             uniform = max(self.clutter_factor * self.uniform_density, SMALLEST_CLUTTER_DENSITY)
-            return np.full(len(distance), uniform)
-        area = self.cell_size * np.maximum(distance, 1.0)
-        density = self.clutter_factor * (self.false_alarm_probability / area)
+            density = np.full(len(distance), uniform)
+        else:
+            area = self.cell_size * np.maximum(distance, 1.0)
+            density = self.clutter_factor * (self.false_alarm_probability / area)
+        if self.clutter_profile is not None:
+            density = density * self.clutter_profile.factor(distance)
         return np.maximum(density, SMALLEST_CLUTTER_DENSITY)
+
+    def expected_in_rings(self, edges: FloatArray) -> FloatArray:
+        """Return the mean number of false contacts in rings around the sensor.
+
+        Parameters
+        ----------
+        edges : ndarray, shape (n + 1,)
+            Bounds of the rings, m.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            Pure numbers.
+        """
+        edges = np.maximum(edges, self.minimum_range)
+        if math.isfinite(self.uniform_density):
+            shares = 0.5 * self.uniform_density * np.diff(edges**2)
+        else:
+            shares = self.false_alarm_probability / self.cell_size * np.diff(edges)
+        return np.asarray(self.clutter_factor * self.sector * shares)
 
     @property
     def amplitude_law(self) -> tuple[object, ...]:
