@@ -53,7 +53,7 @@ def paired(
     )
     particles = ParticleTracks(configuration, used=False)
     tracks = SceneRows((len(bank),))
-    pairs = gate_ping(bank, tracks, ping, configuration, particles, modes).pairs
+    pairs = gate_ping(bank, tracks, ping, configuration, [particles], modes).pairs
     assert np.all(np.diff(pairs.track) >= 0)
     return list(zip(pairs.track.tolist(), pairs.contact.tolist(), strict=True))
 
@@ -102,7 +102,7 @@ def test_a_track_at_the_sensor_does_not_explain_whatever_points_at_it() -> None:
     )
     configuration = ContactTrackerConfiguration()
     particles = ParticleTracks(configuration, used=False)
-    gating = gate_ping(bank, SceneRows((2,)), ping, configuration, particles, LEVELS)
+    gating = gate_ping(bank, SceneRows((2,)), ping, configuration, [particles], LEVELS)
     density = gating.of_ping(ping).evidence.clutter_density
     # At the track, no nearer than a metre; at the contact where that is the nearer one.
     assert density == pytest.approx([1e-4 / 2.0, 1e-4 / (2.0 * 3000.0)], rel=0.01)

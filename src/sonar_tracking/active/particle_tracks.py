@@ -134,7 +134,12 @@ class ParticleTracks:
         self._clouds = kept
 
     def _rows(self, bank: TrackBank) -> list[int]:
-        return [row for row, track in enumerate(bank.id) if int(track) in self._clouds]
+        """Return the rows of the tracks with a cloud, in ascending order."""
+        followed = np.array(sorted(self._clouds), dtype=np.int64)
+        rows = bank.id.searchsorted(followed)
+        there = rows < len(bank)
+        there[there] = bank.id[rows[there]] == followed[there]
+        return [int(row) for row in rows[there]]
 
     def _with_moments(self, bank: TrackBank) -> TrackBank:
         mean, covariance = bank.mean.copy(), bank.covariance.copy()

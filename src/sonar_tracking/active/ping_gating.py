@@ -159,7 +159,7 @@ def gate_ping(
     tracks: SceneRows,
     ping: PlacedPing,
     configuration: ContactTrackerConfiguration,
-    particles: ParticleTracks,
+    particles: Sequence[ParticleTracks],
     modes: MotionModel,
 ) -> PingGating:
     """Pair the tracks with the contacts in their gates that pass the thresholds.
@@ -174,8 +174,8 @@ def gate_ping(
         The contacts.
     configuration : ContactTrackerConfiguration
         Which thresholds are wanted.
-    particles : ParticleTracks
-        Clouds of confirmed tracks, if they are used.
+    particles : sequence of ParticleTracks
+        Clouds of confirmed tracks, if they are used, in each scene.
     modes : MotionModel
         Of the targets.
     """
@@ -191,9 +191,30 @@ def gate_ping(
         far = _far_pairs(bank, tracks, ping, pairs, threshold, modes.widest_mode)
         pairs = _joined(pairs, far)
     updates = update_pairs(bank, ping.placed, pairs)
-    if particles.used:
-        updates = particles.pair_densities(bank, pairs, updates, ping.placed, ping.sensors[0])
+    if particles[0].used:
+        updates = _with_clouds(bank, tracks, ping, pairs, updates, particles)
     return PingGating(tracks, gates, thresholds, pairs, updates)
+
+
+def _with_clouds(
+    bank: TrackBank,
+    tracks: SceneRows,
+    ping: PlacedPing,
+    pairs: GatePairs,
+    updates: PairUpdates,
+    particles: Sequence[ParticleTracks],
+) -> PairUpdates:
+    """Return the updates with the densities of clouds where there are any."""
+    scenes = zip(
+        particles,
+        bank.parts(tracks),
+        pairs.parts(tracks, ping.contact_rows),
+        tracks.of(pairs.track).parts(updates),
+        ping.contact_rows.parts(ping.placed),
+        ping.sensors,
+        strict=True,
+    )
+    return joined_tables([clouds.pair_densities(*scene) for clouds, *scene in scenes])
 
 
 def _far_pairs(

@@ -17,6 +17,7 @@ from sonar_tracking.active.contacts.contact_tracker_configuration import Contact
 from sonar_tracking.active.detection.detection_levels import forget, mean_probability, weigh
 from sonar_tracking.active.detection.detection_model import amplitude_ratios
 from sonar_tracking.active.lasting_error import monitors_after
+from sonar_tracking.active.particle_tracks import ParticleTracks
 from sonar_tracking.active.ping_gating import PingGating, PlacedPing, gate_ping, place_ping
 from sonar_tracking.active.scene_memory import AdmittedPing, SceneMemory
 from sonar_tracking.active.tracks.motion_model import MotionModel
@@ -63,7 +64,7 @@ def update_scenes(
 ) -> list[ContactTrackerUpdate]:
     """Return the tracks of several scenes after one ping.
 
-    Scenes with pings at other times, or with particles, are computed one after the other.
+    Scenes with pings at other times are computed one after the other.
 
     Parameters
     ----------
@@ -83,7 +84,7 @@ def update_scenes(
     admitted = [
         scene.admit(contacts, configuration) for scene, contacts in zip(scenes, pings, strict=True)
     ]
-    if len(scenes) == 1 or (_alike(scenes, admitted) and not method.rule.has_particles):
+    if len(scenes) == 1 or _alike(scenes, admitted):
         return _update_at_once(method, scenes, admitted)
     return [
         update
@@ -104,7 +105,7 @@ def predict_scenes(method: TrackingMethod, scenes: Sequence[SceneMemory], stamp:
     stamp : int
         Of the ping, ns.
     """
-    last, particles = scenes[0].last, scenes[0].particles
+    last = scenes[0].last
     interval = 0.0 if last is None else last.interval(stamp)
     survival = method.configuration.survival_probability(interval)
     tracks = SceneRows(tuple(len(scene.bank) for scene in scenes))
@@ -112,7 +113,10 @@ def predict_scenes(method: TrackingMethod, scenes: Sequence[SceneMemory], stamp:
     bank = predict_bank(bank, method.modes, interval, survival)
     levels = tracks.spread([scene.new_detection for scene in scenes])
     bank = replace(bank, detection_weight=forget(bank.detection_weight, levels))
-    return particles.predict(bank, interval) if particles.used else bank
+    if not scenes[0].particles.used:
+        return bank
+    parts = zip(scenes, bank.parts(tracks), strict=True)
+    return joined_tables([scene.particles.predict(part, interval) for scene, part in parts])
 
 
 def _alike(scenes: Sequence[SceneMemory], pings: Sequence[AdmittedPing]) -> bool:
@@ -138,9 +142,10 @@ def _update_at_once(
     )
     tracks = SceneRows(tuple(len(scene.bank) for scene in scenes))
     bank = predict_scenes(method, scenes, ping.stamp)
-    gating = gate_ping(bank, tracks, ping, configuration, scenes[0].particles, method.modes)
+    particles = [scene.particles for scene in scenes]
+    gating = gate_ping(bank, tracks, ping, configuration, particles, method.modes)
     association = method.rule.associate(bank, gating.of_ping(ping))
-    bank = _update_states(scenes, tracks, association, gating)
+    bank = _update_states(particles, tracks, ping.contact_rows, association, gating)
     listed = _confirm_and_end(configuration, scenes, tracks, bank, association, gating, ping)
     candidates, new = _start_candidates(method, scenes, association, gating, ping)
     next_ids = [scene.next_id + count for scene, count in zip(scenes, new.counts, strict=True)]
@@ -158,19 +163,29 @@ def _update_at_once(
 
 
 def _update_states(
-    scenes: Sequence[SceneMemory],
+    particles: Sequence[ParticleTracks],
     tracks: SceneRows,
+    contacts: SceneRows,
     association: BankAssociation,
     gating: PingGating,
 ) -> TrackBank:
     """Update all tracks by their contacts, confirmed ones with particles if there are any."""
-    weights, particles = association.weights, scenes[0].particles
-    bank = mix_updates(association.bank, gating.pairs, gating.updates, weights)
+    weights, pairs = association.weights, gating.pairs
+    bank = mix_updates(association.bank, pairs, gating.updates, weights)
     levels = tracks.split(bank.detection_weight)
     ratios = tracks.split(association.likelihood_ratio)
     detection = [weigh(*scene) for scene in zip(levels, ratios, strict=True)]
     bank = replace(bank, detection_weight=joined(detection))
-    return particles.update(bank, gating.pairs, weights[:, 0]) if particles.used else bank
+    if not particles[0].used:
+        return bank
+    banks, pairs_of = bank.parts(tracks), pairs.parts(tracks, contacts)
+    weights_of = tracks.of(pairs.track).split(weights[:, 0])
+    return joined_tables(
+        [
+            clouds.update(banks[scene], pairs_of[scene], weights_of[scene])
+            for scene, clouds in enumerate(particles)
+        ]
+    )
 
 
 def _confirm_and_end(

@@ -40,6 +40,10 @@ class PairUpdates:
     correction: FloatArray
     reduction: FloatArray
 
+    def select(self, rows: slice) -> PairUpdates:
+        """Return some of the updates, next to each other."""
+        return PairUpdates(self.density[rows], self.correction[rows], self.reduction[rows])
+
 
 def update_pairs(bank: TrackBank, contacts: PlacedContacts, pairs: GatePairs) -> PairUpdates:
     """Return the updates of all pairs.

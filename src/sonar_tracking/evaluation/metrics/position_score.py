@@ -33,12 +33,15 @@ from sonar_tracking.evaluation.metrics.score_statistics import (
     normalised_square_error,
 )
 from sonar_tracking.evaluation.metrics.track_sides import SideChoice, wrong_sides
-from sonar_tracking.records.arrays import IndexArray
+from sonar_tracking.records.arrays import FloatArray, IndexArray
 from sonar_tracking.records.positions import PositionTracks
 
 ORDER = 2.0
 STATES = 4
 """Dimension of a state: x, y, vx, vy."""
+
+NORMALISED_AT_ONCE = 100
+"""Lists whose errors are brought into units of their covariances together."""
 
 
 @dataclass(frozen=True)
@@ -139,6 +142,7 @@ class OnlinePositionScore(OnlineScore[PositionTracks]):
         self._ospa, self._gospa, self._nees = Column(), Column(), Column()
         self._distance, self._speed_error, self._nearest = Column(), Column(), Column()
         self._two_sided, self._wrong_side = Column(), Column()
+        self._errors: list[tuple[FloatArray, FloatArray]] = []
 
     def count(self, tracks: PositionTracks, truth: TruePositions) -> None:
         """Count one list, against what is true at its stamp."""
@@ -158,13 +162,16 @@ class OnlinePositionScore(OnlineScore[PositionTracks]):
         self._speed_error.add(speed_error[np.isfinite(speed_error)])
         self._nearest.add(np.min(apart, axis=1) if apart.shape[1] else ())
         covariance = tracks.covariance[sided.rows[assignment.estimates]]
-        self._nees.add(normalised_square_error(error[pairs], covariance))
+        self._errors.append((error[pairs], covariance))
+        if len(self._errors) == NORMALISED_AT_ONCE:
+            self._normalise()
         self._two_sided.add(sided.other >= 0)
         self._wrong_side.add(wrong_sides(tracks, sided, truth.state[:, :2]))
 
     def score(self) -> PositionScore:
         """Return the score of all lists; what waits for truth is counted with what is known."""
         self.finish()
+        self._normalise()
         period, nees = self.periods.median(), self._nees.values / STATES
         return PositionScore(
             periods=self._identities.periods,
@@ -185,6 +192,15 @@ class OnlinePositionScore(OnlineScore[PositionTracks]):
             wrong_side_share=mean(self._wrong_side.values),
             identities=self._identities.score(period, self._truth.first_seen()),
         )
+
+    def _normalise(self) -> None:
+        """Count the errors of the last lists in units of their covariances."""
+        if self._errors:
+            errors, covariances = zip(*self._errors, strict=True)
+            self._nees.add(
+                normalised_square_error(np.concatenate(errors), np.concatenate(covariances))
+            )
+            self._errors.clear()
 
 
 def _established(entry: PositionTracks) -> IndexArray:

@@ -16,6 +16,7 @@ from sonar_tracking.evaluation.studies.mismatch_contacts.conditions import CONDI
 from sonar_tracking.evaluation.studies.mismatch_contacts.scene import Scene, as_told
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.contacts import Contacts
+from sonar_tracking.records.positions import PositionTracks
 
 DEFAULTS = "defaults"
 TOLD = "told the truth"
@@ -76,8 +77,9 @@ def mismatch_runs(task: MismatchTask) -> tuple[MismatchRun, ...]:
     reduced = [
         [as_told(ping, condition.hidden, condition.claimed) for ping in pings] for pings in told
     ]
-    by_default = _tracked(DEFAULT_CONFIGURATION, reduced, scenes, condition.cutoff_m, task.timed)
-    by_truth = _tracked(condition.told, told, scenes, condition.cutoff_m, task.timed)
+    of_scenes = (scenes, [scene.truth() for scene in scenes], condition.cutoff_m, task.timed)
+    by_default = _tracked(DEFAULT_CONFIGURATION, reduced, *of_scenes)
+    by_truth = _tracked(condition.told, told, *of_scenes)
     return tuple(
         MismatchRun(task.condition, {DEFAULTS: one, TOLD: other})
         for one, other in zip(by_default, by_truth, strict=True)
@@ -88,14 +90,15 @@ def _tracked(
     configuration: ContactTrackerConfiguration,
     runs: Sequence[Sequence[Contacts]],
     scenes: Sequence[Scene],
+    truths: Sequence[Sequence[PositionTracks]],
     cutoff_m: float,
     timed: bool,
 ) -> list[dict[str, float]]:
     tracked = track_runs(configuration, runs, timed)
     metrics = []
-    for scene, updates in zip(scenes, tracked.updates, strict=True):
+    for scene, truth, updates in zip(scenes, truths, tracked.updates, strict=True):
         tracks = [update.tracks for update in updates]
-        score = score_position_tracks(scene.truth(), tracks, cutoff_m)
+        score = score_position_tracks(truth, tracks, cutoff_m)
         held = held_identities(scene.true_state, tracks, cutoff_m)
         own = figures(score, held, scene.true_state)
         metrics.append({**own, "cpu_ms": 1e3 * tracked.seconds})

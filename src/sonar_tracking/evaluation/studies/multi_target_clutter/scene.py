@@ -138,15 +138,16 @@ def make_targets(turns: bool, generator: np.random.Generator) -> tuple[ContactTa
     """
     targets = []
     gain = np.kron(np.array([[0.5 * PING_INTERVAL**2], [PING_INTERVAL]]), np.eye(2))
+    straight_on = turn_matrices(np.array(0.0), PING_INTERVAL)
     for identity, first, last, initial in TARGETS:
         samples = [np.array(initial)]
         for ping in range(first, last):
             state = samples[-1]
-            rate = 0.0
+            matrix = straight_on
             if turns and turning(first, last, ping):
                 sign = 1.0 if identity % 2 else -1.0
                 rate = sign * LATERAL_ACCELERATION / float(np.hypot(*state[2:]))
-            matrix = turn_matrices(np.array(rate), PING_INTERVAL)
+                matrix = turn_matrices(np.array(rate), PING_INTERVAL)
             noise = ACCELERATION_DEVIATION * generator.standard_normal(2)
             samples.append(matrix @ state + gain @ noise)
         path = SampledPath(first * PING_INTERVAL, np.array(samples))
