@@ -1,8 +1,8 @@
 """From things that are fixed to boats in hard turns: modes of growing acceleration.
 
 Nobody needs to say how fast targets are or how they turn. One mode stands still; the others move
-with nearly constant velocity, disturbed by accelerations that are constant between pings and ten to
-twenty times larger from one mode to the next, up to 0.3 g. What a target does shows in the mode
+with nearly constant velocity, disturbed by accelerations that are constant between pings and many
+times larger from one mode to the next, up to 0.3 g. What a target does shows in the mode
 probabilities, and the covariance of the mixture follows. Changes of mode come at rates per second,
 so that the interval between pings does not matter.
 
@@ -24,7 +24,7 @@ import numpy as np
 
 from sonar_tracking.records.arrays import FloatArray
 
-ACCELERATIONS = (0.0002, 0.05, 3.0)
+ACCELERATIONS = (0.0002, 0.12, 3.0)
 """Of the moving modes, m/s^2: straight on, turning as ships do, agile as boats are (0.3 g)."""
 
 LARGEST_CHANGE = 15.0
