@@ -119,7 +119,10 @@ def check_order(stamp: int, last: PingOrigin | None) -> None:
 def _with_regular_deviations(contacts: Contacts) -> Contacts:
     changed: dict[str, Any] = {}
     for name, (smallest, largest) in DEVIATION_LIMITS.items():
-        values = np.asarray(getattr(contacts, name))
+        given = getattr(contacts, name)
+        if isinstance(given, float) and smallest <= given <= largest:
+            continue
+        values = np.asarray(given)
         if values.shape not in ((), (len(contacts.range),)):
             raise InputError(
                 f"{name} of the ping has {values.size} entries for {len(contacts.range)} contacts; "

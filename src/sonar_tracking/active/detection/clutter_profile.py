@@ -9,6 +9,7 @@ more than its share gets what it has.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 
@@ -81,9 +82,12 @@ class ClutterProfile:
         return np.asarray(factor[_rings(distance, self.reach)])
 
 
+@lru_cache(maxsize=16)
 def ring_edges(reach: float) -> FloatArray:
-    """Return the bounds of the rings, shape (RINGS + 1,), m."""
-    return np.append(0.0, reach * 2.0 ** np.arange(1.0 - RINGS, 1.0))
+    """Return the bounds of the rings, shape (RINGS + 1,), m; read only, since they are kept."""
+    edges = np.append(0.0, reach * 2.0 ** np.arange(1.0 - RINGS, 1.0))
+    edges.setflags(write=False)
+    return edges
 
 
 def _rings(distance: FloatArray, reach: float) -> IndexArray:

@@ -15,6 +15,8 @@ Musicki, Evans, Stankovic (1994) for Lambda; Bayes' rule for its average over va
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from sonar_tracking.active.detection.gate_association import PROBABILITY_IN_GATE
@@ -46,8 +48,9 @@ TYPICAL = float(UNTOLD @ LEVELS)
 """P_D where a method needs one number and nothing is known."""
 
 
+@lru_cache(maxsize=64)
 def prior_weights(told: float) -> FloatArray:
-    """Return the weights of the levels before any track is seen.
+    """Return the weights of the levels before any track is seen; read only, since they are kept.
 
     Parameters
     ----------
@@ -62,7 +65,9 @@ def prior_weights(told: float) -> FloatArray:
     if np.isnan(told):
         return UNTOLD
     near = np.exp(-0.5 * ((LEVELS - told) / TOLD_DEVIATION) ** 2)
-    return np.asarray(TOLD_SHARE * near / np.sum(near) + (1.0 - TOLD_SHARE) * UNTOLD)
+    weights = np.asarray(TOLD_SHARE * near / np.sum(near) + (1.0 - TOLD_SHARE) * UNTOLD)
+    weights.setflags(write=False)
+    return weights
 
 
 def scene_weights(weights: FloatArray, confirmed: BoolArray, told: float) -> FloatArray:

@@ -138,9 +138,10 @@ class DetectionModel:
         """
         edges = np.maximum(edges, self.minimum_range)
         if math.isfinite(self.uniform_density):
-            shares = 0.5 * self.uniform_density * np.diff(edges**2)
+            squares = edges**2
+            shares = 0.5 * self.uniform_density * (squares[1:] - squares[:-1])
         else:
-            shares = self.false_alarm_probability / self.cell_size * np.diff(edges)
+            shares = self.false_alarm_probability / self.cell_size * (edges[1:] - edges[:-1])
         return np.asarray(self.clutter_factor * self.sector * shares)
 
     @property
