@@ -97,4 +97,6 @@ def update(
 
 def symmetrised(matrix: FloatArray) -> FloatArray:
     """Return the symmetric part of square matrices, shape (..., n, n), in their units."""
-    return 0.5 * (matrix + matrix.swapaxes(-1, -2))
+    total = matrix + matrix.swapaxes(-1, -2)
+    total *= 0.5
+    return total

@@ -100,7 +100,7 @@ def mix_updates(
     weighted = weights[..., None] * updates.correction
     combined = np.add.reduceat(weighted, starts, axis=0)
     spread = weighted[..., :, None] * updates.correction[..., None, :]
-    spread = spread - weights[..., None, None] * updates.reduction
+    spread -= weights[..., None, None] * updates.reduction
     change = np.add.reduceat(spread, starts, axis=0)
     change = change - combined[..., :, None] * combined[..., None, :]
     mean, covariance = bank.mean.copy(), bank.covariance.copy()

@@ -142,8 +142,11 @@ class TrackBank:
         weight = self.mode_probability
         mean = (weight[..., None] * self.mean).sum(axis=1)
         deviation = self.mean - mean[:, None]
-        spread = self.covariance + deviation[..., :, None] * deviation[..., None, :]
-        return mean, (weight[..., None, None] * spread).sum(axis=1)
+        # In place: of many tracks, reading and writing takes longer than the arithmetic.
+        spread = deviation[..., :, None] * deviation[..., None, :]
+        spread += self.covariance
+        spread *= weight[..., None, None]
+        return mean, spread.sum(axis=1)
 
 
 COLUMNS = tuple(field.name for field in fields(TrackBank))
@@ -191,7 +194,7 @@ def predict_bank(
     stayed = bank.mode_probability * np.einsum("...ii->...i", transition)
     matrices = modes.matrices(mixed[..., 2:], interval)
     covariance = np.matmul(np.matmul(matrices, spread), matrices.swapaxes(-1, -2))
-    covariance = covariance + modes.noise(mixed[..., 2:], interval)
+    covariance += modes.noise(mixed[..., 2:], interval)
     return replace(
         bank,
         existence=survival_probability * bank.existence,
@@ -236,5 +239,5 @@ def _mix(bank: TrackBank, transition: FloatArray) -> tuple[FloatArray, FloatArra
     flat = bank.covariance.reshape(n_tracks, n_modes, 16)
     within = np.matmul(weight, flat).reshape(n_tracks, n_modes, 4, 4)
     weighted = weight[..., None] * deviation
-    between = np.matmul(weighted.swapaxes(-1, -2), deviation)
-    return mean, within + between, probability
+    within += np.matmul(weighted.swapaxes(-1, -2), deviation)
+    return mean, within, probability
