@@ -87,5 +87,5 @@ def test_a_slow_ship_does_not_turn_hard() -> None:
 
 
 def test_new_targets_are_slow_or_fast() -> None:
-    assert MODES.speed_deviation == pytest.approx([0.02, 3.6, 8.0, 8.0])
+    assert MODES.speed_deviation == pytest.approx([0.02, 4.4, 8.0, 8.0])
     assert AccelerationLevels(0.01).speed_deviation[0] == 0.01

@@ -39,7 +39,7 @@ FIXED_SPEED = 0.02
 FIXED_DRIFT = 0.02
 """Of the place of what is fixed, m/s^0.5."""
 
-STRAIGHT_SPEED_SHARE = 0.45
+STRAIGHT_SPEED_SHARE = 0.55
 """Speed of new targets that go straight on, relative to that of all: most are slow."""
 
 PRIOR = (0.4, 0.4, 0.15, 0.05)
