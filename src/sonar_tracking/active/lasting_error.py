@@ -19,6 +19,7 @@ Kirubarajan (2001), section 5.6 on the consistency that is restored by it.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -227,34 +228,26 @@ def _followed(
     rows = SceneRows(tuple(len(monitor.id) for monitor in monitors))
     first = rows.spread([scene * SCENE_APART for scene in range(len(monitors))])
     known_ids = joined([monitor.id for monitor in monitors]) + first
-    kept = _among(known_ids, tracks) & ~_among(known_ids, third.id)
+    kept = _among(known_ids, tracks)
     if not len(third.id) and kept.all():
         return list(monitors)
-    before = {
-        name: joined([getattr(monitor, name) for monitor in monitors])
-        for name in ("time", "position", "covariance")
-    }
-    row = np.searchsorted(known_ids, third.id)
-    known = _among(third.id, known_ids)
-    last = {
-        "time": np.full((len(third.id), 2), np.nan),
-        "position": np.zeros((len(third.id), 2, 2)),
-        "covariance": np.zeros((len(third.id), 2, 2, 2)),
-    }
-    for name, column in last.items():
-        column[known] = before[name][row[known]]
+    fresh = third.id[~_among(third.id, known_ids)]
+    old_ids = known_ids[kept]
+    ids = np.sort(np.concatenate([old_ids, fresh])) if len(fresh) else old_ids
+    old_rows, rows_of_third = ids.searchsorted(old_ids), ids.searchsorted(third.id)
+    columns, last = {}, {}
+    for name, nothing in (("time", np.nan), ("position", 0.0), ("covariance", 0.0)):
+        old = joined([getattr(monitor, name) for monitor in monitors])[kept]
+        column = np.full((len(ids), *old.shape[1:]), nothing)
+        column[old_rows] = old
+        last[name] = column[rows_of_third]
+        column[rows_of_third, 0] = last[name][:, 1]
+        column[rows_of_third, 1] = getattr(third, name)
+        columns[name] = column
     full, squares = _squares(last["time"], last["position"], last["covariance"], third)
-    ids = np.concatenate([known_ids[kept], third.id])
-    order = np.argsort(ids, kind="stable")
-    ids = ids[order]
-    columns = {
-        name: np.concatenate(
-            [before[name][kept], np.stack([column[:, 1], getattr(third, name)], axis=1)]
-        )[order]
-        for name, column in last.items()
-    }
     bounds = [scene * SCENE_APART for scene in range(1, len(monitors))]
-    of_scene = SceneRows(tuple(np.diff([0, *ids.searchsorted(bounds), len(ids)]).tolist()))
+    ends = [0, *ids.searchsorted(bounds).tolist(), len(ids)]
+    of_scene = SceneRows(tuple(end - begin for begin, end in itertools.pairwise(ends)))
     parts = [of_scene.split(column) for column in columns.values()]
     return [
         LastingErrorMonitor(

@@ -7,6 +7,7 @@ of them. A node has one scene, and everything here is then what it was.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
@@ -48,11 +49,13 @@ class SceneRows:
     @cached_property
     def starts(self) -> IndexArray:
         """First row of each scene, shape (n_scenes,)."""
-        return np.cumsum((0, *self.counts[:-1]))
+        return np.array([0, *itertools.accumulate(self.counts[:-1])])
 
     @cached_property
     def scene(self) -> IndexArray:
         """Scene of each row, shape (n,)."""
+        if self.single:
+            return np.zeros(self.counts[0], dtype=np.intp)
         return np.arange(len(self.counts)).repeat(self.counts)
 
     @cached_property
