@@ -13,9 +13,6 @@ from sonar_tracking.active.contacts.contact_tracker_configuration import Contact
 from sonar_tracking.active.multi_target_tracker import MultiTargetTracker, update_together
 from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
 
-RUNS_TOGETHER = 10
-"""Runs of a task: the arrays of more do not stay near the processor."""
-
 
 @dataclass(frozen=True)
 class TrackedRuns:

@@ -21,7 +21,6 @@ from sonar_tracking.evaluation.monte_carlo.study_definition import (
     StudyDefinition,
     TableLayout,
 )
-from sonar_tracking.evaluation.monte_carlo.tracked_runs import RUNS_TOGETHER
 from sonar_tracking.evaluation.studies.mismatch_contacts.conditions import CONDITIONS
 from sonar_tracking.evaluation.studies.mismatch_contacts.figures import draw_conditions
 from sonar_tracking.evaluation.studies.mismatch_contacts.runs import (
@@ -71,7 +70,7 @@ def tasks(runs: int, seed: int) -> tuple[Task, ...]:
     return tuple(
         Task(mismatch_runs, MismatchTask(name, batch.seeds, timed=batch.first_run == 0))
         for part, name in enumerate(CONDITIONS)
-        for batch in run_batches(runs, seed, part, RUNS_TOGETHER)
+        for batch in run_batches(runs, seed, part)
     )
 
 

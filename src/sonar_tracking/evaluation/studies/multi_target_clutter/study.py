@@ -21,7 +21,6 @@ from sonar_tracking.evaluation.monte_carlo.study_definition import (
     StudyDefinition,
     TableLayout,
 )
-from sonar_tracking.evaluation.monte_carlo.tracked_runs import RUNS_TOGETHER
 from sonar_tracking.evaluation.studies.multi_target_clutter.figures import (
     draw_counts,
     draw_scene,
@@ -59,6 +58,10 @@ PANELS = (*_PAIRED, _OTHERS) if _OTHERS else _PAIRED
 
 BOUND = "Cramer-Rao bound"
 EARLY = slice(5, 100)
+
+RUNS_TOGETHER = 10
+"""Runs of a task: the arrays of more, with two thousand contacts each, do not stay near the
+processor."""
 
 CONDITIONS = (
     ("environment 1", SceneOptions(1), PAPER_SYSTEMS),
