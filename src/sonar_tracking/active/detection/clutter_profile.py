@@ -53,7 +53,7 @@ class ClutterProfile:
         distance : ndarray, shape (n,)
             Of the contacts that no track explains, m.
         expected : ndarray, shape (RINGS,)
-            Contacts that the claimed density gives in each ring.
+            Contacts that the claimed density gives in each ring, pure numbers.
         reach : float
             Largest distance, m.
         """
