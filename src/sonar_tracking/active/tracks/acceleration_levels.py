@@ -24,13 +24,13 @@ import numpy as np
 
 from sonar_tracking.records.arrays import FloatArray
 
-ACCELERATIONS = (0.0002, 0.12, 3.0)
+ACCELERATIONS = (0.0006, 0.12, 3.0)
 """Of the moving modes, m/s^2: straight on, turning as ships do, agile as boats are (0.3 g)."""
 
 LARGEST_CHANGE = 15.0
 """Of a velocity per axis, standard deviation, m/s."""
 
-LARGEST_CHANGE_AT_REST = 2.0
+LARGEST_CHANGE_AT_REST = 1.0
 """The same of what does not move yet, m/s; with its speed it grows as that does."""
 
 FIXED_SPEED = 0.02
