@@ -13,7 +13,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.graph.chaos.fault_plan import DELAYED, ENDS_THE_RUN, Fault, FaultKind
+from sonar_tracking.graph.chaos.fault_plan import (
+    DELAYED,
+    ENDS_THE_RUN,
+    OF_THE_NETWORK,
+    Fault,
+    FaultKind,
+)
 from sonar_tracking.graph.chaos.network import Network
 from sonar_tracking.graph.chaos.outcome import Outcome
 from sonar_tracking.graph.chaos.recording_check import (
@@ -198,7 +204,8 @@ class DisturbedRun:
         """Let a fault happen; return when it is over."""
         if fault.kind is FaultKind.MALFORMED:
             watch.send_malformed(fault.target, fault.seed)
-        elif self.network is not None:
+        elif fault.kind in OF_THE_NETWORK:
+            assert self.network is not None
             _disturb_network(self.network, fault, watch)
         elif fault.target:
             _signal_node(run, fault, watch)

@@ -51,12 +51,12 @@ class Network:
             if ctypes.CDLL(None, use_errno=True).unshare(_CLONE_NEWNET) != 0:
                 raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
             device = _open_device()
+            _route_by_device()
         except OSError as error:
             raise ConfigurationError(
                 f"delay and partition need a network of their own ({error}); run them as root, "
                 "on a machine that has /dev/net/tun."
             ) from error
-        _route_by_device()
         self._cable = subprocess.Popen(
             [sys.executable, "-m", "sonar_tracking.graph.chaos.cable", str(device), str(seed)],
             stdin=subprocess.PIPE,
