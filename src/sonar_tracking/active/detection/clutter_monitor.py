@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from sonar_tracking.active.detection.clutter_amplitudes import fit_excess_law
-from sonar_tracking.active.detection.clutter_profile import ClutterProfile, ring_edges
+from sonar_tracking.active.detection.clutter_profile import ClutterProfile, clearly_more, ring_edges
 from sonar_tracking.active.detection.detection_model import DetectionModel
 from sonar_tracking.errors import Notice, Severity
 from sonar_tracking.records.arrays import FloatArray
@@ -24,8 +24,7 @@ FORGETTING = 0.9
 """Weight of the pings before, about ten of which count."""
 
 CLEAR_RATIO = 1.5
-CLEAR_DEVIATIONS = 4.0
-"""Counted must exceed claimed by both, or the claim is believed."""
+"""By which counted must exceed claimed, or the claim is believed."""
 
 FEWEST_AMPLITUDES, MOST_AMPLITUDES = 30, 2000
 """From which the law of amplitudes is found; with more of them it would be no better."""
@@ -114,10 +113,9 @@ class ClutterMonitor:
 
     def factor(self) -> float:
         """Return by what the claimed density has to be multiplied; 1 = the claim is believed."""
-        clear = self.claimed + CLEAR_DEVIATIONS * math.sqrt(max(self.claimed, 1.0))
-        if self.claimed <= 0.0 or self.counted <= max(CLEAR_RATIO * self.claimed, clear):
-            return 1.0
-        return self.counted / self.claimed
+        if self.claimed > 0.0 and clearly_more(self.counted, self.claimed, CLEAR_RATIO):
+            return self.counted / self.claimed
+        return 1.0
 
     def notices(self) -> tuple[Notice, ...]:
         """Return what a user should know."""

@@ -22,8 +22,10 @@ FORGETTING = 0.95
 """Weight of the pings before, about twenty of which count."""
 
 CLEAR_RATIO = 2.0
+"""By which the contacts of a ring must exceed its share."""
+
 CLEAR_DEVIATIONS = 4.0
-"""Counted must exceed the share of a ring by both."""
+"""By which a number must exceed the expected one besides, or the expectation is believed."""
 
 UNSEEN = 0.2
 """Contacts that are taken to have been counted and expected besides: of few one cannot tell."""
@@ -68,10 +70,7 @@ class ClutterProfile:
     @property
     def contradicted(self) -> BoolArray:
         """Rings with clearly more than their share, shape (RINGS,)."""
-        expected = self.expected
-        deviation = np.sqrt(np.maximum(expected, 1.0))
-        clear = np.maximum(CLEAR_RATIO * expected, expected + CLEAR_DEVIATIONS * deviation)
-        return np.asarray(self.counted > clear)
+        return clearly_more(self.counted, self.expected, CLEAR_RATIO)
 
     def factor(self, distance: FloatArray) -> FloatArray:
         """Return by what the claimed density has to be multiplied, at distances, shape (n,), m."""
@@ -80,6 +79,28 @@ class ClutterProfile:
         found = (self.counted + UNSEEN) / (self.expected + UNSEEN)
         factor = np.where(self.contradicted, found, 1.0)
         return np.asarray(factor[_rings(distance, self.reach)])
+
+
+def clearly_more(
+    counted: FloatArray | float, expected: FloatArray | float, ratio: float
+) -> BoolArray:
+    """Return whether clearly more contacts were counted than are expected.
+
+    Parameters
+    ----------
+    counted, expected : float or ndarray, shape (n,)
+        Contacts, pure numbers.
+    ratio : float
+        By which, and by several deviations of a Poisson number, they must be more.
+
+    Returns
+    -------
+    ndarray of bool, shape () or (n,)
+        Of each.
+    """
+    deviation = np.sqrt(np.maximum(expected, 1.0))
+    clear = np.maximum(ratio * expected, expected + CLEAR_DEVIATIONS * deviation)
+    return np.asarray(counted > clear)
 
 
 @lru_cache(maxsize=16)
