@@ -42,9 +42,16 @@ def leading_eigenvectors(matrix: ComplexArray, count: int) -> tuple[FloatArray, 
         If the matrix is not finite.
     """
     size = matrix.shape[-1]
-    if size <= _SMALL or matrix.ndim > 2:
+    if size <= _SMALL:
         values, vectors = np.linalg.eigh(matrix)
         return values[..., : -count - 1 : -1], vectors[..., :, : -count - 1 : -1]
+    if matrix.ndim > 2:
+        each_by_itself = [
+            leading_eigenvectors(each, count) for each in matrix.reshape(-1, size, size)
+        ]
+        values, vectors = (np.array(each) for each in zip(*each_by_itself, strict=True))
+        batch = matrix.shape[:-2]
+        return values.reshape(*batch, count), vectors.reshape(*batch, size, count)
     if not np.isfinite(matrix).all():
         raise np.linalg.LinAlgError("The matrix holds values that are no finite numbers.")
     if size >= _LARGE and count * _SHARE_OF_LANCZOS <= size:

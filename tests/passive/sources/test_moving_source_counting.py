@@ -32,7 +32,8 @@ def eigenvalues(data: ComplexArray) -> FloatArray:
 
 def counted(data: ComplexArray, thorough: bool, fastest: float = FASTEST) -> int:
     covariance = sample_covariance(data)
-    return count_moving_sources(data, covariance, eigenvalues(data), HEADER, fastest, thorough)
+    counted = count_moving_sources(data, covariance, eigenvalues(data), HEADER, fastest, thorough)
+    return int(counted)
 
 
 def strong_and_weak(seed: int, rate_deg: float = 0.0) -> ComplexArray:
@@ -55,7 +56,7 @@ def test_the_first_count_is_on_the_newest_that_the_fastest_allow() -> None:
         eigenvalues(data), 200, POSITIONS, WAVENUMBER, FASTEST * SAMPLE_PERIOD
     )
     assert used < 50
-    expected = source_count(sample_covariance(data[-used:]), used)
+    expected = source_count(sample_covariance(data[-used:]), int(used))
     assert counted(data, thorough=False) == expected
 
 

@@ -16,8 +16,9 @@ from sonar_tracking.geometry import line_array, steering_vectors
 from sonar_tracking.passive.subspaces.basis_sampling import CapturedSubspace
 from sonar_tracking.passive.subspaces.channel_monitor import new_monitor
 from sonar_tracking.passive.subspaces.estimation_memory import (
+    CompleteWindow,
     EstimationMemory,
-    estimate_of_window,
+    estimates_of_windows,
     ready_to_count,
     starting_columns,
 )
@@ -68,7 +69,8 @@ def memory(**changes: Any) -> EstimationMemory:
 
 
 def estimate(made: EstimationMemory, window: Window = WINDOW) -> SubspaceEstimates:
-    return estimate_of_window(CONFIGURATION, SCHEDULE, window, made, made)
+    complete = CompleteWindow(window, made, made)
+    return estimates_of_windows(CONFIGURATION, SCHEDULE, [complete])[0]
 
 
 def test_an_estimate_holds_the_bases_of_its_window_and_the_last_snapshots_up_to_its_end() -> None:

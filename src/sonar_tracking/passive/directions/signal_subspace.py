@@ -114,11 +114,7 @@ def signal_subspace(
             f"and {n_elements - 1}."
         )
     factor = None if noise_covariance is None else noise_factor(noise_covariance)
-    white = covariance
-    if factor is not None:
-        half = np.linalg.solve(factor, covariance)
-        adjoint = np.swapaxes(half, -1, -2).conj()
-        white = np.asarray(np.linalg.solve(factor, adjoint), dtype=np.complex128)
+    white = covariance if factor is None else whitened_covariance(covariance, factor)
     values, vectors = leading_eigenvectors(white, rank)
     mean = np.trace(white, axis1=-2, axis2=-1).real / n_elements
     # The mean of the other eigenvalues, which need not be known singly.
@@ -130,6 +126,26 @@ def signal_subspace(
         noise_power=np.maximum(others, least),
         factor=factor,
     )
+
+
+def whitened_covariance(covariance: ComplexArray, factor: ComplexArray) -> ComplexArray:
+    """Return L^-1 C L^-H.
+
+    Parameters
+    ----------
+    covariance : ndarray, shape (..., n_elements, n_elements), complex
+        C, Hermitian, linear power.
+    factor : ndarray, shape (n_elements, n_elements), complex
+        Cholesky factor L of the noise covariance, pure numbers.
+
+    Returns
+    -------
+    ndarray, shape (..., n_elements, n_elements), complex
+        Linear power.
+    """
+    half = np.linalg.solve(factor, covariance)
+    adjoint = np.swapaxes(half, -1, -2).conj()
+    return np.asarray(np.linalg.solve(factor, adjoint), dtype=np.complex128)
 
 
 def noise_factor(noise_covariance: ComplexArray) -> ComplexArray:

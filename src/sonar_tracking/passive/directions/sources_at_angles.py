@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from sonar_tracking.geometry import beamwidth, steering_vectors, wavenumber
-from sonar_tracking.passive.directions.signal_subspace import noise_factor
+from sonar_tracking.passive.directions.signal_subspace import noise_factor, whitened_covariance
 from sonar_tracking.passive.performance.fisher_information import (
     source_covariance,
     stochastic_fisher_information,
@@ -145,8 +145,7 @@ def power_ratios(estimates: SubspaceEstimates, angles: FloatArray) -> FloatArray
     if estimates.noise_covariance is not None:
         factor = noise_factor(estimates.noise_covariance)
         vectors = np.asarray(np.linalg.solve(factor, vectors), dtype=np.complex128)
-        half = np.linalg.solve(factor, covariance)
-        covariance = np.asarray(np.linalg.solve(factor, half.conj().T), dtype=np.complex128)
+        covariance = whitened_covariance(covariance, factor)
     # Row n of the pseudoinverse is the part of vector n orthogonal to the others, over its power.
     rows = np.linalg.pinv(vectors, rcond=_SEPARABLE)
     along = np.einsum("nm,mk,nk->n", rows, covariance, rows.conj()).real

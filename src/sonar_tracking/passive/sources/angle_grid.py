@@ -50,19 +50,19 @@ class UniformLineGrid:
 
         Parameters
         ----------
-        vectors : ndarray, shape (n_elements, n_columns), complex
+        vectors : ndarray, shape (..., n_elements, n_columns), complex
             v_c in the columns, pure numbers.
 
         Returns
         -------
-        ndarray, shape (n_angles,)
+        ndarray, shape (..., n_angles)
             Pure numbers.
         """
         n_elements = len(self.shift)
-        spectra = np.fft.fft(vectors.conj().T * self.shift, 2 * n_elements, axis=1)
-        correlation = np.fft.ifft((spectra.real**2 + spectra.imag**2).sum(axis=0))[:n_elements]
-        power = np.fft.irfft(correlation, self.length) * self.length
-        return np.asarray(power[self.period])
+        spectra = np.fft.fft(adjoint(vectors) * self.shift, 2 * n_elements)
+        correlation = np.fft.ifft((spectra.real**2 + spectra.imag**2).sum(axis=-2))
+        power = np.fft.irfft(correlation[..., :n_elements], self.length) * self.length
+        return np.asarray(power[..., self.period])
 
 
 @dataclass(frozen=True)
@@ -91,24 +91,25 @@ class SteeredGrid:
 
         Parameters
         ----------
-        vectors : ndarray, shape (n_elements, n_columns), complex
+        vectors : ndarray, shape (..., n_elements, n_columns), complex
             v_c in the columns, pure numbers.
 
         Returns
         -------
-        ndarray, shape (n_angles,)
+        ndarray, shape (..., n_angles)
             Pure numbers.
         """
         if self.steering is not None:
-            return column_power(vectors.conj().T @ self.steering)
+            return column_power(adjoint(vectors) @ self.steering)
         portions = np.array_split(self.angles, -(-len(self.angles) // _ANGLES_AT_ONCE))
         return np.concatenate(
             [
                 column_power(
-                    vectors.conj().T @ steering_vectors(self.positions, portion, self.wavenumber)
+                    adjoint(vectors) @ steering_vectors(self.positions, portion, self.wavenumber)
                 )
                 for portion in portions
-            ]
+            ],
+            axis=-1,
         )
 
 
@@ -161,12 +162,17 @@ def column_power(vectors: ComplexArray) -> FloatArray:
 
     Parameters
     ----------
-    vectors : ndarray, shape (n_rows, n_columns), complex
+    vectors : ndarray, shape (..., n_rows, n_columns), complex
         Linear amplitude, or pure numbers.
 
     Returns
     -------
-    ndarray, shape (n_columns,)
+    ndarray, shape (..., n_columns)
         Linear power, or pure numbers.
     """
-    return np.asarray((vectors.real**2 + vectors.imag**2).sum(axis=0))
+    return np.asarray((vectors.real**2 + vectors.imag**2).sum(axis=-2))
+
+
+def adjoint(matrix: ComplexArray) -> ComplexArray:
+    """Return the conjugate transpose of matrices, shape (..., n, m), in their unit."""
+    return np.swapaxes(matrix, -1, -2).conj()

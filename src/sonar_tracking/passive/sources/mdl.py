@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sonar_tracking.geometry import variance_along
-from sonar_tracking.records.arrays import ComplexArray, FloatArray
+from sonar_tracking.passive.directions.signal_subspace import whitened_covariance
+from sonar_tracking.records.arrays import ComplexArray, FloatArray, IntArray
 
 LEAST_COUNTING_SNAPSHOTS = 12
 """Fewest snapshots that sources are counted on."""
@@ -32,25 +33,47 @@ _EPSILON, _TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
 def minimum_description_length(eigenvalues: NDArray[np.floating], n_snapshots: int) -> int:
     """Return the number of signal eigenvalues by the MDL criterion.
 
+    Parameters
+    ----------
+    eigenvalues : ndarray, shape (M,)
+        Of a sample covariance, linear power, descending.
+    n_snapshots : int
+        N, independent snapshots in the covariance.
+    """
+    return int(signal_counts(eigenvalues, n_snapshots))
+
+
+def signal_counts(eigenvalues: NDArray[np.floating], n_snapshots: int) -> IntArray:
+    """Return the number of signal eigenvalues of each of several covariances by the MDL criterion.
+
     MDL(k) = N (M - k) ln(mean / geometric mean of the M - k smallest) + (k / 2)(2M - k) ln N, least
     over k = 0 ... M - 1.
 
     Parameters
     ----------
-    eigenvalues : ndarray, shape (M,)
-        Of a sample covariance, linear power, descending. Zero ones, of silent elements or
+    eigenvalues : ndarray, shape (..., M)
+        Of sample covariances, linear power, descending. Zero ones, of silent elements or
         because there are fewer snapshots than M, are left out.
     n_snapshots : int
-        N, independent snapshots in the covariance.
+        N, independent snapshots in each covariance.
+
+    Returns
+    -------
+    ndarray of int, shape (...)
+        One a covariance.
     """
-    floor = max(float(eigenvalues[0]), 0.0) * _EPSILON + _TINY
-    above = int(np.count_nonzero(eigenvalues > len(eigenvalues) * floor))
-    count = max(min(above, n_snapshots), 1)
-    values = np.maximum(eigenvalues[:count], floor)
-    remaining, scaled, penalty = _penalty(count, n_snapshots)
-    mean = values[::-1].cumsum()[::-1] / remaining
-    log_mean = np.log(values)[::-1].cumsum()[::-1] / remaining
-    return int((scaled * (np.log(mean) - log_mean) + penalty).argmin())
+    floor = np.maximum(eigenvalues[..., :1], 0.0) * _EPSILON + _TINY
+    above = np.count_nonzero(eigenvalues > eigenvalues.shape[-1] * floor, axis=-1)
+    counts = np.maximum(np.minimum(above, n_snapshots), 1)
+    found = np.zeros_like(counts)
+    for count in set(counts.ravel().tolist()):
+        rows = counts == count
+        values = np.maximum(eigenvalues[rows][:, :count], floor[rows])
+        remaining, scaled, penalty = _penalty(count, n_snapshots)
+        mean = values[:, ::-1].cumsum(axis=-1)[:, ::-1] / remaining
+        log_mean = np.log(values)[:, ::-1].cumsum(axis=-1)[:, ::-1] / remaining
+        found[rows] = (scaled * (np.log(mean) - log_mean) + penalty).argmin(axis=-1)
+    return found
 
 
 @lru_cache(maxsize=256)
@@ -67,35 +90,37 @@ def forward_backward_smoothed(covariance: ComplexArray, n_smoothed: int) -> Comp
 
     Parameters
     ----------
-    covariance : ndarray, shape (n_elements, n_elements), complex
+    covariance : ndarray, shape (..., n_elements, n_elements), complex
         Sample covariance, linear power.
     n_smoothed : int
         Elements of each sub-array.
 
     Returns
     -------
-    ndarray, shape (n_smoothed, n_smoothed), complex
+    ndarray, shape (..., n_smoothed, n_smoothed), complex
         (C_s + J conj(C_s) J) / 2 with C_s the mean over the sub-arrays, linear power.
     """
-    n_elements = len(covariance)
+    n_elements = covariance.shape[-1]
     n_arrays = n_elements - n_smoothed + 1
     # Running sums along the diagonals: entry (i, j) of the sum over the sub-arrays is the
     # difference of two of them. In rows of one entry less, each diagonal is a column.
-    columns = np.zeros((n_elements, 2 * n_elements - 1), dtype=np.complex128)
+    batch, width = covariance.shape[:-2], 2 * n_elements - 1
+    columns = np.zeros((*batch, n_elements, width), dtype=np.complex128)
     entry = columns.itemsize
     running: ComplexArray = np.ndarray(
-        (n_elements, n_elements),
+        covariance.shape,
         dtype=columns.dtype,
         buffer=columns,
         offset=(n_elements - 1) * entry,
-        strides=((2 * n_elements - 2) * entry, entry),
+        strides=(*columns.strides[:-2], (width - 1) * entry, entry),
     )
     running[...] = covariance
-    np.add.accumulate(columns, axis=0, out=columns)
-    smoothed = running[n_arrays - 1 :, n_arrays - 1 :].copy()
-    smoothed[1:, 1:] -= running[: n_smoothed - 1, : n_smoothed - 1]
+    for row in range(1, n_elements):
+        columns[..., row, :] += columns[..., row - 1, :]
+    smoothed = running[..., n_arrays - 1 :, n_arrays - 1 :].copy()
+    smoothed[..., 1:, 1:] -= running[..., : n_smoothed - 1, : n_smoothed - 1]
     smoothed /= n_arrays
-    return 0.5 * (smoothed + smoothed[::-1, ::-1].conj())
+    return np.asarray(0.5 * (smoothed + smoothed[..., ::-1, ::-1].conj()))
 
 
 def smoothed_size(n_elements: int, n_snapshots: int) -> int:
@@ -113,8 +138,8 @@ def counting_snapshots(
     n_snapshots: int,
     positions: FloatArray,
     wavenumber: float,
-    largest_turn: float,
-) -> int:
+    largest_turn: FloatArray | float,
+) -> IntArray:
     """Return how many snapshots to count sources on, so that a moving one counts once.
 
     A source of ratio s to the noise that turns by d during N snapshots spreads over a second
@@ -124,7 +149,7 @@ def counting_snapshots(
 
     Parameters
     ----------
-    eigenvalues : ndarray, shape (n_elements,)
+    eigenvalues : ndarray, shape (..., n_elements)
         Of the sample covariance, linear power, descending.
     n_snapshots : int
         Snapshots in it.
@@ -132,17 +157,23 @@ def counting_snapshots(
         m.
     wavenumber : float
         rad/m.
-    largest_turn : float
+    largest_turn : float or ndarray, shape (...)
         Largest change of a bearing between two snapshots, rad.
+
+    Returns
+    -------
+    ndarray of int, shape (...)
+        One a covariance.
     """
-    count = min(len(eigenvalues), n_snapshots)
-    noise = max(float(np.mean(eigenvalues[count - max(count // 3, 1) : count])), 0.0)
-    ratio = float(eigenvalues[0]) / max(noise, float(eigenvalues[0]) * 1e-9, _TINY)
+    strongest = eigenvalues[..., 0]
+    count = min(eigenvalues.shape[-1], n_snapshots)
+    noise = np.maximum(eigenvalues[..., count - max(count // 3, 1) : count].mean(axis=-1), 0.0)
+    ratio = strongest / np.maximum(np.maximum(noise, strongest * 1e-9), _TINY)
     n = np.arange(1, n_snapshots + 1)
-    variance = variance_along(positions)
-    spread = wavenumber**2 * variance * (largest_turn * n) ** 2 / 12.0 * ratio
-    allowed = n[spread < 0.5 * np.sqrt(len(positions) / n)]
-    return min(int(np.max(allowed, initial=LEAST_COUNTING_SNAPSHOTS)), n_snapshots)
+    turned = np.asarray(largest_turn)[..., None] * n
+    spread = wavenumber**2 * variance_along(positions) * turned**2 / 12.0 * ratio[..., None]
+    allowed = np.where(spread < 0.5 * np.sqrt(len(positions) / n), n, 0).max(axis=-1)
+    return np.minimum(np.maximum(allowed, LEAST_COUNTING_SNAPSHOTS), n_snapshots)
 
 
 def source_count(
@@ -153,6 +184,21 @@ def source_count(
     Parameters
     ----------
     covariance : ndarray, shape (n_elements, n_elements), complex
+        Sample covariance, linear power, not whitened.
+    n_snapshots, noise_covariance
+        As in :func:`source_counts`.
+    """
+    return int(source_counts(covariance, n_snapshots, noise_covariance))
+
+
+def source_counts(
+    covariance: ComplexArray, n_snapshots: int, noise_covariance: ComplexArray | None = None
+) -> IntArray:
+    """Return the number of sources, coherent or not, in several covariances of a uniform line.
+
+    Parameters
+    ----------
+    covariance : ndarray, shape (..., n_elements, n_elements), complex
         Sample covariance, linear power, not whitened (whitening breaks the shift
         structure).
     n_snapshots : int
@@ -160,11 +206,16 @@ def source_count(
     noise_covariance : ndarray, shape (n_elements, n_elements), complex, optional
         Pure numbers, positive; None = white. Smoothed like the covariance and then whitened
         with: the shift structure is no longer needed there.
+
+    Returns
+    -------
+    ndarray of int, shape (...)
+        One a covariance.
     """
-    size = smoothed_size(len(covariance), n_snapshots)
+    size = smoothed_size(covariance.shape[-1], n_snapshots)
     smoothed = forward_backward_smoothed(covariance, size)
     if noise_covariance is not None:
         factor = np.linalg.cholesky(forward_backward_smoothed(noise_covariance, size))
-        half = np.linalg.solve(factor, smoothed)
-        smoothed = np.asarray(np.linalg.solve(factor, half.conj().T), dtype=np.complex128)
-    return minimum_description_length(np.linalg.eigvalsh(smoothed)[::-1], n_snapshots)
+        smoothed = whitened_covariance(smoothed, np.asarray(factor, dtype=np.complex128))
+    values = np.linalg.eigvalsh(smoothed)[..., ::-1]
+    return signal_counts(values, n_snapshots)

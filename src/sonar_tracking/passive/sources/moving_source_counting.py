@@ -9,17 +9,19 @@ they really turn, and with that how many snapshots may be used to find the weak 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from sonar_tracking.geometry import wavenumber
 from sonar_tracking.passive.sources.mdl import (
     LEAST_COUNTING_SNAPSHOTS,
     counting_snapshots,
-    source_count,
+    source_counts,
 )
-from sonar_tracking.passive.sources.music import music_bearings
+from sonar_tracking.passive.sources.music import resolved_bearings
 from sonar_tracking.passive.sources.steering_error import with_steering_error
-from sonar_tracking.records.arrays import ComplexArray, FloatArray
+from sonar_tracking.records.arrays import ComplexArray, FloatArray, IndexArray, IntArray
 from sonar_tracking.records.bearings import ArraySnapshots
 
 
@@ -31,16 +33,16 @@ def count_moving_sources(
     maximum_rate: float,
     thorough: bool,
     steering_error: float = 0.0,
-) -> int:
+) -> IntArray:
     """Return the number of sources seen by a uniform line array, -1 with too few snapshots.
 
     Parameters
     ----------
-    snapshots : ndarray, shape (n_snapshots, n_elements), complex
-        Linear amplitude, not whitened.
-    covariance : ndarray, shape (n_elements, n_elements), complex
+    snapshots : ndarray, shape (..., n_snapshots, n_elements), complex
+        Linear amplitude, not whitened; of any number of windows.
+    covariance : ndarray, shape (..., n_elements, n_elements), complex
         Of all of them, linear power.
-    eigenvalues : ndarray, shape (n_elements,)
+    eigenvalues : ndarray, shape (..., n_elements)
         Of their covariance, with the floor of the steering errors, linear power, descending.
     header : ArraySnapshots
         Array and frequency.
@@ -50,29 +52,38 @@ def count_moving_sources(
         Also find out how fast the strong sources really turn, to see weak ones beside them.
     steering_error : float
         Relative rms error of the steering vectors.
+
+    Returns
+    -------
+    ndarray of int, shape (...)
+        One a window.
     """
-    n_snapshots = len(snapshots)
+    n_snapshots, n_elements = snapshots.shape[-2:]
+    batch = snapshots.shape[:-2]
     if n_snapshots < LEAST_COUNTING_SNAPSHOTS:
-        return -1
-    number = wavenumber(header.center_frequency, header.sound_speed)
-    positions, noise = header.element_positions, header.noise_covariance
+        return np.full(batch, -1)
+    windows = _Windows(
+        snapshots.reshape(-1, n_snapshots, n_elements),
+        covariance.reshape(-1, n_elements, n_elements),
+        header,
+        steering_error,
+    )
+    values = eigenvalues.reshape(-1, n_elements)
     fastest = maximum_rate * header.sample_period
-    used = counting_snapshots(eigenvalues, n_snapshots, positions, number, fastest)
-
-    def count_on_newest(n_newest: int) -> int:
-        whole = n_newest == n_snapshots
-        newest = covariance if whole else sample_covariance(snapshots[-n_newest:])
-        return source_count(with_steering_error(newest, steering_error, noise), n_newest, noise)
-
-    count = count_on_newest(used)
-    while count == 0 and used < n_snapshots:
-        used = min(2 * used, n_snapshots)
-        count = count_on_newest(used)
-    if count == 0 or used == n_snapshots or not thorough:
-        return count
-    turn = _largest_turn(snapshots, count, positions, number, noise)
-    allowed = counting_snapshots(eigenvalues, n_snapshots, positions, number, min(turn, fastest))
-    return max(count, count_on_newest(allowed)) if allowed > used else count
+    rows = np.arange(len(values))
+    used = windows.allowed(values, fastest)
+    count = windows.count(rows, used)
+    while (rows := np.flatnonzero((count == 0) & (used < n_snapshots))).size:
+        used[rows] = np.minimum(2 * used[rows], n_snapshots)
+        count[rows] = windows.count(rows, used[rows])
+    rows = np.flatnonzero((count > 0) & (used < n_snapshots))
+    if thorough and rows.size:
+        turn = windows.largest_turn(rows, count[rows])
+        allowed = windows.allowed(values[rows], np.minimum(turn, fastest))
+        more = allowed > used[rows]
+        rows, allowed = rows[more], allowed[more]
+        count[rows] = np.maximum(count[rows], windows.count(rows, allowed))
+    return count.reshape(batch)
 
 
 def sample_covariance(snapshots: ComplexArray) -> ComplexArray:
@@ -91,21 +102,65 @@ def sample_covariance(snapshots: ComplexArray) -> ComplexArray:
     return np.swapaxes(snapshots, -1, -2) @ snapshots.conj() / snapshots.shape[-2]
 
 
+@dataclass(frozen=True)
+class _Windows:
+    """Equally long windows of snapshots of one array, (n_windows, n_snapshots, n_elements)."""
+
+    snapshots: ComplexArray
+    covariance: ComplexArray
+    header: ArraySnapshots
+    steering_error: float
+
+    @property
+    def number(self) -> float:
+        """Wavenumber, rad/m."""
+        return wavenumber(self.header.center_frequency, self.header.sound_speed)
+
+    def allowed(self, eigenvalues: FloatArray, turn: FloatArray | float) -> IntArray:
+        """Return how many snapshots of some windows to count on, by the turn a snapshot, rad."""
+        n_snapshots, positions = self.snapshots.shape[-2], self.header.element_positions
+        return counting_snapshots(eigenvalues, n_snapshots, positions, self.number, turn)
+
+    def count(self, rows: IndexArray, n_newest: IntArray) -> IntArray:
+        """Return the number of sources in the newest snapshots of some windows."""
+        noise, counts = self.header.noise_covariance, np.zeros_like(n_newest)
+        for n in set(n_newest.tolist()):
+            together = n_newest == n
+            if n == self.snapshots.shape[-2]:
+                newest = self.covariance[rows[together]]
+            else:
+                newest = sample_covariance(self.snapshots[rows[together], -n:])
+            loaded = with_steering_error(newest, self.steering_error, noise)
+            counts[together] = source_counts(loaded, n, noise)
+        return counts
+
+    def largest_turn(self, rows: IndexArray, counts: IntArray) -> FloatArray:
+        """Return the largest change of the strong bearings a snapshot, rad; inf = not known."""
+        positions, noise = self.header.element_positions, self.header.noise_covariance
+        turn = np.empty(len(rows))
+        for count in set(counts.tolist()):
+            together = counts == count
+            own = self.snapshots[rows[together]]
+            turn[together] = _largest_turn(own, count, positions, self.number, noise)
+        return turn
+
+
 def _largest_turn(
     snapshots: ComplexArray,
     count: int,
     positions: FloatArray,
     number: float,
     noise: ComplexArray | None,
-) -> float:
+) -> FloatArray:
     """Return the largest change of the strong bearings per snapshot, rad; inf = not known."""
-    half = len(snapshots) // 2
-    if count >= min(half, len(positions)):
-        return np.inf
-    early, late = (
-        music_bearings(sample_covariance(part), count, positions, number, noise)
-        for part in (snapshots[:half], snapshots[-half:])
+    n_snapshots, n_elements = snapshots.shape[-2:]
+    half, batch = n_snapshots // 2, snapshots.shape[:-2]
+    if count >= min(half, n_elements):
+        return np.full(batch, np.inf)
+    halves = np.stack([snapshots[..., :half, :], snapshots[..., -half:, :]])
+    covariances = sample_covariance(halves).reshape(-1, n_elements, n_elements)
+    early, late = resolved_bearings(covariances, count, positions, number, noise).reshape(
+        2, *batch, count
     )
-    if len(early) != count or len(late) != count:
-        return np.inf
-    return float(np.abs(late - early).max()) / (len(snapshots) - half)
+    turn = np.abs(late - early).max(axis=-1) / (n_snapshots - half)
+    return np.where(np.isnan(turn), np.inf, turn)

@@ -13,14 +13,20 @@ and Propagation 34(3), 1986.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from sonar_tracking.filtering.leading_eigenvectors import leading_eigenvectors
 from sonar_tracking.geometry import steering_vectors
-from sonar_tracking.passive.sources.angle_grid import AngleGrid, angle_grid, column_power
+from sonar_tracking.passive.directions.signal_subspace import whitened_covariance
+from sonar_tracking.passive.sources.angle_grid import (
+    AngleGrid,
+    adjoint,
+    angle_grid,
+    column_power,
+)
 from sonar_tracking.records.arrays import ComplexArray, FloatArray, IndexArray
 
 _TINY = float(np.finfo(float).tiny)
@@ -45,8 +51,8 @@ class NullSpectrum:
         Element positions, m.
     wavenumber : float
         rad/m.
-    signal_vectors : ndarray, shape (n_elements, n_sources), complex
-        Orthonormal eigenvectors of the (whitened) covariance, pure numbers.
+    signal_vectors : ndarray, shape (..., n_elements, n_sources), complex
+        Orthonormal eigenvectors of (whitened) covariances, pure numbers.
     factor : ndarray, shape (n_elements, n_elements), complex, or None
         Cholesky factor of the noise covariance, pure numbers; None = white.
     """
@@ -67,6 +73,12 @@ class NullSpectrum:
         """Largest phase of an element, rad: how far a Newton step is from the floor."""
         return self.wavenumber * float(np.abs(self.across).max())
 
+    def of(self, rows: IndexArray) -> NullSpectrum:
+        """Return the spectra of some of several covariances, by their rows."""
+        if len(rows) == len(self.signal_vectors):
+            return self
+        return replace(self, signal_vectors=self.signal_vectors[rows])
+
     def on_grid(self, grid: AngleGrid) -> FloatArray:
         """Return f at all angles of a grid.
 
@@ -77,7 +89,7 @@ class NullSpectrum:
 
         Returns
         -------
-        ndarray, shape (n_angles,)
+        ndarray, shape (..., n_angles)
             Pure numbers from 0, in the signal subspace, to 1, orthogonal to it.
         """
         if self.factor is None:
@@ -94,16 +106,16 @@ class NullSpectrum:
 
         Parameters
         ----------
-        angles : ndarray, shape (n,)
+        angles : ndarray, shape (..., n)
             rad.
 
         Returns
         -------
-        ndarray, shape (n,)
+        ndarray, shape (..., n)
             Pure numbers, as on the grid.
         """
         vectors = self._white(steering_vectors(self.positions, angles, self.wavenumber))
-        inside = self.signal_vectors.conj().T @ vectors
+        inside = adjoint(self.signal_vectors) @ vectors
         power = column_power(vectors)
         return np.maximum(power - column_power(inside), 0.0) / power
 
@@ -112,29 +124,29 @@ class NullSpectrum:
 
         Parameters
         ----------
-        angles : ndarray, shape (n,)
+        angles : ndarray, shape (..., n)
             rad.
 
         Returns
         -------
-        ndarray, shape (n,)
+        ndarray, shape (..., n)
             To be added to the angles, rad.
         """
-        n_angles = len(angles)
+        n_angles = angles.shape[-1]
         vectors, first, second = self._steering(angles)
         # Outside of the signal subspace: y = E_n E_n^H a, u = E_n E_n^H a'.
-        outside = self._outside(np.concatenate([vectors, first], axis=1))
-        y, u = outside[:, :n_angles].conj(), outside[:, n_angles:]
-        slope = (y * u).real.sum(axis=0)
+        outside = self._outside(np.concatenate([vectors, first], axis=-1))
+        y, u = outside[..., :n_angles].conj(), outside[..., n_angles:]
+        slope = (y * u).real.sum(axis=-2)
         square = column_power(u)
         # The whole second derivative is |u|^2 + Re(y^H a''); far from the floor it may be negative.
-        bend = np.maximum(square + (y * second).real.sum(axis=0), 0.5 * square)
+        bend = np.maximum(square + (y * second).real.sum(axis=-2), 0.5 * square)
         return -slope / np.maximum(bend, _TINY)
 
     def _steering(self, angles: FloatArray) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
         """Return steering vectors with the phase of the array centre, and two derivatives."""
         x, y = self.across
-        sine, cosine = np.sin(angles), np.cos(angles)
+        sine, cosine = np.sin(angles)[..., None, :], np.cos(angles)[..., None, :]
         phase = self.wavenumber * (x * sine + y * cosine)
         slope = self.wavenumber * (x * cosine - y * sine)
         vectors = np.exp(1j * phase)
@@ -149,7 +161,7 @@ class NullSpectrum:
         return np.asarray(np.linalg.solve(self.factor, vectors), dtype=np.complex128)
 
     def _outside(self, vectors: ComplexArray) -> ComplexArray:
-        return vectors - self.signal_vectors @ (self.signal_vectors.conj().T @ vectors)
+        return vectors - self.signal_vectors @ (adjoint(self.signal_vectors) @ vectors)
 
 
 def music_bearings(
@@ -179,33 +191,94 @@ def music_bearings(
     ndarray, shape (n_resolved,)
         rad, ascending; at most n_sources, fewer when sources are not resolved.
     """
+    angles = resolved_bearings(
+        covariance[None], n_sources, positions, wavenumber, noise_covariance
+    )[0]
+    return angles[~np.isnan(angles)]
+
+
+def resolved_bearings(
+    covariances: ComplexArray,
+    n_sources: int,
+    positions: FloatArray,
+    wavenumber: float,
+    noise_covariance: ComplexArray | None = None,
+) -> FloatArray:
+    """Return the arrival angles of the sources that MUSIC resolves in each of several covariances.
+
+    Parameters
+    ----------
+    covariances : ndarray, shape (n_covariances, n_elements, n_elements), complex
+        Sample covariances, linear power.
+    n_sources, positions, wavenumber, noise_covariance
+        As in :func:`music_bearings`, the same for all.
+
+    Returns
+    -------
+    ndarray, shape (n_covariances, n_sources)
+        rad, ascending; NaN, at the end, where sources are not resolved.
+    """
     factor = None
-    white = covariance
+    white = covariances
     if noise_covariance is not None:
         factor = np.asarray(np.linalg.cholesky(noise_covariance), dtype=np.complex128)
-        half = np.linalg.solve(factor, covariance)
-        white = np.asarray(np.linalg.solve(factor, half.conj().T), dtype=np.complex128)
+        white = whitened_covariance(covariances, factor)
     # In ascending order of the eigenvalues.
-    vectors = leading_eigenvectors(white, n_sources)[1][:, ::-1]
+    vectors = leading_eigenvectors(white, n_sources)[1][..., ::-1]
     null_spectrum = NullSpectrum(positions, wavenumber, vectors, factor)
     grid = angle_grid(positions, wavenumber)
-    spectrum = null_spectrum.on_grid(grid)
+    found = _deepest_valleys(null_spectrum.on_grid(grid), n_sources)
+    angles = np.where(found < 0, np.nan, _refined(null_spectrum, grid.angles, found))
+    angles.sort(axis=-1)
+    shallow = ~(null_spectrum.at(np.nan_to_num(angles)) < SHALLOWEST_VALLEY)
+    angles[shallow] = np.nan
+    angles.sort(axis=-1)
+    return angles
+
+
+def _deepest_valleys(spectra: FloatArray, count: int) -> IndexArray:
+    """Return where on the grid the deepest valleys of each spectrum are, deepest first; -1 = none.
+
+    Parameters
+    ----------
+    spectra : ndarray, shape (n_spectra, n_angles)
+        Pure numbers.
+    count : int
+        Valleys wanted of each.
+
+    Returns
+    -------
+    ndarray of int, shape (n_spectra, count)
+        Of the angles.
+    """
     # The grid is cyclic: at half a wavelength both ends of a line array are the same wave.
-    around = np.concatenate((spectrum[-1:], spectrum, spectrum[:1]))
-    valley = (spectrum <= around[:-2]) & (spectrum < around[2:])
-    found = np.flatnonzero(valley)
-    found = found[np.argsort(spectrum[found], kind="stable")][:n_sources]
-    angles = np.sort(_refined(null_spectrum, grid.angles, found))
-    return angles[null_spectrum.at(angles) < SHALLOWEST_VALLEY]
+    around = np.concatenate((spectra[:, -1:], spectra, spectra[:, :1]), axis=-1)
+    row, column = np.nonzero((spectra <= around[:, :-2]) & (spectra < around[:, 2:]))
+    order = np.lexsort((spectra[row, column], row))
+    place = np.arange(len(row)) - np.searchsorted(row, row)
+    deepest = place < count
+    found = np.full((len(spectra), count), -1)
+    found[row[deepest], place[deepest]] = column[order[deepest]]
+    return found
 
 
 def _refined(null_spectrum: NullSpectrum, grid: FloatArray, found: IndexArray) -> FloatArray:
+    """Return the floors of valleys, shape (n_spectra, count), rad, from their places on the grid.
+
+    The floor of a spectrum is sought until it is reached in all valleys of that spectrum, so that
+    it does not depend on the others.
+    """
     angles = grid[found]
     low = grid[np.maximum(found - 1, 0)]
     high = grid[np.minimum(found + 1, len(grid) - 1)]
-    for _ in range(_REFINEMENT_STEPS if len(angles) else 0):
-        refined = np.minimum(np.maximum(angles + null_spectrum.newton_step(angles), low), high)
-        step, angles = float(np.abs(refined - angles).max()), refined
-        if null_spectrum.curvature * step**2 < _FLOOR_REACHED:
+    rows, valleys = np.arange(len(found)), found >= 0
+    for _ in range(_REFINEMENT_STEPS):
+        rows = rows[valleys[rows].any(axis=-1)]
+        if not rows.size:
             break
+        step = null_spectrum.of(rows).newton_step(angles[rows])
+        refined = np.minimum(np.maximum(angles[rows] + step, low[rows]), high[rows])
+        change = np.where(valleys[rows], np.abs(refined - angles[rows]), 0.0).max(axis=-1)
+        angles[rows] = refined
+        rows = rows[null_spectrum.curvature * change**2 >= _FLOOR_REACHED]
     return angles

@@ -20,18 +20,19 @@ covariance matrices of spiked population models", J. Multivariate Analysis 97(6)
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from sonar_tracking.geometry import is_uniform_line, variance_along, wavenumber
-from sonar_tracking.passive.directions.signal_subspace import noise_factor
+from sonar_tracking.passive.directions.signal_subspace import noise_factor, whitened_covariance
 from sonar_tracking.passive.sources.mdl import (
     forward_backward_smoothed,
     minimum_description_length,
     smoothed_size,
 )
-from sonar_tracking.records.arrays import ComplexArray, FloatArray
+from sonar_tracking.records.arrays import ComplexArray, FloatArray, IntArray
 from sonar_tracking.records.bearings import SubspaceEstimates
 from sonar_tracking.records.time import seconds
 
@@ -40,10 +41,13 @@ COUNTED_TOGETHER = 4
 
 _SNAPSHOTS_PER_ELEMENT = 2
 
-_EPSILON = float(np.finfo(float).eps)
+_EPSILON, _TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
 
 _LARGEST_SPREAD = 1.0
 """Of a second eigenvalue by motion, with the margin, over the noise."""
+
+_SURELY = 1.0 + 1e-6
+"""Beyond all rounding."""
 
 
 @dataclass(frozen=True)
@@ -95,21 +99,51 @@ class WeakSourceCounter:
         maximum_rate : float
             Fastest bearing that must not be counted twice, rad/s.
         """
-        duration = estimates.covariance_snapshots * estimates.sample_period
-        line = is_uniform_line(estimates.element_positions)
-        number = wavenumber(estimates.center_frequency, estimates.sound_speed)
-        counts = [0]
-        together = 1
-        while together <= len(self.middles):
-            mean = np.mean(self.covariances[-together:], axis=0)
-            span = seconds(self.middles[-1] - self.middles[-together]) + duration
-            turn = span * maximum_rate
-            snapshots = together * estimates.covariance_snapshots
-            counts.append(_rank(mean, estimates, snapshots, number, turn))
-            if line:
-                counts.append(_smoothed_rank(mean, estimates, snapshots, number, turn))
-            together *= 2
-        return max(counts)
+        return int(counts_together([self], estimates, maximum_rate)[0])
+
+    @property
+    def ages(self) -> tuple[int, ...]:
+        """How long before the newest covariance each was, ns."""
+        return tuple(self.middles[-1] - middle for middle in self.middles)
+
+
+def counts_together(
+    counters: Sequence[WeakSourceCounter], estimates: SubspaceEstimates, maximum_rate: float
+) -> IntArray:
+    """Return how many sources there are at least in each of several runs.
+
+    Parameters
+    ----------
+    counters : sequence of WeakSourceCounter
+        One a run; their covariances are as many, as far apart.
+    estimates : SubspaceEstimates
+        Array, frequency and noise; snapshots of each covariance; of any of the runs.
+    maximum_rate : float
+        Fastest bearing that must not be counted twice, rad/s.
+
+    Returns
+    -------
+    ndarray of int, shape (n_runs,)
+        0 if too few snapshots to tell.
+    """
+    duration = estimates.covariance_snapshots * estimates.sample_period
+    ages, counts = counters[0].ages, np.zeros(len(counters), dtype=np.int64)
+    total, added, together = np.zeros((), dtype=np.complex128), 0, 1
+    while together <= len(ages):
+        for age in range(added + 1, together + 1):
+            total = total + np.stack([counter.covariances[-age] for counter in counters])
+        added = together
+        mean = _MeanCovariances(
+            total / together,
+            together * estimates.covariance_snapshots,
+            (seconds(ages[-together]) + duration) * maximum_rate,
+            estimates,
+        )
+        counts = np.maximum(counts, mean.ranks())
+        if is_uniform_line(estimates.element_positions):
+            counts = np.maximum(counts, mean.smoothed_ranks())
+        together *= 2
+    return counts
 
 
 def believed_sources(
@@ -141,10 +175,8 @@ def believed_sources(
         return 0
     least_noise = float(eigenvalues[0]) * _EPSILON
     ratios = eigenvalues[:count] / max(float(eigenvalues[count:].mean()), least_noise)
-    variance = variance_along(positions)
-    spread = number**2 * variance * largest_turn**2 / 12.0 * float(ratios[0])
     share = len(positions) / n_snapshots
-    least = 2.0 * spread
+    least = 2.0 * _spread_of_unit(positions, number, largest_turn) * float(ratios[0])
     if least < np.sqrt(share):
         return count
     if least > _LARGEST_SPREAD:
@@ -152,41 +184,60 @@ def believed_sources(
     return int(np.count_nonzero(ratios > (1.0 + least) * (1.0 + share / least)))
 
 
-def _rank(
-    covariance: ComplexArray,
-    estimates: SubspaceEstimates,
-    n_snapshots: int,
-    number: float,
-    turn: float,
-) -> int:
-    """Return the number of weak sources in the covariance, coherent ones counted as one."""
-    positions = estimates.element_positions
-    if n_snapshots < _SNAPSHOTS_PER_ELEMENT * len(positions):
-        return 0
-    values = _eigenvalues(covariance, estimates.noise_covariance)
-    return believed_sources(values, n_snapshots, positions, number, turn)
+def _spread_of_unit(positions: FloatArray, number: float, turn: float) -> float:
+    """Return the second eigenvalue of a source that turns, over its first one."""
+    return number**2 * variance_along(positions) * turn**2 / 12.0
 
 
-def _smoothed_rank(
-    covariance: ComplexArray,
-    estimates: SubspaceEstimates,
-    n_snapshots: int,
-    number: float,
-    turn: float,
-) -> int:
-    """Return the number of weak sources, coherent or not, in the covariance of a uniform line."""
-    positions, noise = estimates.element_positions, estimates.noise_covariance
-    size = smoothed_size(len(positions), n_snapshots)
-    smoothed = forward_backward_smoothed(covariance, size)
-    colour = None if noise is None else forward_backward_smoothed(noise, size)
-    values = _eigenvalues(smoothed, colour)
-    return believed_sources(values, n_snapshots, positions[:size], number, turn)
+@dataclass(frozen=True)
+class _MeanCovariances:
+    """Mean covariances of several runs, and how far a bearing may have turned in them, rad."""
+
+    covariances: ComplexArray
+    n_snapshots: int
+    turn: float
+    estimates: SubspaceEstimates
+
+    def ranks(self) -> IntArray:
+        """Return the number of weak sources in each, coherent ones counted as one."""
+        positions, noise = self.estimates.element_positions, self.estimates.noise_covariance
+        if self.n_snapshots < _SNAPSHOTS_PER_ELEMENT * len(positions):
+            return np.zeros(len(self.covariances), dtype=np.int64)
+        return self._believed(self.covariances, positions, noise)
+
+    def smoothed_ranks(self) -> IntArray:
+        """Return the number of weak sources, coherent or not, in each one of a uniform line."""
+        positions, noise = self.estimates.element_positions, self.estimates.noise_covariance
+        size = smoothed_size(len(positions), self.n_snapshots)
+        smoothed = forward_backward_smoothed(self.covariances, size)
+        colour = None if noise is None else forward_backward_smoothed(noise, size)
+        return self._believed(smoothed, positions[:size], colour)
+
+    def _believed(
+        self, covariances: ComplexArray, positions: FloatArray, noise: ComplexArray | None
+    ) -> IntArray:
+        if noise is not None:
+            covariances = whitened_covariance(covariances, noise_factor(noise))
+        number = wavenumber(self.estimates.center_frequency, self.estimates.sound_speed)
+        # Where even the least ratio that trace and norm allow spreads too far, none is believed
+        # whatever the eigenvalues are.
+        spread = _spread_of_unit(positions, number, self.turn) * _least_ratios(covariances)
+        rows = np.flatnonzero(~(2.0 * spread > _SURELY * _LARGEST_SPREAD))
+        counts = np.zeros(len(covariances), dtype=np.int64)
+        for row, values in zip(rows, np.linalg.eigvalsh(covariances[rows]), strict=True):
+            counts[row] = believed_sources(
+                values[::-1], self.n_snapshots, positions, number, self.turn
+            )
+        return counts
 
 
-def _eigenvalues(covariance: ComplexArray, noise_covariance: ComplexArray | None) -> FloatArray:
-    """Return the eigenvalues of the whitened covariance, descending."""
-    if noise_covariance is not None:
-        factor = noise_factor(noise_covariance)
-        half = np.linalg.solve(factor, covariance)
-        covariance = np.asarray(np.linalg.solve(factor, half.conj().T), dtype=np.complex128)
-    return np.asarray(np.linalg.eigvalsh(covariance)[::-1], dtype=np.float64)
+def _least_ratios(covariances: ComplexArray) -> FloatArray:
+    """Return what the largest eigenvalues are at least, over the mean of any smallest ones.
+
+    The largest is not below sum(lambda^2) / sum(lambda), the mean of the smallest not above that of
+    all.
+    """
+    n_elements = covariances.shape[-1]
+    power = (covariances.real**2 + covariances.imag**2).sum(axis=(-2, -1))
+    trace = np.trace(covariances, axis1=-2, axis2=-1).real
+    return np.asarray(n_elements * power / np.maximum(trace, _TINY) ** 2)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from sonar_tracking.geometry import is_uniform_line
-from sonar_tracking.passive.sources.mdl import minimum_description_length
+from sonar_tracking.passive.sources.mdl import signal_counts
 from sonar_tracking.passive.sources.moving_source_counting import (
     count_moving_sources,
     sample_covariance,
@@ -61,6 +61,33 @@ def summarise_covariance(
     ----------
     snapshots : ndarray, shape (..., n_snapshots, n_elements), complex
         Newest snapshots, linear amplitude.
+    n_columns, header, whitening, maximum_rate, steering_error
+        As in :func:`summarise_windows`.
+
+    Returns
+    -------
+    CovarianceSummary
+        Ranks and counts are estimated of a single run only.
+    """
+    return summarise_windows(
+        snapshots[None], n_columns, header, whitening, maximum_rate, steering_error
+    )[0]
+
+
+def summarise_windows(
+    snapshots: ComplexArray,
+    n_columns: int,
+    header: ArraySnapshots,
+    whitening: ComplexArray | None,
+    maximum_rate: float,
+    steering_error: float = 0.0,
+) -> list[CovarianceSummary]:
+    """Return the covariance of each of several windows and what it says of noise and sources.
+
+    Parameters
+    ----------
+    snapshots : ndarray, shape (n_windows, ..., n_snapshots, n_elements), complex
+        Newest snapshots of each window, linear amplitude.
     n_columns : int
         Signal eigenvalues to leave out of the noise power; 0 = take the number found by MDL.
     header : ArraySnapshots
@@ -74,13 +101,14 @@ def summarise_covariance(
 
     Returns
     -------
-    CovarianceSummary
-        Ranks and counts are estimated of a single run only, and only when the snapshots are
-        enough: twice the number of elements for the rank, a dozen for the count.
+    list of CovarianceSummary
+        One a window. Ranks and counts are estimated of single runs only, without dimensions between
+        those of windows and snapshots, and only when the snapshots are enough: twice the number of
+        elements for the rank, a dozen for the count.
     """
-    n_snapshots, n_elements = snapshots.shape[-2:]
+    n_windows, n_snapshots, n_elements = len(snapshots), *snapshots.shape[-2:]
     if n_snapshots == 0:
-        return CovarianceSummary()
+        return [CovarianceSummary()] * n_windows
     sampled = sample_covariance(snapshots)
     floor = steering_error_floor(sampled, steering_error)[..., None]
     covariance = with_steering_error(sampled, steering_error, header.noise_covariance)
@@ -90,22 +118,26 @@ def summarise_covariance(
         if steering_error > 0.0:
             loaded = np.linalg.eigvalsh(covariance)[..., ::-1]
             eigenvalues = np.asarray(loaded, dtype=np.float64)
-    rank = count = -1
-    if snapshots.ndim == 2 and n_snapshots >= _SNAPSHOTS_PER_ELEMENT * n_elements:
-        rank = minimum_description_length(signal_values, n_snapshots)
-    if snapshots.ndim == 2 and is_uniform_line(header.element_positions):
-        count = count_moving_sources(
+    ranks = counts = np.full(n_windows, -1)
+    if snapshots.ndim == 3 and n_snapshots >= _SNAPSHOTS_PER_ELEMENT * n_elements:
+        ranks = signal_counts(signal_values, n_snapshots)
+    if snapshots.ndim == 3 and is_uniform_line(header.element_positions):
+        counts = count_moving_sources(
             snapshots, sampled, eigenvalues, header, maximum_rate, n_columns == 0, steering_error
         )
-    n_signals = n_columns if n_columns > 0 else max(rank, count, 0)
-    return CovarianceSummary(
-        covariance=covariance,
-        n_snapshots=n_snapshots,
-        eigenvalues=eigenvalues,
-        noise_power=_noise_power(signal_values, n_signals, n_snapshots),
-        rank=rank,
-        source_count=count,
-    )
+    return [
+        CovarianceSummary(
+            covariance=covariance[window],
+            n_snapshots=n_snapshots,
+            eigenvalues=eigenvalues[window],
+            noise_power=_noise_power(
+                signal_values[window], n_columns or max(rank, count, 0), n_snapshots
+            ),
+            rank=rank,
+            source_count=count,
+        )
+        for window, (rank, count) in enumerate(zip(ranks.tolist(), counts.tolist(), strict=True))
+    ]
 
 
 def _descending_eigenvalues(

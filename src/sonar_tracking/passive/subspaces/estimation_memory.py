@@ -12,7 +12,7 @@ from sonar_tracking.passive.subspaces.basis_sampling import BasisSampler, Captur
 from sonar_tracking.passive.subspaces.channel_monitor import ChannelMonitor
 from sonar_tracking.passive.subspaces.covariance_summary import (
     CovarianceSummary,
-    summarise_covariance,
+    summarise_windows,
 )
 from sonar_tracking.passive.subspaces.sample_schedule import BlockTiming, SampleSchedule, Window
 from sonar_tracking.passive.subspaces.sensor_history import SensorHistory
@@ -86,14 +86,39 @@ class EstimationMemory:
         return replace(self, windows=windows, captured=captured, sensors=sensors)
 
 
-def estimate_of_window(
-    configuration: SubspaceConfiguration,
-    schedule: SampleSchedule,
-    window: Window,
-    bases_from: EstimationMemory,
-    snapshots_from: EstimationMemory,
-) -> SubspaceEstimates:
-    """Return the estimates of one sample time.
+@dataclass(frozen=True)
+class CompleteWindow:
+    """A window whose estimate can be made.
+
+    Attributes
+    ----------
+    window : Window
+        The window; subspaces that are missing in it are left out.
+    bases_from : EstimationMemory
+        The newest memory: captured bases and where the sensor was.
+    snapshots_from : EstimationMemory
+        Array and snapshots of the covariance: of the same memory, or of the one before a gap.
+    """
+
+    window: Window
+    bases_from: EstimationMemory
+    snapshots_from: EstimationMemory
+
+    @property
+    def subspaces(self) -> list[CapturedSubspace]:
+        """The bases taken for it."""
+        return [c for c in self.bases_from.captured if c.index in self.window.indices]
+
+    @property
+    def covariance_end(self) -> int:
+        """Global index of the last snapshot of its covariance."""
+        return min(self.window.covariance_end, self.snapshots_from.timing.last_index)
+
+
+def estimates_of_windows(
+    configuration: SubspaceConfiguration, schedule: SampleSchedule, windows: list[CompleteWindow]
+) -> list[SubspaceEstimates]:
+    """Return the estimates of several sample times, of one run or of several.
 
     Parameters
     ----------
@@ -101,26 +126,35 @@ def estimate_of_window(
         Parameters of the stage.
     schedule : SampleSchedule
         Sample times.
-    window : Window
-        The window of the sample time; subspaces that are missing in it are left out.
-    bases_from : EstimationMemory
-        The newest memory: captured bases and where the sensor was.
-    snapshots_from : EstimationMemory
-        Array and snapshots of the covariance: of the same memory, or of the one before a gap.
+    windows : list of CompleteWindow
+        The window of each sample time.
     """
-    subspaces = [c for c in bases_from.captured if c.index in window.indices]
-    header, timing = snapshots_from.header, snapshots_from.timing
+    summaries = [CovarianceSummary()] * len(windows)
+    known = [row for row, each in enumerate(windows) if each.subspaces]
+    ends = [(windows[row].snapshots_from, windows[row].covariance_end) for row in known]
+    for row, summary in zip(known, _summaries(configuration, ends), strict=True):
+        summaries[row] = summary
+    return [
+        _estimate(configuration, schedule, window, summary)
+        for window, summary in zip(windows, summaries, strict=True)
+    ]
+
+
+def _estimate(
+    configuration: SubspaceConfiguration,
+    schedule: SampleSchedule,
+    complete: CompleteWindow,
+    summary: CovarianceSummary,
+) -> SubspaceEstimates:
+    window, memory, subspaces = complete.window, complete.snapshots_from, complete.subspaces
+    header, timing = memory.header, memory.timing
     beta = configuration.forgetting_factor
-    end = min(window.covariance_end, timing.last_index)
-    summary = CovarianceSummary()
-    if subspaces:
-        summary = _summary(configuration, snapshots_from, end)
-    middle = end - 0.5 * (summary.n_snapshots - 1)
+    middle = complete.covariance_end - 0.5 * (summary.n_snapshots - 1)
     offset = timing.time_offset(middle, window.stamp) if summary.n_snapshots else np.nan
     return SubspaceEstimates(
         stamp=window.stamp,
         method=configuration.method,
-        basis=_stacked(subspaces, snapshots_from),
+        basis=_stacked(subspaces, memory),
         time_offsets=np.array([c.timing.time_offset(c.index, window.stamp) for c in subspaces]),
         element_positions=header.element_positions,
         sample_period=header.sample_period,
@@ -137,7 +171,7 @@ def estimate_of_window(
         noise_power=summary.noise_power,
         noise_covariance=header.noise_covariance,
         next_stamp=schedule.stamp(window.number + 1),
-        sensor=bases_from.sensors.at(window.stamp),
+        sensor=complete.bases_from.sensors.at(window.stamp),
     )
 
 
@@ -149,7 +183,7 @@ def ready_to_count(configuration: SubspaceConfiguration, memory: EstimationMemor
 
 def starting_columns(configuration: SubspaceConfiguration, memory: EstimationMemory) -> int:
     """Return the number of sources by MDL on the newest full covariance, 0 = none seen."""
-    summary = _summary(configuration, memory, memory.timing.last_index)
+    (summary,) = _summaries(configuration, [(memory, memory.timing.last_index)])
     positions = memory.header.element_positions
     count = summary.source_count if is_uniform_line(positions) else summary.rank
     if count == 0 and configuration.entry.of_covariance:
@@ -165,19 +199,54 @@ def _stacked(subspaces: list[CapturedSubspace], memory: EstimationMemory) -> Com
     return np.empty((*batch, 0, n_elements, memory.n_columns), dtype=np.complex128)
 
 
-def _summary(
-    configuration: SubspaceConfiguration, memory: EstimationMemory, end: int
-) -> CovarianceSummary:
-    begin_of_history = memory.timing.last_index + 1 - memory.history.shape[-2]
-    stop = max(end + 1 - begin_of_history, 0)
-    start = max(stop - configuration.covariance_snapshots, 0)
+def _summaries(
+    configuration: SubspaceConfiguration, ends: list[tuple[EstimationMemory, int]]
+) -> list[CovarianceSummary]:
+    """Return the summaries of the covariances that end at some snapshots, those alike together."""
     # The columns of the covariance method are no limit to what is in a covariance of its own.
     counted = configuration.entry.of_covariance and configuration.source_count == 0
-    return summarise_covariance(
-        memory.used_history[..., start:stop, :],
-        0 if counted else memory.n_columns,
-        memory.header,
-        memory.whitening,
-        math.radians(configuration.maximum_rate_deg),
-        configuration.steering_error,
+    alike: dict[tuple[object, ...], list[int]] = {}
+    for row, (memory, end) in enumerate(ends):
+        start, stop = _covariance_part(configuration, memory, end)
+        key = (stop - start, 0 if counted else memory.n_columns, *_kind(memory))
+        alike.setdefault(key, []).append(row)
+    summaries = [CovarianceSummary()] * len(ends)
+    for rows in alike.values():
+        memory = ends[rows[0]][0]
+        parts = [
+            own.used_history[..., slice(*_covariance_part(configuration, own, end)), :]
+            for own, end in (ends[row] for row in rows)
+        ]
+        together = summarise_windows(
+            np.stack(parts) if len(parts) > 1 else parts[0][None],
+            0 if counted else memory.n_columns,
+            memory.header,
+            memory.whitening,
+            math.radians(configuration.maximum_rate_deg),
+            configuration.steering_error,
+        )
+        for row, summary in zip(rows, together, strict=True):
+            summaries[row] = summary
+    return summaries
+
+
+def _covariance_part(
+    configuration: SubspaceConfiguration, memory: EstimationMemory, end: int
+) -> tuple[int, int]:
+    """Return where the snapshots of a covariance begin and end in the history."""
+    begin_of_history = memory.timing.last_index + 1 - memory.history.shape[-2]
+    stop = max(end + 1 - begin_of_history, 0)
+    return max(stop - configuration.covariance_snapshots, 0), stop
+
+
+def _kind(memory: EstimationMemory) -> tuple[object, ...]:
+    """Return what the snapshots of two memories must have in common to be summarised together."""
+    header, noise = memory.header, memory.header.noise_covariance
+    return (
+        memory.history.shape[:-2],
+        header.element_positions.tobytes(),
+        header.sample_period,
+        header.center_frequency,
+        header.sound_speed,
+        None if noise is None else noise.tobytes(),
     )

@@ -10,32 +10,28 @@ again on the others, from the snapshots that are kept for the covariance.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import islice
 from typing import Any
 
 import numpy as np
 
-from sonar_tracking.errors import InputError, Notice, Severity
-from sonar_tracking.passive.subspaces.basis_sampling import (
-    noise_factors,
-    start_sampler,
-)
-from sonar_tracking.passive.subspaces.block_checks import (
-    check_first_block,
-    check_next_block,
-)
+from sonar_tracking.errors import InputError, Notice
+from sonar_tracking.passive.subspaces.basis_sampling import noise_factors, start_sampler
+from sonar_tracking.passive.subspaces.block_checks import check_first_block, check_next_block
 from sonar_tracking.passive.subspaces.channel_monitor import new_monitor, used_elements
 from sonar_tracking.passive.subspaces.estimation_memory import (
+    CompleteWindow,
     EstimationMemory,
-    estimate_of_window,
+    estimates_of_windows,
     ready_to_count,
     starting_columns,
 )
 from sonar_tracking.passive.subspaces.rehearsal import rehearsed_block
 from sonar_tracking.passive.subspaces.sample_schedule import (
     SampleSchedule,
-    Window,
     first_timing,
     period_in_nanoseconds,
 )
@@ -45,12 +41,17 @@ from sonar_tracking.passive.subspaces.subspace_configuration import (
     check_configuration,
 )
 from sonar_tracking.passive.subspaces.subspace_method import SubspaceMethod
+from sonar_tracking.passive.subspaces.subspace_notices import (
+    crowded_notice,
+    gap_notice,
+    singular_notice,
+)
 from sonar_tracking.records.bearings import ArraySnapshots, SubspaceEstimates
-from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS
+from sonar_tracking.records.time import END_OF_DATA
 
-__all__ = ["SubspaceConfiguration", "SubspaceStage", "SubspaceUpdate"]
+__all__ = ["SubspaceConfiguration", "SubspaceStage", "SubspaceUpdate", "update_together"]
 
-Closed = tuple[EstimationMemory, list[SubspaceEstimates]]
+Closed = tuple[EstimationMemory, list[CompleteWindow]]
 
 LONG_GAP_PERIODS = 10
 """Sample times in a gap longer than this many periods give no estimates at all."""
@@ -70,6 +71,16 @@ class SubspaceUpdate:
 
     estimates: tuple[SubspaceEstimates, ...]
     notices: tuple[Notice, ...]
+
+
+@dataclass(frozen=True)
+class _Advanced:
+    """A run after one more block, before its estimates are made."""
+
+    memory: EstimationMemory
+    complete: list[CompleteWindow]
+    notices: list[Notice]
+    end_of_data: bool
 
 
 class SubspaceStage:
@@ -138,27 +149,31 @@ class SubspaceStage:
         InputError
             If the block cannot be used; the stage is then as before.
         """
+        return update_together([self], [block])[0]
+
+    def _advance(self, block: ArraySnapshots) -> _Advanced:
+        """Return what there is to remember after a block, and the windows it has completed."""
         before = self._memory
         memory, missing = self._admit(block, before)
         monitor, channel_notices = memory.monitor.update(block)
         notices = list(channel_notices)
         memory = self._choose_elements(replace(memory, monitor=monitor))
         memory = self._open_windows(memory, missing)
-        estimates: list[SubspaceEstimates] = []
+        complete: list[CompleteWindow] = []
         if before is not None and missing:
-            notices.append(_gap_notice(missing, block))
-            memory, estimates = self._close_lost_windows(memory, before)
+            notices.append(gap_notice(missing, block))
+            memory, complete = self._close_lost_windows(memory, before)
         memory, sampling_notices = self._sample_bases(memory, block)
         notices.extend(sampling_notices)
         end_of_data = block.next_stamp == END_OF_DATA
         memory, completed = self._close_complete_windows(memory, end_of_data)
-        estimates.extend(completed)
-        if end_of_data:
-            memory, estimates = self._mark_end_of_data(memory, estimates)
-        if any(each.rank >= len(each.element_positions) - 1 for each in estimates):
-            notices.append(_crowded_notice(len(memory.header.element_positions)))
-        self._memory = memory
-        return SubspaceUpdate(tuple(estimates), tuple(notices))
+        complete.extend(completed)
+        if end_of_data and not complete:
+            # The last estimate carries the end, if only an empty one.
+            window = self._schedule.window(memory.next_sample, memory.timing)
+            memory = replace(memory, next_sample=memory.next_sample + 1)
+            complete = [CompleteWindow(window, memory, memory)]
+        return _Advanced(memory, complete, notices, end_of_data)
 
     def _admit(
         self, block: ArraySnapshots, memory: EstimationMemory | None
@@ -257,7 +272,7 @@ class SubspaceStage:
         except np.linalg.LinAlgError:
             usable = False
         if not usable:
-            return replace(memory, sampler=None), [_singular_notice(memory.n_columns)]
+            return replace(memory, sampler=None), [singular_notice(memory.n_columns)]
         return replace(memory, sampler=sampler, captured=memory.captured + captured), []
 
     def _start_sampler(self, memory: EstimationMemory) -> EstimationMemory:
@@ -282,56 +297,52 @@ class SubspaceStage:
     def _close_lost_windows(self, memory: EstimationMemory, before: EstimationMemory) -> Closed:
         """Close the windows that end in the gap, with the snapshots from before it."""
         lost = [w for w in memory.windows if w.complete < memory.timing.first_index]
-        estimates = [self._estimate(window, memory, before) for window in lost]
-        return memory.without_windows(lost) if lost else memory, estimates
+        complete = [CompleteWindow(window, memory, before) for window in lost]
+        return memory.without_windows(lost) if lost else memory, complete
 
     def _close_complete_windows(self, memory: EstimationMemory, end: bool) -> Closed:
         """Close the windows that are complete; at the end of the data also those begun."""
         last_index = memory.timing.last_index
         done = [w for w in memory.windows if end or w.complete <= last_index]
-        estimates = [self._estimate(window, memory, memory) for window in done]
+        complete = [CompleteWindow(window, memory, memory) for window in done]
         oldest = max(memory.history.shape[-2] - self._kept_snapshots, 0)
         memory = replace(memory, history=memory.history[..., oldest:, :])
-        return memory.without_windows(done) if done else memory, estimates
-
-    def _mark_end_of_data(
-        self, memory: EstimationMemory, estimates: list[SubspaceEstimates]
-    ) -> Closed:
-        """Let the last estimate carry the end, if only an empty one."""
-        if not estimates:
-            window = self._schedule.window(memory.next_sample, memory.timing)
-            memory = replace(memory, next_sample=memory.next_sample + 1)
-            estimates = [self._estimate(window, memory, memory)]
-        return memory, [*estimates[:-1], replace(estimates[-1], next_stamp=END_OF_DATA)]
-
-    def _estimate(
-        self, window: Window, bases: EstimationMemory, snapshots: EstimationMemory
-    ) -> SubspaceEstimates:
-        return estimate_of_window(self.configuration, self._schedule, window, bases, snapshots)
+        return memory.without_windows(done) if done else memory, complete
 
 
-def _gap_notice(missing: int, block: ArraySnapshots) -> Notice:
-    return Notice(
-        Severity.WARN,
-        "gap",
-        f"{missing} snapshots are missing before the block at "
-        f"{block.stamp / NANOSECONDS:.3f} s; tracking continues with the subspace from before.",
-    )
+def update_together(
+    stages: Sequence[SubspaceStage], blocks: Sequence[ArraySnapshots]
+) -> list[SubspaceUpdate]:
+    """Take one block of each of several independent runs, as each stage would by itself.
 
+    Parameters
+    ----------
+    stages : sequence of SubspaceStage
+        One a run, all of the same configuration.
+    blocks : sequence of ArraySnapshots
+        One a run.
 
-def _crowded_notice(n_elements: int) -> Notice:
-    return Notice(
-        Severity.WARN,
-        "rank",
-        f"The data show {n_elements - 1} sources or more, as many as {n_elements} elements can "
-        "tell apart; those that are weak or close to others may have no track.",
-    )
+    Returns
+    -------
+    list of SubspaceUpdate
+        One a run.
 
-
-def _singular_notice(n_columns: int) -> Notice:
-    return Notice(
-        Severity.ERROR,
-        "subspace",
-        f"The data do not carry {n_columns} directions, the subspace became singular and is "
-        "started again; lower source_count.",
-    )
+    Raises
+    ------
+    InputError
+        If a block cannot be used; all stages are then as before.
+    """
+    advanced = [stage._advance(block) for stage, block in zip(stages, blocks, strict=True)]
+    complete = [window for each in advanced for window in each.complete]
+    made = iter(estimates_of_windows(stages[0].configuration, stages[0]._schedule, complete))
+    updates = []
+    for stage, each in zip(stages, advanced, strict=True):
+        estimates = list(islice(made, len(each.complete)))
+        if each.end_of_data:
+            estimates[-1] = replace(estimates[-1], next_stamp=END_OF_DATA)
+        notices = each.notices
+        if any(one.rank >= len(one.element_positions) - 1 for one in estimates):
+            notices.append(crowded_notice(len(each.memory.header.element_positions)))
+        stage._memory = each.memory
+        updates.append(SubspaceUpdate(tuple(estimates), tuple(notices)))
+    return updates

@@ -18,6 +18,7 @@ from sonar_tracking.evaluation.metrics.bearing_truth import BearingTruth
 from sonar_tracking.evaluation.monte_carlo.batch_runner import RunBatch
 from sonar_tracking.evaluation.monte_carlo.run_synthesis import block_truth, long_blocks
 from sonar_tracking.evaluation.offline.offline_bearing_chain import OfflineRun, bearing_stages
+from sonar_tracking.passive.subspaces.subspace_stage import update_together
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
@@ -151,8 +152,9 @@ def start_chains(condition: StartCondition, seeds: Sequence[int]) -> tuple[Offli
     tracks: list[list[BearingTracks]] = [[] for _ in seeds]
     notices: list[list[Notice]] = [[] for _ in seeds]
     for block in long_blocks(scenario, seeds, BLOCK_SNAPSHOTS):
-        for run, (estimator, tracker) in enumerate(stages):
-            subspaces = estimator.update(replace(block, data=block.data[run]))
+        blocks = [replace(block, data=data) for data in block.data]
+        updates = update_together([estimator for estimator, _ in stages], blocks)
+        for run, ((_, tracker), subspaces) in enumerate(zip(stages, updates, strict=True)):
             notices[run].extend(subspaces.notices)
             for estimates in subspaces.estimates:
                 tracked = tracker.update(estimates)
