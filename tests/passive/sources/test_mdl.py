@@ -14,7 +14,7 @@ from sonar_tracking.passive.sources.mdl import (
     source_count,
 )
 from sonar_tracking.passive.sources.moving_source_counting import sample_covariance
-from sonar_tracking.passive.subspaces.covariance_summary import summarise_covariance
+from sonar_tracking.passive.subspaces.covariance_summary import summarise_windows
 from tests.passive.block_scene import noise_from_ahead
 from tests.passive.crossing_scene import (
     POSITIONS,
@@ -77,7 +77,7 @@ def test_coherent_sources_are_one_in_rank_but_two_in_number() -> None:
     vectors = steering_vectors(POSITIONS, np.deg2rad([-10.0, 15.0]), WAVENUMBER)
     common = circular_noise(generator, 100, 1)
     data = common * (vectors @ np.array([1.0, np.exp(1j)])) + circular_noise(generator, 100, 15)
-    summary = summarise_covariance(data, 0, block_of(data[:0], 0), None, 0.0)
+    summary = summarise_windows(data[None], 0, block_of(data[:0], 0), None, 0.0)[0]
     assert (summary.rank, summary.source_count) == (1, 2)
     assert summary.noise_power == pytest.approx(1.0, rel=0.15)
 
@@ -90,7 +90,7 @@ def test_strong_moving_sources_are_counted_once(level_db: float) -> None:
     moving = FIVE + turn * np.array([1, -1, 1, -1, 1])
     for _ in range(10):
         data = snapshots_of(generator, moving, level_db)
-        summary = summarise_covariance(data, 0, block_of(data[:0], 0), None, np.deg2rad(5.0))
+        summary = summarise_windows(data[None], 0, block_of(data[:0], 0), None, np.deg2rad(5.0))[0]
         assert summary.source_count == 5
 
 
@@ -100,7 +100,7 @@ def test_weak_sources_are_seen_beside_strong_ones() -> None:
     static = np.broadcast_to(FIVE, (100, 5))
     for _ in range(10):
         data = snapshots_of(generator, static, [20.0, -3.0, -3.0, -3.0, -3.0])
-        summary = summarise_covariance(data, 0, block_of(data[:0], 0), None, np.deg2rad(5.0))
+        summary = summarise_windows(data[None], 0, block_of(data[:0], 0), None, np.deg2rad(5.0))[0]
         assert summary.source_count == 5
 
 
@@ -112,7 +112,7 @@ def test_large_arrays_count_on_few_snapshots(n_elements: int) -> None:
         static = np.broadcast_to(angles, (100, len(angles)))
         data = snapshots_of(generator, static, 0.0, positions=positions)
         header = block_of(data[:0], 0, element_positions=positions)
-        summary = summarise_covariance(data, 0, header, None, np.deg2rad(5.0))
+        summary = summarise_windows(data[None], 0, header, None, np.deg2rad(5.0))[0]
         assert summary.source_count == expected
 
 

@@ -9,7 +9,7 @@ from sonar_tracking.geometry import line_array, steering_vectors
 from sonar_tracking.passive.sources.steering_error import with_steering_error
 from sonar_tracking.passive.subspaces.covariance_summary import (
     CovarianceSummary,
-    summarise_covariance,
+    summarise_windows,
 )
 from tests.passive.crossing_scene import block_of, circular_noise
 
@@ -35,7 +35,7 @@ def echoing(
 
 def summary_of(data: np.ndarray, steering_error: float) -> CovarianceSummary:
     header = block_of(data[:0], 0, element_positions=POSITIONS)
-    return summarise_covariance(data, 0, header, None, 0.0, steering_error)
+    return summarise_windows(data[None], 0, header, None, 0.0, steering_error)[0]
 
 
 def test_the_floor_is_a_share_of_the_received_power_in_the_colour_of_the_noise() -> None:
@@ -66,7 +66,7 @@ def test_eigenvalues_are_those_of_the_covariance_also_in_coloured_noise() -> Non
         whitening = (
             None if noise is None else np.linalg.inv(np.linalg.cholesky(noise)).astype(complex)
         )
-        summary = summarise_covariance(data, 0, header, whitening, 0.0, 0.3)
+        summary = summarise_windows(data[None], 0, header, whitening, 0.0, 0.3)[0]
         assert summary.covariance is not None
         assert np.allclose(np.linalg.eigvalsh(summary.covariance)[::-1], summary.eigenvalues)
         white = summary.covariance

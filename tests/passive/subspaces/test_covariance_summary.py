@@ -7,7 +7,7 @@ import pytest
 
 from sonar_tracking.passive.subspaces.covariance_summary import (
     CovarianceSummary,
-    summarise_covariance,
+    summarise_windows,
 )
 from sonar_tracking.records.arrays import ComplexArray
 from tests.passive.crossing_scene import POSITIONS, block_of, circular_noise, snapshots_of
@@ -19,7 +19,7 @@ def summary(data: ComplexArray, n_columns: int = 2, bent: bool = False) -> Covar
     positions = POSITIONS.copy()
     positions[7, 1] += 0.2 if bent else 0.0
     header = block_of(data[..., :0, :], 0, element_positions=positions)
-    return summarise_covariance(data, n_columns, header, None, 0.0)
+    return summarise_windows(data[None], n_columns, header, None, 0.0)[0]
 
 
 def test_eigenvalues_fall_and_the_noise_is_the_mean_of_those_left() -> None:

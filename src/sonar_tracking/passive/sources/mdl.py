@@ -185,8 +185,10 @@ def source_count(
     ----------
     covariance : ndarray, shape (n_elements, n_elements), complex
         Sample covariance, linear power, not whitened.
-    n_snapshots, noise_covariance
-        As in :func:`source_counts`.
+    n_snapshots : int
+        Snapshots in it.
+    noise_covariance : ndarray, shape (n_elements, n_elements), complex, optional
+        As in :func:`source_counts`, pure numbers.
     """
     return int(source_counts(covariance, n_snapshots, noise_covariance))
 

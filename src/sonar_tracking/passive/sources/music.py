@@ -74,7 +74,13 @@ class NullSpectrum:
         return self.wavenumber * float(np.abs(self.across).max())
 
     def of(self, rows: IndexArray) -> NullSpectrum:
-        """Return the spectra of some of several covariances, by their rows."""
+        """Return the spectra of some of several covariances.
+
+        Parameters
+        ----------
+        rows : ndarray of int, shape (n_kept,)
+            Which of them.
+        """
         if len(rows) == len(self.signal_vectors):
             return self
         return replace(self, signal_vectors=self.signal_vectors[rows])
@@ -210,8 +216,14 @@ def resolved_bearings(
     ----------
     covariances : ndarray, shape (n_covariances, n_elements, n_elements), complex
         Sample covariances, linear power.
-    n_sources, positions, wavenumber, noise_covariance
-        As in :func:`music_bearings`, the same for all.
+    n_sources : int
+        Dimension of each signal subspace, below n_elements.
+    positions : ndarray, shape (n_elements, 3)
+        Element positions, m.
+    wavenumber : float
+        rad/m.
+    noise_covariance : ndarray, shape (n_elements, n_elements), complex, optional
+        Pure numbers; None = white noise.
 
     Returns
     -------

@@ -47,33 +47,6 @@ class CovarianceSummary:
     source_count: int = -1
 
 
-def summarise_covariance(
-    snapshots: ComplexArray,
-    n_columns: int,
-    header: ArraySnapshots,
-    whitening: ComplexArray | None,
-    maximum_rate: float,
-    steering_error: float = 0.0,
-) -> CovarianceSummary:
-    """Return the covariance of some snapshots and what it says of noise and number of sources.
-
-    Parameters
-    ----------
-    snapshots : ndarray, shape (..., n_snapshots, n_elements), complex
-        Newest snapshots, linear amplitude.
-    n_columns, header, whitening, maximum_rate, steering_error
-        As in :func:`summarise_windows`.
-
-    Returns
-    -------
-    CovarianceSummary
-        Ranks and counts are estimated of a single run only.
-    """
-    return summarise_windows(
-        snapshots[None], n_columns, header, whitening, maximum_rate, steering_error
-    )[0]
-
-
 def summarise_windows(
     snapshots: ComplexArray,
     n_columns: int,
@@ -110,14 +83,10 @@ def summarise_windows(
     if n_snapshots == 0:
         return [CovarianceSummary()] * n_windows
     sampled = sample_covariance(snapshots)
-    floor = steering_error_floor(sampled, steering_error)[..., None]
     covariance = with_steering_error(sampled, steering_error, header.noise_covariance)
-    eigenvalues = signal_values = _descending_eigenvalues(snapshots, sampled) + floor
-    if whitening is not None:
-        signal_values = _descending_eigenvalues(snapshots @ whitening.T) + floor
-        if steering_error > 0.0:
-            loaded = np.linalg.eigvalsh(covariance)[..., ::-1]
-            eigenvalues = np.asarray(loaded, dtype=np.float64)
+    eigenvalues, signal_values = _eigenvalues(
+        snapshots, sampled, covariance, whitening, steering_error
+    )
     ranks = counts = np.full(n_windows, -1)
     if snapshots.ndim == 3 and n_snapshots >= _SNAPSHOTS_PER_ELEMENT * n_elements:
         ranks = signal_counts(signal_values, n_snapshots)
@@ -138,6 +107,25 @@ def summarise_windows(
         )
         for window, (rank, count) in enumerate(zip(ranks.tolist(), counts.tolist(), strict=True))
     ]
+
+
+def _eigenvalues(
+    snapshots: ComplexArray,
+    sampled: ComplexArray,
+    covariance: ComplexArray,
+    whitening: ComplexArray | None,
+    steering_error: float,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the eigenvalues of the covariance and of the whitened one, both with the floor."""
+    floor = steering_error_floor(sampled, steering_error)[..., None]
+    eigenvalues = _descending_eigenvalues(snapshots, sampled) + floor
+    if whitening is None:
+        return eigenvalues, eigenvalues
+    signal_values = _descending_eigenvalues(snapshots @ whitening.T) + floor
+    if steering_error > 0.0:
+        loaded = np.linalg.eigvalsh(covariance)[..., ::-1]
+        eigenvalues = np.asarray(loaded, dtype=np.float64)
+    return eigenvalues, signal_values
 
 
 def _descending_eigenvalues(
