@@ -66,8 +66,25 @@ class BearingStart:
     follows_count: bool = False
     counter: WeakSourceCounter = field(default_factory=WeakSourceCounter)
 
+    def counting(self, estimates: SubspaceEstimates) -> WeakSourceCounter | None:
+        """Return the counter with the covariance of an estimate, None if it is not counted on.
+
+        Parameters
+        ----------
+        estimates : SubspaceEstimates
+            Of a single run.
+        """
+        covariance = estimates.covariance
+        if covariance is None or not self.follows_count or self._shares_snapshots(estimates):
+            return None
+        return self.counter.add(covariance_middle(estimates), covariance)
+
     def update(
-        self, estimates: SubspaceEstimates, tracked_angles: FloatArray, n_seen: int | None = None
+        self,
+        estimates: SubspaceEstimates,
+        tracked_angles: FloatArray,
+        n_seen: int | None = None,
+        n_weak: int = 0,
     ) -> tuple[BearingStart, tuple[StartedTrack, ...]]:
         """Return the start after one more estimate and the tracks started by it.
 
@@ -79,6 +96,8 @@ class BearingStart:
             Arrival angles of the tracks that run already, rad.
         n_seen : int, optional
             How many of them have a source in this covariance; all if not given.
+        n_weak : int
+            Sources that the counter (:meth:`counting`) sees at least.
         """
         covariance = estimates.covariance
         if covariance is None:
@@ -87,14 +106,10 @@ class BearingStart:
         n_seen = n_running if n_seen is None else n_seen
         if not self.follows_count and estimates.basis.shape[-1] <= n_seen:
             return replace(self, tentative=()), ()
-        middle = estimates.stamp + nanoseconds(estimates.covariance_time_offset)
-        duration = estimates.covariance_snapshots * estimates.sample_period
-        last = self.last_covariance
-        if last is not None and seconds(middle - last) < 0.999 * duration:
-            # Shared snapshots would make the bearings look more certain than they are.
+        if self._shares_snapshots(estimates):
             return self, ()
-        counter = self.counter.add(middle, covariance) if self.follows_count else self.counter
-        n_sources = self._count_sources(estimates, counter)
+        middle = covariance_middle(estimates)
+        n_sources = self._count_sources(estimates, n_weak)
         wanted = min(n_sources - n_seen, len(estimates.element_positions) - 1 - n_running)
         angles, variances = np.empty(0), np.empty(0)
         if wanted > 0:
@@ -111,16 +126,26 @@ class BearingStart:
             tentative=tuple(track for track in joined if track not in ready),
             next_id=max([self.next_id, *(track.id + 1 for track in joined)]),
             last_covariance=middle,
-            counter=counter,
+            counter=self.counting(estimates) or self.counter,
         )
         return left, started
 
-    def _count_sources(self, estimates: SubspaceEstimates, counter: WeakSourceCounter) -> int:
+    def _shares_snapshots(self, estimates: SubspaceEstimates) -> bool:
+        """Return whether the last covariance used has snapshots of this one.
+
+        They would make the bearings look more certain than they are.
+        """
+        if self.last_covariance is None:
+            return False
+        duration = estimates.covariance_snapshots * estimates.sample_period
+        return seconds(covariance_middle(estimates) - self.last_covariance) < 0.999 * duration
+
+    def _count_sources(self, estimates: SubspaceEstimates, n_weak: int) -> int:
         """Return how many sources MUSIC is to look for."""
         if not self.follows_count:
             return estimates.basis.shape[-1]
         count = estimates.source_count if estimates.source_count >= 0 else estimates.rank
-        count = max(count, counter.count(estimates, self.maximum_rate))
+        count = max(count, n_weak)
         return min(count, len(estimates.element_positions) - 1)
 
     def _join(self, middle: int, angles: FloatArray, variances: FloatArray) -> list[TentativeTrack]:
@@ -160,3 +185,8 @@ class BearingStart:
         duration = seconds(stamp - track.stamps[0])
         motion = process_noise_matrix(self.process_noise, duration)
         return StartedTrack(track.id, mean, covariance + motion)
+
+
+def covariance_middle(estimates: SubspaceEstimates) -> int:
+    """Return the middle of the snapshots of a covariance, ns."""
+    return estimates.stamp + nanoseconds(estimates.covariance_time_offset)

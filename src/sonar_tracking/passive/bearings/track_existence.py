@@ -47,7 +47,7 @@ class Evidence:
 
     Attributes
     ----------
-    log_ratio : ndarray, shape (n_tracks,)
+    log_ratio : ndarray, shape (..., n_tracks)
         Log likelihood ratio of a source against noise only; NaN = the covariance cannot tell.
     """
 
@@ -55,7 +55,7 @@ class Evidence:
 
     @property
     def unseen(self) -> BoolArray:
-        """Tracks without a source in this covariance, shape (n_tracks,)."""
+        """Tracks without a source in this covariance, shape (..., n_tracks)."""
         return np.asarray(self.log_ratio < 0.0)
 
     def update(self, probability: FloatArray, interval: float, silence_time: float) -> FloatArray:
@@ -63,7 +63,7 @@ class Evidence:
 
         Parameters
         ----------
-        probability : ndarray, shape (n_tracks,)
+        probability : ndarray, shape (..., n_tracks)
             Before, pure numbers.
         interval : float
             Since the last covariance, s.
@@ -72,7 +72,7 @@ class Evidence:
 
         Returns
         -------
-        ndarray, shape (n_tracks,)
+        ndarray, shape (..., n_tracks)
             Probabilities between ``FLOOR`` and ``CEILING``; as before where it cannot tell.
         """
         silent = np.exp(-interval / silence_time)
@@ -81,9 +81,9 @@ class Evidence:
         return np.clip(odds / (1.0 + odds), FLOOR, CEILING)
 
 
-def no_evidence(n_tracks: int) -> Evidence:
-    """Return the evidence of an estimate that tells nothing."""
-    return Evidence(np.full(n_tracks, np.nan))
+def no_evidence(shape: tuple[int, ...]) -> Evidence:
+    """Return the evidence of an estimate that tells nothing of tracks, (..., n_tracks)."""
+    return Evidence(np.full(shape, np.nan))
 
 
 def existence_evidence(
@@ -94,19 +94,19 @@ def existence_evidence(
     Parameters
     ----------
     estimates : SubspaceEstimates
-        Of a single run.
-    angles, rates : ndarray, shape (n_tracks,)
+        With covariance and noise power.
+    angles, rates : ndarray, shape (..., n_tracks)
         At the stamp, rad and rad/s.
     interval : float
         Since the estimate before, s: snapshots that it had too do not count again.
     """
     if estimates.covariance_snapshots == 0:
-        return no_evidence(len(angles))
+        return no_evidence(angles.shape)
     middle = angles + rates * estimates.covariance_time_offset
     duration = estimates.covariance_snapshots * estimates.sample_period
     snapshots = estimates.covariance_snapshots * min(1.0, interval / duration)
     ratio = power_ratios(estimates, middle)
     excess = np.maximum(ratio - 1.0, _LEAST_EXCESS / np.sqrt(estimates.covariance_snapshots))
     log_ratio = snapshots * (ratio * excess / (1.0 + excess) - np.log1p(excess))
-    close = unresolved(middle, middle, estimates) & ~np.eye(len(angles), dtype=bool)
-    return Evidence(np.where(close.any(axis=1), np.nan, log_ratio))
+    close = unresolved(middle, middle, estimates) & ~np.eye(angles.shape[-1], dtype=bool)
+    return Evidence(np.where(close.any(axis=-1), np.nan, log_ratio))

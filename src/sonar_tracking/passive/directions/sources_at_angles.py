@@ -128,18 +128,19 @@ def power_ratios(estimates: SubspaceEstimates, angles: FloatArray) -> FloatArray
     Parameters
     ----------
     estimates : SubspaceEstimates
-        Of a single run.
-    angles : ndarray, shape (n,)
+        With covariance and noise power.
+    angles : ndarray, shape (..., n)
         In the middle of the covariance, rad.
 
     Returns
     -------
-    ndarray, shape (n,)
+    ndarray, shape (..., n)
         Linear; NaN without a covariance or noise power.
     """
-    covariance, power = estimates.covariance, float(estimates.noise_power)
-    if len(angles) == 0 or covariance is None or not power > 0.0:
-        return np.full(len(angles), np.nan)
+    covariance, power = estimates.covariance, estimates.noise_power
+    known = power > 0.0
+    if angles.shape[-1] == 0 or covariance is None or not known.any():
+        return np.full(angles.shape, np.nan)
     number = wavenumber(estimates.center_frequency, estimates.sound_speed)
     vectors = steering_vectors(estimates.element_positions, angles, number)
     if estimates.noise_covariance is not None:
@@ -148,8 +149,9 @@ def power_ratios(estimates: SubspaceEstimates, angles: FloatArray) -> FloatArray
         covariance = whitened_covariance(covariance, factor)
     # Row n of the pseudoinverse is the part of vector n orthogonal to the others, over its power.
     rows = np.linalg.pinv(vectors, rcond=_SEPARABLE)
-    along = np.einsum("nm,mk,nk->n", rows, covariance, rows.conj()).real
-    return np.asarray(along / (np.abs(rows) ** 2).sum(axis=1) / power)
+    along = np.einsum("...nm,...mk,...nk->...n", rows, covariance, rows.conj()).real
+    own_power = np.where(known, power, np.nan)[..., None]
+    return np.asarray(along / (np.abs(rows) ** 2).sum(axis=-1) / own_power)
 
 
 def unresolved(

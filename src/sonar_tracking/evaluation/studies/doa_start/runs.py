@@ -18,7 +18,10 @@ from sonar_tracking.evaluation.metrics.bearing_truth import BearingTruth
 from sonar_tracking.evaluation.monte_carlo.batch_runner import RunBatch
 from sonar_tracking.evaluation.monte_carlo.run_synthesis import block_truth, long_blocks
 from sonar_tracking.evaluation.offline.offline_bearing_chain import OfflineRun, bearing_stages
-from sonar_tracking.passive.subspaces.subspace_stage import update_together
+from sonar_tracking.passive.bearings.bearing_tracker_stage import TrackerUpdate
+from sonar_tracking.passive.bearings.bearing_tracker_stage import update_together as tracks_together
+from sonar_tracking.passive.subspaces.subspace_stage import SubspaceUpdate
+from sonar_tracking.passive.subspaces.subspace_stage import update_together as subspaces_together
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
@@ -148,23 +151,28 @@ def start_chains(condition: StartCondition, seeds: Sequence[int]) -> tuple[Offli
         Of the scenario, one a run.
     """
     scenario = condition.scenario(0)
-    stages = [bearing_stages(scenario) for _ in seeds]
+    estimators, trackers = zip(*(bearing_stages(scenario) for _ in seeds), strict=True)
     tracks: list[list[BearingTracks]] = [[] for _ in seeds]
     notices: list[list[Notice]] = [[] for _ in seeds]
     for block in long_blocks(scenario, seeds, BLOCK_SNAPSHOTS):
         blocks = [replace(block, data=data) for data in block.data]
-        updates = update_together([estimator for estimator, _ in stages], blocks)
-        for run, ((_, tracker), subspaces) in enumerate(zip(stages, updates, strict=True)):
-            notices[run].extend(subspaces.notices)
-            for estimates in subspaces.estimates:
-                tracked = tracker.update(estimates)
-                tracks[run].append(tracked.tracks)
-                notices[run].extend(tracked.notices)
+        subspaces = subspaces_together(estimators, blocks)
+        _add(notices, subspaces)
+        for estimates in zip(*(update.estimates for update in subspaces), strict=True):
+            updates = tracks_together(trackers, estimates)
+            _add(notices, updates)
+            for own, update in zip(tracks, updates, strict=True):
+                own.append(update.tracks)
     truth = _truth(condition)
     return tuple(
         OfflineRun(truth, tuple(own), tuple(told))
         for own, told in zip(tracks, notices, strict=True)
     )
+
+
+def _add(notices: list[list[Notice]], updates: Sequence[SubspaceUpdate | TrackerUpdate]) -> None:
+    for told, update in zip(notices, updates, strict=True):
+        told.extend(update.notices)
 
 
 @lru_cache(maxsize=len(CONDITIONS))

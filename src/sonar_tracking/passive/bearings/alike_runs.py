@@ -1,0 +1,101 @@
+"""Independent runs that are tracked in one go: which are alike, and their arrays put together.
+
+Runs are alike where the same steps follow from everything but the numbers in their arrays: as many
+tracks, the same array, the same rank. Their arrays are stacked in a new first dimension.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterable, Sequence
+from dataclasses import fields, is_dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from sonar_tracking.records.bearings import SubspaceEstimates
+
+
+def grouped(kinds: Iterable[Hashable]) -> list[list[int]]:
+    """Return the numbers of the runs of each kind, by the kinds of all runs."""
+    groups: dict[Hashable, list[int]] = {}
+    for row, kind in enumerate(kinds):
+        groups.setdefault(kind, []).append(row)
+    return list(groups.values())
+
+
+def kind_of(entry: Any) -> Hashable:
+    """Return everything of an entry but the numbers in its arrays."""
+    if isinstance(entry, np.ndarray):
+        return entry.shape
+    if is_dataclass(entry):
+        return tuple(kind_of(getattr(entry, each.name)) for each in fields(entry))
+    return entry
+
+
+def stacked(entries: Sequence[Any]) -> Any:
+    """Return an entry with the arrays of all that are alike, in a new first dimension."""
+    first = entries[0]
+    if isinstance(first, np.ndarray):
+        return np.stack(entries)
+    if not is_dataclass(first):
+        return first
+    parts = {
+        each.name: stacked([getattr(entry, each.name) for entry in entries])
+        for each in fields(first)
+    }
+    kind: Any = type(first)
+    return kind(**parts)
+
+
+def row_of(entry: Any, row: int) -> Any:
+    """Return one of the entries that were stacked."""
+    if isinstance(entry, np.ndarray):
+        return entry[row]
+    if not is_dataclass(entry):
+        return entry
+    kind: Any = type(entry)
+    return kind(**{each.name: row_of(getattr(entry, each.name), row) for each in fields(entry)})
+
+
+def kind_of_array(estimates: SubspaceEstimates) -> Hashable:
+    """Return the array, the frequency and the snapshots that estimates rest on."""
+    noise = estimates.noise_covariance
+    return (
+        estimates.element_positions.tobytes(),
+        estimates.sample_period,
+        estimates.center_frequency,
+        estimates.sound_speed,
+        estimates.covariance_snapshots,
+        None if noise is None else noise.tobytes(),
+    )
+
+
+def kind_of_estimates(estimates: SubspaceEstimates) -> Hashable:
+    """Return what estimates must have in common to be measured in together."""
+    covariance = estimates.covariance
+    return (
+        kind_of_array(estimates),
+        estimates.basis.shape,
+        estimates.time_offsets.tobytes(),
+        estimates.effective_snapshots,
+        estimates.rank,
+        covariance is None or bool(covariance.any()),
+        estimates.covariance_time_offset,
+        bool(np.isfinite(estimates.noise_power).all()),
+    )
+
+
+def stacked_estimates(estimates: Sequence[SubspaceEstimates]) -> SubspaceEstimates:
+    """Return estimates of one kind with the runs in a new first dimension.
+
+    Parameters
+    ----------
+    estimates : sequence of SubspaceEstimates
+        One a run.
+    """
+    return replace(
+        estimates[0],
+        basis=np.stack([each.basis for each in estimates]),
+        covariance=stacked([each.covariance for each in estimates]),
+        noise_power=np.stack([each.noise_power for each in estimates]),
+    )

@@ -1,0 +1,286 @@
+"""The steps of bearing tracking: running tracks are followed, ended ones dropped, new ones started.
+
+Following is done on arrays and so for several runs at once where these are alike
+(:mod:`sonar_tracking.passive.bearings.tracking_together`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from sonar_tracking.errors import InputError, Notice
+from sonar_tracking.filtering.kalman import KalmanState
+from sonar_tracking.passive.bearings.bearing_filters import BearingFilters, FilterUpdate
+from sonar_tracking.passive.bearings.bearing_measurement import BearingMeasurement
+from sonar_tracking.passive.bearings.bearing_start import BearingStart
+from sonar_tracking.passive.bearings.bearing_track_list import (
+    BearingTrackRows,
+    bearing_tracks,
+    folded_angles,
+    running_rows,
+    started_rows,
+    tentative_rows,
+)
+from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
+    SQUARE_DEGREE,
+    BearingTrackerConfiguration,
+)
+from sonar_tracking.passive.bearings.track_existence import (
+    ENDED,
+    Evidence,
+    existence_evidence,
+    no_evidence,
+)
+from sonar_tracking.passive.bearings.tracker_state import TrackerState, TrackerUpdate
+from sonar_tracking.passive.directions.sources_at_angles import (
+    estimated_sources,
+    signal_to_noise_ratios,
+)
+from sonar_tracking.passive.sources.weak_source_counting import WeakSourceCounter
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.bearings import SubspaceEstimates, TrackStatus
+from sonar_tracking.records.time import END_OF_DATA
+
+
+@dataclass(frozen=True)
+class FollowedTracks:
+    """The running tracks of one run, or of several that are alike, after an estimate.
+
+    Attributes
+    ----------
+    filters : KalmanState
+        After the estimate.
+    existence : ndarray, shape (..., n_tracks)
+        Probabilities; NaN = not estimated.
+    measurement : BearingMeasurement or None
+        What the estimate told of each track; None = nothing.
+    signal_to_noise_ratio : ndarray, shape (..., n_tracks)
+        Linear; NaN = not known.
+    evidence : Evidence
+        Of the existence of the tracks.
+    notices : tuple of Notice
+        Why nothing was measured.
+    first : bool
+        Whether the estimate only told the time.
+    """
+
+    filters: KalmanState
+    existence: FloatArray
+    measurement: BearingMeasurement | None
+    signal_to_noise_ratio: FloatArray
+    evidence: Evidence
+    notices: tuple[Notice, ...]
+    first: bool
+
+
+@dataclass(frozen=True)
+class TrackingSteps:
+    """The steps of bearing tracking, from state to state.
+
+    Attributes
+    ----------
+    configuration : BearingTrackerConfiguration
+        Parameters.
+    filters : BearingFilters
+        Of all targets.
+    """
+
+    configuration: BearingTrackerConfiguration
+    filters: BearingFilters[Any]
+
+    @cached_property
+    def ends_tracks(self) -> bool:
+        """Whether tracks without a source end."""
+        return self.configuration.ends_tracks
+
+    @cached_property
+    def needs_covariance(self) -> bool:
+        """Whether bearings are measured in the block covariance."""
+        return self.configuration.needs_covariance
+
+    @property
+    def automatic(self) -> bool:
+        """Whether tracks start by themselves."""
+        return self.configuration.start == "automatic"
+
+    def begin(self, estimates: SubspaceEstimates, next_id: int) -> TrackerState:
+        """Return the state at the first estimate: the given bearings, or none.
+
+        Parameters
+        ----------
+        estimates : SubspaceEstimates
+            The first one.
+        next_id : int
+            Identifier of the next track.
+
+        Raises
+        ------
+        InputError
+            If the array has too few elements, or tracks of several runs were to start at once.
+        """
+        if self.automatic:
+            if estimates.basis.ndim > 3:
+                raise InputError(
+                    "start = automatic cannot be used on a batch of runs; give the bearings."
+                )
+            targets = KalmanState(np.empty((0, 2)), np.empty((0, 2, 2)))
+        else:
+            targets = self._given_targets(estimates)
+        n_targets = targets.mean.shape[-2]
+        first_new = next_id + n_targets
+        start = BearingStart(
+            process_noise=self.configuration.process_noise_density,
+            maximum_rate=float(np.deg2rad(self.configuration.maximum_rate_deg)),
+            next_id=first_new,
+            follows_count=self.needs_covariance,
+            counter=WeakSourceCounter(counted_together=self.configuration.covariances_counted),
+        )
+        return TrackerState(
+            stamp=estimates.stamp,
+            ids=tuple(range(next_id, first_new)),
+            filters=self.filters.start(targets),
+            start=start,
+            existence=np.full(n_targets, np.nan),
+        )
+
+    def follow(
+        self, estimates: SubspaceEstimates, state: TrackerState, interval: float | None
+    ) -> FollowedTracks:
+        """Return the running tracks at an estimate.
+
+        Parameters
+        ----------
+        estimates : SubspaceEstimates
+            Of one run, or with a first dimension of several runs that are alike.
+        state : TrackerState
+            Before it; of several runs, with that dimension.
+        interval : float or None
+            Since the last estimate, s; None = this is the first one, which only tells the time.
+        """
+        filters = state.filters
+        if interval is not None:
+            filters = self.filters.predict(filters, interval)
+        predicted = self.filters.targets(filters).mean
+        sources, updated = None, FilterUpdate(filters, None)
+        if predicted.shape[-2]:
+            sources = estimated_sources(estimates, predicted[..., 0], predicted[..., 1])
+            if interval is not None:
+                updated = self.filters.update(filters, estimates, sources)
+        existence, evidence = state.existence, no_evidence(state.existence.shape)
+        if self.automatic and interval is not None:
+            mean = self.filters.targets(updated.filters).mean
+            evidence = existence_evidence(estimates, mean[..., 0], mean[..., 1], interval)
+            existence = evidence.update(existence, interval, self.configuration.silence_time)
+        return FollowedTracks(
+            updated.filters,
+            existence,
+            updated.measurement,
+            signal_to_noise_ratios(estimates, sources, predicted.shape[:-1]),
+            evidence,
+            updated.notices,
+            interval is None,
+        )
+
+    def finish(
+        self,
+        estimates: SubspaceEstimates,
+        before: TrackerState,
+        followed: FollowedTracks,
+        n_weak: int,
+    ) -> tuple[TrackerState, TrackerUpdate]:
+        """Return the tracks of one run after an estimate: those that go on, end and start.
+
+        Parameters
+        ----------
+        estimates : SubspaceEstimates
+            Of the run.
+        before : TrackerState
+            Before the estimate.
+        followed : FollowedTracks
+            Its running tracks.
+        n_weak : int
+            Sources that the means of its covariances show at least.
+        """
+        state = replace(
+            before,
+            stamp=estimates.stamp,
+            filters=followed.filters,
+            existence=followed.existence,
+        )
+        rows = running_rows(
+            state.ids,
+            self.filters.targets(state.filters),
+            followed.measurement,
+            followed.signal_to_noise_ratio,
+            self._status(state, followed),
+            state.existence if self.automatic else None,
+        )
+        state, n_seen = self._end_tracks(state, followed.evidence)
+        if self.automatic:
+            state, new_rows = self._start_tracks(estimates, state, n_seen, n_weak)
+            rows = rows.append(new_rows)
+        # An estimate that only carries the end of the data is empty by nature.
+        empty = estimates.next_stamp == END_OF_DATA and estimates.basis.shape[-3] == 0
+        notices = () if empty else followed.notices
+        return state, TrackerUpdate(bearing_tracks(estimates, rows), notices)
+
+    def _given_targets(self, estimates: SubspaceEstimates) -> KalmanState:
+        configuration = self.configuration
+        angles = np.deg2rad(configuration.initial_bearings_deg)
+        n_targets = len(angles)
+        if n_targets >= len(estimates.element_positions):
+            raise InputError(
+                f"initial_bearings_deg has {n_targets} bearings but the array has only "
+                f"{len(estimates.element_positions)} elements; give fewer bearings than elements."
+            )
+        state = np.stack([angles, np.deg2rad(configuration.initial_rates_deg)], axis=-1)
+        variances = SQUARE_DEGREE * np.array(
+            [configuration.initial_angle_variance_deg2, configuration.initial_rate_variance_deg2]
+        )
+        shape = (*estimates.basis.shape[:-3], n_targets, 2)
+        return KalmanState(
+            mean=np.broadcast_to(state, shape),
+            covariance=np.broadcast_to(np.diag(variances), (*shape, 2)),
+        )
+
+    def _status(self, state: TrackerState, followed: FollowedTracks) -> tuple[TrackStatus, ...]:
+        """Return the status of each running track; TERMINATED is reported once."""
+        nothing = followed.measurement is None and not followed.first
+        coasted = np.full(len(state.ids), nothing)
+        if self.ends_tracks:
+            coasted |= followed.evidence.unseen
+        status = np.where(coasted, TrackStatus.COASTED, TrackStatus.CONFIRMED)
+        if self.ends_tracks:
+            status[state.existence < ENDED] = TrackStatus.TERMINATED
+        return tuple(status.tolist())
+
+    def _end_tracks(
+        self, state: TrackerState, evidence: Evidence
+    ) -> tuple[TrackerState, int | None]:
+        """Drop ended tracks; return how many of the others have a source, None = all."""
+        if not self.ends_tracks:
+            return state, None
+        rows = np.flatnonzero(state.existence >= ENDED)
+        n_seen = int(np.count_nonzero(~evidence.unseen[rows]))
+        return state.keep(self.filters, rows), n_seen
+
+    def _start_tracks(
+        self, estimates: SubspaceEstimates, state: TrackerState, n_seen: int | None, n_weak: int
+    ) -> tuple[TrackerState, BearingTrackRows]:
+        """Let the automatic start see the estimate; return its rows too."""
+        angles = self.filters.targets(state.filters).mean[..., 0]
+        folded, _ = folded_angles(angles, estimates.element_positions)
+        start, started = state.start.update(estimates, folded, n_seen, n_weak)
+        new = started_rows(started)
+        grown = replace(
+            state,
+            start=start,
+            ids=state.ids + new.ids,
+            filters=self.filters.extend(state.filters, new.filters),
+            existence=np.concatenate([state.existence, new.existence_probability]),
+        )
+        return grown, new.append(tentative_rows(start.tentative, estimates.stamp))

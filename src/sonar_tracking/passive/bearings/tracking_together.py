@@ -1,0 +1,96 @@
+"""Bearings of independent runs tracked in one go.
+
+Small matrices cost more calls than arithmetic, so that runs that are alike are followed on arrays
+with a dimension of runs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from sonar_tracking.passive.bearings.alike_runs import (
+    grouped,
+    kind_of,
+    kind_of_array,
+    kind_of_estimates,
+    row_of,
+    stacked,
+    stacked_estimates,
+)
+from sonar_tracking.passive.bearings.bearing_start import BearingStart
+from sonar_tracking.passive.bearings.tracker_state import TrackerState
+from sonar_tracking.passive.bearings.tracking_steps import FollowedTracks, TrackingSteps
+from sonar_tracking.passive.sources.weak_source_counting import counts_together
+from sonar_tracking.records.bearings import SubspaceEstimates
+
+
+def follow_together(
+    steps: TrackingSteps,
+    estimates: Sequence[SubspaceEstimates],
+    before: Sequence[tuple[TrackerState, float | None]],
+) -> list[FollowedTracks]:
+    """Return the running tracks of several runs at their estimates, those alike in one go.
+
+    Parameters
+    ----------
+    steps : TrackingSteps
+        Of all runs.
+    estimates : sequence of SubspaceEstimates
+        One a run.
+    before : sequence of (TrackerState, float or None)
+        The state of each run before its estimate, and how long before, s; None = it is the first.
+    """
+    kinds = [
+        (interval, kind_of(state.filters), kind_of_estimates(own))
+        for own, (state, interval) in zip(estimates, before, strict=True)
+    ]
+    followed: dict[int, FollowedTracks] = {}
+    for rows in grouped(kinds):
+        state, interval = before[rows[0]]
+        if len(rows) == 1:
+            followed[rows[0]] = steps.follow(estimates[rows[0]], state, interval)
+            continue
+        states = [before[row][0] for row in rows]
+        state = replace(
+            state,
+            filters=stacked([each.filters for each in states]),
+            existence=stacked([each.existence for each in states]),
+        )
+        together = stacked_estimates([estimates[row] for row in rows])
+        all_of_them = steps.follow(together, state, interval)
+        followed.update((row, row_of(all_of_them, place)) for place, row in enumerate(rows))
+    return [followed[row] for row in range(len(estimates))]
+
+
+def weak_sources(
+    estimates: Sequence[SubspaceEstimates], starts: Sequence[BearingStart]
+) -> list[int]:
+    """Return how many sources the means of covariances show in each run at least.
+
+    Parameters
+    ----------
+    estimates : sequence of SubspaceEstimates
+        One a run.
+    starts : sequence of BearingStart
+        The automatic start of each, before its estimate.
+
+    Returns
+    -------
+    list of int
+        One a run; 0 = none, or not counted.
+    """
+    counters = [start.counting(own) for start, own in zip(starts, estimates, strict=True)]
+    kinds = [
+        None if counter is None else (counter.ages, kind_of_array(own))
+        for counter, own in zip(counters, estimates, strict=True)
+    ]
+    weak = [0] * len(starts)
+    for rows in grouped(kinds):
+        together = [counter for row in rows if (counter := counters[row]) is not None]
+        if together:
+            first = rows[0]
+            counts = counts_together(together, estimates[first], starts[first].maximum_rate)
+            for row, count in zip(rows, counts.tolist(), strict=True):
+                weak[row] = count
+    return weak
