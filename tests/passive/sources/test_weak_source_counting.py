@@ -9,7 +9,11 @@ import pytest
 
 from sonar_tracking.geometry import steering_vectors
 from sonar_tracking.passive.sources.moving_source_counting import sample_covariance
-from sonar_tracking.passive.sources.weak_source_counting import WeakSourceCounter, believed_sources
+from sonar_tracking.passive.sources.weak_source_counting import (
+    WeakSourceCounter,
+    believed_sources,
+    least_ratios,
+)
 from sonar_tracking.records.bearings import SubspaceEstimates
 from tests.passive.block_scene import noise_colour, noise_from_ahead
 from tests.passive.crossing_scene import (
@@ -193,3 +197,14 @@ def test_noise_from_ahead_is_no_source() -> None:
 def test_a_covariance_of_another_array_begins_anew() -> None:
     counter = WeakSourceCounter().add(1, np.eye(3, dtype=complex)).add(2, np.eye(3, dtype=complex))
     assert counter.add(3, np.eye(4, dtype=complex)).middles == (3,)
+
+
+@pytest.mark.parametrize("level_db", [-20.0, -5.0, 10.0, 30.0])
+def test_no_eigenvalues_are_needed_where_trace_and_norm_say_enough(level_db: float) -> None:
+    """The ratio they allow is below that of the eigenvalues, however many are taken for noise."""
+    generator = np.random.default_rng(6)
+    data = snapshots_of(generator, np.broadcast_to(FIVE[:3], (N, 3)), level_db)
+    covariance = sample_covariance(data)
+    values = np.linalg.eigvalsh(covariance)[::-1]
+    least = float(least_ratios(covariance[None])[0])
+    assert 1.0 <= least <= min(values[0] / values[k:].mean() for k in range(1, 15))

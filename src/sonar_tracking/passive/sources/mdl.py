@@ -103,20 +103,10 @@ def forward_backward_smoothed(covariance: ComplexArray, n_smoothed: int) -> Comp
     n_elements = covariance.shape[-1]
     n_arrays = n_elements - n_smoothed + 1
     # Running sums along the diagonals: entry (i, j) of the sum over the sub-arrays is the
-    # difference of two of them. In rows of one entry less, each diagonal is a column.
-    batch, width = covariance.shape[:-2], 2 * n_elements - 1
-    columns = np.zeros((*batch, n_elements, width), dtype=np.complex128)
-    entry = columns.itemsize
-    running: ComplexArray = np.ndarray(
-        covariance.shape,
-        dtype=columns.dtype,
-        buffer=columns,
-        offset=(n_elements - 1) * entry,
-        strides=(*columns.strides[:-2], (width - 1) * entry, entry),
-    )
-    running[...] = covariance
+    # difference of two of them.
+    running = np.array(covariance, dtype=np.complex128)
     for row in range(1, n_elements):
-        columns[..., row, :] += columns[..., row - 1, :]
+        running[..., row, 1:] += running[..., row - 1, :-1]
     smoothed = running[..., n_arrays - 1 :, n_arrays - 1 :].copy()
     smoothed[..., 1:, 1:] -= running[..., : n_smoothed - 1, : n_smoothed - 1]
     smoothed /= n_arrays

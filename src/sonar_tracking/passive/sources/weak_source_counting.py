@@ -24,12 +24,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sonar_tracking.geometry import is_uniform_line, variance_along, wavenumber
 from sonar_tracking.passive.directions.signal_subspace import noise_factor, whitened_covariance
 from sonar_tracking.passive.sources.mdl import (
     forward_backward_smoothed,
-    minimum_description_length,
+    signal_counts,
     smoothed_size,
 )
 from sonar_tracking.records.arrays import ComplexArray, FloatArray, IntArray
@@ -147,19 +148,19 @@ def counts_together(
 
 
 def believed_sources(
-    eigenvalues: FloatArray,
+    eigenvalues: NDArray[np.floating],
     n_snapshots: int,
     positions: FloatArray,
     number: float,
     largest_turn: float,
-) -> int:
+) -> IntArray:
     """Return the number of weak sources by MDL, without eigenvalues that motion may have spread.
 
     It is 0 where one is so strong that its motion hides weak ones.
 
     Parameters
     ----------
-    eigenvalues : ndarray, shape (n_elements,)
+    eigenvalues : ndarray, shape (..., n_elements)
         Of the (whitened) covariance, linear power, descending.
     n_snapshots : int
         Snapshots in it.
@@ -169,19 +170,23 @@ def believed_sources(
         Wavenumber, rad/m.
     largest_turn : float
         Largest change of a bearing during the snapshots, rad.
+
+    Returns
+    -------
+    ndarray of int, shape (...)
+        One a covariance.
     """
-    count = minimum_description_length(eigenvalues, n_snapshots)
-    if count == 0:
-        return 0
-    least_noise = float(eigenvalues[0]) * _EPSILON
-    ratios = eigenvalues[:count] / max(float(eigenvalues[count:].mean()), least_noise)
+    counts = signal_counts(eigenvalues, n_snapshots)
+    n_elements = eigenvalues.shape[-1]
+    signal = np.arange(n_elements) < counts[..., None]
+    noise = np.where(signal, 0.0, eigenvalues).sum(axis=-1) / (n_elements - counts)
+    least_noise = np.maximum(eigenvalues[..., 0] * _EPSILON, _TINY)
+    ratios = eigenvalues / np.maximum(noise, least_noise)[..., None]
     share = len(positions) / n_snapshots
-    least = 2.0 * _spread_of_unit(positions, number, largest_turn) * float(ratios[0])
-    if least < np.sqrt(share):
-        return count
-    if least > _LARGEST_SPREAD:
-        return 0
-    return int(np.count_nonzero(ratios > (1.0 + least) * (1.0 + share / least)))
+    least = 2.0 * _spread_of_unit(positions, number, largest_turn) * ratios[..., :1]
+    limit = (1.0 + least) * (1.0 + share / np.maximum(least, _TINY))
+    shown = np.count_nonzero(signal & (ratios > limit) & (least <= _LARGEST_SPREAD), axis=-1)
+    return np.where(least[..., 0] < np.sqrt(share), counts, shown)
 
 
 def _spread_of_unit(positions: FloatArray, number: float, turn: float) -> float:
@@ -221,23 +226,33 @@ class _MeanCovariances:
         number = wavenumber(self.estimates.center_frequency, self.estimates.sound_speed)
         # Where even the least ratio that trace and norm allow spreads too far, none is believed
         # whatever the eigenvalues are.
-        spread = _spread_of_unit(positions, number, self.turn) * _least_ratios(covariances)
+        spread = _spread_of_unit(positions, number, self.turn) * least_ratios(covariances)
         rows = np.flatnonzero(~(2.0 * spread > _SURELY * _LARGEST_SPREAD))
         counts = np.zeros(len(covariances), dtype=np.int64)
-        for row, values in zip(rows, np.linalg.eigvalsh(covariances[rows]), strict=True):
-            counts[row] = believed_sources(
-                values[::-1], self.n_snapshots, positions, number, self.turn
-            )
+        if rows.size:
+            values = np.linalg.eigvalsh(covariances[rows])[:, ::-1]
+            counts[rows] = believed_sources(values, self.n_snapshots, positions, number, self.turn)
         return counts
 
 
-def _least_ratios(covariances: ComplexArray) -> FloatArray:
-    """Return what the largest eigenvalues are at least, over the mean of any smallest ones.
+def least_ratios(covariances: ComplexArray) -> FloatArray:
+    """Return what largest eigenvalues are at least, over the mean of any number of smallest ones.
 
     The largest is not below sum(lambda^2) / sum(lambda), the mean of the smallest not above that of
-    all.
+    all others.
+
+    Parameters
+    ----------
+    covariances : ndarray, shape (n, n_elements, n_elements), complex
+        Linear power.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Pure numbers.
     """
-    n_elements = covariances.shape[-1]
     power = (covariances.real**2 + covariances.imag**2).sum(axis=(-2, -1))
-    trace = np.trace(covariances, axis1=-2, axis2=-1).real
-    return np.asarray(n_elements * power / np.maximum(trace, _TINY) ** 2)
+    trace = np.maximum(np.trace(covariances, axis1=-2, axis2=-1).real, _TINY)
+    largest = power / trace
+    others = np.maximum(trace - largest, _EPSILON * trace) / (covariances.shape[-1] - 1)
+    return np.asarray(largest / others)
