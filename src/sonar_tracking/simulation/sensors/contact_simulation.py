@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.motion import Path, wrap_angle
+from sonar_tracking.motion import KinematicState, Path, wrap_angle
 from sonar_tracking.records.arrays import FloatArray, IntArray
 from sonar_tracking.records.contacts import Contacts
 from sonar_tracking.records.time import nanoseconds
@@ -120,7 +120,12 @@ class ContactSimulation:
         """
         time = self._start + number * self._configuration.ping_interval
         present = [one for one in self._targets if one.first_time <= time <= one.last_time]
-        echoes = [self._echo(target.path, time) for target in present]
+        own_ship = self._own_ship.state(time)
+        states = [target.path.state(time) for target in present]
+        echoes = [
+            self._echo(target.path, time, state.position - own_ship.position)
+            for target, state in zip(present, states, strict=True)
+        ]
         levels = np.array([target.level_db for target in present])
         heard = self._detected(np.array([r for r, _ in echoes]), levels)
         noise = self._generator.standard_normal((len(present), 2))
@@ -131,9 +136,9 @@ class ContactSimulation:
         kept &= found[:, 0] <= self._configuration.maximum_range
         clutter, amplitudes = self._clutter()
         rows = np.vstack([found[kept], clutter])
-        states = [target.path.state(time) for target in present]
+        heard = np.concatenate([heard[kept], amplitudes])
         return SimulatedPing(
-            contacts=self._contacts(time, rows, np.concatenate([heard[kept], amplitudes])),
+            contacts=self._contacts(time, own_ship, rows, heard),
             target_id=np.array([target.target_id for target in present], dtype=np.int64),
             state=np.array([[*s.position, *s.velocity] for s in states]).reshape(-1, 4),
         )
@@ -146,13 +151,12 @@ class ContactSimulation:
             return -(1.0 + self._nominal_ratio()) * float(np.log(given))
         return -float(np.log(self._configuration.false_alarm_probability))
 
-    def _echo(self, path: Path, time: float) -> tuple[float, float]:
-        """Return range (m) and azimuth (rad) without errors."""
+    def _echo(self, path: Path, time: float, separation: FloatArray) -> tuple[float, float]:
+        """Return range (m) and azimuth (rad) without errors, of a target so far away (m)."""
         speed = self._configuration.sound_speed
-        start = self._own_ship.state(time).position
         if speed == 0.0:
-            separation = path.state(time).position - start
             return float(np.hypot(*separation)), float(np.arctan2(separation[1], separation[0]))
+        start = self._own_ship.state(time).position
         there = back = 0.0
         for _ in range(ITERATIONS):
             there = float(np.hypot(*(path.state(time + there).position - start))) / speed
@@ -204,14 +208,15 @@ class ContactSimulation:
         by_threshold = self._configuration.n_cells * self._configuration.false_alarm_probability
         return int(self._generator.poisson(given if given > 0.0 else by_threshold))
 
-    def _contacts(self, time: float, rows: FloatArray, amplitudes: FloatArray) -> Contacts:
+    def _contacts(
+        self, time: float, own_ship: KinematicState, rows: FloatArray, amplitudes: FloatArray
+    ) -> Contacts:
         """Return the record, contacts in the order of their range: it tells nothing.
 
         A level that depends on the range is left unknown, since no single ratio is right.
         """
         sensor = self._configuration
         order = np.argsort(rows[:, 0], kind="stable")
-        own_ship = self._own_ship.state(time)
         by_threshold = sensor.clutter_per_ping == 0.0
         density = np.nan
         if sensor.clutter == "area":

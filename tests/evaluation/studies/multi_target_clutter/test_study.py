@@ -10,7 +10,7 @@ import pytest
 
 from sonar_tracking.evaluation.monte_carlo.study import StudyRow
 from sonar_tracking.evaluation.studies.multi_target_clutter import study
-from sonar_tracking.evaluation.studies.multi_target_clutter.clutter_bound import position_bound
+from sonar_tracking.evaluation.studies.multi_target_clutter.clutter_bound import position_bounds
 from sonar_tracking.evaluation.studies.multi_target_clutter.runs import (
     ClutterRun,
     ClutterTask,
@@ -136,7 +136,8 @@ def test_bound_shrinks_with_detection() -> None:
     for number in (1, 2):
         options = SceneOptions(number, turns=False)
         pings = simulate_scene(options, np.random.SeedSequence(4), 150)
-        bounds.append(np.sqrt(np.mean(position_bound(options, pings, 20))))
+        (bound,) = position_bounds(options, [pings], 20)
+        bounds.append(np.sqrt(np.mean(bound)))
     assert 10.0 < bounds[0] < bounds[1] < 25.0
 
 

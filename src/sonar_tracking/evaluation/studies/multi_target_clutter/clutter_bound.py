@@ -3,7 +3,8 @@
     J+ = (F J^-1 F^T + Q)^-1 + q2 H^T R^-1 H,
 
 along the true path, the turns known, with the information reduction factor q2 of P_D and of the
-clutter in the gate of the bound itself.
+clutter in the gate of the bound itself. That of all targets of several runs is computed at once,
+ping by ping.
 
 References
 ----------
@@ -13,7 +14,6 @@ Tichavsky, Muravchik, Nehorai (1998); Hernandez, Farina, Ristic (2006) for the r
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 
@@ -30,82 +30,92 @@ from sonar_tracking.evaluation.studies.multi_target_clutter.scene import (
     turning,
 )
 from sonar_tracking.records.arrays import FloatArray
-from sonar_tracking.records.time import NANOSECONDS
+from sonar_tracking.records.contacts import Contacts
 from sonar_tracking.simulation.sensors.contact_simulation import SimulatedPing
 
 INITIAL_SPEED_DEVIATION = 1.5
 
+_IDENTITIES = [identity for identity, *_ in TARGETS]
 
-def position_bound(
-    options: SceneOptions, pings: Sequence[SimulatedPing], settled: int
-) -> FloatArray:
+
+def position_bounds(
+    options: SceneOptions, runs: Sequence[Sequence[SimulatedPing]], settled: int
+) -> list[FloatArray]:
     """Return the bound of the square position error of all targets.
 
     Parameters
     ----------
     options : SceneOptions
         The scene.
-    pings : sequence of SimulatedPing
-        One run of it.
+    runs : sequence of sequence of SimulatedPing
+        Pings of each run, equally many.
     settled : int
         Pings of each target that are left out at its start.
 
     Returns
     -------
-    ndarray, shape (n,)
-        sigma_x^2 + sigma_y^2, m^2, over targets and pings.
+    list of ndarray, shape (n,)
+        sigma_x^2 + sigma_y^2, m^2, over targets and pings, of each run.
     """
-    bounds = []
-    for identity, first, last, _ in TARGETS:
-        path = [
-            (number, ping, ping.state[ping.target_id == identity][0])
-            for number, ping in enumerate(pings)
-            if identity in ping.target_id
-        ]
-        if not path:
-            continue
-        sign = 1.0 if identity % 2 else -1.0
-        covariance = _first_covariance(*path[0][1:])
-        for (before, _, state), (_, ping, now) in pairwise(path):
-            turns = options.turns and turning(first, last, before)
-            rate = sign * LATERAL_ACCELERATION / np.hypot(*state[2:]) if turns else 0.0
-            matrix = turn_matrices(np.array(rate), PING_INTERVAL)
-            noise = white_acceleration_noise(ACCELERATION_DEVIATION, PING_INTERVAL)
-            covariance = _updated(matrix @ covariance @ matrix.T + noise, ping, now)
-            if (
-                ping.contacts.stamp - path[0][1].contacts.stamp
-                >= settled * PING_INTERVAL * NANOSECONDS
-            ):
-                bounds.append(covariance[0, 0] + covariance[1, 1])
-    return np.array(bounds)
+    shape = (len(runs), len(TARGETS))
+    state, covariance = np.zeros((*shape, 4)), np.zeros((*shape, 4, 4))
+    bounds = np.full((*shape, len(runs[0])), np.nan)
+    first = np.full(len(TARGETS), -1)
+    for number, pings in enumerate(zip(*runs, strict=True)):
+        contacts = pings[0].contacts
+        there = np.isin(_IDENTITIES, pings[0].target_id)
+        now = np.array([ping.state for ping in pings])
+        goes_on = there & (first >= 0)
+        matrix = _transition(options, number - 1, state)[:, goes_on]
+        noise = white_acceleration_noise(ACCELERATION_DEVIATION, PING_INTERVAL)
+        predicted = matrix @ covariance[:, goes_on] @ matrix.swapaxes(-1, -2) + noise
+        state[:, there] = now
+        covariance[:, goes_on] = _updated(predicted, contacts, state[:, goes_on])
+        new = there & ~goes_on
+        covariance[:, new] = _first_covariance(contacts, state[:, new])
+        first[new] = number
+        counted = goes_on & (number - first >= settled)
+        bounds[:, counted, number] = (covariance[..., 0, 0] + covariance[..., 1, 1])[:, counted]
+    return [own[np.isfinite(own)] for own in bounds]
 
 
-def _noise(ping: SimulatedPing, state: FloatArray) -> FloatArray:
-    separation = state[:2] - np.array(ping.contacts.sensor_position)
-    distance = np.maximum(np.hypot(*separation), 1e-3)
-    return position_covariance(
-        separation[None] / distance,
-        np.array([distance]),
-        ping.contacts.range_standard_deviation,
-        ping.contacts.azimuth_standard_deviation,
-    )[0]
+def _transition(options: SceneOptions, ping: int, state: FloatArray) -> FloatArray:
+    """Return F of each target after a ping, for states of shape (n_runs, n_targets, 4)."""
+    sign = [
+        0.0 if not (options.turns and turning(first, last, ping)) else 1.0 if name % 2 else -1.0
+        for name, first, last, _ in TARGETS
+    ]
+    speed = np.hypot(state[..., 2], state[..., 3])
+    rate = np.array(sign) * LATERAL_ACCELERATION / np.where(speed > 0.0, speed, 1.0)
+    return turn_matrices(rate, PING_INTERVAL)
 
 
-def _first_covariance(ping: SimulatedPing, state: FloatArray) -> FloatArray:
-    covariance = INITIAL_SPEED_DEVIATION**2 * np.eye(4)
-    covariance[:2, :2] = _noise(ping, state)
+def _noise(contacts: Contacts, state: FloatArray) -> FloatArray:
+    separation = state[..., :2].reshape(-1, 2) - np.array(contacts.sensor_position)
+    distance = np.maximum(np.hypot(separation[:, 0], separation[:, 1]), 1e-3)
+    noise = position_covariance(
+        separation / distance[:, None],
+        distance,
+        contacts.range_standard_deviation,
+        contacts.azimuth_standard_deviation,
+    )
+    return noise.reshape(*state.shape[:-1], 2, 2)
+
+
+def _first_covariance(contacts: Contacts, state: FloatArray) -> FloatArray:
+    covariance = np.zeros((*state.shape, 4)) + INITIAL_SPEED_DEVIATION**2 * np.eye(4)
+    covariance[..., :2, :2] = _noise(contacts, state)
     return covariance
 
 
-def _updated(covariance: FloatArray, ping: SimulatedPing, state: FloatArray) -> FloatArray:
-    noise = _noise(ping, state)
-    contacts = ping.contacts
-    area = np.pi * GATE_SIZE**2 * np.sqrt(np.linalg.det(covariance[:2, :2] + noise))
-    density = contacts.clutter_density
+def _updated(covariance: FloatArray, contacts: Contacts, state: FloatArray) -> FloatArray:
+    noise = _noise(contacts, state)
+    area = np.pi * GATE_SIZE**2 * np.sqrt(np.linalg.det(covariance[..., :2, :2] + noise))
+    density: FloatArray | float = contacts.clutter_density
     if not np.isfinite(density):
-        cell = contacts.range_resolution * contacts.azimuth_resolution * np.hypot(*state[:2])
-        density = contacts.false_alarm_probability / cell
-    factor = float(information_reduction(contacts.detection_probability, density * area))
+        cell = contacts.range_resolution * contacts.azimuth_resolution
+        density = contacts.false_alarm_probability / (cell * np.hypot(state[..., 0], state[..., 1]))
+    factor = information_reduction(contacts.detection_probability, density * area)
     information = np.linalg.inv(covariance)
-    information[:2, :2] += factor * np.linalg.inv(noise)
+    information[..., :2, :2] += factor[..., None, None] * np.linalg.inv(noise)
     return np.asarray(np.linalg.inv(information))

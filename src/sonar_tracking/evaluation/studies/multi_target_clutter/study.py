@@ -29,10 +29,10 @@ from sonar_tracking.evaluation.studies.multi_target_clutter.figures import (
 from sonar_tracking.evaluation.studies.multi_target_clutter.runs import (
     ClutterRun,
     ClutterTask,
-    SystemRun,
     clutter_runs,
 )
 from sonar_tracking.evaluation.studies.multi_target_clutter.scene import SceneOptions
+from sonar_tracking.evaluation.studies.multi_target_clutter.system_run import SystemRun
 from sonar_tracking.evaluation.studies.multi_target_clutter.systems import (
     CLUSTERING,
     CLUSTERING_LITERAL,
