@@ -23,7 +23,7 @@ from sonar_tracking.active.tracks.contact_gating import (
 )
 from sonar_tracking.active.tracks.gate_thresholds import AppliedThresholds, apply_thresholds
 from sonar_tracking.active.tracks.motion_model import MotionModel
-from sonar_tracking.active.tracks.pair_search import find_pairs_of_scenes
+from sonar_tracking.active.tracks.pair_search import find_pairs
 from sonar_tracking.active.tracks.pair_updates import PairUpdates, update_pairs
 from sonar_tracking.active.tracks.scene_rows import SceneRows, joined, joined_tables
 from sonar_tracking.active.tracks.track_bank import TrackBank
@@ -185,8 +185,8 @@ def gate_ping(
         for scene in zip(bank.parts(tracks), tracks.parts(gates), ping.models, strict=True)
     ]
     threshold = joined([each.threshold for each in thresholds])
-    contacts = (ping.placed, ping.contact_rows, ping.amplitudes)
-    pairs = find_pairs_of_scenes(bank, tracks, gates, *contacts, threshold)
+    of_both = (tracks, ping.contact_rows)
+    pairs = find_pairs(bank, gates, ping.placed, ping.amplitudes, threshold, of_both)
     if modes.widest_mode is not None and bank.confirmed.any():
         far = _far_pairs(bank, tracks, ping, pairs, threshold, modes.widest_mode)
         pairs = _joined(pairs, far)
@@ -235,8 +235,8 @@ def _far_pairs(
     of_rows = tracks.of(rows)
     turning = bank.select(rows).in_mode(widest_mode)
     gates = predict_gates(turning, sensors_of_tracks(ping.sensors, of_rows))
-    contacts = (ping.placed, ping.contact_rows, ping.amplitudes)
-    found = find_pairs_of_scenes(turning, of_rows, gates, *contacts, threshold[rows])
+    of_both = (of_rows, ping.contact_rows)
+    found = find_pairs(turning, gates, ping.placed, ping.amplitudes, threshold[rows], of_both)
     explained = np.zeros(len(ping.amplitudes), dtype=bool)
     explained[pairs.contact[bank.confirmed[pairs.track]]] = True
     found = found.keep(~explained[found.contact])

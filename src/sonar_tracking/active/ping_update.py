@@ -204,7 +204,7 @@ def _confirm_and_end(
         confirmed=bank.confirmed | (bank.existence >= configuration.confirmation_probability),
         updated=np.where(detected > 0.5, ping.stamp, bank.updated),
     )
-    mean, _ = bank.moments()
+    mean, _ = bank.position_moments()
     separation = mean[:, :2] - tracks.spread([sensor.position for sensor in ping.sensors])
     distance = np.hypot(separation[:, 0], separation[:, 1])
     detection = tracks.spread([float(mean_probability(scene.new_detection)) for scene in scenes])

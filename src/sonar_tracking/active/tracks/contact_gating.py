@@ -196,10 +196,11 @@ def predict_gates(bank: TrackBank, sensor: SensorGeometry | SensorsOfTracks) -> 
     sensor : SensorGeometry or SensorsOfTracks
         Where the ping comes from.
     """
-    mean, spread = bank.moments()
+    takes_time = sensor.sound_speed > 0.0
+    mean, spread = bank.moments() if takes_time else bank.position_moments()
     separation = mean[:, :2] - sensor.position
     distance = np.maximum(np.hypot(separation[:, 0], separation[:, 1]), 1e-3)
-    delay = distance / sensor.sound_speed if sensor.sound_speed > 0.0 else np.zeros(len(bank))
+    delay = distance / sensor.sound_speed if takes_time else np.zeros(len(bank))
     noise = position_covariance(
         separation / distance[:, None],
         distance,
@@ -217,8 +218,8 @@ def delayed_position_covariance(covariance: FloatArray, delay: FloatArray) -> Fl
 
     Parameters
     ----------
-    covariance : ndarray, shape (..., 4, 4)
-        Of x, y, vx, vy, m^2, m^2/s, m^2/s^2.
+    covariance : ndarray, shape (..., 4, 4) or (..., 2, 2)
+        Of x, y, vx, vy, m^2, m^2/s, m^2/s^2; where there is no delay that of x, y will do.
     delay : ndarray, shape (...)
         s.
 

@@ -6,6 +6,7 @@ bounded.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,7 +28,7 @@ from sonar_tracking.active.tracks.pair_limits import (
     half_widths,
     nearest_in_gates,
 )
-from sonar_tracking.active.tracks.scene_rows import SceneRows
+from sonar_tracking.active.tracks.scene_rows import SceneRows, joined
 from sonar_tracking.active.tracks.track_bank import TrackBank
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
 
@@ -40,6 +41,8 @@ COMPARED_AT_ONCE = 3000
 BOX_SIZE = 1.5 * GATE_SIZE
 """Half of a box, in standard deviations: a gate at a contact may be wider by its noise."""
 
+NOTHING = np.zeros(0, dtype=np.intp)
+
 
 @dataclass(frozen=True)
 class GatedTracks:
@@ -47,26 +50,67 @@ class GatedTracks:
 
     Attributes
     ----------
-    mean, spread : ndarray, shape (n, 4) and (n, 4, 4)
-        Of x, y, vx, vy, m and m/s; m^2, m^2/s, m^2/s^2.
+    mean : ndarray, shape (n, 4)
+        Of x, y, vx, vy, m and m/s.
+    spread : ndarray, shape (n, 4, 4) or (n, 2, 2)
+        m^2, m^2/s, m^2/s^2; that of x, y where sound takes no time.
     gates : TrackGates
         Their gates.
     confirmed : ndarray of bool, shape (n,)
         False = candidate.
+    threshold : ndarray, shape (n,)
+        Linear power; NaN = not known.
+    scenes : SceneRows
+        Whose they are.
     """
 
     mean: FloatArray
     spread: FloatArray
     gates: TrackGates
     confirmed: BoolArray
+    threshold: FloatArray
+    scenes: SceneRows
 
     def __len__(self) -> int:
         return len(self.confirmed)
 
     def select(self, rows: IndexArray) -> GatedTracks:
-        """Return some of the tracks, by their rows, shape (n_kept,)."""
+        """Return some of the tracks, by their rows, shape (n_kept,), ascending."""
         return GatedTracks(
-            self.mean[rows], self.spread[rows], self.gates.select(rows), self.confirmed[rows]
+            self.mean[rows],
+            self.spread[rows],
+            self.gates.select(rows),
+            self.confirmed[rows],
+            self.threshold[rows],
+            self.scenes.of(rows),
+        )
+
+
+@dataclass(frozen=True)
+class SearchedContacts:
+    """Contacts of a ping that may be in gates, or some of them.
+
+    Attributes
+    ----------
+    placed : PlacedContacts
+        Where they were reflected.
+    amplitude : ndarray, shape (n,)
+        Linear power; NaN = not measured.
+    scenes : SceneRows
+        Whose they are.
+    """
+
+    placed: PlacedContacts
+    amplitude: FloatArray
+    scenes: SceneRows
+
+    def __len__(self) -> int:
+        return len(self.amplitude)
+
+    def select(self, rows: IndexArray) -> SearchedContacts:
+        """Return some of the contacts, by their rows, shape (n_kept,), ascending."""
+        return SearchedContacts(
+            self.placed.select(rows), self.amplitude[rows], self.scenes.of(rows)
         )
 
 
@@ -76,11 +120,9 @@ def find_pairs(
     contacts: PlacedContacts,
     amplitudes: FloatArray | None = None,
     thresholds: FloatArray | None = None,
+    scenes: tuple[SceneRows, SceneRows] | None = None,
 ) -> GatePairs:
     """Return all pairs of a track and a contact in its gate, the nearest ones of a crowd.
-
-    Most tracks are candidates, and these have one threshold: where it is above most contacts, as
-    in a survey that reports nearly everything, only those with a strong contact are looked at.
 
     Parameters
     ----------
@@ -95,143 +137,122 @@ def find_pairs(
     thresholds : ndarray, shape (n,), optional
         Linear powers, of each track: weaker contacts are none of it. An amplitude or a threshold
         that is not known (NaN) lets the contact pass.
+    scenes : tuple of SceneRows, optional
+        Whose the tracks and whose the contacts are: pairs are of one scene. All of one if not
+        given.
     """
-    tracks = GatedTracks(*bank.moments(), gates, bank.confirmed)
-    if amplitudes is None or thresholds is None or not len(bank):
-        return _all_pairs(tracks, contacts)
-    highest = np.max(thresholds)
-    strong = np.flatnonzero(~(amplitudes < highest))
-    n_tracks, n_contacts = len(bank), len(amplitudes)
-    compared = n_tracks * n_contacts
-    limited = compared > MAXIMUM_BOXED or n_tracks * CONTACTS_IN_GATE[0] > MAXIMUM_PAIRS
-    if limited or compared <= COMPARED_AT_ONCE or 2 * len(strong) > n_contacts:
-        return _passing(_all_pairs(tracks, contacts), amplitudes, thresholds)
-    strict = ~(thresholds < highest)
+    n_contacts = len(contacts.distance)
+    of_tracks, of_contacts = scenes or (SceneRows((len(bank),)), SceneRows((n_contacts,)))
+    moments = bank.moments() if contacts.delay.any() else bank.position_moments()
+    tracks = GatedTracks(
+        *moments,
+        gates,
+        bank.confirmed,
+        np.full(len(bank), np.nan) if thresholds is None else thresholds,
+        of_tracks,
+    )
+    searched = SearchedContacts(
+        contacts, np.full(n_contacts, np.nan) if amplitudes is None else amplitudes, of_contacts
+    )
+    if of_tracks.single or not _limited(tracks, searched):
+        return _pairs_of_strong(tracks, searched)
+    rows = zip(of_tracks.slices, of_contacts.slices, strict=True)
+    parts = [
+        _pairs_of_strong(
+            tracks.select(np.arange(own.start, own.stop)),
+            searched.select(np.arange(heard.start, heard.stop)),
+        )
+        for own, heard in rows
+    ]
+    return pairs_of_scenes(parts, of_tracks, of_contacts)
+
+
+def _limited(tracks: GatedTracks, contacts: SearchedContacts) -> bool:
+    """Return whether there may be more pairs than are looked at."""
+    counts = zip(tracks.scenes.counts, contacts.scenes.counts, strict=True)
+    compared = sum(n_tracks * n_contacts for n_tracks, n_contacts in counts)
+    most = max(tracks.scenes.counts) * CONTACTS_IN_GATE[0]
+    return compared > MAXIMUM_BOXED or most > MAXIMUM_PAIRS
+
+
+def _pairs_of_strong(tracks: GatedTracks, contacts: SearchedContacts) -> GatePairs:
+    """Return the pairs, looked for among strong contacts first.
+
+    Most tracks are candidates, and these have one threshold: where it is above most contacts, as
+    in a survey that reports nearly everything, only those with a strong contact are looked at.
+    """
+    highest = [np.max(own, initial=-np.inf) for own in tracks.scenes.split(tracks.threshold)]
+    strong = np.flatnonzero(~(contacts.amplitude < contacts.scenes.spread(highest)))
+    if (
+        _limited(tracks, contacts)
+        or _compared_at_once(tracks, contacts)
+        or 2 * len(strong) > len(contacts)
+    ):
+        return _pairs_in_gates(tracks, contacts)
+    strict = ~(tracks.threshold < tracks.scenes.spread(highest))
     rows = np.flatnonzero(strict)
-    strict[rows[_all_pairs(tracks.select(rows), contacts.select(strong)).track]] = False
+    strict[rows[_pairs_in_gates(tracks.select(rows), contacts.select(strong)).track]] = False
     # In a crowd the weak ones count among the nearest, too.
     rows = np.flatnonzero(~strict)
-    pairs = _passing(_all_pairs(tracks.select(rows), contacts), amplitudes, thresholds[rows])
+    pairs = _pairs_in_gates(tracks.select(rows), contacts)
     return GatePairs(rows[pairs.track], pairs.contact)
 
 
-def find_pairs_of_scenes(
-    bank: TrackBank,
-    tracks: SceneRows,
-    gates: TrackGates,
-    contacts: PlacedContacts,
-    contact_rows: SceneRows,
-    amplitudes: FloatArray,
-    thresholds: FloatArray,
-) -> GatePairs:
-    """Return all pairs of a track and a contact of its scene in its gate, as of each by itself.
-
-    Parameters
-    ----------
-    bank : TrackBank
-        Predicted tracks of all scenes.
-    tracks : SceneRows
-        Whose they are.
-    gates : TrackGates
-        Their gates.
-    contacts : PlacedContacts
-        Contacts of the ping in all scenes.
-    contact_rows : SceneRows
-        Whose they are.
-    amplitudes : ndarray, shape (n_contacts,)
-        Linear powers; NaN where not measured.
-    thresholds : ndarray, shape (n,)
-        Linear powers, of each track; NaN where not known.
-    """
-    if tracks.single:
-        return find_pairs(bank, gates, contacts, amplitudes, thresholds)
-    compared = sum(n * m for n, m in zip(tracks.counts, contact_rows.counts, strict=True))
-    if compared > MAXIMUM_BOXED or max(tracks.counts) * CONTACTS_IN_GATE[0] > MAXIMUM_PAIRS:
-        parts = zip(
-            bank.parts(tracks),
-            tracks.parts(gates),
-            contact_rows.parts(contacts),
-            contact_rows.split(amplitudes),
-            tracks.split(thresholds),
-            strict=True,
-        )
-        return pairs_of_scenes([find_pairs(*scene) for scene in parts], tracks, contact_rows)
-    all_tracks = GatedTracks(*bank.moments(), gates, bank.confirmed)
-    highest = [np.max(each, initial=-np.inf) for each in tracks.split(thresholds)]
-    strong = np.flatnonzero(~(amplitudes < contact_rows.spread(highest)))
-    if 2 * len(strong) > len(amplitudes):
-        found = _pairs_of_all(all_tracks, tracks, contacts, contact_rows)
-        return _passing(found, amplitudes, thresholds)
-    strict = ~(thresholds < tracks.spread(highest))
-    rows = np.flatnonzero(strict)
-    loud = _pairs_of_all(
-        all_tracks.select(rows), tracks.of(rows), contacts.select(strong), contact_rows.of(strong)
-    )
-    strict[rows[loud.track]] = False
-    # In a crowd the weak ones count among the nearest, too.
-    rows = np.flatnonzero(~strict)
-    found = _pairs_of_all(all_tracks.select(rows), tracks.of(rows), contacts, contact_rows)
-    found = _passing(found, amplitudes, thresholds[rows])
-    return GatePairs(rows[found.track], found.contact)
+def _compared_at_once(tracks: GatedTracks, contacts: SearchedContacts) -> bool:
+    return tracks.scenes.single and len(tracks) * len(contacts) <= COMPARED_AT_ONCE
 
 
-def _pairs_of_all(
-    tracks: GatedTracks, track_rows: SceneRows, contacts: PlacedContacts, contact_rows: SceneRows
-) -> GatePairs:
-    """Return the contacts in all gates; few enough to be looked at in one portion."""
-    xs = zip(contact_rows.starts, contact_rows.split(contacts.position[:, 0]), strict=True)
-    order = np.concatenate([first + ascending_rows(x) for first, x in xs])
-    sorted_x, sorted_y = np.ascontiguousarray(contacts.position.take(order, axis=0).T)
-    gates = tracks.gates
-    x_of, centre_of = contact_rows.split(sorted_x), track_rows.split(gates.centre[:, 0])
-    half_of = track_rows.split(BOX_SIZE * np.sqrt(gates.covariance[:, 0, 0]))
-    scenes = list(zip(contact_rows.starts, x_of, centre_of, half_of, strict=True))
-    low = np.concatenate([first + x.searchsorted(c - half) for first, x, c, half in scenes])
-    high = np.concatenate([first + x.searchsorted(c + half) for first, x, c, half in scenes])
-    pairs = _near(np.arange(len(tracks)), low, high, gates, order, sorted_y)
-    square = _squared_distances(tracks.mean, tracks.spread, contacts, pairs)
-    inside = square < GATE_SIZE**2
-    pairs = pairs.keep(inside)
-    return pairs.keep(nearest_in_gates(pairs.track, square[inside]))
-
-
-def _passing(pairs: GatePairs, amplitudes: FloatArray, thresholds: FloatArray) -> GatePairs:
-    # Written so that an amplitude or a threshold that is not known lets the contact pass.
-    return pairs.keep(~(amplitudes[pairs.contact] < thresholds[pairs.track]))
-
-
-def _all_pairs(tracks: GatedTracks, contacts: PlacedContacts) -> GatePairs:
-    order = ascending_rows(contacts.position[:, 0])
-    mean, spread, gates = tracks.mean, tracks.spread, tracks.gates
-    if len(tracks) * len(order) <= COMPARED_AT_ONCE:
-        pairs = _near_of_few(gates, order, contacts)
-        square = _squared_distances(mean, spread, contacts, pairs)
+def _pairs_in_gates(tracks: GatedTracks, contacts: SearchedContacts) -> GatePairs:
+    """Return the contacts in all gates that pass the thresholds."""
+    limited = _limited(tracks, contacts)
+    found, squares = [GatePairs(NOTHING, NOTHING)], [np.zeros(0)]
+    for pairs in _near_in_portions(tracks, contacts):
+        if not limited:
+            pairs = _that_count(pairs, tracks, contacts)
+        square = _squared_distances(tracks, contacts.placed, pairs)
         inside = square < GATE_SIZE**2
-        pairs = pairs.keep(inside)
-        return pairs.keep(nearest_in_gates(pairs.track, square[inside]))
-    sorted_x, sorted_y = np.ascontiguousarray(contacts.position.take(order, axis=0).T)
-    low, high = _boxed(gates, sorted_x, tracks.confirmed)
+        pairs, square = pairs.keep(inside), square[inside]
+        nearest = nearest_in_gates(pairs.track, square)
+        found.append(pairs.keep(nearest))
+        squares.append(square[nearest])
+    pairs = GatePairs(joined([p.track for p in found]), joined([p.contact for p in found]))
+    if limited:
+        pairs = pairs.keep(few_enough(pairs.track, joined(squares), tracks.confirmed))
+    return pairs.keep(~_weak(pairs, tracks, contacts))
+
+
+def _weak(pairs: GatePairs, tracks: GatedTracks, contacts: SearchedContacts) -> BoolArray:
+    """Return which contacts are below the threshold, shape (n_pairs,); unknown ones are not."""
+    return np.asarray(contacts.amplitude.take(pairs.contact) < tracks.threshold.take(pairs.track))
+
+
+def _that_count(pairs: GatePairs, tracks: GatedTracks, contacts: SearchedContacts) -> GatePairs:
+    """Return the pairs, of all in boxes, that pass the threshold or count in a crowd."""
+    weak = _weak(pairs, tracks, contacts)
+    if not weak.any():
+        return pairs
+    crowded = np.bincount(pairs.track, minlength=len(tracks)) > CONTACTS_IN_GATE[0]
+    return pairs.keep(~weak | crowded.take(pairs.track))
+
+
+def _near_in_portions(tracks: GatedTracks, contacts: SearchedContacts) -> Iterator[GatePairs]:
+    """Yield the pairs in the box around each gate, in portions of tracks."""
+    if _compared_at_once(tracks, contacts):
+        yield _near_of_few(tracks.gates, contacts.placed)
+        return
+    x = contacts.placed.position[:, 0]
+    xs = zip(contacts.scenes.starts.tolist(), contacts.scenes.split(x), strict=True)
+    order = joined([first + ascending_rows(own) for first, own in xs])
+    sorted_x, sorted_y = np.ascontiguousarray(contacts.placed.position.take(order, axis=0).T)
+    low, high = _boxed(tracks, contacts.scenes, sorted_x)
     before = (high - low).cumsum()
-    found, columns, squares = [], [], []
     first = 0
     while first < len(tracks):
         reached = before[first - 1] if first else 0
         last = int(before.searchsorted(reached + BOXED_PER_PORTION, side="right"))
         rows = np.arange(first, max(last, first + 1))
-        pairs = _near(rows, low[rows], high[rows], gates, order, sorted_y)
-        square = _squared_distances(mean, spread, contacts, pairs)
-        inside = square < GATE_SIZE**2
-        pairs, square = pairs.keep(inside), square[inside]
-        kept = nearest_in_gates(pairs.track, square)
-        found.append(pairs.track[kept])
-        columns.append(pairs.contact[kept])
-        squares.append(square[kept])
+        yield _near(rows, low[rows], high[rows], tracks.gates, order, sorted_y)
         first = int(rows[-1]) + 1
-    if not found:
-        nothing = np.zeros(0, dtype=np.intp)
-        return GatePairs(nothing, nothing)
-    pairs = GatePairs(np.concatenate(found), np.concatenate(columns))
-    return pairs.keep(few_enough(pairs.track, np.concatenate(squares), tracks.confirmed))
 
 
 def ascending_rows(values: FloatArray) -> IndexArray:
@@ -256,20 +277,30 @@ def ascending_rows(values: FloatArray) -> IndexArray:
 
 
 def _boxed(
-    gates: TrackGates, sorted_x: FloatArray, confirmed: BoolArray
+    tracks: GatedTracks, scenes: SceneRows, sorted_x: FloatArray
 ) -> tuple[IndexArray, IndexArray]:
-    """Return which of the contacts sorted by x lie in the box of each gate: from, to."""
+    """Return which of the contacts, sorted by x in their scenes, are in each box: from, to."""
+    gates = tracks.gates
     centre = gates.centre[:, 0]
     half_x = BOX_SIZE * np.sqrt(gates.covariance[:, 0, 0])
-    low = sorted_x.searchsorted(centre - half_x)
-    high = sorted_x.searchsorted(centre + half_x)
-    half = half_widths(high - low, confirmed)
-    middle = sorted_x.searchsorted(centre)
+    of_scenes = list(zip(scenes.starts.tolist(), scenes.split(sorted_x), strict=True))
+
+    def place(x: FloatArray) -> IndexArray:
+        parts = zip(of_scenes, tracks.scenes.split(x), strict=True)
+        return joined([first + own.searchsorted(sought) for (first, own), sought in parts])
+
+    low, high = place(centre - half_x), place(centre + half_x)
+    counts = high - low
+    half = half_widths(counts, tracks.confirmed)
+    if half is counts:
+        return low, high
+    middle = place(centre)
     return np.maximum(low, middle - half), np.minimum(high, middle + half)
 
 
-def _near_of_few(gates: TrackGates, order: IndexArray, contacts: PlacedContacts) -> GatePairs:
+def _near_of_few(gates: TrackGates, contacts: PlacedContacts) -> GatePairs:
     """Return the same as the boxes, by looking at each contact in each gate."""
+    order = ascending_rows(contacts.position[:, 0])
     x, y = contacts.position[order].T
     near = np.abs(x - gates.centre[:, :1]) < BOX_SIZE * np.sqrt(gates.covariance[:, 0, :1])
     near &= np.abs(y - gates.centre[:, 1:]) < BOX_SIZE * np.sqrt(gates.covariance[:, 1, 1:])
@@ -296,14 +327,14 @@ def _near(
 
 
 def _squared_distances(
-    mean: FloatArray, spread: FloatArray, contacts: PlacedContacts, pairs: GatePairs
+    tracks: GatedTracks, contacts: PlacedContacts, pairs: GatePairs
 ) -> FloatArray:
     """Return nu^T S^-1 nu of each pair."""
     delay = contacts.delay.take(pairs.contact)
-    state = mean.take(pairs.track, axis=0)
+    state = tracks.mean.take(pairs.track, axis=0)
     innovation = contacts.position.take(pairs.contact, axis=0) - state[:, :2]
     innovation -= delay[:, None] * state[:, 2:]
-    covariance = delayed_position_covariance(spread.take(pairs.track, axis=0), delay)
+    covariance = delayed_position_covariance(tracks.spread.take(pairs.track, axis=0), delay)
     covariance = covariance + contacts.covariance.take(pairs.contact, axis=0)
     x, y = innovation[:, 0], innovation[:, 1]
     square = covariance[:, 1, 1] * x**2 - 2.0 * covariance[:, 0, 1] * x * y

@@ -112,6 +112,33 @@ class TrackBank:
         """
         return self._moments
 
+    def position_moments(self) -> tuple[FloatArray, FloatArray]:
+        """Return the same with the covariance of the position alone, which is less to compute.
+
+        Returns
+        -------
+        mean : ndarray, shape (n, 4)
+            m and m/s.
+        covariance : ndarray, shape (n, 2, 2)
+            m^2.
+        """
+        return self._position_moments
+
+    def moments_of(self, rows: IndexArray) -> tuple[FloatArray, FloatArray]:
+        """Return the moments of some of the tracks, by their rows, shape (n_kept,).
+
+        Returns
+        -------
+        mean : ndarray, shape (n_kept, 4)
+            m and m/s.
+        covariance : ndarray, shape (n_kept, 4, 4)
+            m^2, m^2/s, m^2/s^2.
+        """
+        if "_moments" in vars(self):
+            mean, covariance = self._moments
+            return mean[rows], covariance[rows]
+        return _mixture(self.mode_probability[rows], self.mean[rows], self.covariance[rows])
+
     def in_mode(self, mode: int) -> TrackBank:
         """Return the tracks as they are if their motion is that of one mode for sure."""
         only = slice(mode, mode + 1)
@@ -125,28 +152,36 @@ class TrackBank:
         )
 
     def parts(self, scenes: SceneRows) -> list[TrackBank]:
-        """Return the tracks of each scene; moments that are known stay known."""
+        """Return the tracks of each scene."""
         if scenes.single:
             return [self]
-        parts = [self.select(rows) for rows in scenes.slices]
-        if "_moments" in vars(self):
-            mean, covariance = self._moments
-            for part, rows in zip(parts, scenes.slices, strict=True):
-                vars(part)["_moments"] = mean[rows], covariance[rows]
-        return parts
+        return [self.select(rows) for rows in scenes.slices]
 
     @cached_property
     def _moments(self) -> tuple[FloatArray, FloatArray]:
-        if self.mean.shape[1] == 1:
-            return self.mean[:, 0], self.covariance[:, 0]
-        weight = self.mode_probability
-        mean = (weight[..., None] * self.mean).sum(axis=1)
-        deviation = self.mean - mean[:, None]
-        # In place: of many tracks, reading and writing takes longer than the arithmetic.
-        spread = deviation[..., :, None] * deviation[..., None, :]
-        spread += self.covariance
-        spread *= weight[..., None, None]
-        return mean, spread.sum(axis=1)
+        return _mixture(self.mode_probability, self.mean, self.covariance)
+
+    @cached_property
+    def _position_moments(self) -> tuple[FloatArray, FloatArray]:
+        if "_moments" in vars(self):
+            mean, covariance = self._moments
+            return mean, covariance[:, :2, :2]
+        return _mixture(self.mode_probability, self.mean, self.covariance[..., :2, :2])
+
+
+def _mixture(
+    weight: FloatArray, means: FloatArray, covariances: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return mean, shape (n, 4), and covariance of as many components as are given."""
+    if means.shape[1] == 1:
+        return means[:, 0], covariances[:, 0]
+    mean = (weight[..., None] * means).sum(axis=1)
+    deviation = (means - mean[:, None])[..., : covariances.shape[-1]]
+    # In place: of many tracks, reading and writing takes longer than the arithmetic.
+    spread = deviation[..., :, None] * deviation[..., None, :]
+    spread += covariances
+    spread *= weight[..., None, None]
+    return mean, spread.sum(axis=1)
 
 
 COLUMNS = tuple(field.name for field in fields(TrackBank))

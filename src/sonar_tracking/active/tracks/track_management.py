@@ -12,7 +12,6 @@ Kim, Song (2007), section 3; the rules it leaves open are stated in the function
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -70,7 +69,7 @@ def survivors(
         configuration.termination_probability,
         1.5 * configuration.initial_existence * missed,
     )
-    _, covariance = bank.moments()
+    _, covariance = bank.position_moments()
     variance = covariance[:, 0, 0] + covariance[:, 1, 1]
     good = (bank.existence >= least) & (variance <= configuration.maximum_position_variance)
     return good & (distance <= RANGE_MARGIN * maximum_range)
@@ -100,12 +99,15 @@ def duplicates(bank: TrackBank, pairs: GatePairs, weights: FloatArray) -> BoolAr
     repeated = np.zeros(len(bank), dtype=bool)
     if not len(pairs.contact) or np.bincount(pairs.contact).max() < 2:
         return repeated
-    mean, covariance = bank.moments()
-    first, second = _near_each_other(_sharing(pairs), mean, covariance)
+    both = _sharing_tracks(pairs)
+    rows = np.unique(both)
+    mean, covariance = bank.moments_of(rows)
+    first, second = _near_each_other(rows.searchsorted(both), mean, covariance)
     if not len(first):
         return repeated
     difference = mean[first] - mean[second]
     spread = _regular(covariance[first] + covariance[second])
+    first, second = rows[first], rows[second]
     scaled = np.linalg.solve(spread, difference[..., None])[..., 0]
     near = (difference * scaled).sum(axis=1) < DUPLICATE_DISTANCE**2
     own = _own_contact(bank, pairs, weights)
@@ -262,14 +264,14 @@ def list_tracks(
     status = np.where(confirmed, int(TrackStatus.CONFIRMED), int(TrackStatus.TENTATIVE))
     status[confirmed & (listed.detected[rows] < 0.5)] = int(TrackStatus.COASTED)
     status[~listed.alive[rows]] = int(TrackStatus.TERMINATED)
-    mean, covariance = bank.moments()
+    mean, covariance = bank.moments_of(rows)
     static = None if static_mode is None else bank.mode_probability[rows, static_mode] > 0.5
     return ContactTrackRows(
         id=bank.id[rows],
         status=status,
         existence=bank.existence[rows],
-        state=mean[rows],
-        covariance=covariance[rows],
+        state=mean,
+        covariance=covariance,
         initiated=bank.initiated[rows],
         updated=bank.updated[rows],
         static=static,
@@ -293,26 +295,24 @@ def _own_contact(bank: TrackBank, pairs: GatePairs, weights: FloatArray) -> Inde
     return own
 
 
-def _sharing(pairs: GatePairs) -> Iterator[tuple[IndexArray, IndexArray]]:
-    """Yield rows of tracks (older, younger) with a common contact, in portions."""
+def _sharing_tracks(pairs: GatePairs) -> IndexArray:
+    """Return rows of tracks (older, younger) with a common contact, shape (2, n)."""
     order = np.argsort(pairs.contact, kind="stable")
     contact, track = pairs.contact[order], pairs.track[order]
+    found = []
     for lag in range(1, min(len(contact), COMPARED_TRACKS + 1)):
         same = contact[lag:] == contact[:-lag]
         if not np.any(same):
-            return
+            break
         # Pairs are in the order of the tracks, and tracks in the order of their age.
-        yield track[:-lag][same], track[lag:][same]
+        found.append(np.stack([track[:-lag][same], track[lag:][same]]))
+    return np.concatenate(found, axis=1)
 
 
 def _near_each_other(
-    portions: Iterator[tuple[IndexArray, IndexArray]], mean: FloatArray, covariance: FloatArray
+    both: IndexArray, mean: FloatArray, covariance: FloatArray
 ) -> tuple[IndexArray, IndexArray]:
     """Return the rows, each two once, whose states are near in each of their components."""
-    both = [np.concatenate(rows) for rows in zip(*portions, strict=True)]
-    if not both:
-        nobody = np.zeros(0, dtype=np.intp)
-        return nobody, nobody
     first, second = both
     variance = np.einsum("nii->ni", covariance)
     square = (mean.take(first, axis=0) - mean.take(second, axis=0)) ** 2

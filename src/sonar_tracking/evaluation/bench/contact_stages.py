@@ -23,13 +23,13 @@ from sonar_tracking.evaluation.bench.timing import scaling_exponent
 from sonar_tracking.evaluation.metrics.ospa_gospa import assign, ospa
 from sonar_tracking.evaluation.monte_carlo.study import StudyRow
 from sonar_tracking.evaluation.monte_carlo.study_definition import Column, TableLayout
-from sonar_tracking.evaluation.studies.multi_target_clutter.runs import CUTOFF, ORDER
 from sonar_tracking.evaluation.studies.multi_target_clutter.scene import (
     ENVIRONMENTS,
     PING_INTERVAL,
     SceneOptions,
     simulate_scene,
 )
+from sonar_tracking.evaluation.studies.multi_target_clutter.system_run import CUTOFF, ORDER
 from sonar_tracking.evaluation.studies.multi_target_clutter.systems import (
     HPDA_KALMAN,
     HPDA_PARTICLE,

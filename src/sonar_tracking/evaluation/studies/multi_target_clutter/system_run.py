@@ -17,7 +17,7 @@ from sonar_tracking.evaluation.metrics.identity_score import (
 )
 from sonar_tracking.evaluation.metrics.ospa_gospa import Assignment, assign, gospa, ospa
 from sonar_tracking.evaluation.studies.multi_target_clutter.scene import PING_INTERVAL
-from sonar_tracking.records.arrays import FloatArray, IndexArray, IntArray
+from sonar_tracking.records.arrays import FloatArray, IndexArray
 from sonar_tracking.records.contacts import ContactTrackerUpdate
 from sonar_tracking.records.time import seconds
 from sonar_tracking.simulation.sensors.contact_simulation import SimulatedPing
@@ -109,12 +109,12 @@ def identified(identity: NDArray[Any], state: FloatArray) -> FloatArray:
 class _Rows:
     """Truths or estimates of all pings, shape (n,) and (n, 4), those of a ping together."""
 
-    id: IntArray
+    id: NDArray[Any]
     state: FloatArray
     bounds: IndexArray
 
     @classmethod
-    def of(cls, ids: Sequence[IntArray], states: Sequence[FloatArray]) -> _Rows:
+    def of(cls, ids: Sequence[NDArray[Any]], states: Sequence[FloatArray]) -> _Rows:
         """Return the table of some rows each ping."""
         ends = np.cumsum([len(own) for own in ids])
         return cls(np.concatenate(ids), np.concatenate(states), np.append(0, ends))
