@@ -64,16 +64,22 @@ def place_contacts(contacts: Contacts, sound_speed: float) -> PlacedContacts:
     """
     x, y = np.cos(contacts.azimuth), np.sin(contacts.azimuth)
     path = 2.0 * contacts.range
-    (sensor_x, sensor_y), (speed_x, speed_y) = contacts.sensor_position, contacts.sensor_velocity
-    travel = path / sound_speed if sound_speed > 0.0 else np.zeros_like(path)
-    shift_x, shift_y = travel * speed_x, travel * speed_y
-    along = x * shift_x + y * shift_y
-    distance = (path**2 - (shift_x**2 + shift_y**2)) / (2.0 * (path + along))
-    delay = (path - distance) / sound_speed if sound_speed > 0.0 else np.zeros_like(path)
+    from_x: FloatArray | float
+    from_y: FloatArray | float
+    (from_x, from_y), (speed_x, speed_y) = contacts.sensor_position, contacts.sensor_velocity
+    if sound_speed > 0.0:
+        travel = path / sound_speed
+        shift_x, shift_y = travel * speed_x, travel * speed_y
+        along = x * shift_x + y * shift_y
+        distance = (path**2 - (shift_x**2 + shift_y**2)) / (2.0 * (path + along))
+        delay = (path - distance) / sound_speed
+        from_x, from_y = from_x + shift_x, from_y + shift_y
+    else:
+        distance, delay = path**2 / (2.0 * path), np.zeros(len(path))
     direction, position = np.empty((len(path), 2)), np.empty((len(path), 2))
     direction[:, 0], direction[:, 1] = x, y
-    position[:, 0] = sensor_x + shift_x + distance * x
-    position[:, 1] = sensor_y + shift_y + distance * y
+    position[:, 0] = from_x + distance * x
+    position[:, 1] = from_y + distance * y
     covariance = position_covariance(
         direction,
         distance,

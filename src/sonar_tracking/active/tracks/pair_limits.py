@@ -61,13 +61,18 @@ def nearest_in_gates(
         True = among the nearest.
     """
     counts = np.bincount(track)
-    largest = np.asarray(limits)
-    if (counts <= (largest[: len(counts)] if largest.ndim else largest)).all():
-        return np.ones(len(track), dtype=bool)
-    order = np.lexsort((square, track))
-    nearest = np.empty(len(track), dtype=np.intp)
-    nearest[order] = np.arange(len(track)) - np.repeat(np.cumsum(counts) - counts, counts)
-    return np.asarray(nearest < (largest[track] if largest.ndim else largest))
+    largest = np.broadcast_to(limits, max(len(counts), np.size(limits)))[: len(counts)]
+    crowded = counts > largest
+    kept = np.ones(len(track), dtype=bool)
+    if not crowded.any():
+        return kept
+    rows = np.flatnonzero(crowded[track])
+    own, n_own = track[rows], np.where(crowded, counts, 0)
+    order = np.lexsort((square[rows], own))
+    rank = np.empty(len(rows), dtype=np.intp)
+    rank[order] = np.arange(len(rows)) - np.repeat(np.cumsum(n_own) - n_own, n_own)
+    kept[rows] = rank < largest[own]
+    return kept
 
 
 def few_enough(track: IndexArray, square: FloatArray, confirmed: BoolArray) -> BoolArray:
