@@ -18,8 +18,6 @@ import numpy as np
 
 from sonar_tracking.records.arrays import FloatArray
 
-PRECISION = float(np.finfo(np.float64).eps)
-
 SMALLEST_SPEED = 0.3
 """Below it the turn rate does not grow any more, m/s."""
 
@@ -178,13 +176,13 @@ def turn_coefficients(
     cosine, sine : ndarray, shape (...)
         cos(W T) and sin(W T), pure numbers.
     """
-    whole_and_half = np.multiply.outer((1.0, 0.5), rates * interval)
-    # As numpy.sinc, without the search for the type's precision, which takes longer than the sine.
-    scaled = np.pi * (whole_and_half / np.pi)
-    safe = np.where(scaled, scaled, PRECISION)
-    ratio, half_ratio = interval * (np.sin(safe) / safe)
-    sine, half_sine = np.sin(whole_and_half)
-    return ratio, half_ratio * half_sine, np.cos(whole_and_half[0]), sine
+    half = 0.5 * interval * rates
+    sine, cosine = np.sin(half), np.cos(half)
+    # The chord of the arc; as half of it tends to 0, so does its difference from the arc.
+    chord = np.ones(np.shape(half))
+    np.divide(sine, half, out=chord, where=half != 0.0)
+    chord *= interval
+    return chord * cosine, chord * sine, 1.0 - 2.0 * sine**2, 2.0 * sine * cosine
 
 
 def turn_matrices(rates: FloatArray, interval: float) -> FloatArray:
