@@ -100,7 +100,9 @@ def duplicates(bank: TrackBank, pairs: GatePairs, weights: FloatArray) -> BoolAr
     if not len(pairs.contact) or np.bincount(pairs.contact).max() < 2:
         return repeated
     both = _sharing_tracks(pairs)
-    rows = np.unique(both)
+    among = np.zeros(len(bank), dtype=bool)
+    among[both] = True
+    rows = np.flatnonzero(among)
     mean, covariance = bank.moments_of(rows)
     first, second = _near_each_other(rows.searchsorted(both), mean, covariance)
     if not len(first):
@@ -318,6 +320,8 @@ def _near_each_other(
     square = (mean.take(first, axis=0) - mean.take(second, axis=0)) ** 2
     spread = variance[first] + variance[second]
     near = (square < DUPLICATE_DISTANCE**2 * spread).all(axis=1)
-    keys = np.unique(first[near] * len(mean) + second[near])
-    first, second = np.divmod(keys, len(mean))
+    keys = np.sort(first[near] * len(mean) + second[near])
+    once = np.ones(len(keys), dtype=bool)
+    np.not_equal(keys[1:], keys[:-1], out=once[1:])
+    first, second = np.divmod(keys[once], len(mean))
     return first, second
