@@ -16,6 +16,9 @@ from sonar_tracking.records.arrays import FloatArray, IndexArray
 
 ITERATIONS = 10
 
+SMALLEST_WEIGHT = 1e-12
+"""Particles of less are left out."""
+
 
 @dataclass(frozen=True)
 class Peaks:
@@ -48,7 +51,9 @@ def extract_states(cloud: ParticleCloud, count: int, generator: np.random.Genera
     generator : numpy.random.Generator
         Of the seeding.
     """
-    cloud = _selected(cloud, np.flatnonzero(cloud.weight > 1e-12))
+    counts = cloud.weight > SMALLEST_WEIGHT
+    if not counts.all():
+        cloud = _selected(cloud, np.flatnonzero(counts))
     if count <= 0 or not len(cloud.weight):
         return Peaks(np.zeros((0, 4)), np.zeros((0, 4, 4)), np.zeros(0))
     position = np.ascontiguousarray(cloud.state[:, :2].T)
@@ -89,6 +94,9 @@ def _draw(weight: FloatArray, generator: np.random.Generator) -> int:
 def _clustered(position: FloatArray, weight: FloatArray, centres: FloatArray) -> IndexArray:
     """Return the cluster of each particle; no step changes any more once the labels do not."""
     count = centres.shape[1]
+    # From the middle of the centres, for the digits.
+    middle = np.mean(centres, axis=1, keepdims=True)
+    position, centres = position - middle, centres - middle
     weighted = weight * position
     label = _labels(position, centres)
     for _ in range(ITERATIONS):
@@ -102,22 +110,22 @@ def _clustered(position: FloatArray, weight: FloatArray, centres: FloatArray) ->
 
 
 def _labels(position: FloatArray, centres: FloatArray) -> IndexArray:
-    # |x - c|^2 without |x|^2, which is the same for all centres; from their mean for the digits.
-    middle = np.mean(centres, axis=1, keepdims=True)
-    away = centres - middle
-    square = np.sum(away**2, axis=0)[:, None] - 2.0 * away.T @ (position - middle)
+    """Return the nearest of the centres, shape (2, count), for positions, shape (2, n)."""
+    # |x - c|^2 without |x|^2, which is the same for all centres.
+    square = (-2.0 * centres).T @ position
+    square += np.sum(centres**2, axis=0)[:, None]
     label = np.zeros(position.shape[1], dtype=np.intp)
     nearest = square[0]
     for index, row in enumerate(square[1:], start=1):
-        label[row < nearest] = index
-        nearest = np.minimum(nearest, row)
+        np.copyto(label, index, where=row < nearest)
+        np.minimum(nearest, row, out=nearest)
     return label
 
 
 def _weighted_median(cloud: ParticleCloud) -> FloatArray:
-    result = np.empty(4)
-    for column, values in enumerate(np.ascontiguousarray(cloud.state.T)):
-        order = np.argsort(values)
-        edges = np.cumsum(cloud.weight.take(order))
-        result[column] = values[order[np.searchsorted(edges, 0.5 * edges[-1])]]
-    return result
+    values = np.ascontiguousarray(cloud.state.T)
+    order = values.argsort(axis=1)
+    edges = cloud.weight.take(order).cumsum(axis=1)
+    middle = (edges < 0.5 * edges[:, -1:]).sum(axis=1)
+    columns = np.arange(len(values))
+    return np.asarray(values[columns, order[columns, middle]])
