@@ -86,8 +86,8 @@ def test_a_pause_is_not_caught_up() -> None:
     graph = Graph()
     player = graph.player(recording(3), 1.0)
     player.advance(0.0)
-    player.resume(50.0)
-    assert player.advance(50.0) == pytest.approx(0.1)
+    player.resume(0.04, 50.0)
+    assert player.advance(50.0) == pytest.approx(0.06), "what passed before the pause counts"
 
 
 def test_a_recording_without_inputs_is_finished_at_once() -> None:

@@ -47,8 +47,8 @@ class DataSource(Protocol):
         """Return how much later than the rate asked for the data are, s of the wall clock."""
         ...
 
-    def resume(self, wall: float) -> None:
-        """Let wall time count from now on, after a pause."""
+    def resume(self, since: float, wall: float) -> None:
+        """Go on after a pause from one wall time to another, which does not count."""
         ...
 
 

@@ -168,7 +168,6 @@ class Orchestration:
         note_stop(number)
 
     def _flow(self, control: ControlNode, source: DataSource) -> None:
-        source.resume(time.monotonic())
         while not self.interrupted:
             wall = time.monotonic()
             wait = let_go(source)
@@ -194,12 +193,13 @@ class Orchestration:
 
     def _recover(self, control: ControlNode, source: DataSource) -> None:
         """Start again what has died while no data flow."""
+        since = time.monotonic()
         for process in self._ended:
             self.ledger.leave(process.plan.name)
         activity = "waiting for the nodes to finish"
         self._wait(control, source, self._finished, INTERRUPTED_DRAIN_PATIENCE, activity)
         self._bring_up(control, source)
-        source.resume(time.monotonic())
+        source.resume(since, time.monotonic())
 
     def _bring_up(self, control: ControlNode, source: DataSource) -> None:
         """Start what has ended until every node runs and is matched."""

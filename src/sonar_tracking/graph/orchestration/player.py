@@ -118,10 +118,11 @@ class Player:
             due = following.log_time
         return max(0.0, -self._wall_seconds_early(due, wall))
 
-    def resume(self, wall: float) -> None:
-        """Let wall time count from now on, after a pause."""
-        if self._first is not None:
-            self._anchor = (wall, self._last)
+    def resume(self, since: float, wall: float) -> None:
+        """Go on after a pause from one wall time to another, which does not count."""
+        if self._anchor is not None:
+            anchor_wall, anchor_time = self._anchor
+            self._anchor = (anchor_wall + wall - since, anchor_time)
 
     def _begin_again(self, log_time: int, wall: float) -> None:
         """Take the time of a message for the begin of another pass."""

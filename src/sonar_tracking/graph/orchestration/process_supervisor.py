@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from sonar_tracking.graph.orchestration.forked_node import ForkedNode, can_fork, fork_node
+from sonar_tracking.graph.orchestration.orphaned_shared_memory import HeldPorts
 from sonar_tracking.stop_signals import HUNG
 
 STOP_STAGES = ((signal.SIGINT, 8.0), (signal.SIGTERM, 3.0), (signal.SIGKILL, 2.0))
@@ -104,14 +105,17 @@ class ProcessSupervisor:
     def __init__(self, log_directory: Path) -> None:
         self._log_directory = log_directory
         self._stopping = False
+        self._ports_of_the_dead = HeldPorts()
         self.processes: dict[str, SupervisedProcess] = {}
 
     def start(self, plan: ProcessPlan) -> None:
         """Start a node, or start it again after it has ended."""
         log = self._log_directory / f"{plan.name}.log"
         log_start = log.stat().st_size if log.exists() else 0
-        popen = _spawn(plan, log)
         known = self.processes.get(plan.name)
+        if known is not None:
+            self._ports_of_the_dead.hold()
+        popen = _spawn(plan, log)
         if known is None:
             self.processes[plan.name] = SupervisedProcess(plan, log, popen, log_start)
             return
@@ -155,6 +159,7 @@ class ProcessSupervisor:
                 time.sleep(_POLL_SECONDS)
                 self.poll()
                 waiting = [n for n in waiting if n in self.running()]
+        self._ports_of_the_dead.release()
 
     def log_tail(self, name: str) -> str:
         """Return the last lines the last process of a node has written."""

@@ -62,6 +62,6 @@ class SimulatedSource:
         """Return how much later than the rate asked for the data are, s of the wall clock."""
         return self._master.behind(wall)
 
-    def resume(self, wall: float) -> None:
-        """Let wall time count from now on, after a pause."""
-        self._master.resume(wall)
+    def resume(self, since: float, wall: float) -> None:
+        """Go on after a pause from one wall time to another, which does not count."""
+        self._master.resume(since, wall)

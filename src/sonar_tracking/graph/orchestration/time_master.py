@@ -101,10 +101,11 @@ class TimeMaster:
         reached = (self._clock + self._step - anchor_clock) / NANOSECONDS / self._rate
         return max(0.0, wall - anchor_wall - reached)
 
-    def resume(self, wall: float) -> None:
-        """Let wall time count from now on, after a pause."""
-        if self._clock is not None:
-            self._anchor = (wall, self._clock)
+    def resume(self, since: float, wall: float) -> None:
+        """Go on after a pause from one wall time to another, which does not count."""
+        if self._anchor is not None:
+            anchor_wall, anchor_clock = self._anchor
+            self._anchor = (anchor_wall + wall - since, anchor_clock)
 
     def _due(self, wall: float) -> int:
         if math.isinf(self._rate) or self._anchor is None:

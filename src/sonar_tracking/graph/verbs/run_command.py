@@ -17,7 +17,7 @@ from sonar_tracking.graph.catalogue.discovery_range import default_range, range_
 from sonar_tracking.graph.catalogue.discovery_server import check_discovery_server
 from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
 from sonar_tracking.graph.orchestration.domain_lock import domain_lock
-from sonar_tracking.graph.orchestration.orphaned_segments import remove_orphaned_segments
+from sonar_tracking.graph.orchestration.orphaned_shared_memory import remove_orphaned
 from sonar_tracking.graph.orchestration.run_report import RunReport
 from sonar_tracking.graph.verbs.machine_state import MESSAGE_PACKAGE, TRANSFORM_PACKAGE
 from sonar_tracking.graph.verbs.run_options import RunOptions, make_log_directory, rate_from_text
@@ -112,7 +112,7 @@ def _reported(display: bool, json: Path | None, work: Work, namespace: str) -> i
         os.environ.update(default_range())
         with domain_lock(namespace=namespace), screens as screen:
             screen.say(range_in_words())
-            remove_orphaned_segments()
+            remove_orphaned()
             report = work(screen, log_directory)
     except ConfigurationError:
         shutil.rmtree(log_directory)
