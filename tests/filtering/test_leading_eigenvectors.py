@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sonar_tracking.filtering.leading_eigenvectors import leading_eigenvectors
+from sonar_tracking.filtering.leading_eigenvectors import leading_eigenvectors, leading_left_vectors
 
 
 @pytest.mark.parametrize("size", [3, 48, 49, 120, 200])
@@ -38,3 +38,28 @@ def test_equal_eigenvalues_have_orthonormal_vectors(size: int) -> None:
 def test_what_is_not_finite_is_refused(size: int) -> None:
     with pytest.raises(np.linalg.LinAlgError):
         leading_eigenvectors(np.full((size, size), np.nan + 0j), 1)
+
+
+@pytest.mark.parametrize("shape", [(12, 40), (40, 12), (60, 50), (9, 9)])
+def test_left_vectors_are_those_of_the_singular_values(shape: tuple[int, int]) -> None:
+    generator = np.random.default_rng(shape)
+    drawn = generator.normal(size=(2, 3, *shape))
+    columns = drawn[0] + 1j * drawn[1]
+    vectors = leading_left_vectors(columns, 4)
+    expected = np.linalg.svd(columns)[0][..., :4]
+    adjoint = np.swapaxes(vectors, -1, -2).conj()
+    assert np.allclose(adjoint @ vectors, np.eye(4), atol=1e-12)
+    # Each is known but for its phase.
+    assert np.allclose(np.abs((adjoint @ expected).sum(axis=-1)), 1.0, atol=1e-10)
+
+
+def test_matrices_together_have_the_vectors_of_each() -> None:
+    generator = np.random.default_rng(1)
+    drawn = generator.normal(size=(2, 2, 3, 60, 60))
+    matrices = drawn[0] + 1j * drawn[1]
+    matrices = matrices @ np.swapaxes(matrices, -1, -2).conj()
+    values, vectors = leading_eigenvectors(matrices, 5)
+    for place in np.ndindex(2, 3):
+        alone = leading_eigenvectors(matrices[place], 5)
+        assert values[place].tobytes() == alone[0].tobytes()
+        assert vectors[place].tobytes() == alone[1].tobytes()

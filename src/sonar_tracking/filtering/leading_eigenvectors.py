@@ -1,4 +1,4 @@
-"""Leading eigenvectors of a Hermitian matrix, without computing the others where that is dearer."""
+"""Leading eigenvectors of Hermitian matrices, without computing the others where that is dearer."""
 
 from __future__ import annotations
 
@@ -64,6 +64,32 @@ def leading_eigenvectors(matrix: ComplexArray, count: int) -> tuple[FloatArray, 
         matrix, subset_by_index=(size - count, size - 1), driver="evr", check_finite=False
     )
     return values[::-1], np.asarray(vectors[:, ::-1], dtype=np.complex128)
+
+
+def leading_left_vectors(columns: ComplexArray, count: int) -> ComplexArray:
+    """Return the left singular vectors of the largest singular values: eigenvectors of X X^H.
+
+    Of X X^H and X^H X, which have the same eigenvalues, the smaller one is taken.
+
+    Parameters
+    ----------
+    columns : ndarray, shape (..., n, n_columns), complex
+        X, in any unit.
+    count : int
+        How many, from 1 to the smaller of n and n_columns.
+
+    Returns
+    -------
+    ndarray, shape (..., n, count), complex
+        Orthonormal columns, largest singular value first; pure numbers.
+    """
+    n, n_columns = columns.shape[-2:]
+    adjoint = np.swapaxes(columns, -1, -2).conj()
+    if n <= n_columns:
+        return leading_eigenvectors(columns @ adjoint, count)[1]
+    values, vectors = leading_eigenvectors(adjoint @ columns, count)
+    lengths = np.sqrt(np.maximum(values, np.finfo(float).tiny))
+    return np.asarray(columns @ vectors / lengths[..., None, :])
 
 
 def _by_lanczos_steps(matrix: ComplexArray, count: int) -> tuple[FloatArray, ComplexArray] | None:

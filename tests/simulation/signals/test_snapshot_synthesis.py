@@ -41,7 +41,7 @@ def test_batch_of_runs_equals_its_runs() -> None:
 def test_parts_of_a_long_block_join(monkeypatch: pytest.MonkeyPatch) -> None:
     noise, signals = noise_and_signals()
     whole = synthesize_snapshots(POSITIONS, WAVENUMBER, ANGLES, signals, noise)
-    monkeypatch.setattr(snapshot_synthesis, "STEERING_ENTRIES", 2 * 6 * 3)
+    monkeypatch.setattr(snapshot_synthesis, "ENTRIES_AT_ONCE", 2 * 6 * 3)
     parts = synthesize_snapshots(POSITIONS, WAVENUMBER, ANGLES, signals, noise)
     np.testing.assert_array_equal(parts, whole)
 

@@ -47,6 +47,8 @@ class BearingTrackRows:
 
     def append(self, other: BearingTrackRows) -> BearingTrackRows:
         """Return the rows of both, in order."""
+        if not other.ids:
+            return self
         return BearingTrackRows(
             self.ids + other.ids,
             self.status + other.status,

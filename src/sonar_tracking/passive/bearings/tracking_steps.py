@@ -264,9 +264,11 @@ class TrackingSteps:
         """Drop ended tracks; return how many of the others have a source, None = all."""
         if not self.ends_tracks:
             return state, None
-        rows = np.flatnonzero(state.existence >= ENDED)
-        n_seen = int(np.count_nonzero(~evidence.unseen[rows]))
-        return state.keep(self.filters, rows), n_seen
+        going_on = state.existence >= ENDED
+        n_seen = int(np.count_nonzero(going_on & ~evidence.unseen))
+        if going_on.all():
+            return state, n_seen
+        return state.keep(self.filters, np.flatnonzero(going_on)), n_seen
 
     def _start_tracks(
         self, estimates: SubspaceEstimates, state: TrackerState, n_seen: int | None, n_weak: int
@@ -275,6 +277,9 @@ class TrackingSteps:
         angles = self.filters.targets(state.filters).mean[..., 0]
         folded, _ = folded_angles(angles, estimates.element_positions)
         start, started = state.start.update(estimates, folded, n_seen, n_weak)
+        tentative = tentative_rows(start.tentative, estimates.stamp)
+        if not started:
+            return replace(state, start=start), tentative
         new = started_rows(started)
         grown = replace(
             state,
@@ -283,4 +288,4 @@ class TrackingSteps:
             filters=self.filters.extend(state.filters, new.filters),
             existence=np.concatenate([state.existence, new.existence_probability]),
         )
-        return grown, new.append(tentative_rows(start.tentative, estimates.stamp))
+        return grown, new.append(tentative)

@@ -23,6 +23,9 @@ _LARGEST_KEPT = 4_000_000
 
 _ANGLES_AT_ONCE = 1024
 
+_LONG = 1200
+"""Transforms that are longer take up to ten times as long where the length has large factors."""
+
 
 @dataclass(frozen=True)
 class UniformLineGrid:
@@ -149,12 +152,26 @@ def _uniform_line_grid(positions: FloatArray, wavenumber: float, count: int) -> 
     between = wavenumber * float(np.ptp(positions[:, 0])) / (n_elements - 1)
     rounding = 1e-9  # at half a wavelength one period of the phase is the whole grid
     length = max(math.ceil(np.pi * count / between - rounding), 2 * n_elements)
+    if length > _LONG:
+        length = _easily_transformed(length)
     step = 2.0 * np.pi / (length * between)
     n_angles = math.ceil(2.0 / step - 0.5)
     middles = (np.arange(n_angles) + 0.5) / n_angles
     sines = 2.0 * middles - 1.0 if n_angles == length else (np.arange(n_angles) + 0.5) * step - 1.0
     shift = np.exp(1j * between * (0.5 * step - 1.0) * np.arange(n_elements))
     return UniformLineGrid(np.arcsin(sines), shift, length, np.arange(n_angles) % length)
+
+
+def _easily_transformed(length: int) -> int:
+    """Return the next length whose only prime factors are 2, 3 and 5."""
+    while True:
+        rest = length
+        for prime in (2, 3, 5):
+            while rest % prime == 0:
+                rest //= prime
+        if rest == 1:
+            return length
+        length += 1
 
 
 def column_power(vectors: ComplexArray) -> FloatArray:

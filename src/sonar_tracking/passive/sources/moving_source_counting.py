@@ -19,7 +19,7 @@ from sonar_tracking.passive.sources.mdl import (
     counting_snapshots,
     source_counts,
 )
-from sonar_tracking.passive.sources.music import resolved_bearings
+from sonar_tracking.passive.sources.music import bearings_in_snapshots
 from sonar_tracking.passive.sources.steering_error import with_steering_error
 from sonar_tracking.records.arrays import ComplexArray, FloatArray, IndexArray, IntArray
 from sonar_tracking.records.bearings import ArraySnapshots
@@ -99,7 +99,9 @@ def sample_covariance(snapshots: ComplexArray) -> ComplexArray:
     ndarray, shape (..., n_elements, n_elements), complex
         Linear power.
     """
-    return np.swapaxes(snapshots, -1, -2) @ snapshots.conj() / snapshots.shape[-2]
+    products = np.swapaxes(snapshots, -1, -2) @ snapshots.conj()
+    products /= snapshots.shape[-2]
+    return products
 
 
 @dataclass(frozen=True)
@@ -158,8 +160,8 @@ def _largest_turn(
     if count >= min(half, n_elements):
         return np.full(batch, np.inf)
     halves = np.stack([snapshots[..., :half, :], snapshots[..., -half:, :]])
-    covariances = sample_covariance(halves).reshape(-1, n_elements, n_elements)
-    early, late = resolved_bearings(covariances, count, positions, number, noise).reshape(
+    windows = halves.reshape(-1, half, n_elements)
+    early, late = bearings_in_snapshots(windows, count, positions, number, noise).reshape(
         2, *batch, count
     )
     turn = np.abs(late - early).max(axis=-1) / (n_snapshots - half)

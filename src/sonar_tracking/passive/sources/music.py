@@ -18,7 +18,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sonar_tracking.filtering.leading_eigenvectors import leading_eigenvectors
+from sonar_tracking.filtering.leading_eigenvectors import leading_eigenvectors, leading_left_vectors
 from sonar_tracking.geometry import steering_vectors
 from sonar_tracking.passive.directions.signal_subspace import whitened_covariance
 from sonar_tracking.passive.sources.angle_grid import (
@@ -197,25 +197,27 @@ def music_bearings(
     ndarray, shape (n_resolved,)
         rad, ascending; at most n_sources, fewer when sources are not resolved.
     """
-    angles = resolved_bearings(
-        covariance[None], n_sources, positions, wavenumber, noise_covariance
-    )[0]
+    factor = _factor(noise_covariance)
+    white = covariance if factor is None else whitened_covariance(covariance, factor)
+    # In ascending order of the eigenvalues.
+    vectors = leading_eigenvectors(white[None], n_sources)[1][..., ::-1]
+    angles = _resolved(NullSpectrum(positions, wavenumber, vectors, factor))[0]
     return angles[~np.isnan(angles)]
 
 
-def resolved_bearings(
-    covariances: ComplexArray,
+def bearings_in_snapshots(
+    snapshots: ComplexArray,
     n_sources: int,
     positions: FloatArray,
     wavenumber: float,
     noise_covariance: ComplexArray | None = None,
 ) -> FloatArray:
-    """Return the arrival angles of the sources that MUSIC resolves in each of several covariances.
+    """Return the arrival angles of the sources that MUSIC resolves in each of several windows.
 
     Parameters
     ----------
-    covariances : ndarray, shape (n_covariances, n_elements, n_elements), complex
-        Sample covariances, linear power.
+    snapshots : ndarray, shape (n_windows, n_snapshots, n_elements), complex
+        Linear amplitude.
     n_sources : int
         Dimension of each signal subspace, below n_elements.
     positions : ndarray, shape (n_elements, 3)
@@ -227,22 +229,31 @@ def resolved_bearings(
 
     Returns
     -------
-    ndarray, shape (n_covariances, n_sources)
+    ndarray, shape (n_windows, n_sources)
         rad, ascending; NaN, at the end, where sources are not resolved.
     """
-    factor = None
-    white = covariances
-    if noise_covariance is not None:
-        factor = np.asarray(np.linalg.cholesky(noise_covariance), dtype=np.complex128)
-        white = whitened_covariance(covariances, factor)
-    # In ascending order of the eigenvalues.
-    vectors = leading_eigenvectors(white, n_sources)[1][..., ::-1]
-    null_spectrum = NullSpectrum(positions, wavenumber, vectors, factor)
-    grid = angle_grid(positions, wavenumber)
-    found = _deepest_valleys(null_spectrum.on_grid(grid), n_sources)
-    angles = np.where(found < 0, np.nan, _refined(null_spectrum, grid.angles, found))
+    factor = _factor(noise_covariance)
+    white = np.swapaxes(snapshots, -1, -2)
+    if factor is not None:
+        white = np.asarray(np.linalg.solve(factor, white), dtype=np.complex128)
+    vectors = leading_left_vectors(white, n_sources)
+    return _resolved(NullSpectrum(positions, wavenumber, vectors, factor))
+
+
+def _factor(noise_covariance: ComplexArray | None) -> ComplexArray | None:
+    if noise_covariance is None:
+        return None
+    return np.asarray(np.linalg.cholesky(noise_covariance), dtype=np.complex128)
+
+
+def _resolved(null_spectra: NullSpectrum) -> FloatArray:
+    """Return the floors of the deepest valleys of each spectrum, rad, ascending; NaN = shallow."""
+    grid = angle_grid(null_spectra.positions, null_spectra.wavenumber)
+    n_sources = null_spectra.signal_vectors.shape[-1]
+    found = _deepest_valleys(null_spectra.on_grid(grid), n_sources)
+    angles = np.where(found < 0, np.nan, _refined(null_spectra, grid.angles, found))
     angles.sort(axis=-1)
-    shallow = ~(null_spectrum.at(np.nan_to_num(angles)) < SHALLOWEST_VALLEY)
+    shallow = ~(null_spectra.at(np.nan_to_num(angles)) < SHALLOWEST_VALLEY)
     angles[shallow] = np.nan
     angles.sort(axis=-1)
     return angles

@@ -20,6 +20,9 @@ from sonar_tracking.passive.subspaces.subspace_configuration import SubspaceConf
 from sonar_tracking.records.arrays import BoolArray, ComplexArray
 from sonar_tracking.records.bearings import ArraySnapshots, SubspaceEstimates
 
+_ENTRIES_AT_ONCE = 1 << 17
+"""Snapshots times elements that are summarised at once (2 MB): more do not stay in the cache."""
+
 
 @dataclass(frozen=True)
 class EstimationMemory:
@@ -207,36 +210,37 @@ def _summaries(
     counted = configuration.entry.of_covariance and configuration.source_count == 0
     alike: dict[tuple[object, ...], list[int]] = {}
     for row, (memory, end) in enumerate(ends):
-        start, stop = _covariance_part(configuration, memory, end)
-        key = (stop - start, 0 if counted else memory.n_columns, *_kind(memory))
+        n_snapshots = _covariance_snapshots(configuration, memory, end).shape[-2]
+        key = (n_snapshots, 0 if counted else memory.n_columns, *_kind(memory))
         alike.setdefault(key, []).append(row)
     summaries = [CovarianceSummary()] * len(ends)
     for rows in alike.values():
-        memory = ends[rows[0]][0]
-        parts = [
-            own.used_history[..., slice(*_covariance_part(configuration, own, end)), :]
-            for own, end in (ends[row] for row in rows)
-        ]
-        together = summarise_windows(
-            np.stack(parts) if len(parts) > 1 else parts[0][None],
-            0 if counted else memory.n_columns,
-            memory.header,
-            memory.whitening,
-            math.radians(configuration.maximum_rate_deg),
-            configuration.steering_error,
-        )
-        for row, summary in zip(rows, together, strict=True):
-            summaries[row] = summary
+        first = ends[rows[0]][0]
+        size = first.used_history.shape[-1] * configuration.covariance_snapshots
+        most = max(_ENTRIES_AT_ONCE // max(size, 1), 1)
+        for part in (rows[begin : begin + most] for begin in range(0, len(rows), most)):
+            windows = [_covariance_snapshots(configuration, *ends[row]) for row in part]
+            together = summarise_windows(
+                np.stack(windows) if len(windows) > 1 else windows[0][None],
+                0 if counted else first.n_columns,
+                first.header,
+                first.whitening,
+                math.radians(configuration.maximum_rate_deg),
+                configuration.steering_error,
+            )
+            for row, summary in zip(part, together, strict=True):
+                summaries[row] = summary
     return summaries
 
 
-def _covariance_part(
+def _covariance_snapshots(
     configuration: SubspaceConfiguration, memory: EstimationMemory, end: int
-) -> tuple[int, int]:
-    """Return where the snapshots of a covariance begin and end in the history."""
+) -> ComplexArray:
+    """Return the snapshots of the covariance that ends at a snapshot."""
     begin_of_history = memory.timing.last_index + 1 - memory.history.shape[-2]
     stop = max(end + 1 - begin_of_history, 0)
-    return max(stop - configuration.covariance_snapshots, 0), stop
+    start = max(stop - configuration.covariance_snapshots, 0)
+    return memory.used_history[..., start:stop, :]
 
 
 def _kind(memory: EstimationMemory) -> tuple[object, ...]:

@@ -8,13 +8,15 @@ snapshot to snapshot. The model of Ryu, Park, Choi 2003, eq. 1, and of Hwang et 
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from sonar_tracking.geometry import steering_vectors
 from sonar_tracking.records.arrays import ComplexArray, FloatArray
 
-STEERING_ENTRIES = 1 << 19
-"""Steering matrices are made for so many entries at a time (8 MB), to bound the memory."""
+ENTRIES_AT_ONCE = 1 << 16
+"""Entries that are computed at a time (1 MB): what is added to the data stays in the cache."""
 
 
 def circular_gaussian(generator: np.random.Generator, shape: tuple[int, ...]) -> ComplexArray:
@@ -58,12 +60,13 @@ def synthesize_snapshots(
             f"{arrival_angles.shape} they must end in ({n_snapshots}, {n_sources})."
         )
     data = np.array(noise, dtype=np.complex128)
-    step = max(1, STEERING_ENTRIES // max(1, len(element_positions) * n_sources))
+    n_entries = len(element_positions) * max(1, n_sources, math.prod(data.shape[:-2]))
+    step = max(1, ENTRIES_AT_ONCE // n_entries)
     for first in range(0, n_snapshots, step):
         part = slice(first, first + step)
         steering = steering_vectors(element_positions, arrival_angles[part], wavenumber)
-        for source in range(n_sources):
-            data[..., part, :] += steering[:, :, source] * signals[..., part, source, None]
+        for source, wave in enumerate(np.moveaxis(steering, -1, 0).copy()):
+            data[..., part, :] += wave * signals[..., part, source, None]
     return data
 
 
