@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from sonar_tracking.records.arrays import ComplexArray, FloatArray
@@ -58,12 +60,7 @@ def leading_eigenvectors(matrix: ComplexArray, count: int) -> tuple[FloatArray, 
         found = _by_lanczos_steps(matrix, count)
         if found is not None:
             return found
-    import scipy.linalg  # takes longer to load than a node of a small array to start
-
-    values, vectors = scipy.linalg.eigh(
-        matrix, subset_by_index=(size - count, size - 1), driver="evr", check_finite=False
-    )
-    return values[::-1], np.asarray(vectors[:, ::-1], dtype=np.complex128)
+    return _by_tridiagonal_form(matrix, count)
 
 
 def leading_left_vectors(columns: ComplexArray, count: int) -> ComplexArray:
@@ -90,6 +87,35 @@ def leading_left_vectors(columns: ComplexArray, count: int) -> ComplexArray:
     values, vectors = leading_eigenvectors(adjoint @ columns, count)
     lengths = np.sqrt(np.maximum(values, np.finfo(float).tiny))
     return np.asarray(columns @ vectors / lengths[..., None, :])
+
+
+def _by_tridiagonal_form(matrix: ComplexArray, count: int) -> tuple[FloatArray, ComplexArray]:
+    """Return eigenvalues and eigenvectors, those wanted only."""
+    from scipy.linalg import lapack  # takes longer to load than a node of a small array to start
+
+    size = len(matrix)
+    lwork, lrwork, liwork = _work_space(size)
+    values, vectors, found, _, failed = lapack.zheevr(
+        matrix,
+        range="I",
+        il=size - count + 1,
+        iu=size,
+        lower=1,
+        lwork=lwork,
+        lrwork=lrwork,
+        liwork=liwork,
+    )
+    if failed or found != count:
+        raise np.linalg.LinAlgError("The eigenvectors of the matrix were not found.")
+    return values[count - 1 :: -1], np.asarray(vectors[:, ::-1], dtype=np.complex128)
+
+
+@lru_cache(maxsize=16)
+def _work_space(size: int) -> tuple[int, int, int]:
+    from scipy.linalg import lapack  # likewise
+
+    lwork, lrwork, liwork, _ = lapack.zheevr_lwork(size, lower=1)
+    return int(lwork.real), int(lrwork), int(liwork)
 
 
 def _by_lanczos_steps(matrix: ComplexArray, count: int) -> tuple[FloatArray, ComplexArray] | None:

@@ -34,9 +34,10 @@ def uneven_line(n_elements: int) -> FloatArray:
         uneven_line(12),
     ],
 )
-def test_power_is_that_of_the_steering_vectors(positions: FloatArray) -> None:
+@pytest.mark.parametrize("rounded", [False, True])
+def test_power_is_that_of_the_steering_vectors(positions: FloatArray, rounded: bool) -> None:
     vectors = circular_noise(np.random.default_rng(1), len(positions), 3)
-    grid = angle_grid(positions, WAVENUMBER)
+    grid = angle_grid(positions, WAVENUMBER, rounded)
     steered = steering_vectors(positions, grid.angles, WAVENUMBER)
     expected = (np.abs(vectors.conj().T @ steered) ** 2).sum(axis=0)
     assert np.allclose(grid.power(vectors), expected, rtol=1e-9, atol=1e-9)
@@ -44,9 +45,12 @@ def test_power_is_that_of_the_steering_vectors(positions: FloatArray) -> None:
 
 
 @pytest.mark.parametrize("spacing", [0.13, 0.5, 0.8])
-def test_a_line_is_looked_at_from_end_to_end_sixteen_times_a_beam(spacing: float) -> None:
+@pytest.mark.parametrize("rounded", [False, True])
+def test_a_line_is_looked_at_from_end_to_end_sixteen_times_a_beam(
+    spacing: float, rounded: bool
+) -> None:
     positions = line_array(20, spacing)
-    sines = np.sin(angle_grid(positions, WAVENUMBER).angles)
+    sines = np.sin(angle_grid(positions, WAVENUMBER, rounded).angles)
     most = beamwidth(positions, WAVENUMBER) / 16.0
     assert np.diff(sines).max() < most
     assert sines[0] + 1.0 < most and 1.0 - sines[-1] < most
@@ -62,6 +66,16 @@ def test_a_circle_is_looked_at_all_round_sixteen_times_a_beam(
     step = np.diff(angles).max()
     assert step <= beamwidth(positions, wavenumber) / 16.0
     assert angles[-1] - angles[0] + step == pytest.approx(2.0 * np.pi)
+
+
+@pytest.mark.parametrize("n_elements", [12, 32, 64])
+def test_a_rounded_grid_has_few_angles_more_and_no_large_factor(n_elements: int) -> None:
+    positions = line_array(n_elements, 0.5)
+    plain, rounded = (angle_grid(positions, WAVENUMBER, each) for each in (False, True))
+    assert isinstance(plain, UniformLineGrid) and isinstance(rounded, UniformLineGrid)
+    assert plain.length <= rounded.length < 1.1 * plain.length
+    assert 2**30 * 3**30 * 5**30 % rounded.length == 0
+    assert angle_grid(circle(8), WAVENUMBER, rounded=True) is angle_grid(circle(8), WAVENUMBER)
 
 
 def test_uniform_lines_need_no_steering_vectors() -> None:

@@ -10,7 +10,12 @@ from hypothesis import strategies as st
 from sonar_tracking.geometry import line_array, steering_pair, steering_vectors
 from sonar_tracking.passive.sources.angle_grid import angle_grid
 from sonar_tracking.passive.sources.moving_source_counting import sample_covariance
-from sonar_tracking.passive.sources.music import NullSpectrum, music_bearings
+from sonar_tracking.passive.sources.music import (
+    NullSpectrum,
+    bearings_in_snapshots,
+    music_bearings,
+)
+from sonar_tracking.records.arrays import ComplexArray
 from tests.passive.block_scene import noise_from_ahead
 from tests.passive.crossing_scene import (
     POSITIONS,
@@ -202,3 +207,22 @@ def test_a_newton_step_is_the_slope_over_the_whole_bend() -> None:
         expected = -0.5 * 1e-4 * (right - left) / (left - 2.0 * middle + right)
         step = spectrum.newton_step(np.array([0.3 + off]))
         assert step == pytest.approx([expected], rel=1e-4)
+
+
+@pytest.mark.parametrize("n_snapshots", [10, 60])
+@pytest.mark.parametrize("colour", [None, np.diag(np.linspace(0.6, 1.4, 15)).astype(complex)])
+def test_bearings_in_windows_are_those_of_their_covariances(
+    n_snapshots: int, colour: ComplexArray | None
+) -> None:
+    """Fewer snapshots than elements are looked at by their own products."""
+    generator = np.random.default_rng(7)
+    static = np.broadcast_to(np.deg2rad([-30.0, -22.0, 25.0]), (n_snapshots, 3))
+    windows = snapshots_of(generator, static, [15.0, 5.0, 0.0], batch=(6,))
+    windows[3] = snapshots_of(generator, static[:, :1], 15.0)
+    found = bearings_in_snapshots(windows, 3, POSITIONS, WAVENUMBER, colour)
+    assert found.shape == (6, 3)
+    for window, bearings in zip(windows, found, strict=True):
+        alone = music_bearings(sample_covariance(window), 3, POSITIONS, WAVENUMBER, colour)
+        assert bearings[: len(alone)] == pytest.approx(alone, abs=1e-9)
+        assert np.isnan(bearings[len(alone) :]).all()
+    assert np.isnan(found[3]).any() and np.isfinite(found[0]).all()

@@ -23,9 +23,6 @@ _LARGEST_KEPT = 4_000_000
 
 _ANGLES_AT_ONCE = 1024
 
-_LONG = 1200
-"""Transforms that are longer take up to ten times as long where the length has large factors."""
-
 
 @dataclass(frozen=True)
 class UniformLineGrid:
@@ -119,7 +116,7 @@ class SteeredGrid:
 AngleGrid = UniformLineGrid | SteeredGrid
 
 
-def angle_grid(positions: FloatArray, wavenumber: float) -> AngleGrid:
+def angle_grid(positions: FloatArray, wavenumber: float, rounded: bool = False) -> AngleGrid:
     """Return the grid of an array, finer than its beams by far.
 
     Parameters
@@ -128,16 +125,20 @@ def angle_grid(positions: FloatArray, wavenumber: float) -> AngleGrid:
         Element positions, m.
     wavenumber : float
         rad/m.
+    rounded : bool
+        Whether a uniform line may have some angles more, as many as make their Fourier transform
+        up to ten times as fast; bearings refined from there differ by rounding.
     """
-    return _kept(np.ascontiguousarray(positions).tobytes(), wavenumber)
+    rounded = rounded and is_uniform_line(positions)
+    return _kept(np.ascontiguousarray(positions).tobytes(), wavenumber, rounded)
 
 
-@lru_cache(maxsize=4)
-def _kept(position_bytes: bytes, wavenumber: float) -> AngleGrid:
+@lru_cache(maxsize=6)
+def _kept(position_bytes: bytes, wavenumber: float, rounded: bool) -> AngleGrid:
     positions = np.frombuffer(position_bytes).reshape(-1, 3)
     count = math.ceil(2.0 * _POINTS_PER_BEAM * np.pi / beamwidth(positions, wavenumber))
     if is_uniform_line(positions):
-        return _uniform_line_grid(positions, wavenumber, count)
+        return _uniform_line_grid(positions, wavenumber, count, rounded)
     middles = (np.arange(count) + 0.5) / count
     angles = np.pi * (2.0 * middles - 1.0)
     if is_line(positions):
@@ -147,12 +148,14 @@ def _kept(position_bytes: bytes, wavenumber: float) -> AngleGrid:
     return SteeredGrid(angles, positions, wavenumber, steering)
 
 
-def _uniform_line_grid(positions: FloatArray, wavenumber: float, count: int) -> UniformLineGrid:
+def _uniform_line_grid(
+    positions: FloatArray, wavenumber: float, count: int, rounded: bool
+) -> UniformLineGrid:
     n_elements = len(positions)
     between = wavenumber * float(np.ptp(positions[:, 0])) / (n_elements - 1)
-    rounding = 1e-9  # at half a wavelength one period of the phase is the whole grid
-    length = max(math.ceil(np.pi * count / between - rounding), 2 * n_elements)
-    if length > _LONG:
+    tolerance = 1e-9  # at half a wavelength one period of the phase is the whole grid
+    length = max(math.ceil(np.pi * count / between - tolerance), 2 * n_elements)
+    if rounded:
         length = _easily_transformed(length)
     step = 2.0 * np.pi / (length * between)
     n_angles = math.ceil(2.0 / step - 0.5)

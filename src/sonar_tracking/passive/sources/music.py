@@ -201,7 +201,8 @@ def music_bearings(
     white = covariance if factor is None else whitened_covariance(covariance, factor)
     # In ascending order of the eigenvalues.
     vectors = leading_eigenvectors(white[None], n_sources)[1][..., ::-1]
-    angles = _resolved(NullSpectrum(positions, wavenumber, vectors, factor))[0]
+    grid = angle_grid(positions, wavenumber)
+    angles = _resolved(NullSpectrum(positions, wavenumber, vectors, factor), grid)[0]
     return angles[~np.isnan(angles)]
 
 
@@ -237,7 +238,8 @@ def bearings_in_snapshots(
     if factor is not None:
         white = np.asarray(np.linalg.solve(factor, white), dtype=np.complex128)
     vectors = leading_left_vectors(white, n_sources)
-    return _resolved(NullSpectrum(positions, wavenumber, vectors, factor))
+    grid = angle_grid(positions, wavenumber, rounded=True)
+    return _resolved(NullSpectrum(positions, wavenumber, vectors, factor), grid)
 
 
 def _factor(noise_covariance: ComplexArray | None) -> ComplexArray | None:
@@ -246,9 +248,8 @@ def _factor(noise_covariance: ComplexArray | None) -> ComplexArray | None:
     return np.asarray(np.linalg.cholesky(noise_covariance), dtype=np.complex128)
 
 
-def _resolved(null_spectra: NullSpectrum) -> FloatArray:
+def _resolved(null_spectra: NullSpectrum, grid: AngleGrid) -> FloatArray:
     """Return the floors of the deepest valleys of each spectrum, rad, ascending; NaN = shallow."""
-    grid = angle_grid(null_spectra.positions, null_spectra.wavenumber)
     n_sources = null_spectra.signal_vectors.shape[-1]
     found = _deepest_valleys(null_spectra.on_grid(grid), n_sources)
     angles = np.where(found < 0, np.nan, _refined(null_spectra, grid.angles, found))
