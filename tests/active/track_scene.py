@@ -4,6 +4,8 @@ import numpy as np
 
 from sonar_tracking.active.contacts.contact_positions import PlacedContacts
 from sonar_tracking.active.detection.detection_levels import LEVELS
+from sonar_tracking.active.tracks.contact_gating import SensorGeometry
+from sonar_tracking.active.tracks.particle_densities import particle_densities
 from sonar_tracking.active.tracks.track_bank import TrackBank
 
 COVARIANCE = np.diag([400.0, 900.0, 1.0, 2.0])
@@ -37,3 +39,9 @@ def contacts_at(positions: list[list[float]], delay: float = 0.0) -> PlacedConta
         distance=np.hypot(position[:, 0], position[:, 1]),
         delay=np.full(count, delay),
     )
+
+
+def densities_of(state: np.ndarray, contacts: PlacedContacts, sensor: SensorGeometry) -> np.ndarray:
+    """Return the densities of all particles and contacts, shape (n, n_contacts), 1/m^2."""
+    nobody_else = np.zeros(len(contacts.distance), dtype=np.intp)
+    return particle_densities(state[None], nobody_else, contacts, sensor).T

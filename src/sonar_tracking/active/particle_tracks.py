@@ -2,7 +2,8 @@
 
 The bank stays the one list of tracks: a confirmed track's mean and covariance are those of its
 cloud, so that gates, existence and management are the same with and without particles. Candidates
-stay Gaussian: a cloud for each false contact would cost a hundred times more and gain nothing.
+stay Gaussian: a cloud for each false contact would cost a hundred times more and gain nothing. The
+clouds of all tracks of all scenes are computed together.
 
 References
 ----------
@@ -12,29 +13,34 @@ weights those of the single particles, with both the target's and the clutter's 
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from sonar_tracking.active.contacts.contact_positions import PlacedContacts
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
-from sonar_tracking.active.tracks.contact_gating import GatePairs, SensorGeometry
-from sonar_tracking.active.tracks.pair_updates import PairUpdates
+from sonar_tracking.active.tracks.cloud_pairs import CloudPairs, cloud_pairs, weigh_cloud
+from sonar_tracking.active.tracks.contact_gating import (
+    GatePairs,
+    SensorGeometry,
+)
 from sonar_tracking.active.tracks.particle_cloud import (
-    ParticleCloud,
     ParticleMotion,
     gaussian_cloud,
+    no_clouds,
     predict_cloud,
     resample_cloud,
+    stacked,
 )
-from sonar_tracking.active.tracks.particle_densities import particle_densities
+from sonar_tracking.active.tracks.scene_rows import SceneRows, joined_tables
 from sonar_tracking.active.tracks.track_bank import TrackBank
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import FloatArray, IndexArray
 
 
 class ParticleTracks:
-    """Clouds by track identifier.
+    """Clouds of the confirmed tracks of a scene.
 
     Parameters
     ----------
@@ -42,107 +48,166 @@ class ParticleTracks:
         Parameters.
     used : bool
         Whether there are particles at all.
+
+    Attributes
+    ----------
+    motion : ParticleMotion
+        Of the particles.
+    id : ndarray of int, shape (n,)
+        Identifiers of the tracks, ascending.
+    clouds : ParticleCloud
+        One a track.
     """
 
     def __init__(self, configuration: ContactTrackerConfiguration, used: bool) -> None:
         self.used = used
-        self._count = configuration.n_particles
-        self._motion = ParticleMotion.configured(configuration)
+        self.motion = ParticleMotion.configured(configuration)
+        self.id = np.zeros(0, dtype=np.int64)
+        self.clouds = no_clouds(configuration.n_particles)
         self._seed = configuration.seed
-        self._clouds: dict[int, ParticleCloud] = {}
-        self._densities: dict[int, FloatArray] = {}
 
     @cached_property
-    def _generator(self) -> np.random.Generator:
-        # Most trackers have no particles, and do without 3 MB of generators.
+    def generator(self) -> np.random.Generator:
+        """Source of the randomness; most trackers do without it, and its 3 MB."""
         return np.random.default_rng(self._seed)
-
-    def predict(self, bank: TrackBank, interval: float) -> TrackBank:
-        """Move all clouds and return the bank with their moments.
-
-        Parameters
-        ----------
-        bank : TrackBank
-            Predicted.
-        interval : float
-            s.
-        """
-        for identifier, cloud in self._clouds.items():
-            self._clouds[identifier] = predict_cloud(cloud, self._motion, interval, self._generator)
-        return self._with_moments(bank)
-
-    def pair_densities(
-        self,
-        bank: TrackBank,
-        pairs: GatePairs,
-        updates: PairUpdates,
-        contacts: PlacedContacts,
-        sensor: SensorGeometry,
-    ) -> PairUpdates:
-        """Return the updates with the clouds' densities where there is a cloud."""
-        density = updates.density.copy()
-        self._densities = {}
-        first = np.searchsorted(pairs.track, np.arange(len(bank) + 1))
-        for row in self._rows(bank):
-            own = slice(first[row], first[row + 1])
-            cloud = self._clouds[int(bank.id[row])]
-            single = particle_densities(
-                cloud.state,
-                contacts.select(pairs.contact[own]),
-                sensor,
-            )
-            self._densities[int(bank.id[row])] = single
-            density[own, 0] = np.maximum(cloud.weight @ single / np.sum(cloud.weight), 1e-30)
-        return replace(updates, density=density)
-
-    def update(self, bank: TrackBank, pairs: GatePairs, weights: FloatArray) -> TrackBank:
-        """Weigh all clouds by their contacts and return the bank with their moments.
-
-        Parameters
-        ----------
-        bank : TrackBank
-            With Gaussian updates.
-        pairs : GatePairs
-            Contacts in the gates.
-        weights : ndarray, shape (n_pairs,)
-            Probabilities of association.
-        """
-        first = np.searchsorted(pairs.track, np.arange(len(bank) + 1))
-        for row in self._rows(bank):
-            identifier = int(bank.id[row])
-            cloud, single = self._clouds[identifier], self._densities[identifier]
-            share = cloud.weight / np.sum(cloud.weight)
-            beta = weights[first[row] : first[row + 1]]
-            relative = single / np.maximum(share @ single, 1e-30)
-            factor = 1.0 - np.sum(beta) + relative @ beta
-            weighed = ParticleCloud(cloud.state, cloud.mode, share * factor)
-            self._clouds[identifier] = resample_cloud(weighed, self._generator)
-        return self._with_moments(bank)
 
     def keep(self, bank: TrackBank) -> None:
         """Start clouds of newly confirmed tracks and forget those of ended ones."""
         if not self.used:
             return
-        kept = {}
-        for row in np.flatnonzero(bank.confirmed):
-            identifier = int(bank.id[row])
-            cloud = self._clouds.get(identifier)
-            if cloud is None:
-                mean, covariance = bank.mean[row, 0], bank.covariance[row, 0]
-                cloud = gaussian_cloud(mean, covariance, self._count, self._generator)
-            kept[identifier] = cloud
-        self._clouds = kept
+        rows = np.flatnonzero(bank.confirmed)
+        ids = bank.id[rows]
+        if np.array_equal(ids, self.id):
+            return
+        known = np.isin(ids, self.id)
+        kept = self.clouds.select(np.isin(self.id, ids))
+        count = self.clouds.weight.shape[-1]
+        started = [
+            gaussian_cloud(bank.mean[row, 0], bank.covariance[row, 0], count, self.generator)
+            for row in rows[~known]
+        ]
+        # Tracks are confirmed in any order.
+        order = np.argsort(np.concatenate([np.flatnonzero(known), np.flatnonzero(~known)]))
+        self.id, self.clouds = ids, joined_tables([kept, *map(stacked, started)]).select(order)
 
-    def _rows(self, bank: TrackBank) -> list[int]:
-        """Return the rows of the tracks with a cloud, in ascending order."""
-        followed = np.array(sorted(self._clouds), dtype=np.int64)
-        rows = bank.id.searchsorted(followed)
-        there = rows < len(bank)
-        there[there] = bank.id[rows[there]] == followed[there]
-        return [int(row) for row in rows[there]]
 
-    def _with_moments(self, bank: TrackBank) -> TrackBank:
-        mean, covariance = bank.mean.copy(), bank.covariance.copy()
-        for row in self._rows(bank):
-            mean[row, 0], covariance[row, 0] = self._clouds[int(bank.id[row])].moments()
-        return replace(bank, mean=mean, covariance=covariance)
+@dataclass(frozen=True)
+class GatedClouds:
+    """Contacts in the gates of the tracks of a scene that have clouds.
+
+    Attributes
+    ----------
+    rows : ndarray of int, shape (n,)
+        Of the pairs among all pairs.
+    pairs : CloudPairs
+        How well clouds and contacts explain each other.
+    """
+
+    rows: IndexArray
+    pairs: CloudPairs
+
+
+def predict_particles(
+    particles: Sequence[ParticleTracks], bank: TrackBank, tracks: SceneRows, interval: float
+) -> TrackBank:
+    """Move all clouds and return the bank with their moments.
+
+    Parameters
+    ----------
+    particles : sequence of ParticleTracks
+        Of each scene; changed.
+    bank : TrackBank
+        Predicted.
+    tracks : SceneRows
+        Whose tracks they are.
+    interval : float
+        s.
+    """
+    for each in particles:
+        each.clouds = predict_cloud(each.clouds, each.motion, interval, each.generator)
+    return _with_moments(particles, bank, tracks)
+
+
+def pair_densities(
+    particles: Sequence[ParticleTracks],
+    bank: TrackBank,
+    tracks: SceneRows,
+    pairs: GatePairs,
+    contacts: PlacedContacts,
+    sensors: Sequence[SensorGeometry],
+) -> list[GatedClouds]:
+    """Return the densities of the clouds at the contacts in their gates, in each scene.
+
+    Parameters
+    ----------
+    particles : sequence of ParticleTracks
+        Of each scene.
+    bank : TrackBank
+        Predicted.
+    tracks : SceneRows
+        Whose tracks they are.
+    pairs : GatePairs
+        Contacts in the gates.
+    contacts : PlacedContacts
+        Of the ping.
+    sensors : sequence of SensorGeometry
+        Where the ping came from in each scene.
+    """
+    rows = _rows(particles, bank, tracks)
+    cloud_of_track = np.full(len(bank), -1, dtype=np.intp)
+    cloud_of_track[np.concatenate(rows)] = np.concatenate([np.arange(len(own)) for own in rows])
+    cloud = cloud_of_track[pairs.track]
+    followed = np.flatnonzero(cloud >= 0)
+    scenes = zip(particles, tracks.of(pairs.track[followed]).split(followed), sensors, strict=True)
+    return [
+        GatedClouds(
+            own, cloud_pairs(each.clouds, cloud[own], contacts.select(pairs.contact[own]), sensor)
+        )
+        for each, own, sensor in scenes
+    ]
+
+
+def update_particles(
+    particles: Sequence[ParticleTracks],
+    bank: TrackBank,
+    tracks: SceneRows,
+    gated: Sequence[GatedClouds],
+    weights: FloatArray,
+) -> TrackBank:
+    """Weigh all clouds by their contacts and return the bank with their moments.
+
+    Parameters
+    ----------
+    particles : sequence of ParticleTracks
+        Of each scene; changed.
+    bank : TrackBank
+        With Gaussian updates.
+    tracks : SceneRows
+        Whose tracks they are.
+    gated : sequence of GatedClouds
+        Contacts in the gates of tracks with clouds, in each scene.
+    weights : ndarray, shape (n_pairs,)
+        Probabilities of association of all pairs.
+    """
+    for each, own in zip(particles, gated, strict=True):
+        weighed = weigh_cloud(each.clouds, own.pairs, weights[own.rows])
+        each.clouds = resample_cloud(weighed, each.generator)
+    return _with_moments(particles, bank, tracks)
+
+
+def _rows(
+    particles: Sequence[ParticleTracks], bank: TrackBank, tracks: SceneRows
+) -> list[IndexArray]:
+    """Return the row of the track of each cloud, in each scene."""
+    scenes = zip(particles, tracks.split(bank.id), tracks.starts.tolist(), strict=True)
+    return [ids.searchsorted(each.id) + first for each, ids, first in scenes]
+
+
+def _with_moments(
+    particles: Sequence[ParticleTracks], bank: TrackBank, tracks: SceneRows
+) -> TrackBank:
+    """Return the bank with the moments of the clouds."""
+    mean, covariance = bank.mean.copy(), bank.covariance.copy()
+    for each, rows in zip(particles, _rows(particles, bank, tracks), strict=True):
+        mean[rows, 0], covariance[rows, 0] = each.clouds.moments()
+    return replace(bank, mean=mean, covariance=covariance)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from sonar_tracking.active.association.lm_ipda import PairEvidence
 from sonar_tracking.active.contacts.contact_positions import PlacedContacts, place_contacts
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.active.detection.detection_model import DetectionModel, amplitude_ratios
-from sonar_tracking.active.particle_tracks import ParticleTracks
+from sonar_tracking.active.particle_tracks import GatedClouds, ParticleTracks, pair_densities
 from sonar_tracking.active.tracks.contact_gating import (
     GatePairs,
     SensorGeometry,
@@ -79,6 +79,8 @@ class PingGating:
         Contacts in gates that pass the thresholds.
     updates : PairUpdates
         Of the pairs.
+    clouds : sequence of GatedClouds
+        Pairs of tracks with particles in each scene; empty if they are not used.
     """
 
     tracks: SceneRows
@@ -86,6 +88,7 @@ class PingGating:
     thresholds: Sequence[AppliedThresholds]
     pairs: GatePairs
     updates: PairUpdates
+    clouds: Sequence[GatedClouds]
 
     def of_ping(self, ping: PlacedPing) -> GatedPing:
         """Return what a rule of association looks at."""
@@ -191,30 +194,19 @@ def gate_ping(
         far = _far_pairs(bank, tracks, ping, pairs, threshold, modes.widest_mode)
         pairs = _joined(pairs, far)
     updates = update_pairs(bank, ping.placed, pairs)
+    clouds: Sequence[GatedClouds] = ()
     if particles[0].used:
-        updates = _with_clouds(bank, tracks, ping, pairs, updates, particles)
-    return PingGating(tracks, gates, thresholds, pairs, updates)
+        clouds = pair_densities(particles, bank, tracks, pairs, ping.placed, ping.sensors)
+        updates = _with_densities(updates, clouds)
+    return PingGating(tracks, gates, thresholds, pairs, updates, clouds)
 
 
-def _with_clouds(
-    bank: TrackBank,
-    tracks: SceneRows,
-    ping: PlacedPing,
-    pairs: GatePairs,
-    updates: PairUpdates,
-    particles: Sequence[ParticleTracks],
-) -> PairUpdates:
-    """Return the updates with the densities of clouds where there are any."""
-    scenes = zip(
-        particles,
-        bank.parts(tracks),
-        pairs.parts(tracks, ping.contact_rows),
-        tracks.of(pairs.track).parts(updates),
-        ping.contact_rows.parts(ping.placed),
-        ping.sensors,
-        strict=True,
-    )
-    return joined_tables([clouds.pair_densities(*scene) for clouds, *scene in scenes])
+def _with_densities(updates: PairUpdates, clouds: Sequence[GatedClouds]) -> PairUpdates:
+    """Return the updates of all pairs with the clouds' densities where there is a cloud."""
+    density = updates.density.copy()
+    for own in clouds:
+        density[own.rows, 0] = own.pairs.mean
+    return replace(updates, density=density)
 
 
 def _far_pairs(

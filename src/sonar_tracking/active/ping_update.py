@@ -17,7 +17,11 @@ from sonar_tracking.active.contacts.contact_tracker_configuration import Contact
 from sonar_tracking.active.detection.detection_levels import forget, mean_probability, weigh
 from sonar_tracking.active.detection.detection_model import amplitude_ratios
 from sonar_tracking.active.lasting_error import monitors_after
-from sonar_tracking.active.particle_tracks import ParticleTracks
+from sonar_tracking.active.particle_tracks import (
+    ParticleTracks,
+    predict_particles,
+    update_particles,
+)
 from sonar_tracking.active.ping_gating import PingGating, PlacedPing, gate_ping, place_ping
 from sonar_tracking.active.scene_memory import AdmittedPing, SceneMemory
 from sonar_tracking.active.tracks.motion_model import MotionModel
@@ -113,10 +117,8 @@ def predict_scenes(method: TrackingMethod, scenes: Sequence[SceneMemory], stamp:
     bank = predict_bank(bank, method.modes, interval, survival)
     levels = tracks.spread([scene.new_detection for scene in scenes])
     bank = replace(bank, detection_weight=forget(bank.detection_weight, levels))
-    if not scenes[0].particles.used:
-        return bank
-    parts = zip(scenes, bank.parts(tracks), strict=True)
-    return joined_tables([scene.particles.predict(part, interval) for scene, part in parts])
+    particles = [scene.particles for scene in scenes]
+    return predict_particles(particles, bank, tracks, interval) if particles[0].used else bank
 
 
 def _alike(scenes: Sequence[SceneMemory], pings: Sequence[AdmittedPing]) -> bool:
@@ -145,7 +147,7 @@ def _update_at_once(
     particles = [scene.particles for scene in scenes]
     gating = gate_ping(bank, tracks, ping, configuration, particles, method.modes)
     association = method.rule.associate(bank, gating.of_ping(ping))
-    bank = _update_states(particles, tracks, ping.contact_rows, association, gating)
+    bank = _update_states(particles, tracks, association, gating)
     listed = _confirm_and_end(configuration, scenes, tracks, bank, association, gating, ping)
     candidates, new = _start_candidates(method, scenes, association, gating, ping)
     next_ids = [scene.next_id + count for scene, count in zip(scenes, new.counts, strict=True)]
@@ -165,7 +167,6 @@ def _update_at_once(
 def _update_states(
     particles: Sequence[ParticleTracks],
     tracks: SceneRows,
-    contacts: SceneRows,
     association: BankAssociation,
     gating: PingGating,
 ) -> TrackBank:
@@ -178,14 +179,7 @@ def _update_states(
     bank = replace(bank, detection_weight=joined(detection))
     if not particles[0].used:
         return bank
-    banks, pairs_of = bank.parts(tracks), pairs.parts(tracks, contacts)
-    weights_of = tracks.of(pairs.track).split(weights[:, 0])
-    return joined_tables(
-        [
-            clouds.update(banks[scene], pairs_of[scene], weights_of[scene])
-            for scene, clouds in enumerate(particles)
-        ]
-    )
+    return update_particles(particles, bank, tracks, gating.clouds, weights[:, 0])
 
 
 def _confirm_and_end(

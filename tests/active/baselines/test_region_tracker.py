@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sonar_tracking.active.baselines.region_tracker import RegionTracker, _inside_gate
+from sonar_tracking.active.baselines.region_tracker import RegionTracker, _inside_gates
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
-from sonar_tracking.active.tracks.particle_cloud import ParticleCloud
+from sonar_tracking.active.tracks.particle_cloud import ParticleCloud, stacked
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
 from tests.active.contact_scene import PUBLISHED
@@ -165,5 +165,5 @@ def test_the_gate_is_where_the_track_is_when_sound_reaches_it(delay: float) -> N
     """A track of one particle, 20 m/s along x; contacts of 10 m, a gate of 4 deviations."""
     cloud = ParticleCloud(np.array([[2000.0, 0.0, 20.0, 0.0]]), np.zeros(1, int), np.ones(1))
     along = [[2000.0 + 20.0 * delay + offset, 0.0] for offset in (-41.0, -39.0, 39.0, 41.0)]
-    inside = _inside_gate(cloud, contacts_at(along, delay))
+    (inside,) = _inside_gates(stacked(cloud), contacts_at(along, delay))
     assert inside.tolist() == [False, True, True, False]

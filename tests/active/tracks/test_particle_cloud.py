@@ -13,10 +13,10 @@ from sonar_tracking.active.tracks.particle_cloud import (
     gaussian_cloud,
     predict_cloud,
     resample_cloud,
+    stacked,
     systematic_rows,
 )
-from sonar_tracking.active.tracks.particle_densities import particle_densities
-from tests.active.track_scene import COVARIANCE, contacts_at
+from tests.active.track_scene import COVARIANCE, contacts_at, densities_of
 
 
 def test_resampling_keeps_mean_and_covariance() -> None:
@@ -25,7 +25,7 @@ def test_resampling_keeps_mean_and_covariance() -> None:
     weight = np.exp(-0.5 * ((cloud.state[:, 0] - 30.0) / 4.0) ** 2)
     cloud = ParticleCloud(cloud.state, cloud.mode, weight)
     mean, covariance = cloud.moments()
-    resampled = resample_cloud(cloud, generator)
+    resampled = resample_cloud(stacked(cloud), generator).select(0)
     assert resampled.weight == pytest.approx(np.full(20_000, 1.0 / 20_000))
     again, spread = resampled.moments()
     assert again == pytest.approx(mean, abs=1.0)
@@ -46,7 +46,7 @@ def test_particle_density_is_one_over_the_plane() -> None:
     sensor = SensorGeometry(np.array([100.0, -50.0]), 30.0, 0.02, 0.0)
     axis = np.arange(-400.0, 400.0, 10.0)
     grid = np.stack(np.meshgrid(1100.0 + axis, 450.0 + axis), axis=-1).reshape(-1, 2)
-    density = particle_densities(
+    density = densities_of(
         np.array([[1100.0, 450.0, 0.0, 0.0]]), contacts_at(grid.tolist()), sensor
     )
     assert np.sum(density) * 100.0 == pytest.approx(1.0, abs=0.01)
@@ -105,7 +105,7 @@ def test_a_density_is_the_polar_gaussian_at_the_reflection() -> None:
     sensor = SensorGeometry(np.array([100.0, -50.0]), 30.0, 0.02, 1500.0)
     state = np.array([[1100.0, 450.0, 20.0, -10.0], [-900.0, -50.0, 0.0, 0.0]])
     contacts = contacts_at([[1120.0, 430.0], [-900.0, -60.0], [-900.0, -40.0], [9000.0, 0.0]])
-    density = particle_densities(state, contacts, sensor)
+    density = densities_of(state, contacts, sensor)
     for row in range(2):
         position = state[row, :2] - sensor.position
         position = position + np.hypot(*position) / 1500.0 * state[row, 2:]
@@ -139,7 +139,8 @@ def test_a_cloud_is_resampled_when_fewer_than_half_of_its_particles_count() -> N
     state = generator.normal(size=(100, 4))
     for heavy, resampled in [(51, False), (49, True)]:
         weight = np.where(np.arange(100) < heavy, 2.0, 1e-12)
-        after = resample_cloud(ParticleCloud(state, np.zeros(100, int), weight), generator)
+        cloud = ParticleCloud(state, np.zeros(100, int), weight)
+        after = resample_cloud(stacked(cloud), generator).select(0)
         assert np.sum(after.weight) == pytest.approx(1.0)
         assert np.array_equal(after.state, state) == (not resampled)
         assert (np.ptp(after.weight) == 0.0) == resampled
@@ -151,7 +152,8 @@ def test_a_kernel_keeps_apart_what_was_drawn_twice() -> None:
     generator = np.random.default_rng(11)
     state = np.repeat(np.array([[-1.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]), count // 2, axis=0)
     weight = np.where(np.arange(count) % 4 == 0, 1.0, 0.0)
-    after = resample_cloud(ParticleCloud(state, np.zeros(count, int), weight), generator)
+    cloud = ParticleCloud(state, np.zeros(count, int), weight)
+    after = resample_cloud(stacked(cloud), generator).select(0)
     width = 0.3 * (2.0 / 3.0) ** 0.125 * count**-0.125
     left = after.state[after.state[:, 0] < 0.0, 0]
     assert np.std(left) == pytest.approx(width, rel=0.06)
@@ -168,3 +170,28 @@ def test_a_covariance_that_rounding_has_made_indefinite_is_mended() -> None:
     assert off[:, 1] == pytest.approx(off[:, 0], abs=1e-2)
     assert np.var(off[:, 0]) == pytest.approx(1.0, abs=5.0 * np.sqrt(2.0 / 1000))
     assert np.abs(off[:, 2:]).max() < 1e-2
+
+
+def test_clouds_together_are_as_by_themselves_with_the_same_numbers() -> None:
+    """Those whose weights are alike are left alone; the others are drawn in their order."""
+    count, motion = 200, ParticleMotion(0.1, 0.02, 0.8)
+    made = np.random.default_rng(13)
+    singles = [gaussian_cloud(np.arange(4.0) * row, COVARIANCE, count, made) for row in range(4)]
+    heavy = [np.ones(count), made.random(count) ** 8, np.ones(count), made.random(count) ** 9]
+    clouds = [
+        ParticleCloud(one.state, one.mode, own) for one, own in zip(singles, heavy, strict=True)
+    ]
+    together = ParticleCloud(
+        *(np.stack([getattr(one, name) for one in clouds]) for name in ("state", "mode", "weight"))
+    )
+    alone, all_of_them = np.random.default_rng(14), np.random.default_rng(14)
+    moved = predict_cloud(together, motion, 10.0, all_of_them)
+    one_by_one = [predict_cloud(cloud, motion, 10.0, alone) for cloud in clouds]
+    drawn = resample_cloud(moved, all_of_them)
+    for row, cloud in enumerate(one_by_one):
+        np.testing.assert_array_equal(moved.state[row], cloud.state)
+        np.testing.assert_array_equal(moved.mode[row], cloud.mode)
+        again = resample_cloud(stacked(cloud), alone).select(0)
+        np.testing.assert_allclose(drawn.state[row], again.state, rtol=1e-12)
+        np.testing.assert_array_equal(drawn.mode[row], again.mode)
+        assert np.array_equal(again.state, cloud.state) == (row in (0, 2))

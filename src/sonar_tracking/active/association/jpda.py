@@ -49,9 +49,7 @@ def associate_jointly(ratios: FloatArray, missed: float) -> FloatArray:
     wanted = ratios != 0.0
     shared = np.count_nonzero(wanted, axis=0) > 1
     alone = ~np.any(wanted[:, shared], axis=1)
-    for track in np.flatnonzero(alone):
-        contacts = np.flatnonzero(wanted[track])
-        probabilities[track, contacts] = _cluster(ratios[track][None, contacts], missed)[0]
+    probabilities[alone] = _independently(ratios[alone], missed)
     if not np.all(alone):
         together = np.flatnonzero(~alone)
         for rows, contacts in _clusters(wanted[together]):
@@ -74,10 +72,14 @@ def _clusters(wanted: BoolArray) -> Iterator[tuple[IndexArray, IndexArray]]:
         )
 
 
+def _independently(ratios: FloatArray, missed: float) -> FloatArray:
+    return np.asarray(ratios / (missed + np.sum(ratios, axis=1))[:, None])
+
+
 def _cluster(ratios: FloatArray, missed: float) -> FloatArray:
     events = float(np.prod(1.0 + np.count_nonzero(ratios, axis=1)))
     if len(ratios) == 1 or events > MAXIMUM_EVENTS:
-        return np.asarray(ratios / (missed + np.sum(ratios, axis=1))[:, None])
+        return _independently(ratios, missed)
     choices = [
         [(-1, missed), *((int(j), float(row[j])) for j in np.flatnonzero(row))] for row in ratios
     ]

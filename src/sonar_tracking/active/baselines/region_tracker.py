@@ -12,6 +12,7 @@ Ng, Li, Godsill, Vermaak (2005), as compared with in Kim, Song (2007).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -36,6 +37,7 @@ from sonar_tracking.active.contacts.contact_tracker_configuration import (
 from sonar_tracking.active.detection.detection_model import DetectionModel, make_detection_model
 from sonar_tracking.active.detection.detection_threshold import GATE_SIZE
 from sonar_tracking.active.detection.gate_association import PROBABILITY_IN_GATE
+from sonar_tracking.active.tracks.cloud_pairs import cloud_pairs, weigh_cloud
 from sonar_tracking.active.tracks.contact_gating import (
     SensorGeometry,
     determinant,
@@ -50,12 +52,14 @@ from sonar_tracking.active.tracks.particle_cloud import (
     ParticleCloud,
     ParticleMotion,
     gaussian_cloud,
+    no_clouds,
     predict_cloud,
     resample_cloud,
+    stacked,
 )
-from sonar_tracking.active.tracks.particle_densities import particle_densities
+from sonar_tracking.active.tracks.scene_rows import joined_tables
 from sonar_tracking.errors import Notice, Severity
-from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray, IntArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
 
@@ -67,14 +71,27 @@ LARGEST_NUMBER_OF_CLOUDS = 500
 
 
 @dataclass(frozen=True)
-class _RegionTrack:
-    """One confirmed track."""
+class _RegionTracks:
+    """Confirmed tracks, in the order of their age; one row each."""
 
-    track_id: int
-    cloud: ParticleCloud
-    misses: int
-    initiated: int
-    updated: int
+    id: IntArray
+    misses: IntArray
+    initiated: IntArray
+    updated: IntArray
+    clouds: ParticleCloud
+
+    def __len__(self) -> int:
+        return len(self.id)
+
+    def select(self, rows: BoolArray) -> _RegionTracks:
+        """Return some of the tracks, by a mask."""
+        return _RegionTracks(
+            self.id[rows],
+            self.misses[rows],
+            self.initiated[rows],
+            self.updated[rows],
+            self.clouds.select(rows),
+        )
 
 
 class RegionTracker:
@@ -96,7 +113,9 @@ class RegionTracker:
         self.configuration = configuration
         self._motion = ParticleMotion.configured(configuration)
         self._generator = np.random.default_rng(configuration.seed)
-        self._tracks: list[_RegionTrack] = []
+        nobody = np.zeros(0, dtype=np.int64)
+        clouds = no_clouds(configuration.n_particles)
+        self._tracks = _RegionTracks(nobody, nobody, nobody, nobody, clouds)
         self._window: list[PolarContacts] = []
         self._most_tracks = min(configuration.maximum_tracks, LARGEST_NUMBER_OF_CLOUDS)
         self._pending = np.zeros((0, 2)), np.zeros(0, dtype=np.int64)
@@ -140,8 +159,10 @@ class RegionTracker:
             model.detection_probability,
         )
         free = self._attribute(regions, sensor)
-        ended = [track for track in self._tracks if track.misses >= DEATH_COUNT]
-        self._tracks = [track for track in self._tracks if track.misses < DEATH_COUNT]
+        ends = self._tracks.misses >= DEATH_COUNT
+        ended = self._tracks.select(ends)
+        if ends.any():
+            self._tracks = self._tracks.select(~ends)
         self._start(free, sensor, contacts.stamp)
         return ContactTrackerUpdate(
             tracks=shown_tracks(self._rows(ended), contacts.stamp, contacts.next_stamp),
@@ -161,7 +182,7 @@ class RegionTracker:
         check_order(stamp, self._last)
         self._predict(stamp)
         self._last = self._last and self._last.moved_to(stamp)
-        rows = self._rows([])
+        rows = self._rows()
         coasted = np.full(len(rows.id), int(TrackStatus.COASTED), dtype=np.int64)
         return ContactTrackerUpdate(
             tracks=shown_tracks(replace(rows, status=coasted), stamp, next_stamp),
@@ -180,12 +201,8 @@ class RegionTracker:
 
     def _predict(self, stamp: int) -> None:
         interval = 0.0 if self._last is None else self._last.interval(stamp)
-        self._tracks = [
-            replace(
-                track, cloud=predict_cloud(track.cloud, self._motion, interval, self._generator)
-            )
-            for track in self._tracks
-        ]
+        clouds = predict_cloud(self._tracks.clouds, self._motion, interval, self._generator)
+        self._tracks = replace(self._tracks, clouds=clouds)
 
     def _follow(
         self,
@@ -195,45 +212,36 @@ class RegionTracker:
         stamp: int,
     ) -> None:
         """Update all tracks with the joint association probabilities."""
-        clouds = [track.cloud for track in self._tracks]
-        gates = [np.flatnonzero(_inside_gate(cloud, placed)) for cloud in clouds]
-        densities = [
-            particle_densities(cloud.state, placed.select(columns), sensor)
-            for cloud, columns in zip(clouds, gates, strict=True)
-        ]
-        means = [
-            cloud.weight @ density / np.sum(cloud.weight)
-            for cloud, density in zip(clouds, densities, strict=True)
-        ]
-        ratios = np.zeros((len(clouds), len(placed.distance)))
+        tracks = self._tracks
+        row, contact = np.nonzero(_inside_gates(tracks.clouds, placed))
+        pairs = cloud_pairs(tracks.clouds, row, placed.select(contact), sensor)
         clutter = model.clutter_density(placed.distance)
-        for row, columns in enumerate(gates):
-            ratios[row, columns] = model.detection_probability * means[row] / clutter[columns]
+        ratios = np.zeros((len(tracks), len(placed.distance)))
+        ratios[row, contact] = model.detection_probability * pairs.mean / clutter[contact]
         missed = 1.0 - model.detection_probability * PROBABILITY_IN_GATE
         probabilities = associate_jointly(ratios, missed)
-        for row, (cloud, density) in enumerate(zip(clouds, densities, strict=True)):
-            beta = probabilities[row, gates[row]]
-            relative = density / np.maximum(means[row], 1e-300)
-            factor = 1.0 - np.sum(beta) + relative @ beta
-            weighed = ParticleCloud(cloud.state, cloud.mode, cloud.weight * factor)
-            updated = stamp if np.sum(beta) > 0.5 else self._tracks[row].updated
-            self._tracks[row] = replace(
-                self._tracks[row],
-                cloud=resample_cloud(weighed, self._generator),
-                updated=updated,
-            )
+        weighed = weigh_cloud(tracks.clouds, pairs, probabilities[row, contact])
+        self._tracks = replace(
+            tracks,
+            clouds=resample_cloud(weighed, self._generator),
+            updated=np.where(probabilities.sum(axis=1) > 0.5, stamp, tracks.updated),
+        )
 
     def _attribute(self, regions: FloatArray, sensor: SensorGeometry) -> FloatArray:
         """Count misses of the tracks and return the regions that belong to none."""
-        noise = _region_covariances(regions, sensor)
         free = np.ones(len(regions), dtype=bool)
-        for row, track in enumerate(self._tracks):
-            mean, covariance = track.cloud.moments()
-            difference = regions - mean[:2]
-            spread = 2.0 * noise + covariance[:2, :2]
-            own = free & (_squared_distances(difference, spread) < GATE_SIZE**2)
-            free &= ~own
-            self._tracks[row] = replace(track, misses=0 if np.any(own) else track.misses + 1)
+        if not len(self._tracks):
+            return regions
+        mean, covariance = self._tracks.clouds.moments()
+        spread = 2.0 * _region_covariances(regions, sensor) + covariance[:, None, :2, :2]
+        near = _squared_distances(regions - mean[:, None, :2], spread) < GATE_SIZE**2
+        misses = self._tracks.misses + 1
+        for row, wanted in enumerate(near):
+            own = free & wanted
+            if own.any():
+                free &= ~own
+                misses[row] = 0
+        self._tracks = replace(self._tracks, misses=misses)
         return regions[free]
 
     def _start(self, regions: FloatArray, sensor: SensorGeometry, stamp: int) -> None:
@@ -247,41 +255,53 @@ class RegionTracker:
                 n_single += 1
         before, counts = self._pending
         positions, numbers = [], []
+        born: list[ParticleCloud] = []
         for region in single[:n_single]:
             near = _near(before, region, 3.0 * np.sqrt(2.0) * deviation)
             count = int(np.max(counts[near], initial=0)) + 1
             if count < BIRTH_COUNT:
                 positions.append(region)
                 numbers.append(count)
-            elif len(self._tracks) < self._most_tracks:
-                self._tracks.append(self._new_track(region, sensor, stamp))
+            elif len(self._tracks) + len(born) < self._most_tracks:
+                born.append(self._new_cloud(region, sensor))
+        if born:
+            self._append(born, stamp)
         self._pending = (np.array(positions).reshape(-1, 2), np.array(numbers, dtype=np.int64))
 
-    def _new_track(self, region: FloatArray, sensor: SensorGeometry, stamp: int) -> _RegionTrack:
+    def _new_cloud(self, region: FloatArray, sensor: SensorGeometry) -> ParticleCloud:
         covariance = np.zeros((4, 4))
         covariance[:2, :2] = _region_covariances(region[None], sensor)[0]
         covariance[2:, 2:] = self.configuration.initial_speed_deviation**2 * np.eye(2)
         mean = np.concatenate([region, np.zeros(2)])
-        cloud = gaussian_cloud(mean, covariance, self.configuration.n_particles, self._generator)
-        track = _RegionTrack(self._next_id, cloud, 0, stamp, stamp)
-        self._next_id += 1
-        return track
+        return gaussian_cloud(mean, covariance, self.configuration.n_particles, self._generator)
 
-    def _rows(self, ended: list[_RegionTrack]) -> ContactTrackRows:
-        tracks = [*self._tracks, *ended]
-        status = [
-            TrackStatus.CONFIRMED if track.misses == 0 else TrackStatus.COASTED
-            for track in self._tracks
-        ]
-        moments = [track.cloud.moments() for track in tracks]
+    def _append(self, born: Sequence[ParticleCloud], stamp: int) -> None:
+        """Start tracks with these clouds."""
+        old, stamps = self._tracks, np.full(len(born), stamp, dtype=np.int64)
+        self._tracks = _RegionTracks(
+            id=np.append(old.id, self._next_id + np.arange(len(born))),
+            misses=np.append(old.misses, np.zeros(len(born), dtype=np.int64)),
+            initiated=np.append(old.initiated, stamps),
+            updated=np.append(old.updated, stamps),
+            clouds=joined_tables([old.clouds, *map(stacked, born)]),
+        )
+        self._next_id += len(born)
+
+    def _rows(self, *ended: _RegionTracks) -> ContactTrackRows:
+        """Return the tracks, and those that have ended."""
+        listed = (self._tracks, *ended)
+        moments = [tracks.clouds.moments() for tracks in listed]
+        status = np.where(self._tracks.misses, int(TrackStatus.COASTED), int(TrackStatus.CONFIRMED))
+        ids = np.concatenate([tracks.id for tracks in listed])
+        n_ended = len(ids) - len(status)
         return ContactTrackRows(
-            id=np.array([track.track_id for track in tracks], dtype=np.int64),
-            status=np.array([*status, *[TrackStatus.TERMINATED] * len(ended)], dtype=np.int64),
-            existence=np.full(len(tracks), np.nan),
-            state=np.array([mean for mean, _ in moments]).reshape(-1, 4),
-            covariance=np.array([spread for _, spread in moments]).reshape(-1, 4, 4),
-            initiated=np.array([track.initiated for track in tracks], dtype=np.int64),
-            updated=np.array([track.updated for track in tracks], dtype=np.int64),
+            id=ids,
+            status=np.append(status, np.full(n_ended, int(TrackStatus.TERMINATED))),
+            existence=np.full(len(ids), np.nan),
+            state=np.concatenate([mean for mean, _ in moments]),
+            covariance=np.concatenate([spread for _, spread in moments]),
+            initiated=np.concatenate([tracks.initiated for tracks in listed]),
+            updated=np.concatenate([tracks.updated for tracks in listed]),
         )
 
 
@@ -303,15 +323,17 @@ def _region_covariances(regions: FloatArray, sensor: SensorGeometry) -> FloatArr
     )
 
 
-def _inside_gate(cloud: ParticleCloud, placed: PlacedContacts) -> BoolArray:
-    mean, covariance = cloud.moments()
-    difference = placed.position - mean[:2] - placed.delay[:, None] * mean[2:]
-    spread = placed.covariance + covariance[:2, :2]
+def _inside_gates(clouds: ParticleCloud, placed: PlacedContacts) -> BoolArray:
+    """Return which contacts are in which gates, shape (n_clouds, n_contacts)."""
+    mean, covariance = clouds.moments()
+    place, velocity = mean[:, None, :2], mean[:, None, 2:]
+    difference = placed.position - place - placed.delay[:, None] * velocity
+    spread = placed.covariance + covariance[:, None, :2, :2]
     return np.asarray(_squared_distances(difference, spread) < GATE_SIZE**2)
 
 
 def _squared_distances(difference: FloatArray, spread: FloatArray) -> FloatArray:
-    """Return d^T S^-1 d of differences, shape (n, 2), and their covariances, shape (n, 2, 2)."""
-    x, y = difference[:, 0], difference[:, 1]
-    square = spread[:, 1, 1] * x**2 - 2.0 * spread[:, 0, 1] * x * y + spread[:, 0, 0] * y**2
+    """Return d^T S^-1 d of differences, shape (..., 2), and covariances, shape (..., 2, 2)."""
+    x, y = difference[..., 0], difference[..., 1]
+    square = spread[..., 1, 1] * x**2 - 2.0 * spread[..., 0, 1] * x * y + spread[..., 0, 0] * y**2
     return np.asarray(square / determinant(spread))

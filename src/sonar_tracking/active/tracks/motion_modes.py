@@ -157,10 +157,10 @@ class MotionModes:
         return white_acceleration_noise(self.acceleration_deviation, interval)
 
 
-def turn_coefficients(
-    rates: FloatArray, interval: float
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return what the transition of a turn is made of, with the limits at W = 0.
+def half_turns(rates: FloatArray, interval: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return what turns are made of: half of the turn, the chord, the other half.
+
+    A position moves along the chord, in the direction of the mean of both headings.
 
     Parameters
     ----------
@@ -171,18 +171,17 @@ def turn_coefficients(
 
     Returns
     -------
-    sine_over, versine_over : ndarray, shape (...)
-        sin(W T)/W and (1 - cos(W T))/W, s.
+    chord : ndarray, shape (...)
+        2 sin(W T / 2) / W, s; T at W = 0.
     cosine, sine : ndarray, shape (...)
-        cos(W T) and sin(W T), pure numbers.
+        Of W T / 2, pure numbers.
     """
     half = 0.5 * interval * rates
-    sine, cosine = np.sin(half), np.cos(half)
-    # The chord of the arc; as half of it tends to 0, so does its difference from the arc.
+    sine = np.sin(half)
     chord = np.ones(np.shape(half))
     np.divide(sine, half, out=chord, where=half != 0.0)
     chord *= interval
-    return chord * cosine, chord * sine, 1.0 - 2.0 * sine**2, 2.0 * sine * cosine
+    return chord, np.cos(half), sine
 
 
 def turn_matrices(rates: FloatArray, interval: float) -> FloatArray:
@@ -200,13 +199,15 @@ def turn_matrices(rates: FloatArray, interval: float) -> FloatArray:
     ndarray, shape (..., 4, 4)
         For the state x, y, vx, vy; pure numbers, s and 1/s.
     """
-    sine_over, versine_over, cosine, sine = turn_coefficients(rates, interval)
+    chord, half_cosine, half_sine = half_turns(rates, interval)
     matrix = np.zeros((*np.shape(rates), 4, 4))
     matrix[..., 0, 0] = matrix[..., 1, 1] = 1.0
-    matrix[..., 0, 2] = matrix[..., 1, 3] = sine_over
+    matrix[..., 0, 2] = matrix[..., 1, 3] = chord * half_cosine
+    versine_over = chord * half_sine
     matrix[..., 0, 3] = -versine_over
     matrix[..., 1, 2] = versine_over
-    matrix[..., 2, 2] = matrix[..., 3, 3] = cosine
+    matrix[..., 2, 2] = matrix[..., 3, 3] = 1.0 - 2.0 * half_sine**2
+    sine = 2.0 * half_sine * half_cosine
     matrix[..., 2, 3] = -sine
     matrix[..., 3, 2] = sine
     return matrix

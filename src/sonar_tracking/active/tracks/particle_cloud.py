@@ -1,5 +1,7 @@
 """A target as a cloud of weighted particles that go straight, turn left or turn right.
 
+The clouds of several targets are computed together; random numbers are drawn cloud by cloud.
+
 Regularised resampling: when fewer than half of the particles count, they are drawn anew by their
 weights and spread by a Gaussian kernel of the cloud's own covariance, shrunk so that the
 covariance stays what it was.
@@ -20,9 +22,12 @@ from sonar_tracking.active.contacts.contact_tracker_configuration import Contact
 from sonar_tracking.active.tracks.motion_modes import (
     SMALLEST_SPEED,
     TURN_DIRECTIONS,
-    turn_coefficients,
+    half_turns,
 )
-from sonar_tracking.records.arrays import FloatArray, IndexArray, IntArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray, IntArray
+
+NEXT_MODES = np.array([0, 1, 2, 0, 1])
+"""Mode by the old one and how many further it is."""
 
 KERNEL_WIDTH = 0.3
 """Relative to the kernel that is best for a Gaussian cloud."""
@@ -56,15 +61,15 @@ class ParticleMotion:
 
 @dataclass(frozen=True)
 class ParticleCloud:
-    """Particles of one target, or of all targets together.
+    """Particles of one target, or of all targets together; or several such clouds.
 
     Attributes
     ----------
-    state : ndarray, shape (n, 4)
+    state : ndarray, shape (..., n, 4)
         x, y, vx, vy, m and m/s.
-    mode : ndarray of int, shape (n,)
+    mode : ndarray of int, shape (..., n)
         0 straight, 1 left, 2 right.
-    weight : ndarray, shape (n,)
+    weight : ndarray, shape (..., n)
         Pure numbers, not negative.
     """
 
@@ -72,24 +77,54 @@ class ParticleCloud:
     mode: IntArray
     weight: FloatArray
 
+    def __len__(self) -> int:
+        """Return the number of clouds."""
+        return len(self.weight)
+
+    def select(self, rows: int | BoolArray | IndexArray | slice) -> ParticleCloud:
+        """Return one or some of several clouds.
+
+        Parameters
+        ----------
+        rows : int, slice, or ndarray of bool, shape (n_clouds,), or of int, shape (n_kept,)
+            A row, a mask or rows.
+        """
+        return ParticleCloud(self.state[rows], self.mode[rows], self.weight[rows])
+
+    @property
+    def share(self) -> FloatArray:
+        """Weights with the sum 1, shape (..., n), pure numbers."""
+        return np.asarray(self.weight / np.sum(self.weight, axis=-1, keepdims=True))
+
     def moments(self) -> tuple[FloatArray, FloatArray]:
         """Return mean and covariance of the particles.
 
         Returns
         -------
-        mean : ndarray, shape (4,)
+        mean : ndarray, shape (..., 4)
             m and m/s.
-        covariance : ndarray, shape (4, 4)
+        covariance : ndarray, shape (..., 4, 4)
             m^2, m^2/s, m^2/s^2.
         """
         return self._moments
 
     @cached_property
     def _moments(self) -> tuple[FloatArray, FloatArray]:
-        share = self.weight / np.sum(self.weight)
-        mean = share @ self.state
+        share = self.share
+        mean = np.matmul(share[..., None, :], self.state)
         deviation = self.state - mean
-        return mean, (share[:, None] * deviation).T @ deviation
+        weighted = share[..., None] * deviation
+        return mean[..., 0, :], np.matmul(weighted.swapaxes(-1, -2), deviation)
+
+
+def no_clouds(count: int) -> ParticleCloud:
+    """Return the table of clouds of so many particles before there is one."""
+    return ParticleCloud(np.zeros((0, count, 4)), np.zeros((0, count), int), np.zeros((0, count)))
+
+
+def stacked(cloud: ParticleCloud) -> ParticleCloud:
+    """Return one cloud as a table of clouds."""
+    return ParticleCloud(cloud.state[None], cloud.mode[None], cloud.weight[None])
 
 
 def gaussian_cloud(
@@ -115,26 +150,54 @@ def gaussian_cloud(
 
 
 def predict_cloud(
-    cloud: ParticleCloud, motion: ParticleMotion, interval: float, generator: np.random.Generator
+    cloud: ParticleCloud,
+    motion: ParticleMotion,
+    interval: float,
+    generator: np.random.Generator,
 ) -> ParticleCloud:
-    """Return the particles after an interval (s), each with its own mode and noise."""
-    count = len(cloud.weight)
-    changed = generator.random(count) >= motion.stay_probability
-    mode = cloud.mode + np.where(changed, generator.integers(1, 3, count), 0)
-    mode -= 3 * (mode > 2)
-    x, y, vx, vy = np.ascontiguousarray(cloud.state.T)
-    speed = np.maximum(np.hypot(vx, vy), SMALLEST_SPEED)
-    rates = TURN_DIRECTIONS.take(mode) * motion.lateral_acceleration / speed
-    sine_over, versine_over, cosine, sine = turn_coefficients(rates, interval)
-    noise = motion.acceleration_deviation * generator.standard_normal((count, 2))
-    noise_x, noise_y = np.ascontiguousarray(noise.T)
-    half = 0.5 * interval**2
+    """Return the particles after an interval, each with its own mode and noise.
+
+    Parameters
+    ----------
+    cloud : ParticleCloud
+        One or several.
+    motion : ParticleMotion
+        Of the particles.
+    interval : float or ndarray, shape (n_clouds, 1)
+        s.
+    generators : sequence of numpy.random.Generator
+        Source of the randomness of each cloud.
+    """
+    other, noise = _changes(cloud.weight.shape, motion, generator)
+    mode = NEXT_MODES.take(cloud.mode + other)
+    x, y, vx, vy = np.ascontiguousarray(np.moveaxis(cloud.state, -1, 0))
+    speed = np.maximum(np.sqrt(vx * vx + vy * vy), SMALLEST_SPEED)
+    rates = (motion.lateral_acceleration * TURN_DIRECTIONS).take(mode) / speed
+    chord, cosine, sine = half_turns(rates, interval)
+    noise *= motion.acceleration_deviation * interval
+    push_x, push_y = np.moveaxis(noise, -1, 0)
+    # By half of the turn, along the chord, and by the other half.
+    mean_x, mean_y = cosine * vx - sine * vy, sine * vx + cosine * vy
+    half = 0.5 * interval
     state = np.empty_like(cloud.state)
-    state[:, 0] = x + sine_over * vx - versine_over * vy + half * noise_x
-    state[:, 1] = y + versine_over * vx + sine_over * vy + half * noise_y
-    state[:, 2] = cosine * vx - sine * vy + interval * noise_x
-    state[:, 3] = sine * vx + cosine * vy + interval * noise_y
+    np.add(x, chord * mean_x + half * push_x, out=state[..., 0])
+    np.add(y, chord * mean_y + half * push_y, out=state[..., 1])
+    np.add(cosine * mean_x - sine * mean_y, push_x, out=state[..., 2])
+    np.add(sine * mean_x + cosine * mean_y, push_y, out=state[..., 3])
     return ParticleCloud(state, mode, cloud.weight)
+
+
+def _changes(
+    shape: tuple[int, ...], motion: ParticleMotion, generator: np.random.Generator
+) -> tuple[IntArray, FloatArray]:
+    """Return how many modes on each particle goes, and its noise, drawn cloud by cloud."""
+    luck, other, noise = np.empty(shape), np.empty(shape, int), np.empty((*shape, 2))
+    for row in np.ndindex(shape[:-1]):
+        generator.random(out=luck[row])
+        other[row] = generator.integers(1, 3, shape[-1])
+        generator.standard_normal(out=noise[row])
+    other *= luck >= motion.stay_probability
+    return other, noise
 
 
 def systematic_rows(weight: FloatArray, count: int, generator: np.random.Generator) -> IndexArray:
@@ -155,24 +218,56 @@ def systematic_rows(weight: FloatArray, count: int, generator: np.random.Generat
         Ascending.
     """
     edges = np.cumsum(weight)
-    points = (np.arange(count) + generator.random()) / count * edges[-1]
-    return np.minimum(np.searchsorted(edges, points), len(weight) - 1)
+    # The points (k + offset) / count up to each edge are counted instead of being looked for.
+    reached = np.floor(edges * (count / edges[-1]) - generator.random()).astype(np.intp)
+    np.minimum(reached + 1, count, out=reached)
+    reached[-1] = count
+    reached[1:] -= reached[:-1].copy()
+    return np.arange(len(weight)).repeat(reached)
 
 
 def resample_cloud(cloud: ParticleCloud, generator: np.random.Generator) -> ParticleCloud:
-    """Return the cloud with equal weights if fewer than half of its particles count."""
-    count = len(cloud.weight)
-    share = cloud.weight / np.sum(cloud.weight)
-    if 1.0 / np.sum(share**2) >= 0.5 * count:
+    """Return clouds, those with equal weights of which fewer than half of the particles counted.
+
+    Parameters
+    ----------
+    cloud : ParticleCloud
+        Several.
+    generator : numpy.random.Generator
+        Source of randomness.
+    """
+    count = cloud.weight.shape[-1]
+    share = cloud.share
+    few = np.flatnonzero(1.0 / np.sum(share**2, axis=-1) < 0.5 * count)
+    if not len(few):
         return ParticleCloud(cloud.state, cloud.mode, share)
+    weighed = ParticleCloud(cloud.state[few], cloud.mode[few], share[few])
+    drawn = _redrawn(weighed, generator)
+    if len(few) == len(cloud):
+        return drawn
+    state, mode = cloud.state.copy(), cloud.mode.copy()
+    state[few], mode[few], share[few] = drawn.state, drawn.mode, drawn.weight
+    return ParticleCloud(state, mode, share)
+
+
+def _redrawn(cloud: ParticleCloud, generator: np.random.Generator) -> ParticleCloud:
+    """Return clouds drawn by their weights and spread by their kernels."""
+    count = cloud.weight.shape[-1]
+    state, mode = np.empty_like(cloud.state), np.empty_like(cloud.mode)
+    noise = np.empty_like(cloud.state)
+    for row, weight in enumerate(cloud.weight):
+        drawn = systematic_rows(weight, count, generator)
+        generator.standard_normal(out=noise[row])
+        cloud.state[row].take(drawn, axis=0, out=state[row])
+        cloud.mode[row].take(drawn, out=mode[row])
     mean, covariance = cloud.moments()
-    rows = systematic_rows(share, count, generator)
     width = KERNEL_WIDTH * (4.0 / 6.0) ** (1.0 / 8.0) * count ** (-1.0 / 8.0)
-    floor = np.diag([1e-6, 1e-6, 1e-10, 1e-10])
-    kernel = width * _root(covariance + floor)
-    shrunk = mean + np.sqrt(1.0 - width**2) * (cloud.state.take(rows, axis=0) - mean)
-    state = shrunk + generator.standard_normal((count, 4)) @ kernel.T
-    return ParticleCloud(state, cloud.mode.take(rows), np.full(count, 1.0 / count))
+    kernel = width * _root(covariance + np.diag([1e-6, 1e-6, 1e-10, 1e-10]))
+    shrink = np.sqrt(1.0 - width**2)
+    state *= shrink
+    state += ((1.0 - shrink) * mean)[:, None]
+    state += np.matmul(noise, kernel.swapaxes(-1, -2))
+    return ParticleCloud(state, mode, np.full(mode.shape, 1.0 / count))
 
 
 def _root(covariance: FloatArray) -> FloatArray:
@@ -181,4 +276,4 @@ def _root(covariance: FloatArray) -> FloatArray:
         return np.asarray(np.linalg.cholesky(covariance))
     except np.linalg.LinAlgError:
         values, vectors = np.linalg.eigh(covariance)
-        return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
+        return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0))[..., None, :])

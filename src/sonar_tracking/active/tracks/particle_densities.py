@@ -12,17 +12,10 @@ import numpy as np
 
 from sonar_tracking.active.contacts.contact_positions import PlacedContacts
 from sonar_tracking.active.tracks.contact_gating import SensorGeometry
-from sonar_tracking.motion import wrap_angle
-from sonar_tracking.records.arrays import FloatArray, IndexArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
 
 FARTHEST_DEVIATIONS = 12.0
-"""Beyond them in range a density is zero: it would be below 1e-31 of its maximum."""
-
-VANISHING_SQUARE = 1492.0
-"""Squared distance from which exp(-x / 2) is exactly zero."""
-
-FEW_CONTACTS = 8
-"""Up to so many, as in the gate of one target, looking for near ones gains nothing."""
+"""Beyond them in range or azimuth a density is zero: it would be below 1e-31 of its maximum."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +37,7 @@ class NearDensities:
 
 @dataclass(frozen=True)
 class _Polar:
-    """Range (m) and azimuth (rad) from the sensor, shape (n,)."""
+    """Range (m) and azimuth (rad) from the sensor, shape (..., n)."""
 
     range: FloatArray
     azimuth: FloatArray
@@ -52,35 +45,40 @@ class _Polar:
 
 def particle_densities(
     state: FloatArray,
+    cloud: IndexArray,
     contacts: PlacedContacts,
     sensor: SensorGeometry,
 ) -> FloatArray:
-    """Return the densities of all particles and contacts.
+    """Return the densities of all particles of a cloud, for each of some contacts.
 
     Parameters
     ----------
-    state : ndarray, shape (n, 4)
+    state : ndarray, shape (n_clouds, n, 4)
         Particles x, y, vx, vy, m and m/s.
+    cloud : ndarray of int, shape (n_contacts,)
+        Whose particles each contact is compared with.
     contacts : PlacedContacts
-        m contacts.
+        A contact as often as clouds are compared with it.
     sensor : SensorGeometry
         From where range and azimuth are measured. A particle is taken at its own reflection time.
 
     Returns
     -------
-    ndarray, shape (n, m)
+    ndarray, shape (n_contacts, n)
         1/m^2.
     """
-    if len(contacts.distance) > FEW_CONTACTS:
-        near = near_densities(state, contacts, sensor)
-        density = np.zeros((len(state), len(contacts.distance)))
-        density[near.particle, near.contact] = near.density
-        return density
-    particles, measured = _from_sensor(state, contacts, sensor)
-    along = (measured.range - particles.range[:, None]) / sensor.range_standard_deviation
-    turn = wrap_angle(measured.azimuth - particles.azimuth[:, None])
-    density = _density(along, turn / sensor.azimuth_standard_deviation, measured.range, sensor)
-    return np.where(np.abs(along) < FARTHEST_DEVIATIONS, density, 0.0)
+    particles, measured = _of_particles(state, sensor), _of_contacts(contacts, sensor)
+    range_deviation, azimuth_deviation = (
+        sensor.range_standard_deviation,
+        sensor.azimuth_standard_deviation,
+    )
+    along = (measured.range[:, None] - particles.range[cloud]) / range_deviation
+    turn = measured.azimuth[:, None] - particles.azimuth[cloud]
+    across = _wrapped(turn) / azimuth_deviation
+    density = np.exp(-0.5 * (along**2 + across**2))
+    density /= 2.0 * np.pi * range_deviation * azimuth_deviation * measured.range[:, None]
+    density[~(_near(along) & _near(across))] = 0.0
+    return density
 
 
 def near_densities(
@@ -97,39 +95,47 @@ def near_densities(
     sensor : SensorGeometry
         From where range and azimuth are measured. A particle is taken at its own reflection time.
     """
-    particles, measured = _from_sensor(state, contacts, sensor)
-    reach = 1.001 * np.sqrt(VANISHING_SQUARE) * sensor.azimuth_standard_deviation
+    particles, measured = _of_particles(state, sensor), _of_contacts(contacts, sensor)
+    range_deviation, azimuth_deviation = (
+        sensor.range_standard_deviation,
+        sensor.azimuth_standard_deviation,
+    )
+    reach = 1.001 * FARTHEST_DEVIATIONS * azimuth_deviation
     particle, contact = _near_in_azimuth(particles.azimuth, measured.azimuth, reach)
-    apart = measured.range.take(contact) - particles.range.take(particle)
-    along = apart / sensor.range_standard_deviation
-    near = np.flatnonzero(np.abs(along) < FARTHEST_DEVIATIONS)
+    along = (measured.range.take(contact) - particles.range.take(particle)) / range_deviation
+    near = np.flatnonzero(_near(along))
     particle, contact, along = particle.take(near), contact.take(near), along.take(near)
-    turn = wrap_angle(measured.azimuth.take(contact) - particles.azimuth.take(particle))
-    across = turn / sensor.azimuth_standard_deviation
-    density = _density(along, across, measured.range.take(contact), sensor)
+    turn = measured.azimuth.take(contact) - particles.azimuth.take(particle)
+    across = _wrapped(turn) / azimuth_deviation
+    near = np.flatnonzero(_near(across))
+    particle, contact = particle.take(near), contact.take(near)
+    density = np.exp(-0.5 * (along.take(near) ** 2 + across.take(near) ** 2))
+    density /= 2.0 * np.pi * range_deviation * azimuth_deviation * measured.range.take(contact)
     return NearDensities(particle, contact, density)
 
 
-def _from_sensor(
-    state: FloatArray, contacts: PlacedContacts, sensor: SensorGeometry
-) -> tuple[_Polar, _Polar]:
-    """Return range and azimuth of particles and contacts."""
+def _of_contacts(contacts: PlacedContacts, sensor: SensorGeometry) -> _Polar:
     away = contacts.position - sensor.position
-    contact_range = np.maximum(np.hypot(away[:, 0], away[:, 1]), 1.0)
-    measured = _Polar(contact_range, np.arctan2(away[:, 1], away[:, 0]))
-    x, y = state[:, 0] - sensor.position[0], state[:, 1] - sensor.position[1]
+    distance = np.maximum(np.hypot(away[:, 0], away[:, 1]), 1.0)
+    return _Polar(distance, np.arctan2(away[:, 1], away[:, 0]))
+
+
+def _of_particles(state: FloatArray, sensor: SensorGeometry) -> _Polar:
+    """Return where particles are when the sound reaches them."""
+    x, y = (state[..., axis] - sensor.position[axis] for axis in (0, 1))
     if sensor.sound_speed > 0.0:
         delay = np.hypot(x, y) / sensor.sound_speed
-        x, y = x + delay * state[:, 2], y + delay * state[:, 3]
-    return _Polar(np.hypot(x, y), np.arctan2(y, x)), measured
+        x, y = x + delay * state[..., 2], y + delay * state[..., 3]
+    return _Polar(np.hypot(x, y), np.arctan2(y, x))
 
 
-def _density(
-    along: FloatArray, across: FloatArray, contact_range: FloatArray, sensor: SensorGeometry
-) -> FloatArray:
-    errors = sensor.range_standard_deviation * sensor.azimuth_standard_deviation
-    square = along**2 + across**2
-    return np.asarray(np.exp(-0.5 * square) / (2.0 * np.pi * errors * contact_range))
+def _near(deviations: FloatArray) -> BoolArray:
+    return np.abs(deviations) < FARTHEST_DEVIATIONS
+
+
+def _wrapped(turn: FloatArray) -> FloatArray:
+    """Return differences of angles brought into [-pi, pi], rad; no division with remainder."""
+    return turn - 2.0 * np.pi * np.rint(turn / (2.0 * np.pi))
 
 
 def _near_in_azimuth(
