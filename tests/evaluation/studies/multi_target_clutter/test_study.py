@@ -145,9 +145,9 @@ def test_study_is_known_by_name_and_draws(
     results: list[tuple[ClutterRun, ...]], rows: tuple[StudyRow, ...], tmp_path: Path
 ) -> None:
     assert STUDIES["multi-target-clutter"] is MULTI_TARGET_CLUTTER
-    tasks = MULTI_TARGET_CLUTTER.tasks(12, 1)
-    assert sum(len(task.argument.seeds) for task in tasks) == 60
-    assert [task.argument.timed for task in tasks] == 5 * [True, False]
+    tasks = MULTI_TARGET_CLUTTER.tasks(21, 1)
+    assert sum(len(task.argument.seeds) for task in tasks) == 105
+    assert [task.argument.timed for task in tasks] == [*4 * [True, False], True, False, False]
     pictures = MULTI_TARGET_CLUTTER.draw(results, rows, tmp_path)
     assert len(pictures) == 6
     assert all(picture.stat().st_size > 10_000 for picture in pictures)

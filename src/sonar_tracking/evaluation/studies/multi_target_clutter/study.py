@@ -14,7 +14,11 @@ from pathlib import Path
 import numpy as np
 
 from sonar_tracking.evaluation.metrics.score_statistics import mean
-from sonar_tracking.evaluation.monte_carlo.batch_runner import Task, run_batches
+from sonar_tracking.evaluation.monte_carlo.batch_runner import (
+    RUNS_PER_BATCH,
+    Task,
+    run_batches,
+)
 from sonar_tracking.evaluation.monte_carlo.study import StudyRow
 from sonar_tracking.evaluation.monte_carlo.study_definition import (
     Column,
@@ -59,9 +63,9 @@ PANELS = (*_PAIRED, _OTHERS) if _OTHERS else _PAIRED
 BOUND = "Cramer-Rao bound"
 EARLY = slice(5, 100)
 
-RUNS_TOGETHER = 10
-"""Runs of a task: the arrays of more, with two thousand contacts each, do not stay near the
-processor."""
+RUNS_TOGETHER = {1: RUNS_PER_BATCH, 2: RUNS_PER_BATCH, 3: 10}
+"""Runs of a task in each environment: the arrays of more, with two thousand contacts each, do not
+stay near the processor."""
 
 CONDITIONS = (
     ("environment 1", SceneOptions(1), PAPER_SYSTEMS),
@@ -117,7 +121,7 @@ def tasks(runs: int, seed: int) -> tuple[Task, ...]:
             ClutterTask(condition, options, systems, batch.seeds, timed=batch.first_run == 0),
         )
         for part, (condition, options, systems) in enumerate(CONDITIONS)
-        for batch in run_batches(runs, seed, part, RUNS_TOGETHER)
+        for batch in run_batches(runs, seed, part, RUNS_TOGETHER[options.environment])
     )
 
 
