@@ -58,11 +58,20 @@ def assign(distances: FloatArray, cutoff: float, order: float) -> Assignment:
     order : float
         Exponent p, at least 1.
     """
-    rows, columns = least_cost_pairs(np.minimum(distances, cutoff) ** order)
-    kept = distances[rows, columns] < cutoff
-    rows, columns = rows[kept], columns[kept]
+    near = distances < cutoff
+    rows, columns = near.nonzero()
+    if not _are_apart(rows, columns) or np.isnan(distances).any():
+        rows, columns = least_cost_pairs(np.minimum(distances, cutoff) ** order)
+        kept = near[rows, columns]
+        rows, columns = rows[kept], columns[kept]
     cost = float(np.sum(distances[rows, columns] ** order))
     return Assignment(rows, columns, cost, *distances.shape)
+
+
+def _are_apart(rows: IndexArray, columns: IndexArray) -> bool:
+    """Return whether nobody is near two others: then those near each other are the pairs."""
+    n_pairs = len(rows)
+    return len(set(rows.tolist())) == n_pairs == len(set(columns.tolist()))
 
 
 def ospa(assignment: Assignment, cutoff: float, order: float) -> float:

@@ -149,7 +149,7 @@ class OnlinePositionScore(OnlineScore[PositionTracks]):
         cutoff = self._cutoff_m
         sided = self._choice.choose(tracks, _established(tracks))
         error = tracks.state[sided.rows] - truth.state[:, None, :]
-        apart = np.linalg.norm(error[..., :2], axis=-1)
+        apart = np.sqrt(error[..., 0] ** 2 + error[..., 1] ** 2)
         assignment = assign(apart, cutoff, ORDER)
         pairs = assignment.truths, assignment.estimates
         self._identities.add(
@@ -158,8 +158,6 @@ class OnlinePositionScore(OnlineScore[PositionTracks]):
         self._ospa.add([ospa(assignment, cutoff, ORDER)])
         self._gospa.add([gospa(assignment, cutoff, ORDER)])
         self._distance.add(apart[pairs])
-        speed_error = np.linalg.norm(error[pairs][:, 2:], axis=-1)
-        self._speed_error.add(speed_error[np.isfinite(speed_error)])
         self._nearest.add(np.min(apart, axis=1) if apart.shape[1] else ())
         covariance = tracks.covariance[sided.rows[assignment.estimates]]
         self._errors.append((error[pairs], covariance))
@@ -196,10 +194,10 @@ class OnlinePositionScore(OnlineScore[PositionTracks]):
     def _normalise(self) -> None:
         """Count the errors of the last lists in units of their covariances."""
         if self._errors:
-            errors, covariances = zip(*self._errors, strict=True)
-            self._nees.add(
-                normalised_square_error(np.concatenate(errors), np.concatenate(covariances))
-            )
+            error, covariance = map(np.concatenate, zip(*self._errors, strict=True))
+            self._nees.add(normalised_square_error(error, covariance))
+            speed_error = np.linalg.norm(error[:, 2:], axis=-1)
+            self._speed_error.add(speed_error[np.isfinite(speed_error)])
             self._errors.clear()
 
 

@@ -53,6 +53,8 @@ class SideChoice:
         rows : ndarray of int, shape (n_candidates,)
             Rows that are candidates, ascending.
         """
+        if not self._identity and not tracks.hypothesis.any():
+            return SidedTracks(rows, tracks.id[rows], np.full(len(rows), -1, np.intp))
         other = {}
         for first, second in _pairs(tracks, rows):
             self._join(int(tracks.id[first]), int(tracks.id[second]))
@@ -91,7 +93,7 @@ def wrong_sides(tracks: PositionTracks, sided: SidedTracks, true_position: Float
         Empty where there is no truth.
     """
     two_sided = sided.other >= 0
-    if not len(true_position):
+    if not len(true_position) or not two_sided.any():
         return np.empty(0, np.bool_)
     chosen = _nearest(tracks.state[sided.rows[two_sided], :2], true_position)
     rejected = _nearest(tracks.state[sided.other[two_sided], :2], true_position)
