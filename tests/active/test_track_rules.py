@@ -15,6 +15,7 @@ from sonar_tracking.active.detection.gate_association import PROBABILITY_IN_GATE
 from sonar_tracking.active.tracks.contact_gating import GatePairs, SensorGeometry, predict_gates
 from sonar_tracking.active.tracks.gate_thresholds import apply_thresholds
 from sonar_tracking.active.tracks.motion_modes import MotionModes
+from sonar_tracking.active.tracks.scene_rows import SceneRows
 from sonar_tracking.active.tracks.track_bank import TrackBank, predict_bank
 from sonar_tracking.active.tracks.track_management import duplicates, start_candidates, survivors
 from sonar_tracking.records.bearings import TrackStatus
@@ -124,7 +125,8 @@ def test_a_threshold_changes_detection_and_clutter_together(gate_probability: fl
         gate_false_alarm_probability=gate_probability,
         search_false_alarm_probability=2e-3,
     )
-    applied = apply_thresholds(bank, predict_gates(bank, SENSOR), MODEL, configuration, 7, 8)
+    gates, both = predict_gates(bank, SENSOR), SceneRows((2,))
+    (applied,) = apply_thresholds(bank, both, gates, [MODEL], configuration, (7, 8))
     probability = np.array([gate_probability, 2e-3])
     assert applied.threshold == pytest.approx(-np.log(probability))
     # What is found at the detector's threshold, here .95, falls by P_D's law of the threshold.

@@ -183,10 +183,8 @@ def gate_ping(
         Of the targets.
     """
     gates = predict_gates(bank, sensors_of_tracks(ping.sensors, tracks))
-    thresholds = [
-        apply_thresholds(*scene, configuration, ping.stamp, ping.next_stamp)
-        for scene in zip(bank.parts(tracks), tracks.parts(gates), ping.models, strict=True)
-    ]
+    stamps = (ping.stamp, ping.next_stamp)
+    thresholds = apply_thresholds(bank, tracks, gates, ping.models, configuration, stamps)
     threshold = joined([each.threshold for each in thresholds])
     of_both = (tracks, ping.contact_rows)
     pairs = find_pairs(bank, gates, ping.placed, ping.amplitudes, threshold, of_both)

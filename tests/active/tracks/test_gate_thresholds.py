@@ -22,6 +22,8 @@ from sonar_tracking.active.tracks.gate_thresholds import (
     apply_thresholds,
     check_thresholds,
 )
+from sonar_tracking.active.tracks.scene_rows import SceneRows
+from sonar_tracking.active.tracks.track_bank import TrackBank
 from sonar_tracking.errors import InputError
 from tests.active.track_scene import bank_of
 
@@ -46,7 +48,19 @@ CELLS = GATES.volume / (2.0 * GATES.distance)
 
 def applied(model: DetectionModel = MODEL, **parameters: Any) -> AppliedThresholds:
     configuration = ContactTrackerConfiguration(**parameters)
-    return apply_thresholds(BANK, GATES, model, configuration, 7, 8)
+    return in_force(BANK, GATES, model, configuration)
+
+
+def in_force(
+    bank: TrackBank,
+    gates: TrackGates,
+    model: DetectionModel,
+    configuration: ContactTrackerConfiguration,
+) -> AppliedThresholds:
+    """Return the thresholds of one scene."""
+    tracks = SceneRows((len(bank),))
+    (found,) = apply_thresholds(bank, tracks, gates, [model], configuration, (7, 8))
+    return found
 
 
 def test_as_detected_leaves_the_detector_alone() -> None:
@@ -77,9 +91,9 @@ def test_what_is_found_of_detection_is_not_forgotten_in_a_gate_with_a_threshold(
     uneven = np.array([0.0, 0.5, 0.0, 0.0, 0.0, 0.5])
     bank = replace(BANK, detection_weight=np.tile(uneven, (3, 1)))
     configuration = ContactTrackerConfiguration(gate_threshold="fixed")
-    in_force = apply_thresholds(bank, GATES, MODEL, configuration, 7, 8).detection_probability
+    detection = in_force(bank, GATES, MODEL, configuration).detection_probability
     left = (configuration.gate_false_alarm_probability / 0.03) ** (1.0 / 11.0)
-    confirmed = in_force[[0, 2]]
+    confirmed = detection[[0, 2]]
     assert confirmed == pytest.approx(0.625 * left)
     missed = 1.0 - confirmed * PROBABILITY_IN_GATE
     weights = weigh(bank.detection_weight[[0, 2]], missed)
@@ -125,7 +139,7 @@ def test_the_closed_form_is_held_between_a_millionth_and_the_detector(
 def test_cells_next_to_the_sensor_are_no_smaller_than_at_a_metre() -> None:
     gates = replace(GATES, distance=np.array([0.1, 1.0, 2.0]))
     configuration = ContactTrackerConfiguration()
-    published = apply_thresholds(BANK, gates, MODEL, configuration, 7, 8).published
+    published = in_force(BANK, gates, MODEL, configuration).published
     assert published.resolution_cells == pytest.approx(GATES.volume[[0, 2]] / [2.0, 4.0])
 
 

@@ -11,9 +11,8 @@ Jung, Shin (2002), equation 25.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -28,6 +27,7 @@ from sonar_tracking.active.detection.detection_threshold import (
     detection_threshold,
 )
 from sonar_tracking.active.tracks.contact_gating import TrackGates
+from sonar_tracking.active.tracks.scene_rows import SceneRows, joined
 from sonar_tracking.active.tracks.track_bank import TrackBank
 from sonar_tracking.errors import InputError
 from sonar_tracking.records.arrays import FloatArray
@@ -66,56 +66,154 @@ class AppliedThresholds:
 
 def apply_thresholds(
     bank: TrackBank,
+    tracks: SceneRows,
     gates: TrackGates,
-    model: DetectionModel,
+    models: Sequence[DetectionModel],
     configuration: ContactTrackerConfiguration,
-    stamp: int,
-    next_stamp: int,
-) -> AppliedThresholds:
-    """Return the thresholds in force.
+    stamps: tuple[int, int],
+) -> list[AppliedThresholds]:
+    """Return the thresholds in force in each scene.
 
     Parameters
     ----------
     bank : TrackBank
         Predicted tracks.
+    tracks : SceneRows
+        Whose they are.
     gates : TrackGates
         Their gates.
-    model : DetectionModel
-        Of the ping.
+    models : sequence of DetectionModel
+        Of the ping in each scene.
     configuration : ContactTrackerConfiguration
         Which thresholds are wanted; :func:`check_thresholds` has passed.
-    stamp, next_stamp : int
-        Of the ping, ns.
+    stamps : tuple of int
+        Of the ping and of the next one, ns.
     """
-    cells = gates.volume / (model.cell_size * np.maximum(gates.distance, 1.0))
-    if not _wanted(configuration):
-        return _as_detected(bank, gates, model, cells, (stamp, next_stamp))
-    base = model.false_alarm_probability
-    search = _search_probability(configuration, model)
-    probability = np.full(len(bank), search)
+    cell_size = tracks.spread([model.cell_size for model in models])
+    cells = gates.volume / (cell_size * np.maximum(gates.distance, 1.0))
+    found = joined([mean_probability(own) for own in tracks.split(bank.detection_weight)])
+    in_force = _as_detected(tracks, models, found)
+    if _wanted(configuration):
+        in_force = _as_wanted(bank, tracks, models, configuration, cells, found)
+    published = _published(bank, tracks, gates, models, cells, in_force, stamps)
+    return [
+        AppliedThresholds(threshold, detection, share, search.threshold, search.share, told)
+        for threshold, detection, share, search, told in zip(
+            tracks.split(in_force.threshold),
+            tracks.split(in_force.detection_probability),
+            tracks.split(in_force.clutter_share),
+            in_force.search,
+            published,
+            strict=True,
+        )
+    ]
+
+
+@dataclass(frozen=True)
+class _Search:
+    """What holds outside the gates of a scene."""
+
+    probability: float
+    threshold: float
+    share: float
+
+
+@dataclass(frozen=True)
+class _InForce:
+    """The same for all tracks of all scenes, shape (n,), and for the search in each scene."""
+
+    probability: FloatArray
+    threshold: FloatArray
+    detection_probability: FloatArray
+    clutter_share: FloatArray
+    search: Sequence[_Search]
+    method: str
+
+
+def _as_detected(
+    tracks: SceneRows, models: Sequence[DetectionModel], found: FloatArray
+) -> _InForce:
+    return _InForce(
+        probability=_filled(tracks, [model.false_alarm_probability for model in models]),
+        threshold=_filled(tracks, [model.threshold for model in models]),
+        detection_probability=found,
+        clutter_share=np.ones(len(found)),
+        search=[_Search(m.false_alarm_probability, m.threshold, 1.0) for m in models],
+        method=AS_DETECTED,
+    )
+
+
+def _as_wanted(
+    bank: TrackBank,
+    tracks: SceneRows,
+    models: Sequence[DetectionModel],
+    configuration: ContactTrackerConfiguration,
+    cells: FloatArray,
+    found: FloatArray,
+) -> _InForce:
     in_gates: GateProbability = configuration.gate_threshold_entry.make(configuration)
-    probability = np.where(bank.confirmed, in_gates(cells, model), probability)
-    threshold = detection_threshold(probability)
-    ratio = model.signal_to_noise_ratio_linear
+    scenes = zip(tracks.split(cells), models, strict=True)
+    wanted = joined([in_gates(own, model) for own, model in scenes])
+    search = [_search_probability(configuration, model) for model in models]
+    probability = np.where(bank.confirmed, wanted, tracks.spread(search))
+    bases = [model.false_alarm_probability for model in models]
+    base = tracks.spread(bases)
+    ratio = tracks.spread([model.signal_to_noise_ratio_linear for model in models])
     # What is found of P_D is that of the detector; a higher threshold leaves a share of it.
     left = detection_probability(probability, ratio) / detection_probability(base, ratio)
-    return AppliedThresholds(
-        threshold=threshold,
-        detection_probability=mean_probability(bank.detection_weight) * left,
+    return _InForce(
+        probability=probability,
+        threshold=detection_threshold(probability),
+        detection_probability=found * left,
         clutter_share=probability / base,
-        search_threshold=-float(np.log(search)),
-        search_share=search / base,
-        published=GateThresholds(
-            **_gates_of_confirmed(bank, gates, cells, ratio),
-            stamp=stamp,
-            next_stamp=next_stamp,
-            false_alarm_probability=probability[bank.confirmed],
-            threshold=threshold[bank.confirmed],
-            search_false_alarm_probability=search,
-            search_threshold=-float(np.log(search)),
-            method=configuration.gate_threshold,
-        ),
+        search=[
+            _Search(own, -float(np.log(own)), own / detected)
+            for own, detected in zip(search, bases, strict=True)
+        ],
+        method=configuration.gate_threshold,
     )
+
+
+def _published(
+    bank: TrackBank,
+    tracks: SceneRows,
+    gates: TrackGates,
+    models: Sequence[DetectionModel],
+    cells: FloatArray,
+    in_force: _InForce,
+    stamps: tuple[int, int],
+) -> list[GateThresholds]:
+    """Return what is told of the gates of the confirmed tracks of each scene."""
+    rows = np.flatnonzero(bank.confirmed)
+    confirmed = tracks.of(rows)
+    ratios = [model.signal_to_noise_ratio_linear for model in models]
+    columns = {
+        "track_id": bank.id,
+        "false_alarm_probability": in_force.probability,
+        "threshold": in_force.threshold,
+        "resolution_cells": cells,
+        "gate_volume": gates.volume,
+        "predicted_position": gates.centre,
+        "gate_covariance": gates.covariance,
+    }
+    told = {name: confirmed.split(column[rows]) for name, column in columns.items()}
+    told["signal_to_noise_ratio_linear"] = confirmed.split(_filled(confirmed, ratios))
+    return [
+        GateThresholds(
+            stamp=stamps[0],
+            next_stamp=stamps[1],
+            search_false_alarm_probability=search.probability,
+            search_threshold=search.threshold,
+            method=in_force.method,
+            **dict(zip(told, own, strict=True)),
+        )
+        for search, own in zip(in_force.search, zip(*told.values(), strict=True), strict=True)
+    ]
+
+
+def _filled(rows: SceneRows, values: Sequence[float]) -> FloatArray:
+    """Return the value of each scene at all of its rows."""
+    return np.asarray(np.repeat(values, rows.counts))
 
 
 def check_thresholds(model: DetectionModel, configuration: ContactTrackerConfiguration) -> None:
@@ -142,49 +240,6 @@ def _wanted(configuration: ContactTrackerConfiguration) -> bool:
 def _search_probability(configuration: ContactTrackerConfiguration, model: DetectionModel) -> float:
     base = model.false_alarm_probability
     return min(configuration.search_false_alarm_probability or base, base)
-
-
-def _as_detected(
-    bank: TrackBank,
-    gates: TrackGates,
-    model: DetectionModel,
-    cells: FloatArray,
-    stamps: tuple[int, int],
-) -> AppliedThresholds:
-    n_tracks, n_confirmed = len(bank), int(np.count_nonzero(bank.confirmed))
-    ratio = model.signal_to_noise_ratio_linear
-    return AppliedThresholds(
-        threshold=np.full(n_tracks, model.threshold),
-        detection_probability=mean_probability(bank.detection_weight),
-        clutter_share=np.ones(n_tracks),
-        search_threshold=model.threshold,
-        search_share=1.0,
-        published=GateThresholds(
-            **_gates_of_confirmed(bank, gates, cells, ratio),
-            stamp=stamps[0],
-            next_stamp=stamps[1],
-            false_alarm_probability=np.full(n_confirmed, model.false_alarm_probability),
-            threshold=np.full(n_confirmed, model.threshold),
-            search_false_alarm_probability=model.false_alarm_probability,
-            search_threshold=model.threshold,
-            method=AS_DETECTED,
-        ),
-    )
-
-
-def _gates_of_confirmed(
-    bank: TrackBank, gates: TrackGates, cells: FloatArray, ratio: float
-) -> dict[str, Any]:
-    """Return what describes the gates of the confirmed tracks, whatever their thresholds."""
-    rows = np.flatnonzero(bank.confirmed)
-    return {
-        "track_id": bank.id[rows],
-        "resolution_cells": cells[rows],
-        "gate_volume": gates.volume[rows],
-        "predicted_position": gates.centre[rows],
-        "gate_covariance": gates.covariance[rows],
-        "signal_to_noise_ratio_linear": np.full(len(rows), ratio),
-    }
 
 
 def as_outside_gates(configuration: ContactTrackerConfiguration) -> GateProbability:
