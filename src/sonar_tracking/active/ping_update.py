@@ -279,13 +279,14 @@ def _banks_of_scenes(
     listed: ListedTracks, tracks: SceneRows, candidates: TrackBank, new: SceneRows
 ) -> list[TrackBank]:
     """Return the tracks that go on and those that begin, of each scene."""
-    bank = listed.bank.select(listed.alive).append(candidates)
+    rows = np.flatnonzero(listed.alive)
     if tracks.single:
-        return [bank]
-    left = tracks.of(np.flatnonzero(listed.alive))
+        return [listed.bank.select(rows).append(candidates)]
+    left = tracks.of(rows)
     order = np.argsort(np.concatenate([left.scene, new.scene]), kind="stable")
+    rows = np.concatenate([rows, len(listed.bank) + np.arange(len(candidates))])[order]
     counts = [old + begun for old, begun in zip(left.counts, new.counts, strict=True)]
-    return bank.select(order).parts(SceneRows(tuple(counts)))
+    return listed.bank.append(candidates).select(rows).parts(SceneRows(tuple(counts)))
 
 
 def _reports(

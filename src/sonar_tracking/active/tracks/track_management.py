@@ -317,10 +317,13 @@ def _near_each_other(
     """Return the rows, each two once, whose states are near in each of their components."""
     first, second = both
     variance = np.einsum("nii->ni", covariance)
-    square = (mean.take(first, axis=0) - mean.take(second, axis=0)) ** 2
-    spread = variance[first] + variance[second]
-    near = (square < DUPLICATE_DISTANCE**2 * spread).all(axis=1)
-    keys = np.sort(first[near] * len(mean) + second[near])
+    # In a crowd nearly all are apart in their first component.
+    for column in range(mean.shape[1]):
+        value, own = mean[:, column], variance[:, column]
+        square = (value.take(first) - value.take(second)) ** 2
+        near = square < DUPLICATE_DISTANCE**2 * (own.take(first) + own.take(second))
+        first, second = first[near], second[near]
+    keys = np.sort(first * len(mean) + second)
     once = np.ones(len(keys), dtype=bool)
     np.not_equal(keys[1:], keys[:-1], out=once[1:])
     first, second = np.divmod(keys[once], len(mean))
