@@ -139,23 +139,9 @@ class GatePairs:
     track: IndexArray
     contact: IndexArray
 
-    def keep(self, rows: BoolArray | IndexArray) -> GatePairs:
+    def keep(self, rows: BoolArray | IndexArray | slice) -> GatePairs:
         """Return some of the pairs, by a mask, shape (n_pairs,), or by rows, shape (n_kept,)."""
         return GatePairs(self.track[rows], self.contact[rows])
-
-    def parts(self, tracks: SceneRows, contacts: SceneRows) -> list[GatePairs]:
-        """Return the pairs of each scene, with the rows they have there."""
-        if tracks.single:
-            return [self]
-        of_pairs = tracks.of(self.track)
-        columns = zip(
-            of_pairs.split(self.track),
-            of_pairs.split(self.contact),
-            tracks.starts,
-            contacts.starts,
-            strict=True,
-        )
-        return [GatePairs(track - row, contact - column) for track, contact, row, column in columns]
 
     def first_of_each_track(self) -> IndexArray:
         """Return the rows of the pairs at which another track begins, shape (n_tracks,)."""

@@ -17,9 +17,13 @@ import numpy as np
 
 from sonar_tracking.active.contacts.contact_positions import PlacedContacts
 from sonar_tracking.active.tracks.contact_gating import GatePairs, determinant, inverse
+from sonar_tracking.active.tracks.scene_rows import joined_tables
 from sonar_tracking.active.tracks.track_bank import TrackBank
 from sonar_tracking.filtering.kalman import symmetrised
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import FloatArray, IndexArray
+
+PAIRS_AT_ONCE = 1000
+"""What is computed of more does not stay near the processor."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +61,12 @@ def update_pairs(bank: TrackBank, contacts: PlacedContacts, pairs: GatePairs) ->
     pairs : GatePairs
         Who may belong to whom.
     """
+    if len(pairs.track) > PAIRS_AT_ONCE:
+        portions = [
+            update_pairs(bank, contacts, pairs.keep(slice(first, first + PAIRS_AT_ONCE)))
+            for first in range(0, len(pairs.track), PAIRS_AT_ONCE)
+        ]
+        return joined_tables(portions)
     mean, covariance = bank.mean[pairs.track], bank.covariance[pairs.track]
     delay = contacts.delay[pairs.contact][:, None, None]
     innovation = contacts.position[pairs.contact][:, None] - mean[..., :2] - delay * mean[..., 2:]
@@ -96,14 +106,28 @@ def mix_updates(
     if not len(pairs.track):
         return bank
     starts = pairs.first_of_each_track()
-    rows = pairs.track[starts]
+    ends = np.append(starts[1:], len(pairs.track))
+    mean, covariance = bank.mean.copy(), bank.covariance.copy()
+    first = 0
+    while first < len(starts):
+        last = max(first + 1, int(ends.searchsorted(starts[first] + PAIRS_AT_ONCE, side="right")))
+        own = slice(int(starts[first]), int(ends[last - 1]))
+        begins = starts[first:last] - own.start
+        combined, change = _changes(updates.select(own), weights[own], begins)
+        rows = pairs.track[starts[first:last]]
+        mean[rows] += combined
+        covariance[rows] = symmetrised(covariance[rows] + change)
+        first = last
+    return replace(bank, mean=mean, covariance=covariance)
+
+
+def _changes(
+    updates: PairUpdates, weights: FloatArray, starts: IndexArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return by what the contacts of each track change its mean and its covariance."""
     weighted = weights[..., None] * updates.correction
     combined = np.add.reduceat(weighted, starts, axis=0)
     spread = weighted[..., :, None] * updates.correction[..., None, :]
     spread -= weights[..., None, None] * updates.reduction
     change = np.add.reduceat(spread, starts, axis=0)
-    change = change - combined[..., :, None] * combined[..., None, :]
-    mean, covariance = bank.mean.copy(), bank.covariance.copy()
-    mean[rows] += combined
-    covariance[rows] = symmetrised(covariance[rows] + change)
-    return replace(bank, mean=mean, covariance=covariance)
+    return combined, change - combined[..., :, None] * combined[..., None, :]
