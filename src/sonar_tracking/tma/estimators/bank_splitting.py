@@ -11,6 +11,7 @@ import numpy as np
 
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank
+from sonar_tracking.tma.estimators.motion_modes import MODES
 
 PARTS = 3
 """Of a component, each time."""
@@ -18,7 +19,7 @@ PARTS = 3
 WIDE = 0.1
 """Standard deviation as seen from the other station beyond which a component is cut, rad."""
 
-MOST_COMPONENTS = 108
+MOST_COMPONENTS = 108 * MODES
 """A bank with as many is not cut any more."""
 
 FORGOTTEN = float(np.log(1e-9))
@@ -46,9 +47,10 @@ def without_unlikely(bank: HypothesisBank) -> HypothesisBank:
     Parameters
     ----------
     bank : HypothesisBank
-        Of a single run and a single side.
+        Of a single run and a single side; both modes of a hypothesis stay or go.
     """
-    keep = bank.log_weight > np.max(bank.log_weight) + FORGOTTEN
+    likely = bank.log_weight > np.max(bank.log_weight) + FORGOTTEN
+    keep = np.repeat(np.any(likely.reshape(-1, MODES), axis=1), MODES)
     if np.all(keep):
         return bank
     weight = bank.log_weight[keep]
@@ -78,9 +80,10 @@ def _cut(bank: HypothesisBank) -> HypothesisBank:
     less = (1.0 - 1.0 / PARTS**2) * values[:, -1, None, None]
     covariance = bank.covariance - less * gain[:, :, None] * gain[:, None, :]
     size = bank.mean.shape[-1]
+    # Hypothesis, part, mode: the modes of a hypothesis are neighbours.
+    mean = np.swapaxes(mean.reshape(-1, MODES, PARTS, size), 1, 2)
+    covariance = np.repeat(covariance.reshape(-1, 1, MODES, size, size), PARTS, axis=1)
+    weight = np.repeat((bank.log_weight - np.log(PARTS)).reshape(-1, 1, MODES), PARTS, axis=1)
     return HypothesisBank(
-        mean.reshape(-1, size),
-        np.repeat(covariance, PARTS, axis=0),
-        np.repeat(bank.log_weight - np.log(PARTS), PARTS),
-        bank.known,
+        mean.reshape(-1, size), covariance.reshape(-1, size, size), weight.ravel(), bank.known
     )

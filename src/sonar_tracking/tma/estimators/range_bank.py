@@ -1,11 +1,12 @@
 """The default estimator: stacked lines in a bank of range hypotheses, never restarted.
 
 Every line is a measurement row of its own and every source frequency a state (Jauffret's model),
-but nothing is ever restarted. Each hypothesis of the initial range is an extended Kalman filter;
-their likelihoods weigh them (RP-EKF). Outliers are gated row by row; a line that has become
-another source is started anew; a manoeuvring target gets more process noise for a while. A
-measurement without lines makes it a bearings-only filter, one with two azimuths follows both sides
-of a line array.
+but nothing is ever restarted. Each hypothesis of the initial range is a pair of extended Kalman
+filters, of a target that moves straight and of one that manoeuvres; their likelihoods weigh them
+(RP-EKF, IMM). How large and how lasting the errors of azimuths and lines are is learnt from the
+innovations. Outliers are gated row by row; a line that has become another source is started anew.
+A measurement without lines makes it a bearings-only filter, one with two azimuths follows both
+sides of a line array.
 """
 
 from __future__ import annotations
@@ -16,8 +17,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sonar_tracking.records.arrays import BoolArray, FloatArray
-from sonar_tracking.records.time import nanoseconds
-from sonar_tracking.tma.estimators.bank_batch import BankBatch, join_banks, separate_banks
+from sonar_tracking.tma.estimators.bank_batch import (
+    BankBatch,
+    RunRows,
+    join_banks,
+    separate_banks,
+)
+from sonar_tracking.tma.estimators.error_models import (
+    learn_errors,
+    variance_factor,
+    without_common_doppler,
+)
 from sonar_tracking.tma.estimators.hypothesis_bank import (
     HypothesisBank,
     condition_bank,
@@ -32,6 +42,7 @@ from sonar_tracking.tma.estimators.innovation_monitor import (
     judge,
 )
 from sonar_tracking.tma.estimators.measurement_model import LinearisedRows
+from sonar_tracking.tma.estimators.motion_modes import MODES, STRAIGHT, mix_modes
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.range_bank_state import (
     REFUSED_AT_START,
@@ -48,6 +59,9 @@ from sonar_tracking.tma.estimators.recursion import (
     rows_of,
 )
 from sonar_tracking.tma.estimators.sensor_frame import TmaEstimate, TmaMeasurement
+
+LIKELY = 0.5
+"""Probability of a manoeuvre from which on it is said that there is one."""
 
 ROW_ELEVATION = 1
 """Row between the azimuth and the lines; the monitor does not look at it."""
@@ -166,13 +180,16 @@ def _advance(
     batch: BankBatch, begun: BoolArray, configuration: RangeBankConfiguration
 ) -> tuple[BankBatch, Changes]:
     """Return the batch after its measurements; where a run has just begun it may be lost sooner."""
-    rows_of_run, measured = batch.rows, batch.measurement
+    rows_of_run = batch.rows
+    before = _manoeuvring(batch.bank, rows_of_run)
     predicted = _predict(batch, configuration)
+    measured = _with_learnt_errors(batch) if configuration.learn_errors else batch.measurement
     rows = rows_of(predicted, measured)
     variance = innovation_variance(predicted, rows)
     windows, changes = _watch(batch, predicted, rows, variance)
-    if np.any(changes.manoeuvre) or np.any(changes.reborn):
-        predicted = _loosen(predicted, changes.manoeuvre[rows_of_run.owner], configuration)
+    if configuration.learn_errors:
+        batch = _learn(batch, predicted, rows, variance, changes)
+    if np.any(changes.reborn):
         predicted = seed_lines(predicted, measured, changes.reborn[rows_of_run.owner])
         rows = rows_of(predicted, measured)
         variance = innovation_variance(predicted, rows)
@@ -183,38 +200,85 @@ def _advance(
     bank = condition_bank(predicted, rows, penalty)
     total = rows_of_run.log_sums(bank.log_weight)
     bank = replace(bank, log_weight=bank.log_weight - total[rows_of_run.owner])
-    end = measured.stamp + nanoseconds(configuration.manoeuvre_duration)
-    until = np.where(changes.manoeuvre, end, batch.manoeuvre_until).astype(np.int64)
     count = np.where(rows_of_run.any(accepted), 0, batch.refused + refused)
     count = np.where(begun, REFUSED_AZIMUTHS - REFUSED_AT_START, count)
-    after = replace(batch, bank=bank, windows=windows, manoeuvre_until=until, refused=count)
-    return after, changes
+    began = (before <= LIKELY) & (_manoeuvring(bank, rows_of_run) > LIKELY)
+    after = replace(batch, bank=bank, windows=windows, refused=count)
+    return after, Changes(changes.reborn, began)
 
 
 def _predict(batch: BankBatch, configuration: RangeBankConfiguration) -> HypothesisBank:
-    measured, owner = batch.measurement, batch.rows.owner
-    acceleration = np.where(
-        measured.stamp <= batch.manoeuvre_until,
-        configuration.manoeuvre_acceleration,
-        configuration.acceleration,
-    )
-    predicted = predict_bank(batch.bank, batch.interval[owner], acceleration[owner])
+    measured, elapsed = batch.measurement, batch.interval[batch.rows.owner]
+    interval, duration = configuration.manoeuvre_interval, configuration.manoeuvre_duration
+    mixed = mix_modes(batch.bank, elapsed, interval, duration)
+    accelerations = [configuration.acceleration, configuration.manoeuvre_acceleration]
+    acceleration = np.tile(accelerations, len(elapsed) // MODES)
+    predicted = predict_bank(mixed, elapsed, acceleration)
     return seed_lines(predicted, measured, measured.heard & ~predicted.known)
 
 
-def _loosen(
-    bank: HypothesisBank, manoeuvre: BoolArray, configuration: RangeBankConfiguration
-) -> HypothesisBank:
-    """Let the motion go where a manoeuvre is found: it began some time ago."""
-    lag = configuration.manoeuvre_lag
-    variance = np.where(manoeuvre, configuration.manoeuvre_speed**2, 0.0)[..., None]
-    covariance = bank.covariance.copy()
-    for axis in range(2):
-        covariance[..., axis, axis] += variance * lag**2 / 3.0
-        covariance[..., axis, 2 + axis] += variance * lag / 2.0
-        covariance[..., 2 + axis, axis] += variance * lag / 2.0
-        covariance[..., 2 + axis, 2 + axis] += variance
-    return replace(bank, covariance=covariance)
+def _manoeuvring(bank: HypothesisBank, rows: RunRows) -> FloatArray:
+    """Return the probability that the target of each run manoeuvres, shape (n_runs,)."""
+    weight = np.exp(bank.log_weight)
+    weight[STRAIGHT::MODES] = 0.0
+    return rows.sums(weight)[:, 0]
+
+
+def _with_learnt_errors(batch: BankBatch) -> TmaMeasurement:
+    """Return the measurement with the variances that its errors turned out to have."""
+    measured, owner = batch.measurement, batch.rows.owner
+    azimuth = variance_factor(batch.azimuth_errors, measured.stamp)[owner, 0]
+    lines = np.sqrt(variance_factor(batch.line_errors, measured.stamp))[owner]
+    return replace(
+        measured,
+        azimuth_variance=measured.azimuth_variance * azimuth,
+        frequency_deviation=measured.frequency_deviation * lines,
+    )
+
+
+def _learn(
+    batch: BankBatch,
+    bank: HypothesisBank,
+    rows: LinearisedRows,
+    variance: FloatArray,
+    changes: Changes,
+) -> BankBatch:
+    """Return the batch with what the innovations say of the errors."""
+    told, owner, runs = batch.measurement, batch.rows.owner, batch.rows
+    weight = np.exp(bank.log_weight)
+    innovation, present = rows.innovation[:, 0], runs.any(rows.present[:, 0])
+    mean = runs.sums(weight * innovation)
+    own = (variance - rows.variance)[:, 0] + (innovation - mean[owner]) ** 2
+    spread = runs.sums(weight * own)
+    first = runs.starts
+    azimuth = np.broadcast_to(told.azimuth_variance, owner.shape)[first][:, None]
+    azimuth = np.where(present[:, :1], azimuth, 1.0)
+    lines = np.broadcast_to(told.frequency_deviation, (len(owner), told.n_lines))[first] ** 2
+    lines = np.where(present[:, 2:], lines, 1.0)
+    mean[:, 2:], spread[:, 2:] = without_common_doppler(
+        mean[:, 2:],
+        spread[:, 2:],
+        np.broadcast_to(told.frequency, (len(owner), told.n_lines))[first],
+        lines,
+        present[:, 2:] & ~changes.reborn,
+    )
+    return replace(
+        batch,
+        azimuth_errors=learn_errors(
+            batch.azimuth_errors,
+            mean[:, :1] / np.sqrt(azimuth),
+            spread[:, :1] / azimuth,
+            present[:, :1],
+            told.stamp,
+        ),
+        line_errors=learn_errors(
+            batch.line_errors,
+            mean[:, 2:] / np.sqrt(lines),
+            spread[:, 2:] / lines,
+            present[:, 2:] & ~changes.reborn,
+            told.stamp,
+        ),
+    )
 
 
 def _watch(

@@ -27,16 +27,22 @@ class RangeBankConfiguration:
     )
     gate: float = parameter(4.0, "Gate of each measurement, standard deviations", minimum=1.0)
     manoeuvre_acceleration: float = parameter(
-        0.1, "Process noise while the target manoeuvres", unit="m/s^2", minimum=0.0
+        0.2, "Process noise while the target manoeuvres", unit="m/s^2", minimum=0.0
+    )
+    manoeuvre_interval: float = parameter(
+        10_000.0,
+        "Mean time between manoeuvres of a target; 1e9 = it never does",
+        unit="s",
+        minimum=1.0,
+        maximum=1e9,
     )
     manoeuvre_duration: float = parameter(
-        30.0, "How long it is taken to manoeuvre after an alarm", unit="s", minimum=0.0
+        150.0, "Mean duration of a manoeuvre", unit="s", minimum=1.0, maximum=1e9
     )
-    manoeuvre_speed: float = parameter(
-        2.0, "Velocity change that an alarm stands for", unit="m/s", minimum=0.0
-    )
-    manoeuvre_lag: float = parameter(
-        20.0, "How long before its alarm a manoeuvre began", unit="s", minimum=0.0
+    learn_errors: bool = parameter(
+        True,
+        "Learn from the data how large and how lasting the errors of bearings and lines are; "
+        "false = independent, and as large as told",
     )
 
     def range_edges(self) -> FloatArray:

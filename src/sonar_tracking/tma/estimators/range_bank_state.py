@@ -6,8 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.records.arrays import BoolArray, IntArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 from sonar_tracking.tma.estimators.bank_restart import FULL, restart_bank
+from sonar_tracking.tma.estimators.error_models import (
+    AZIMUTH_PRIOR,
+    LINE_PRIOR,
+    ErrorEvidence,
+    no_evidence,
+)
 from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank, start_bank
 from sonar_tracking.tma.estimators.innovation_monitor import (
     Changes,
@@ -15,6 +21,7 @@ from sonar_tracking.tma.estimators.innovation_monitor import (
     clear_windows,
     empty_windows,
 )
+from sonar_tracking.tma.estimators.motion_modes import MANOEUVRING, MODES, with_modes
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 
@@ -34,11 +41,11 @@ class RangeBankState:
     stamp : int
         Of the last measurement, ns.
     bank : HypothesisBank
-        Posterior.
+        Posterior; two components, the modes of motion, a hypothesis.
     windows : InnovationWindows
         Of the monitor.
-    manoeuvre_until : ndarray of int64, shape (...)
-        Stamp until which the target is taken to manoeuvre, ns.
+    azimuth_errors, line_errors : ErrorEvidence
+        Of the azimuth, one row (of the station that measures), and of the lines.
     refused : ndarray of int64, shape (...)
         Azimuths in a row that no hypothesis accepted.
     """
@@ -46,19 +53,36 @@ class RangeBankState:
     stamp: int
     bank: HypothesisBank
     windows: InnovationWindows
-    manoeuvre_until: IntArray
+    azimuth_errors: ErrorEvidence
+    line_errors: ErrorEvidence
     refused: IntArray
+
+    @property
+    def manoeuvring(self) -> FloatArray:
+        """Probability that the target manoeuvres, shape (...)."""
+        weight = np.exp(self.bank.log_weight)
+        return np.asarray(np.sum(weight[..., MANOEUVRING::MODES], axis=-1))
 
 
 def start_range_bank(
     measurement: TmaMeasurement, configuration: RangeBankConfiguration
 ) -> RangeBankState:
     """Return the state before the first measurement, which has a finite azimuth, is taken in."""
-    bank = start_bank(measurement, configuration.range_edges(), configuration.maximum_speed)
+    bank = with_modes(
+        start_bank(measurement, configuration.range_edges(), configuration.maximum_speed),
+        configuration.manoeuvre_interval,
+        configuration.manoeuvre_duration,
+    )
     batch = bank.known.shape[:-1]
     windows = empty_windows(batch, measurement.n_lines)
-    nothing = np.zeros(batch, dtype=np.int64)
-    return RangeBankState(measurement.stamp, bank, windows, nothing, nothing)
+    return RangeBankState(
+        measurement.stamp,
+        bank,
+        windows,
+        no_evidence(batch, 1, AZIMUTH_PRIOR),
+        no_evidence(batch, measurement.n_lines, LINE_PRIOR),
+        np.zeros(batch, dtype=np.int64),
+    )
 
 
 def is_lost(state: RangeBankState, measurement: TmaMeasurement) -> BoolArray:
@@ -94,6 +118,7 @@ def restart_lost(
         state.stamp,
         restart_bank(state.bank, fresh.bank, lost, FULL),
         clear_windows(state.windows, everything),
-        np.where(lost, 0, state.manoeuvre_until),
+        state.azimuth_errors,
+        state.line_errors,
         np.where(lost, 0, state.refused),
     )

@@ -16,7 +16,13 @@ from sonar_tracking.errors import InputError, shown
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.tma.estimators.bank_splitting import split_bank, without_unlikely
+from sonar_tracking.tma.estimators.error_models import (
+    AZIMUTH_PRIOR,
+    ErrorEvidence,
+    no_evidence,
+)
 from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank, mixture_moments
+from sonar_tracking.tma.estimators.motion_modes import MODES
 from sonar_tracking.tma.estimators.range_bank import RangeBankUpdate, update_range_banks
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.range_bank_state import RangeBankState
@@ -57,6 +63,7 @@ class _Progress:
     manoeuvre: bool = False
     columns: LineColumns = field(default_factory=LineColumns)
     last_stamp_of: dict[str, int] = field(default_factory=dict)
+    errors_of: dict[str, ErrorEvidence] = field(default_factory=dict)
 
 
 class TargetSolver:
@@ -133,7 +140,11 @@ class TargetSolver:
         copied = TargetSolver(self._configuration)
         progress = self._progress
         copied._state = self._state
-        copied._progress = replace(progress, last_stamp_of=dict(progress.last_stamp_of))
+        copied._progress = replace(
+            progress,
+            last_stamp_of=dict(progress.last_stamp_of),
+            errors_of=dict(progress.errors_of),
+        )
         if self._state is not None:
             copied._log = self._log.copy()
         return copied
@@ -163,7 +174,12 @@ class TargetSolver:
         progress.columns = plan.columns
         count = len(plan.columns.lines)
         if self._state is not None:
-            self._state = with_columns(self._state, count, plan.freed)
+            errors = progress.errors_of.get(observation.sensor_id) or no_evidence(
+                (), 1, AZIMUTH_PRIOR
+            )
+            self._state = replace(
+                with_columns(self._state, count, plan.freed), azimuth_errors=errors
+            )
             if plan.freed:
                 self._log.forget_lines(plan.freed)
         kind = (id(observation), plan.column_of, count)
@@ -175,7 +191,7 @@ class TargetSolver:
         progress, state = self._progress, self._state
         assert state is not None
         if len(progress.sides) == 1:
-            if len(state.bank.log_weight) > self._configuration.n_ranges:
+            if len(state.bank.log_weight) > MODES:
                 self._state = replace(state, bank=without_unlikely(state.bank))
             return
         turned = abs(float(wrap_angle(_course(observation) - progress.first_course)))
@@ -231,6 +247,7 @@ class TargetSolver:
         self._log.append(measurement)
         self._progress.manoeuvre = bool(done.manoeuvre)
         self._progress.last_stamp_of[observation.sensor_id] = observation.stamp
+        self._progress.errors_of[observation.sensor_id] = done.state.azimuth_errors
         self._decide_side(observation)
 
 

@@ -1,0 +1,226 @@
+"""How large and how lasting the errors of a measurement really are, learnt from its innovations.
+
+A sensor says of each value how large its error is, as if errors of successive frames had nothing
+in common. Real ones are larger than told, or last: a bearing that is off now is off in the same
+direction ten seconds later. The innovations of a filter show both. Each row (the azimuth of a
+station, a line) has a few models of its error in units of the told variance R,
+
+    e_k = w_k + b_k,   b_k = phi b_(k-1) + g_k,   phi = exp(-dt / tau),   var b = c R,  var w = d R,
+
+weighed by the likelihood of the innovations under each: the scalar Kalman filter of b_k, one a
+model, no matter how many hypotheses the bank has (multiple-model adaptive estimation). What is
+told is by far the most probable one at first, and stays it if the innovations bear it out.
+
+An error that lasts is averaged out only as fast as independent ones arrive. What changes slowly,
+the motion, is therefore estimated as well as if the errors were white with the spectral density at
+frequency zero, which is the variance that the filter takes:
+
+    R_k = R (d + c (1 + phi) / (1 - phi) / (1 + (tau / T)^2)),
+
+averaged geometrically over the models. The last factor takes the spectral density not at zero but
+at the lowest frequency that matters to the motion, 1 / T.
+
+References
+----------
+Magill, "Optimal adaptive estimation of sampled stochastic processes", IEEE Trans. Automatic Control
+10(4), 1965.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
+from sonar_tracking.records.time import NANOSECONDS
+
+LASTING, TIME_CONSTANT, WHITE, _LINE, _AZIMUTH = np.array(
+    [
+        (0.0, 1.0, 1.0, 1000.0, 1000.0),
+        *[(0.0, 1.0, white, 10.0, 10.0) for white in (2.0, 4.0, 8.0, 16.0, 32.0)],
+        *[(1.0, tau, 0.1, 3.0, 3.0) for tau in (3.0, 10.0, 30.0, 100.0)],
+        *[(4.0, tau, 0.4, 3.0, 3.0) for tau in (3.0, 10.0, 30.0, 100.0)],
+        *[(c, tau, 1.0, 3.0, 3.0) for c in (1.0, 4.0, 16.0) for tau in (10.0, 30.0)],
+        *[(c, tau, 1.0, 3.0, 0.0) for c in (1.0, 4.0, 16.0) for tau in (100.0, 300.0)],
+    ]
+).T
+"""Of each model: c and tau of the part that lasts (pure number, s), d of the other, prior odds for
+a line and for an azimuth. Where the range is still wrong the predicted azimuth drifts away for
+minutes: that must not pass for an error of the bearings."""
+
+N_MODELS = len(WHITE)
+
+with np.errstate(divide="ignore"):
+    LINE_PRIOR, AZIMUTH_PRIOR = np.log(_LINE / np.sum(_LINE)), np.log(_AZIMUTH / np.sum(_AZIMUTH))
+
+HORIZON = 100.0
+"""Time scale of the motion that is estimated, s: errors that last longer shift the estimate as a
+whole, and count less."""
+
+MEMORY = 300.0
+"""How long an innovation counts, s: errors need not be what they were."""
+
+FIRST_INTERVAL = 1.0
+"""Taken to have passed before the first value of a row, s."""
+
+SHORTEST_INTERVAL = 0.01
+"""Values that follow each other sooner are taken to be so far apart, s."""
+
+WILD = 9.0
+"""A normalised innovation squared counts at most this much: a few outliers are no larger errors."""
+
+VAGUE = 2.0
+"""Where the filter's own variance is larger than the error's by this, the innovation says little
+of the error."""
+
+
+COMPARED_LINES = 3
+"""So many lines tell their errors from the motion of the target that they have in common."""
+
+
+@dataclass(frozen=True)
+class ErrorEvidence:
+    """What the innovations of some rows have said so far.
+
+    Attributes
+    ----------
+    log_likelihood : ndarray, shape (..., n_rows, N_MODELS)
+        Of each model, relative to the best one; pure numbers.
+    lasting, variance : ndarray, shape (..., n_rows, N_MODELS)
+        Part of the error that lasts, and its variance, in told deviations (squared).
+    stamp : ndarray of int64, shape (..., n_rows)
+        Of the last value, ns; 0 = there was none.
+    prior : ndarray, shape (N_MODELS,)
+        Log of the probability of each model before the first value.
+    """
+
+    log_likelihood: FloatArray
+    lasting: FloatArray
+    variance: FloatArray
+    stamp: IntArray
+
+    prior: FloatArray
+
+    def probability(self) -> FloatArray:
+        """Return that of each model, shape (..., n_rows, N_MODELS)."""
+        weight = self.log_likelihood + self.prior
+        weight = np.exp(weight - np.max(weight, axis=-1, keepdims=True))
+        return np.asarray(weight / np.sum(weight, axis=-1, keepdims=True))
+
+
+def no_evidence(batch: tuple[int, ...], n_rows: int, prior: FloatArray) -> ErrorEvidence:
+    """Return what is known of rows before their first value."""
+    shape = (*batch, n_rows, N_MODELS)
+    return ErrorEvidence(
+        np.zeros(shape),
+        np.zeros(shape),
+        np.broadcast_to(LASTING, shape).copy(),
+        np.zeros(shape[:-1], dtype=np.int64),
+        prior,
+    )
+
+
+def variance_factor(evidence: ErrorEvidence, stamp: int) -> FloatArray:
+    """Return what the told variances of values at a stamp, ns, are to be multiplied by.
+
+    Returns
+    -------
+    ndarray, shape (..., n_rows)
+        Pure numbers.
+    """
+    phi = _correlation(evidence, stamp)
+    density = LASTING * (1.0 + phi) / (1.0 - phi) / (1.0 + (TIME_CONSTANT / HORIZON) ** 2)
+    return np.asarray(np.exp(np.sum(evidence.probability() * np.log(WHITE + density), axis=-1)))
+
+
+def learn_errors(
+    evidence: ErrorEvidence,
+    innovation: FloatArray,
+    own_variance: FloatArray,
+    present: BoolArray,
+    stamp: int,
+) -> ErrorEvidence:
+    """Return the evidence after the innovations of a frame.
+
+    Parameters
+    ----------
+    evidence : ErrorEvidence
+        Before.
+    innovation : ndarray, shape (..., n_rows)
+        Measured minus predicted, in told standard deviations.
+    own_variance : ndarray, shape (..., n_rows)
+        Of the prediction, in told variances.
+    present : ndarray of bool, shape (..., n_rows)
+        Which rows there are.
+    stamp : int
+        Of the frame, ns.
+    """
+    phi = _correlation(evidence, stamp)
+    lasting = phi * evidence.lasting
+    variance = LASTING + phi**2 * (evidence.variance - LASTING)
+    spread = variance + WHITE + own_variance[..., None]
+    left = innovation[..., None] - lasting
+    squared = left**2 / spread
+    gain = np.where(squared > WILD, 0.0, variance / spread)
+    faded = np.exp(-_interval(evidence, stamp) / MEMORY)[..., None] * evidence.log_likelihood
+    likelihood = faded - 0.5 * (np.minimum(squared, WILD) + np.log(spread))
+    likelihood -= np.max(likelihood, axis=-1, keepdims=True)
+    telling = own_variance < VAGUE * variance_factor(evidence, stamp)
+    use = (present & telling)[..., None]
+    return ErrorEvidence(
+        np.where(use, likelihood, evidence.log_likelihood),
+        np.where(use, lasting + gain * left, evidence.lasting),
+        np.where(use, (1.0 - gain) * variance, evidence.variance),
+        np.where(use[..., 0], stamp, evidence.stamp),
+        evidence.prior,
+    )
+
+
+def without_common_doppler(
+    innovation: FloatArray,
+    own_variance: FloatArray,
+    frequency: FloatArray,
+    variance: FloatArray,
+    present: BoolArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the innovations of lines, and what the prediction adds to their variance.
+
+    Motion shifts all lines in proportion to their frequencies. Of three and more lines each is
+    compared with the others rather than with the prediction: a turn of the target says nothing of
+    their errors then.
+
+    Parameters
+    ----------
+    innovation : ndarray, shape (..., n_lines)
+        Measured minus predicted, Hz.
+    own_variance, variance : ndarray, shape (..., n_lines)
+        Of the prediction, and of the measurement as told, Hz^2.
+    frequency : ndarray, shape (..., n_lines)
+        Received, Hz.
+    present : ndarray of bool, shape (..., n_lines)
+        Which lines there are.
+    """
+    scale = np.where(present, frequency, 1.0)
+    weight = np.where(present, scale**2 / variance, 0.0)
+    shift = weight * np.where(present, innovation, 0.0) / scale
+    others = np.sum(weight, axis=-1, keepdims=True) - weight
+    enough = (np.sum(present, axis=-1, keepdims=True) >= COMPARED_LINES) & present
+    others = np.where(enough, others, 1.0)
+    common = (np.sum(shift, axis=-1, keepdims=True) - shift) / others
+    return (
+        np.where(enough, innovation - scale * common, innovation),
+        np.where(enough, scale**2 / others, own_variance),
+    )
+
+
+def _interval(evidence: ErrorEvidence, stamp: int) -> FloatArray:
+    """Return the time since the last value of each row, s."""
+    passed = (stamp - evidence.stamp) / NANOSECONDS
+    return np.where(
+        evidence.stamp > 0, np.maximum(passed, SHORTEST_INTERVAL), FIRST_INTERVAL
+    )
+
+
+def _correlation(evidence: ErrorEvidence, stamp: int) -> FloatArray:
+    return np.exp(-_interval(evidence, stamp)[..., None] / TIME_CONSTANT)
