@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from sonar_tracking.tma.estimators.bank_batch import RunRows, join_banks, separate_banks
+from sonar_tracking.tma.estimators.error_models import ErrorEvidence, no_evidence
 from sonar_tracking.tma.estimators.innovation_monitor import empty_windows
 from sonar_tracking.tma.estimators.range_bank_state import RangeBankState
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
@@ -32,7 +33,9 @@ def test_runs_of_any_shape_are_joined_and_given_back() -> None:
     for shape in shapes:
         bank = random_bank(2, batch=shape)
         nothing = np.zeros(shape, np.int64)
-        states.append(RangeBankState(0, bank, empty_windows(shape, 2), nothing + 7, nothing))
+        errors = no_evidence(shape, 2)
+        errors = ErrorEvidence(errors.table + len(shape), errors.stamp + 7)
+        states.append(RangeBankState(0, bank, empty_windows(shape, 2), errors, nothing))
         measurements.append(
             TmaMeasurement(
                 stamp=3 * 10**9,
@@ -58,5 +61,6 @@ def test_runs_of_any_shape_are_joined_and_given_back() -> None:
         assert after.stamp == 9
         for name in ("mean", "covariance", "log_weight", "known"):
             np.testing.assert_array_equal(getattr(after.bank, name), getattr(before.bank, name))
-        np.testing.assert_array_equal(after.manoeuvre_until, before.manoeuvre_until)
+        np.testing.assert_array_equal(after.errors.table, before.errors.table)
+        np.testing.assert_array_equal(after.errors.stamp, before.errors.stamp)
         assert after.windows.lines.shape == before.windows.lines.shape

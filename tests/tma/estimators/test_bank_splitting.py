@@ -16,6 +16,7 @@ from sonar_tracking.tma.estimators.hypothesis_bank import (
     mixture_moments,
     start_bank,
 )
+from sonar_tracking.tma.estimators.motion_modes import MODES, with_modes
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 from sonar_tracking.tma.targets.station_association import azimuth_log_likelihoods
@@ -32,6 +33,7 @@ def started() -> HypothesisBank:
         azimuth_variance=np.array(np.radians(0.5) ** 2),
     )
     bank = start_bank(measurement, RangeBankConfiguration().range_edges(), 20.0)
+    bank = with_modes(bank, 9.0, 1.0)
     # Ranges and velocities go together, as after some measurements.
     direction = np.array([np.cos(0.9), np.sin(0.9)])
     along = np.concatenate([direction, 1e-3 * direction])
@@ -74,23 +76,29 @@ def test_an_azimuth_from_elsewhere_has_a_likelihood_all_along_the_bearing() -> N
 
 def test_the_unlikely_are_forgotten_and_the_weights_sum_to_one() -> None:
     bank = started()
-    weights = np.log(np.array([0.5, 0.5, 1e-12, 1e-12, 1e-12, 1e-12]))
+    weights = np.log(np.array([0.5, 0.3, 0.2, 1e-12, 1e-12, 1e-12, *[1e-12] * 6]))
     kept = without_unlikely(HypothesisBank(bank.mean, bank.covariance, weights, bank.known))
-    assert len(kept.log_weight) == 2
-    assert np.exp(kept.log_weight) == pytest.approx([0.5, 0.5])
+    assert len(kept.log_weight) == 4, "both modes of a hypothesis stay"
+    assert np.exp(kept.log_weight) == pytest.approx([0.5, 0.3, 0.2, 1e-12])
     assert without_unlikely(bank) is bank
 
 
 def wide_bank(along: float, count: int = 1) -> HypothesisBank:
-    """Return components 1000 m north of the origin, known to 1 m but along east."""
+    """Return hypotheses 1000 m north of the origin, known to 1 m but along east.
+
+    The manoeuvring mode of each, a fifth as likely, is 5 m/s faster.
+    """
     covariance = np.diag([along**2, 1.0, 1.0, 1.0])
     covariance[0, 2] = covariance[2, 0] = 0.5 * along
-    return HypothesisBank(
+    bank = HypothesisBank(
         np.tile([0.0, 1000.0, 2.0, 0.0], (count, 1)),
         np.tile(covariance, (count, 1, 1)),
         np.full(count, -np.log(count)),
         np.zeros(0, dtype=bool),
     )
+    both = with_modes(bank, 5.0, 1.0)
+    both.mean[1::MODES, 2] += 5.0
+    return both
 
 
 @pytest.mark.parametrize(("along", "parts"), [(99.0, 1), (101.0, 3), (299.0, 3), (301.0, 9)])
@@ -99,32 +107,36 @@ def test_components_are_cut_in_three_until_they_are_a_tenth_of_a_radian_wide(
 ) -> None:
     """Seen from the origin, at 1000 m; each third of an even spread has a third of its width."""
     bank = split_bank(wide_bank(along), np.zeros(2))
-    assert len(bank.log_weight) == parts
+    assert len(bank.log_weight) == parts * MODES
     deviation = np.sqrt(np.linalg.eigvalsh(bank.covariance[:, :2, :2])[:, -1])
-    assert deviation == pytest.approx(np.full(parts, along / parts))
+    assert deviation == pytest.approx(np.full(parts * MODES, along / parts))
 
 
 def test_thirds_lie_side_by_side_and_move_as_the_whole_says() -> None:
     """sqrt(12) deviations wide: a third of it is 115.5 m; the speed follows the place."""
     bank = split_bank(wide_bank(100.1), np.zeros(2))
-    order = np.argsort(bank.mean[:, 0])
     third = np.sqrt(12.0) * 100.1 / 3.0
-    assert bank.mean[order, 0] == pytest.approx([-third, 0.0, third])
     slope = 0.5 / 100.1
-    assert bank.mean[order, 2] == pytest.approx([2.0 - slope * third, 2.0, 2.0 + slope * third])
-    assert bank.mean[order, 1] == pytest.approx([1000.0] * 3)
-    assert np.exp(bank.log_weight) == pytest.approx([1.0 / 3.0] * 3)
+    for mode, (faster, weight) in enumerate([(0.0, 5.0 / 6.0), (5.0, 1.0 / 6.0)]):
+        mean = bank.mean[mode::MODES]
+        mean = mean[np.argsort(mean[:, 0])]
+        assert mean[:, 0] == pytest.approx([-third, 0.0, third])
+        middle = 2.0 + faster
+        assert mean[:, 2] == pytest.approx([middle - slope * third, middle, middle + slope * third])
+        assert mean[:, 1] == pytest.approx([1000.0] * 3)
+        assert np.exp(bank.log_weight[mode::MODES]) == pytest.approx([weight / 3.0] * 3)
+    assert bank.mean[::MODES, 0] == pytest.approx(bank.mean[1::MODES, 0]), "modes are neighbours"
 
 
 @pytest.mark.parametrize(("count", "cut"), [(36, True), (37, False)])
-def test_no_more_than_a_hundred_and_eight_components_are_made(count: int, cut: bool) -> None:
+def test_no_more_than_a_hundred_and_eight_hypotheses_are_made(count: int, cut: bool) -> None:
     bank = split_bank(wide_bank(1000.0, count), np.zeros(2))
-    assert len(bank.log_weight) == (3 * count if cut else count)
+    assert len(bank.log_weight) == MODES * (3 * count if cut else count)
 
 
 @pytest.mark.parametrize(("share", "cut"), [(1.1e-3, True), (0.9e-3, False)])
 def test_an_unlikely_component_need_not_be_narrow(share: float, cut: bool) -> None:
-    both = wide_bank(50.0, 2)
+    both = wide_bank(50.0)
     covariance = both.covariance.copy()
     covariance[1, 0, 0] = 200.0**2
     weight = np.log([1.0 / (1.0 + share), share / (1.0 + share)])
@@ -135,12 +147,12 @@ def test_an_unlikely_component_need_not_be_narrow(share: float, cut: bool) -> No
 @pytest.mark.parametrize(("share", "kept"), [(2e-9, 3), (0.5e-9, 2)])
 def test_a_billionth_of_the_best_does_not_matter(share: float, kept: int) -> None:
     bank = wide_bank(50.0, 3)
-    weight = np.log([0.5, 0.5, 0.5 * share])
-    assert len(without_unlikely(replace(bank, log_weight=weight)).log_weight) == kept
+    weight = np.log([0.5, 1e-20, 0.5, 1e-20, 1e-20, 0.5 * share])
+    assert len(without_unlikely(replace(bank, log_weight=weight)).log_weight) == kept * MODES
 
 
 def test_the_width_is_that_seen_from_the_other_station() -> None:
     """Along the line of sight a component may be as long as it likes."""
-    assert len(split_bank(wide_bank(150.0), np.array([0.0, -500.0])).log_weight) == 1
-    assert len(split_bank(wide_bank(150.0), np.array([5000.0, 1000.0])).log_weight) == 1
-    assert len(split_bank(wide_bank(90.0), np.array([0.0, 200.0])).log_weight) == 3
+    assert len(split_bank(wide_bank(150.0), np.array([0.0, -500.0])).log_weight) == MODES
+    assert len(split_bank(wide_bank(150.0), np.array([5000.0, 1000.0])).log_weight) == MODES
+    assert len(split_bank(wide_bank(90.0), np.array([0.0, 200.0])).log_weight) == 3 * MODES

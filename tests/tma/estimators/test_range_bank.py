@@ -11,15 +11,10 @@ from sonar_tracking.evaluation.studies.tma_frequency_fusion.histories import (
 )
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import scenario
 from sonar_tracking.simulation.sensors.tma_scene import TmaRuns, TmaScene, simulate_runs
-from sonar_tracking.tma.estimators.hypothesis_bank import (
-    mixture_moments,
-    predict_bank,
-    seed_lines,
-    update_bank,
-)
+from sonar_tracking.tma.estimators.hypothesis_bank import predict_bank
+from sonar_tracking.tma.estimators.motion_modes import MODES
 from sonar_tracking.tma.estimators.range_bank import RangeBank
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
-from sonar_tracking.tma.estimators.recursion import rows_of
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 
 BOUND_S1, BOUND_S2, BOUND_S3 = 80.5, 144.1, 83.2
@@ -172,48 +167,38 @@ def test_silence_is_no_refusal_and_an_accepted_azimuth_begins_the_count_anew() -
     assert bank.update(frame(21, 3.0)).restarted
 
 
-@pytest.mark.parametrize("manoeuvring", [False, True])
-def test_process_noise_is_more_until_a_manoeuvre_is_over(manoeuvring: bool) -> None:
+def test_each_mode_has_its_own_process_noise() -> None:
     """Without an azimuth the estimate is the prediction alone."""
-    configuration = RangeBankConfiguration(acceleration=0.02, manoeuvre_acceleration=0.3)
+    never = {"manoeuvre_interval": 1e9, "manoeuvre_duration": 1e9}
+    configuration = RangeBankConfiguration(acceleration=0.02, manoeuvre_acceleration=0.3, **never)
     bank = RangeBank(configuration)
     bank.update(frame(0, 0.3))
     assert bank.state is not None
-    stamp = 5_000_000_000
-    until = np.array(stamp if manoeuvring else stamp - 1)
-    bank.state = replace(bank.state, manoeuvre_until=until)
-    expected = predict_bank(bank.state.bank, 5.0, np.array(0.3 if manoeuvring else 0.02))
-    estimate = bank.update(frame(5, np.nan))
-    mean, covariance = mixture_moments(expected)
-    assert estimate.mean == pytest.approx(mean)
-    assert estimate.covariance == pytest.approx(covariance)
+    before = bank.state.bank
+    bank.update(frame(5, np.nan))
+    for mode, acceleration in enumerate([0.02, 0.3]):
+        own = slice(mode, None, MODES)
+        alone = replace(before, mean=before.mean[own], covariance=before.covariance[own])
+        expected = predict_bank(alone, 5.0, np.array(acceleration))
+        assert bank.state.bank.mean[own] == pytest.approx(expected.mean)
+        assert bank.state.bank.covariance[own] == pytest.approx(expected.covariance, rel=1e-6)
 
 
-def test_an_alarm_lets_the_motion_go_as_far_as_it_may_have_changed() -> None:
-    """All lines shift by three deviations: 2 m/s at some time of the 20 s before the alarm."""
-    configuration = RangeBankConfiguration(n_ranges=1, acceleration=1e-4)
-    bank = RangeBank(configuration)
+def test_a_turn_of_the_target_is_said_once_it_is_likely() -> None:
+    """All lines shift by a thousandth of their frequencies: 1.5 m/s, up to three deviations."""
+    bank = RangeBank(RangeBankConfiguration(n_ranges=1, acceleration=1e-4))
     lines, deviation = np.array([300.0, 210.0, 150.0]), np.full(3, 0.1)
-    for number in range(80):
-        assert bank.state is not None or number == 0
-        before = bank.state
-        shifted = lines + (0.3 if number >= 60 else 0.0)
+    said = []
+    for number in range(100):
+        shifted = lines * (1.0 + (0.001 if number >= 60 else 0.0))
         measured = frame(number, 0.3, frequency=shifted, frequency_deviation=deviation)
-        estimate = bank.update(measured)
-        if estimate.manoeuvre:
-            break
-    assert 62 <= number < 80
-    assert before is not None
+        said.append(bool(bank.update(measured).manoeuvre))
+    assert not any(said[:60])
+    assert sum(said[60:65]) == sum(said[60:]) == 1
     assert bank.state is not None
-    assert bank.state.manoeuvre_until == (number + 30) * 1_000_000_000
-    assert not np.any(bank.state.windows.lines)
-    loosened = predict_bank(before.bank, 1.0, np.array(1e-4))
-    spread = np.zeros((7, 7))
-    spread[:4, :4] = np.kron(np.array([[400.0 / 3.0, 10.0], [10.0, 1.0]]), np.eye(2))
-    loosened = replace(loosened, covariance=loosened.covariance + 4.0 * spread)
-    expected = update_bank(loosened, rows_of(loosened, measured), np.zeros(1))
-    assert bank.state.bank.covariance == pytest.approx(expected.covariance)
-    assert bank.state.bank.mean == pytest.approx(expected.mean)
+    assert bank.state.manoeuvring < 0.1, "it goes straight on again"
+    speed = bank.state.bank.mean[0, 2:4] @ [np.cos(0.3), np.sin(0.3)]
+    assert speed == pytest.approx(-1.5, abs=0.5)
 
 
 def test_a_line_that_became_another_source_is_seeded_anew_and_nothing_else() -> None:
@@ -229,11 +214,11 @@ def test_a_line_that_became_another_source_is_seeded_anew_and_nothing_else() -> 
     assert estimate.reborn.tolist() == [False, True, False]
     assert before is not None
     assert bank.state is not None
+    after = bank.state.bank
+    assert after.mean[0, 5] / before.bank.mean[0, 5] == pytest.approx(215.0 / 210.0, rel=1e-3)
+    others = [0, 1, 2, 3, 4, 6]
     predicted = predict_bank(before.bank, 1.0, np.array(1e-4))
-    seeded = seed_lines(predicted, measured, np.array([False, True, False]))
-    expected = update_bank(seeded, rows_of(seeded, measured), np.zeros(1))
-    assert bank.state.bank.covariance == pytest.approx(expected.covariance)
-    assert bank.state.bank.mean == pytest.approx(expected.mean)
+    assert after.mean[0, others] == pytest.approx(predicted.mean[0, others], abs=0.05)
 
 
 def test_hypotheses_of_range_are_spaced_geometrically() -> None:

@@ -83,14 +83,21 @@ def test_a_solution_is_confirmed_when_it_is_observable_and_known_to_a_tenth_of_i
     assert made.confirmed == confirmed
 
 
-def test_what_is_confirmed_stays_so_as_long_as_it_is_observable() -> None:
-    vague = np.diag([9e4, 9e4, 1.0, 1.0])
-    made = target(solution(covariance=vague), confirmed=True)
+@pytest.mark.parametrize(
+    ("deviation", "observability", "confirmed"),
+    [(199.0, 0.5, True), (201.0, 0.5, False), (50.0, 0.4, False)],
+)
+def test_what_is_confirmed_stays_so_until_it_is_unobservable_or_half_as_well_known(
+    deviation: float, observability: float, confirmed: bool
+) -> None:
+    covariance = np.diag([deviation**2, 100.0, 1.0, 1.0])
+    one = solution(covariance=covariance, observability=observability)
+    made = target(one, confirmed=True)
     made.judge(CONFIGURATION)
-    confirmed = [made.confirmed]
-    made.solutions = (solution(observability=0.4),)
-    made.judge(CONFIGURATION)
-    assert [*confirmed, made.confirmed] == [True, False]
+    assert made.confirmed == confirmed
+
+
+def test_without_a_solution_nothing_is_judged() -> None:
     nothing = target(confirmed=True)
     nothing.judge(CONFIGURATION)
     assert nothing.confirmed

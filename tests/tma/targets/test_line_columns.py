@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from sonar_tracking.tma.estimators.error_models import ErrorEvidence, no_evidence
 from sonar_tracking.tma.estimators.innovation_monitor import InnovationWindows
 from sonar_tracking.tma.estimators.range_bank_state import RangeBankState
 from sonar_tracking.tma.targets.line_columns import LineColumns, plan_columns, with_columns
@@ -44,7 +45,9 @@ def state(n_lines: int = 2) -> RangeBankState:
     bank = random_bank(n_lines, batch=())
     generator = np.random.default_rng(3)
     windows = InnovationWindows(generator.normal(size=(n_lines, 20)), generator.normal(size=20))
-    return RangeBankState(1, bank, windows, np.array(0), np.array(0))
+    errors = no_evidence((), n_lines)
+    errors = ErrorEvidence(generator.normal(size=errors.table.shape), errors.stamp + 9)
+    return RangeBankState(1, bank, windows, errors, np.array(0))
 
 
 def test_new_columns_are_empty_and_old_ones_stay() -> None:
@@ -60,6 +63,9 @@ def test_new_columns_are_empty_and_old_ones_stay() -> None:
     np.testing.assert_array_equal(after.windows.lines[:2], before.windows.lines)
     assert after.windows.lines.shape == (4, 20)
     assert not np.any(after.windows.lines[2:])
+    np.testing.assert_array_equal(after.errors.table[:3], before.errors.table)
+    np.testing.assert_array_equal(after.errors.table[3:], no_evidence((), 1).table[[1, 1]])
+    assert after.errors.stamp.tolist() == [9, 9, 9, 0, 0]
     assert with_columns(before, 2, ()) is before
 
 
@@ -80,4 +86,7 @@ def test_a_column_that_is_given_up_forgets_its_line_and_no_other() -> None:
         )
     np.testing.assert_array_equal(after.windows.lines[0], before.windows.lines[0])
     assert not np.any(after.windows.lines[1])
+    np.testing.assert_array_equal(after.errors.table[:2], before.errors.table[:2])
+    np.testing.assert_array_equal(after.errors.table[2], no_evidence((), 1).table[1])
+    assert after.errors.stamp.tolist() == [9, 9, 0]
     np.testing.assert_array_equal(before.bank.covariance, copy)  # the state before is not changed

@@ -104,7 +104,7 @@ class BankBatch:
         Of each run.
     interval : ndarray, shape (n_runs,)
         Since the last measurement, s.
-    azimuth_errors, line_errors : ErrorEvidence
+    errors : ErrorEvidence
         Of each run.
     refused : ndarray of int64, shape (n_runs,)
         As in :class:`RangeBankState`.
@@ -116,8 +116,7 @@ class BankBatch:
     bank: HypothesisBank
     windows: InnovationWindows
     interval: FloatArray
-    azimuth_errors: ErrorEvidence
-    line_errors: ErrorEvidence
+    errors: ErrorEvidence
     refused: IntArray
     measurement: TmaMeasurement
 
@@ -157,8 +156,10 @@ def join_banks(
             _joined([one.azimuth for one in windows], n_runs, (WINDOW,)),
         ),
         interval=np.repeat(intervals, n_runs),
-        azimuth_errors=_joined_evidence([one.azimuth_errors for one in states], n_runs),
-        line_errors=_joined_evidence([one.line_errors for one in states], n_runs),
+        errors=ErrorEvidence(
+            _joined([one.errors.table for one in states], n_runs, (1 + n_lines, 3, N_MODELS)),
+            _joined([one.errors.stamp for one in states], n_runs, (1 + n_lines,)),
+        ),
         refused=_joined([one.refused for one in states], n_runs, ()),
         measurement=_measurement_of_rows(measurements, banks, n_runs, rows),
     )
@@ -207,12 +208,12 @@ def separate_banks(
             batch.windows.lines[runs].reshape(state.windows.lines.shape),
             batch.windows.azimuth[runs].reshape(state.windows.azimuth.shape),
         )
-        azimuth_errors = _evidence_of(batch.azimuth_errors, runs, shape[:-1])
-        line_errors = _evidence_of(batch.line_errors, runs, shape[:-1])
-        refused = batch.refused[runs].reshape(shape[:-1])
-        parts.append(
-            RangeBankState(stamp, bank, windows, azimuth_errors, line_errors, refused)
+        errors = ErrorEvidence(
+            batch.errors.table[runs].reshape(state.errors.table.shape),
+            batch.errors.stamp[runs].reshape(state.errors.stamp.shape),
         )
+        refused = batch.refused[runs].reshape(shape[:-1])
+        parts.append(RangeBankState(stamp, bank, windows, errors, refused))
     return parts
 
 
@@ -252,29 +253,6 @@ def _measurement_of_rows(
         height=first.height,
         sound_speed=first.sound_speed,
         propagation_speed=first.propagation_speed,
-    )
-
-
-def _joined_evidence(parts: Sequence[ErrorEvidence], n_runs: Sequence[int]) -> ErrorEvidence:
-    n_rows = parts[0].stamp.shape[-1]
-    return ErrorEvidence(
-        _joined([one.log_likelihood for one in parts], n_runs, (n_rows, N_MODELS)),
-        _joined([one.lasting for one in parts], n_runs, (n_rows, N_MODELS)),
-        _joined([one.variance for one in parts], n_runs, (n_rows, N_MODELS)),
-        _joined([one.stamp for one in parts], n_runs, (n_rows,)),
-        parts[0].prior,
-    )
-
-
-def _evidence_of(joined: ErrorEvidence, runs: slice, batch: tuple[int, ...]) -> ErrorEvidence:
-    """Return the evidence of some runs, in the shape they had."""
-    n_rows = joined.stamp.shape[-1]
-    return ErrorEvidence(
-        joined.log_likelihood[runs].reshape(*batch, n_rows, N_MODELS),
-        joined.lasting[runs].reshape(*batch, n_rows, N_MODELS),
-        joined.variance[runs].reshape(*batch, n_rows, N_MODELS),
-        joined.stamp[runs].reshape(*batch, n_rows),
-        joined.prior,
     )
 
 

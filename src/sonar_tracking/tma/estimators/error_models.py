@@ -38,8 +38,9 @@ from sonar_tracking.records.time import NANOSECONDS
 LASTING, TIME_CONSTANT, WHITE, _LINE, _AZIMUTH = np.array(
     [
         (0.0, 1.0, 1.0, 1000.0, 1000.0),
-        *[(0.0, 1.0, white, 10.0, 10.0) for white in (2.0, 4.0, 8.0, 16.0, 32.0)],
-        *[(1.0, tau, 0.1, 3.0, 3.0) for tau in (3.0, 10.0, 30.0, 100.0)],
+        *[(0.0, 1.0, 2.0**power, 1.0, 1.0) for power in (-6, -4, -3, -2, -1)],
+        *[(0.0, 1.0, 2.0**power, 10.0, 10.0) for power in (1, 2, 3, 4, 5)],
+        *[(1.0, tau, 0.03, 3.0, 3.0) for tau in (3.0, 10.0, 30.0, 100.0)],
         *[(4.0, tau, 0.4, 3.0, 3.0) for tau in (3.0, 10.0, 30.0, 100.0)],
         *[(c, tau, 1.0, 3.0, 3.0) for c in (1.0, 4.0, 16.0) for tau in (10.0, 30.0)],
         *[(c, tau, 1.0, 3.0, 0.0) for c in (1.0, 4.0, 16.0) for tau in (100.0, 300.0)],
@@ -47,16 +48,22 @@ LASTING, TIME_CONSTANT, WHITE, _LINE, _AZIMUTH = np.array(
 ).T
 """Of each model: c and tau of the part that lasts (pure number, s), d of the other, prior odds for
 a line and for an azimuth. Where the range is still wrong the predicted azimuth drifts away for
-minutes: that must not pass for an error of the bearings."""
+minutes: that must not pass for an error of the bearings. Errors smaller than told are taken to be
+as told; without their models small ones would pass for lasting ones."""
 
 N_MODELS = len(WHITE)
 
 with np.errstate(divide="ignore"):
-    LINE_PRIOR, AZIMUTH_PRIOR = np.log(_LINE / np.sum(_LINE)), np.log(_AZIMUTH / np.sum(_AZIMUTH))
+    LOG_PRIOR = np.log(np.stack([_AZIMUTH, _LINE]))
+"""Log of the prior odds of each model, for an azimuth and for a line."""
 
 HORIZON = 100.0
 """Time scale of the motion that is estimated, s: errors that last longer shift the estimate as a
 whole, and count less."""
+
+QUICK = np.where(LASTING > 0.0, WHITE, np.maximum(WHITE, 1.0))
+SLOW = LASTING / (1.0 + (TIME_CONSTANT / HORIZON) ** 2)
+"""What of each model's two parts counts."""
 
 MEMORY = 300.0
 """How long an innovation counts, s: errors need not be what they were."""
@@ -81,44 +88,62 @@ COMPARED_LINES = 3
 
 @dataclass(frozen=True)
 class ErrorEvidence:
-    """What the innovations of some rows have said so far.
+    """What the innovations of the azimuth, row 0, and of the lines, one row each, have said so far.
 
     Attributes
     ----------
-    log_likelihood : ndarray, shape (..., n_rows, N_MODELS)
-        Of each model, relative to the best one; pure numbers.
-    lasting, variance : ndarray, shape (..., n_rows, N_MODELS)
-        Part of the error that lasts, and its variance, in told deviations (squared).
-    stamp : ndarray of int64, shape (..., n_rows)
+    table : ndarray, shape (..., 1 + n_lines, 3, N_MODELS)
+        Of each model: its log likelihood relative to the best one; the part of the error that
+        lasts, in told standard deviations; and the variance of this.
+    stamp : ndarray of int64, shape (..., 1 + n_lines)
         Of the last value, ns; 0 = there was none.
-    prior : ndarray, shape (N_MODELS,)
-        Log of the probability of each model before the first value.
     """
 
-    log_likelihood: FloatArray
-    lasting: FloatArray
-    variance: FloatArray
+    table: FloatArray
     stamp: IntArray
 
-    prior: FloatArray
-
-    def probability(self) -> FloatArray:
-        """Return that of each model, shape (..., n_rows, N_MODELS)."""
-        weight = self.log_likelihood + self.prior
-        weight = np.exp(weight - np.max(weight, axis=-1, keepdims=True))
-        return np.asarray(weight / np.sum(weight, axis=-1, keepdims=True))
+    @property
+    def n_rows(self) -> int:
+        """Azimuth and lines."""
+        return self.stamp.shape[-1]
 
 
-def no_evidence(batch: tuple[int, ...], n_rows: int, prior: FloatArray) -> ErrorEvidence:
+def no_evidence(batch: tuple[int, ...], n_lines: int) -> ErrorEvidence:
     """Return what is known of rows before their first value."""
-    shape = (*batch, n_rows, N_MODELS)
+    table = np.zeros((*batch, 1 + n_lines, 3, N_MODELS))
+    table[..., 2, :] = LASTING
+    return ErrorEvidence(table, np.zeros((*batch, 1 + n_lines), dtype=np.int64))
+
+
+def azimuth_evidence(evidence: ErrorEvidence) -> ErrorEvidence:
+    """Return the evidence on the azimuth alone."""
+    return ErrorEvidence(evidence.table[..., :1, :, :], evidence.stamp[..., :1])
+
+
+def with_azimuth_evidence(evidence: ErrorEvidence, azimuth: ErrorEvidence) -> ErrorEvidence:
+    """Return the evidence with that on the azimuth of another station in its place."""
     return ErrorEvidence(
-        np.zeros(shape),
-        np.zeros(shape),
-        np.broadcast_to(LASTING, shape).copy(),
-        np.zeros(shape[:-1], dtype=np.int64),
-        prior,
+        np.concatenate([azimuth.table, evidence.table[..., 1:, :, :]], axis=-3),
+        np.concatenate([azimuth.stamp, evidence.stamp[..., 1:]], axis=-1),
     )
+
+
+def with_lines(evidence: ErrorEvidence, n_lines: int, freed: tuple[int, ...]) -> ErrorEvidence:
+    """Return the evidence of a single run with more lines, and without what those freed have said.
+
+    Parameters
+    ----------
+    evidence : ErrorEvidence
+        Before.
+    n_lines : int
+        Lines there shall be, not fewer than there are.
+    freed : tuple of int
+        Lines to forget.
+    """
+    more = no_evidence((), n_lines)
+    kept = [row for row in range(evidence.n_rows) if row - 1 not in freed]
+    more.table[kept], more.stamp[kept] = evidence.table[kept], evidence.stamp[kept]
+    return more
 
 
 def variance_factor(evidence: ErrorEvidence, stamp: int) -> FloatArray:
@@ -126,19 +151,21 @@ def variance_factor(evidence: ErrorEvidence, stamp: int) -> FloatArray:
 
     Returns
     -------
-    ndarray, shape (..., n_rows)
+    ndarray, shape (..., 1 + n_lines)
         Pure numbers.
     """
-    phi = _correlation(evidence, stamp)
-    density = LASTING * (1.0 + phi) / (1.0 - phi) / (1.0 + (TIME_CONSTANT / HORIZON) ** 2)
-    return np.asarray(np.exp(np.sum(evidence.probability() * np.log(WHITE + density), axis=-1)))
+    phi = np.exp(-_interval(evidence, stamp)[..., None] / TIME_CONSTANT)
+    weight = evidence.table[..., 0, :] + LOG_PRIOR[np.minimum(np.arange(evidence.n_rows), 1)]
+    weight = np.exp(weight - np.max(weight, axis=-1, keepdims=True))
+    logs = np.log(QUICK + SLOW * (1.0 + phi) / (1.0 - phi))
+    return np.asarray(np.exp(np.sum(weight * logs, axis=-1) / np.sum(weight, axis=-1)))
 
 
 def learn_errors(
     evidence: ErrorEvidence,
     innovation: FloatArray,
     own_variance: FloatArray,
-    present: BoolArray,
+    telling: BoolArray,
     stamp: int,
 ) -> ErrorEvidence:
     """Return the evidence after the innovations of a frame.
@@ -147,33 +174,32 @@ def learn_errors(
     ----------
     evidence : ErrorEvidence
         Before.
-    innovation : ndarray, shape (..., n_rows)
+    innovation : ndarray, shape (..., 1 + n_lines)
         Measured minus predicted, in told standard deviations.
-    own_variance : ndarray, shape (..., n_rows)
+    own_variance : ndarray, shape (..., 1 + n_lines)
         Of the prediction, in told variances.
-    present : ndarray of bool, shape (..., n_rows)
-        Which rows there are.
+    telling : ndarray of bool, shape (..., 1 + n_lines)
+        Which rows there are and say something of their errors.
     stamp : int
         Of the frame, ns.
     """
-    phi = _correlation(evidence, stamp)
-    lasting = phi * evidence.lasting
-    variance = LASTING + phi**2 * (evidence.variance - LASTING)
+    interval = _interval(evidence, stamp)[..., None]
+    phi = np.exp(-interval / TIME_CONSTANT)
+    table = np.empty_like(evidence.table)
+    lasting = phi * evidence.table[..., 1, :]
+    variance = LASTING + phi**2 * (evidence.table[..., 2, :] - LASTING)
     spread = variance + WHITE + own_variance[..., None]
     left = innovation[..., None] - lasting
     squared = left**2 / spread
     gain = np.where(squared > WILD, 0.0, variance / spread)
-    faded = np.exp(-_interval(evidence, stamp) / MEMORY)[..., None] * evidence.log_likelihood
+    faded = np.exp(-interval / MEMORY) * evidence.table[..., 0, :]
     likelihood = faded - 0.5 * (np.minimum(squared, WILD) + np.log(spread))
-    likelihood -= np.max(likelihood, axis=-1, keepdims=True)
-    telling = own_variance < VAGUE * variance_factor(evidence, stamp)
-    use = (present & telling)[..., None]
+    table[..., 0, :] = likelihood - np.max(likelihood, axis=-1, keepdims=True)
+    table[..., 1, :] = lasting + gain * left
+    table[..., 2, :] = (1.0 - gain) * variance
     return ErrorEvidence(
-        np.where(use, likelihood, evidence.log_likelihood),
-        np.where(use, lasting + gain * left, evidence.lasting),
-        np.where(use, (1.0 - gain) * variance, evidence.variance),
-        np.where(use[..., 0], stamp, evidence.stamp),
-        evidence.prior,
+        np.where(telling[..., None, None], table, evidence.table),
+        np.where(telling, stamp, evidence.stamp),
     )
 
 
@@ -217,10 +243,4 @@ def without_common_doppler(
 def _interval(evidence: ErrorEvidence, stamp: int) -> FloatArray:
     """Return the time since the last value of each row, s."""
     passed = (stamp - evidence.stamp) / NANOSECONDS
-    return np.where(
-        evidence.stamp > 0, np.maximum(passed, SHORTEST_INTERVAL), FIRST_INTERVAL
-    )
-
-
-def _correlation(evidence: ErrorEvidence, stamp: int) -> FloatArray:
-    return np.exp(-_interval(evidence, stamp)[..., None] / TIME_CONSTANT)
+    return np.where(evidence.stamp > 0, np.maximum(passed, SHORTEST_INTERVAL), FIRST_INTERVAL)

@@ -65,7 +65,9 @@ def mix_modes(
     joint = before[:, :, None] + _log_transition(elapsed[::MODES], interval, duration)
     after = np.logaddexp(joint[:, 0], joint[:, 1])
     # Share of what comes from the other mode in each.
-    other = np.stack([np.exp(joint[:, 1, 0] - after[:, 0]), np.exp(joint[:, 0, 1] - after[:, 1])], 1)
+    other = np.stack(
+        [np.exp(joint[:, 1, 0] - after[:, 0]), np.exp(joint[:, 0, 1] - after[:, 1])], 1
+    )
     size = bank.mean.shape[-1]
     mean = bank.mean.reshape(-1, MODES, size)
     covariance = bank.covariance.reshape(-1, MODES, size, size)

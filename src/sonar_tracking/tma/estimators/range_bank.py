@@ -24,6 +24,8 @@ from sonar_tracking.tma.estimators.bank_batch import (
     separate_banks,
 )
 from sonar_tracking.tma.estimators.error_models import (
+    VAGUE,
+    ErrorEvidence,
     learn_errors,
     variance_factor,
     without_common_doppler,
@@ -183,12 +185,15 @@ def _advance(
     rows_of_run = batch.rows
     before = _manoeuvring(batch.bank, rows_of_run)
     predicted = _predict(batch, configuration)
-    measured = _with_learnt_errors(batch) if configuration.learn_errors else batch.measurement
+    measured, errors = batch.measurement, batch.errors
+    if configuration.learn_errors:
+        factor = variance_factor(errors, measured.stamp)
+        measured = _with_learnt_errors(batch, factor)
     rows = rows_of(predicted, measured)
     variance = innovation_variance(predicted, rows)
     windows, changes = _watch(batch, predicted, rows, variance)
     if configuration.learn_errors:
-        batch = _learn(batch, predicted, rows, variance, changes)
+        errors = _learn(batch, factor, predicted, rows, variance, changes)
     if np.any(changes.reborn):
         predicted = seed_lines(predicted, measured, changes.reborn[rows_of_run.owner])
         rows = rows_of(predicted, measured)
@@ -203,7 +208,7 @@ def _advance(
     count = np.where(rows_of_run.any(accepted), 0, batch.refused + refused)
     count = np.where(begun, REFUSED_AZIMUTHS - REFUSED_AT_START, count)
     began = (before <= LIKELY) & (_manoeuvring(bank, rows_of_run) > LIKELY)
-    after = replace(batch, bank=bank, windows=windows, refused=count)
+    after = replace(batch, bank=bank, windows=windows, errors=errors, refused=count)
     return after, Changes(changes.reborn, began)
 
 
@@ -224,61 +229,43 @@ def _manoeuvring(bank: HypothesisBank, rows: RunRows) -> FloatArray:
     return rows.sums(weight)[:, 0]
 
 
-def _with_learnt_errors(batch: BankBatch) -> TmaMeasurement:
+def _with_learnt_errors(batch: BankBatch, factor: FloatArray) -> TmaMeasurement:
     """Return the measurement with the variances that its errors turned out to have."""
-    measured, owner = batch.measurement, batch.rows.owner
-    azimuth = variance_factor(batch.azimuth_errors, measured.stamp)[owner, 0]
-    lines = np.sqrt(variance_factor(batch.line_errors, measured.stamp))[owner]
+    measured, own = batch.measurement, factor[batch.rows.owner]
     return replace(
         measured,
-        azimuth_variance=measured.azimuth_variance * azimuth,
-        frequency_deviation=measured.frequency_deviation * lines,
+        azimuth_variance=measured.azimuth_variance * own[:, 0],
+        frequency_deviation=measured.frequency_deviation * np.sqrt(own[:, 1:]),
     )
 
 
 def _learn(
     batch: BankBatch,
+    factor: FloatArray,
     bank: HypothesisBank,
     rows: LinearisedRows,
     variance: FloatArray,
     changes: Changes,
-) -> BankBatch:
-    """Return the batch with what the innovations say of the errors."""
+) -> ErrorEvidence:
+    """Return what the innovations, averaged over the hypotheses, add on the errors."""
     told, owner, runs = batch.measurement, batch.rows.owner, batch.rows
+    watched = np.arange(rows.variance.shape[-1]) != ROW_ELEVATION
     weight = np.exp(bank.log_weight)
-    innovation, present = rows.innovation[:, 0], runs.any(rows.present[:, 0])
+    innovation = rows.innovation[:, 0, watched]
+    present = runs.any(rows.present[:, 0])[:, watched]
     mean = runs.sums(weight * innovation)
-    own = (variance - rows.variance)[:, 0] + (innovation - mean[owner]) ** 2
-    spread = runs.sums(weight * own)
-    first = runs.starts
-    azimuth = np.broadcast_to(told.azimuth_variance, owner.shape)[first][:, None]
-    azimuth = np.where(present[:, :1], azimuth, 1.0)
-    lines = np.broadcast_to(told.frequency_deviation, (len(owner), told.n_lines))[first] ** 2
-    lines = np.where(present[:, 2:], lines, 1.0)
-    mean[:, 2:], spread[:, 2:] = without_common_doppler(
-        mean[:, 2:],
-        spread[:, 2:],
-        np.broadcast_to(told.frequency, (len(owner), told.n_lines))[first],
-        lines,
-        present[:, 2:] & ~changes.reborn,
-    )
-    return replace(
-        batch,
-        azimuth_errors=learn_errors(
-            batch.azimuth_errors,
-            mean[:, :1] / np.sqrt(azimuth),
-            spread[:, :1] / azimuth,
-            present[:, :1],
-            told.stamp,
-        ),
-        line_errors=learn_errors(
-            batch.line_errors,
-            mean[:, 2:] / np.sqrt(lines),
-            spread[:, 2:] / lines,
-            present[:, 2:] & ~changes.reborn,
-            told.stamp,
-        ),
-    )
+    own = (variance - rows.variance)[:, 0, watched] + (innovation - mean[owner]) ** 2
+    own = runs.sums(weight * own)
+    variance_told = np.where(present, rows.variance[runs.starts, 0][:, watched] / factor, 1.0)
+    if told.n_lines:
+        frequency = np.broadcast_to(told.frequency, (len(owner), told.n_lines))[runs.starts]
+        present[:, 1:] &= ~changes.reborn
+        mean[:, 1:], own[:, 1:] = without_common_doppler(
+            mean[:, 1:], own[:, 1:], frequency, variance_told[:, 1:], present[:, 1:]
+        )
+    own /= variance_told
+    telling = present & (own < VAGUE * factor)
+    return learn_errors(batch.errors, mean / np.sqrt(variance_told), own, telling, told.stamp)
 
 
 def _watch(

@@ -30,14 +30,14 @@ class RangeBankConfiguration:
         0.2, "Process noise while the target manoeuvres", unit="m/s^2", minimum=0.0
     )
     manoeuvre_interval: float = parameter(
-        10_000.0,
+        20_000.0,
         "Mean time between manoeuvres of a target; 1e9 = it never does",
         unit="s",
         minimum=1.0,
         maximum=1e9,
     )
     manoeuvre_duration: float = parameter(
-        150.0, "Mean duration of a manoeuvre", unit="s", minimum=1.0, maximum=1e9
+        200.0, "Mean duration of a manoeuvre", unit="s", minimum=1.0, maximum=1e9
     )
     learn_errors: bool = parameter(
         True,

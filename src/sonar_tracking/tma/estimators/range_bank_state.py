@@ -8,12 +8,7 @@ import numpy as np
 
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 from sonar_tracking.tma.estimators.bank_restart import FULL, restart_bank
-from sonar_tracking.tma.estimators.error_models import (
-    AZIMUTH_PRIOR,
-    LINE_PRIOR,
-    ErrorEvidence,
-    no_evidence,
-)
+from sonar_tracking.tma.estimators.error_models import ErrorEvidence, no_evidence
 from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank, start_bank
 from sonar_tracking.tma.estimators.innovation_monitor import (
     Changes,
@@ -44,8 +39,8 @@ class RangeBankState:
         Posterior; two components, the modes of motion, a hypothesis.
     windows : InnovationWindows
         Of the monitor.
-    azimuth_errors, line_errors : ErrorEvidence
-        Of the azimuth, one row (of the station that measures), and of the lines.
+    errors : ErrorEvidence
+        On the errors of the azimuths of the station that measures, and of the lines.
     refused : ndarray of int64, shape (...)
         Azimuths in a row that no hypothesis accepted.
     """
@@ -53,8 +48,7 @@ class RangeBankState:
     stamp: int
     bank: HypothesisBank
     windows: InnovationWindows
-    azimuth_errors: ErrorEvidence
-    line_errors: ErrorEvidence
+    errors: ErrorEvidence
     refused: IntArray
 
     @property
@@ -79,8 +73,7 @@ def start_range_bank(
         measurement.stamp,
         bank,
         windows,
-        no_evidence(batch, 1, AZIMUTH_PRIOR),
-        no_evidence(batch, measurement.n_lines, LINE_PRIOR),
+        no_evidence(batch, measurement.n_lines),
         np.zeros(batch, dtype=np.int64),
     )
 
@@ -118,7 +111,6 @@ def restart_lost(
         state.stamp,
         restart_bank(state.bank, fresh.bank, lost, FULL),
         clear_windows(state.windows, everything),
-        state.azimuth_errors,
-        state.line_errors,
+        state.errors,
         np.where(lost, 0, state.refused),
     )

@@ -13,6 +13,9 @@ from sonar_tracking.tma.targets.target_records import TargetObservation, TargetS
 from sonar_tracking.tma.targets.target_solver import SIDE_PROBABILITY, TargetSolver
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
 
+DOUBTFUL = 2.0
+"""A deviation this many times that which confirms a solution ends its confirmation."""
+
 
 @dataclass(eq=False)
 class FollowedTarget:
@@ -86,7 +89,11 @@ class FollowedTarget:
         return TrackStatus.CONFIRMED if sure else TrackStatus.TENTATIVE
 
     def judge(self, configuration: TmaTrackerConfiguration) -> None:
-        """Decide whether the solution is good enough to be confirmed; it stays so."""
+        """Decide whether the solution is good enough to be confirmed, or not any more.
+
+        One that is confirmed stays so until its position is known to less than half as well as
+        a confirmation takes: the target turned, or its bearings proved to be worse than told.
+        """
         if not self.solutions:
             return
         best = self.best
@@ -96,7 +103,9 @@ class FollowedTarget:
         distance = np.hypot(*(best.mean[:2] - self.place))
         variance = float(np.linalg.eigvalsh(best.covariance[:2, :2])[-1])
         limit = configuration.confirm_relative_deviation * distance
-        self.confirmed |= bool(variance <= limit**2)
+        if self.confirmed:
+            limit *= DOUBTFUL
+        self.confirmed = bool(variance <= limit**2)
 
 
 def new_solver(configuration: TmaTrackerConfiguration) -> TargetSolver | BaselineSolver:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sonar_tracking.tma.estimators.error_models import ErrorEvidence, no_evidence
+from sonar_tracking.tma.estimators.error_models import with_lines
 from sonar_tracking.tma.estimators.innovation_monitor import InnovationWindows
 from sonar_tracking.tma.estimators.range_bank_state import RangeBankState
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
@@ -109,7 +109,6 @@ def with_columns(state: RangeBankState, count: int, freed: tuple[int, ...]) -> R
     known[: count - added] = bank.known
     lines = np.zeros((count, windows.lines.shape[1]))
     lines[: count - added] = windows.lines
-    errors = _more_evidence(state.line_errors, count, freed)
     for column in freed:
         mean[:, KINEMATIC + column] = 0.0
         covariance[:, KINEMATIC + column, :] = 0.0
@@ -120,14 +119,5 @@ def with_columns(state: RangeBankState, count: int, freed: tuple[int, ...]) -> R
         state,
         bank=replace(bank, mean=mean, covariance=covariance, known=known),
         windows=InnovationWindows(lines, windows.azimuth),
-        line_errors=errors,
+        errors=with_lines(state.errors, count, freed),
     )
-
-
-def _more_evidence(evidence: ErrorEvidence, count: int, freed: tuple[int, ...]) -> ErrorEvidence:
-    """Return the evidence with more columns, and without what the lines freed have said."""
-    known = [column for column in range(len(evidence.stamp)) if column not in freed]
-    more = no_evidence((), count, evidence.prior)
-    for name in ("log_likelihood", "lasting", "variance", "stamp"):
-        getattr(more, name)[known] = getattr(evidence, name)[known]
-    return more

@@ -17,9 +17,10 @@ from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.tma.estimators.bank_splitting import split_bank, without_unlikely
 from sonar_tracking.tma.estimators.error_models import (
-    AZIMUTH_PRIOR,
     ErrorEvidence,
+    azimuth_evidence,
     no_evidence,
+    with_azimuth_evidence,
 )
 from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank, mixture_moments
 from sonar_tracking.tma.estimators.motion_modes import MODES
@@ -174,12 +175,9 @@ class TargetSolver:
         progress.columns = plan.columns
         count = len(plan.columns.lines)
         if self._state is not None:
-            errors = progress.errors_of.get(observation.sensor_id) or no_evidence(
-                (), 1, AZIMUTH_PRIOR
-            )
-            self._state = replace(
-                with_columns(self._state, count, plan.freed), azimuth_errors=errors
-            )
+            state = with_columns(self._state, count, plan.freed)
+            own = progress.errors_of.get(observation.sensor_id) or no_evidence((), 0)
+            self._state = replace(state, errors=with_azimuth_evidence(state.errors, own))
             if plan.freed:
                 self._log.forget_lines(plan.freed)
         kind = (id(observation), plan.column_of, count)
@@ -247,7 +245,7 @@ class TargetSolver:
         self._log.append(measurement)
         self._progress.manoeuvre = bool(done.manoeuvre)
         self._progress.last_stamp_of[observation.sensor_id] = observation.stamp
-        self._progress.errors_of[observation.sensor_id] = done.state.azimuth_errors
+        self._progress.errors_of[observation.sensor_id] = azimuth_evidence(done.state.errors)
         self._decide_side(observation)
 
 
