@@ -169,8 +169,12 @@ def test_silence_is_no_refusal_and_an_accepted_azimuth_begins_the_count_anew() -
 
 def test_each_mode_has_its_own_process_noise() -> None:
     """Without an azimuth the estimate is the prediction alone."""
-    never = {"manoeuvre_interval": 1e9, "manoeuvre_duration": 1e9}
-    configuration = RangeBankConfiguration(acceleration=0.02, manoeuvre_acceleration=0.3, **never)
+    configuration = RangeBankConfiguration(
+        acceleration=0.02,
+        manoeuvre_acceleration=0.3,
+        manoeuvre_interval=1e9,
+        manoeuvre_duration=1e9,
+    )
     bank = RangeBank(configuration)
     bank.update(frame(0, 0.3))
     assert bank.state is not None

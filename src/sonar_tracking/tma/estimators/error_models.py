@@ -77,7 +77,7 @@ SHORTEST_INTERVAL = 0.01
 WILD = 9.0
 """A normalised innovation squared counts at most this much: a few outliers are no larger errors."""
 
-VAGUE = 2.0
+VAGUE = 3.0
 """Where the filter's own variance is larger than the error's by this, the innovation says little
 of the error."""
 

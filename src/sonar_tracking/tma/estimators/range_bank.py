@@ -192,19 +192,18 @@ def _advance(
     rows = rows_of(predicted, measured)
     variance = innovation_variance(predicted, rows)
     windows, changes = _watch(batch, predicted, rows, variance)
-    if configuration.learn_errors:
-        errors = _learn(batch, factor, predicted, rows, variance, changes)
     if np.any(changes.reborn):
         predicted = seed_lines(predicted, measured, changes.reborn[rows_of_run.owner])
         rows = rows_of(predicted, measured)
         variance = innovation_variance(predicted, rows)
-    offered = rows.present[:, 0, 0]
-    rows, penalty = gate_rows(rows, variance, configuration.gate)
-    accepted = rows.present[:, 0, 0]
-    refused = rows_of_run.all(offered & ~accepted)
-    bank = condition_bank(predicted, rows, penalty)
+    within, penalty = gate_rows(rows, variance, configuration.gate)
+    accepted = within.present[:, 0, 0]
+    refused = rows_of_run.all(rows.present[:, 0, 0] & ~accepted)
+    bank = condition_bank(predicted, within, penalty)
     total = rows_of_run.log_sums(bank.log_weight)
     bank = replace(bank, log_weight=bank.log_weight - total[rows_of_run.owner])
+    if configuration.learn_errors:
+        errors = _learn(batch, factor, np.exp(bank.log_weight), rows, variance, changes)
     count = np.where(rows_of_run.any(accepted), 0, batch.refused + refused)
     count = np.where(begun, REFUSED_AZIMUTHS - REFUSED_AT_START, count)
     began = (before <= LIKELY) & (_manoeuvring(bank, rows_of_run) > LIKELY)
@@ -242,15 +241,18 @@ def _with_learnt_errors(batch: BankBatch, factor: FloatArray) -> TmaMeasurement:
 def _learn(
     batch: BankBatch,
     factor: FloatArray,
-    bank: HypothesisBank,
+    weight: FloatArray,
     rows: LinearisedRows,
     variance: FloatArray,
     changes: Changes,
 ) -> ErrorEvidence:
-    """Return what the innovations, averaged over the hypotheses, add on the errors."""
+    """Return what the innovations add on the errors.
+
+    They are averaged over the hypotheses with the weights that these have afterwards: what one of
+    them explains is no error.
+    """
     told, owner, runs = batch.measurement, batch.rows.owner, batch.rows
     watched = np.arange(rows.variance.shape[-1]) != ROW_ELEVATION
-    weight = np.exp(bank.log_weight)
     innovation = rows.innovation[:, 0, watched]
     present = runs.any(rows.present[:, 0])[:, watched]
     mean = runs.sums(weight * innovation)

@@ -30,7 +30,7 @@ class RangeBankConfiguration:
         0.2, "Process noise while the target manoeuvres", unit="m/s^2", minimum=0.0
     )
     manoeuvre_interval: float = parameter(
-        20_000.0,
+        30_000.0,
         "Mean time between manoeuvres of a target; 1e9 = it never does",
         unit="s",
         minimum=1.0,
