@@ -35,8 +35,10 @@ CONFIGURATION = RangeBankConfiguration(
     maximum_speed=8.0,
     acceleration=0.03,
     manoeuvre_acceleration=0.1,
+    learn_errors=False,
 )
-"""A ship that keeps turning, seen from the sea floor."""
+"""A ship that keeps turning, seen from the sea floor; what lasts of the errors is added afterwards,
+since bearings of several arrays go into one filter."""
 
 SMOOTHER = DirectionSmootherConfiguration(maximum_speed=8.0, systematic_deviation_deg=0.7)
 """What does not average out is what the two arrays disagree by over a minute: 0.7 deg."""
