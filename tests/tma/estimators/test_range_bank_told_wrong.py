@@ -1,0 +1,97 @@
+"""Protects the default estimator where its errors are not as told, or the target turns."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sonar_tracking.evaluation.studies.tma_frequency_fusion.histories import (
+    TmaHistories,
+    history_of,
+)
+from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import scenario
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.simulation.sensors.tma_scene import TmaRuns, TmaScene, simulate_runs
+from sonar_tracking.tma.estimators.range_bank import RangeBank
+from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
+
+pytestmark = pytest.mark.slow
+
+
+def runs_of(scene: TmaScene, n_runs: int = 6) -> TmaRuns:
+    return simulate_runs(scene, np.random.SeedSequence(15).spawn(n_runs))
+
+
+def lasting(shape: tuple[int, ...], tau: float) -> FloatArray:
+    """Return errors of variance one, one a frame along the second axis, that last ``tau`` frames."""
+    phi = np.exp(-1.0 / tau)
+    errors = np.random.default_rng(77).standard_normal(shape)
+    for frame in range(1, shape[1]):
+        fresh = np.sqrt(1.0 - phi**2) * errors[:, frame]
+        errors[:, frame] = phi * errors[:, frame - 1] + fresh
+    return errors
+
+
+def settled_nees(histories: TmaHistories) -> float:
+    return float(np.mean(histories.nees[:, 200:]))
+
+
+def last_range_rmse(histories: TmaHistories) -> float:
+    return float(np.sqrt(np.mean(histories.error[:, -1, 0] ** 2)))
+
+
+def test_bearing_errors_that_last_are_no_turns() -> None:
+    scene = scenario("S3")
+    exact = runs_of(replace(scene, azimuth_deviation=0.0))
+    errors = scene.azimuth_deviation * lasting(exact.azimuth.shape, 10.0)
+    runs = replace(exact, scene=scene, azimuth=exact.azimuth + errors)
+    learnt = history_of(RangeBank(), runs)
+    believing = history_of(RangeBank(RangeBankConfiguration(learn_errors=False)), runs)
+    assert settled_nees(learnt) < 2.0 < settled_nees(believing)
+    assert last_range_rmse(learnt) < last_range_rmse(believing)
+    assert not np.any(learnt.manoeuvre)
+
+
+def test_bearings_twice_as_bad_as_told_cost_little() -> None:
+    runs = runs_of(scenario("S1"))
+    told = replace(runs, scene=replace(runs.scene, azimuth_deviation=0.5 * np.radians(0.5)))
+    learnt = history_of(RangeBank(), told)
+    assert settled_nees(learnt) < 1.5
+    assert last_range_rmse(learnt) < 1.3 * last_range_rmse(history_of(RangeBank(), runs))
+
+
+def test_lines_that_wander_are_no_turns() -> None:
+    runs = runs_of(replace(scenario("S1"), frequency_deviation=0.05))
+    shape = runs.frequency.shape
+    wander = np.stack([0.1 * lasting((shape[0] * 6, shape[1]), 10.0)[n::6] for n in range(6)], -1)
+    runs = replace(runs, frequency=runs.frequency + wander)
+    learnt = history_of(RangeBank(), runs)
+    believing = history_of(RangeBank(RangeBankConfiguration(learn_errors=False)), runs)
+    assert settled_nees(learnt) < 1.5
+    assert last_range_rmse(learnt) < last_range_rmse(believing)
+    assert 3 * np.count_nonzero(learnt.reborn) < np.count_nonzero(believing.reborn)
+
+
+@pytest.mark.parametrize("rate_deg", [1.0, 3.0])
+def test_a_turn_that_one_tonal_shows_is_found_with_own_ship_straight(rate_deg: float) -> None:
+    """By 90 degrees to starboard, after own ship's turns have told the range."""
+    scene = scenario("S1")
+    count, start = round(90.0 / rate_deg), 310
+    angle = -np.radians(rate_deg) * np.arange(count + 1)
+    velocity = 3.0 * np.stack([-np.cos(angle), -np.sin(angle)], axis=1)
+    commanded = np.zeros((400, 2))
+    steps = np.diff(velocity, axis=0)[: 399 - start]
+    commanded[start : start + len(steps)] = steps
+    one = np.ones((400, 1), dtype=bool)
+    turning = replace(
+        scene,
+        commanded=commanded,
+        line_frequency=np.array([210.0]),
+        heard=one,
+        frequency_deviation=0.1,
+    )
+    found = history_of(RangeBank(), runs_of(turning))
+    assert np.all(np.any(found.manoeuvre[:, start : start + 60], axis=1))
+    assert np.mean(found.nees > 20.0) < 0.02
