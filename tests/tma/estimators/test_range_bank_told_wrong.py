@@ -25,7 +25,7 @@ def runs_of(scene: TmaScene, n_runs: int = 6) -> TmaRuns:
 
 
 def lasting(shape: tuple[int, ...], tau: float) -> FloatArray:
-    """Return errors of variance one, one a frame along the second axis, that last ``tau`` frames."""
+    """Return errors of variance one along the second axis that last ``tau`` frames."""
     phi = np.exp(-1.0 / tau)
     errors = np.random.default_rng(77).standard_normal(shape)
     for frame in range(1, shape[1]):
