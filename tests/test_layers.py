@@ -76,6 +76,7 @@ ROOMS = (
     "evaluation.studies.room_array",
     "evaluation.studies.ship_bearings",
     "evaluation.studies.tma_frequency_fusion",
+    "evaluation.studies.mismatch_positions",
     "evaluation.studies",
     "evaluation.bench",
     "evaluation",

@@ -252,6 +252,17 @@ def score(
 
 
 @app.command()
+def smooth(
+    bag: Annotated[Path, typer.Argument(help="Bag with position tracks.")],
+    output: Annotated[Path | None, typer.Option(help="The new bag; default: beside it.")] = None,
+    acceleration: Annotated[float, typer.Option(help="Process noise of targets, m/s^2.")] = 0.01,
+) -> None:
+    """Add the tracks of target motion analysis in a bag, with hindsight, in a new bag."""
+    module = _needs("sonar_tracking.evaluation.offline.smoothed_bag")
+    print(module.smooth_bag(bag, output, acceleration))
+
+
+@app.command()
 def plot(
     bag: Annotated[Path, typer.Argument(help="Bag with tracks.")],
     output: Annotated[Path, typer.Option(help="Folder for the pictures.")] = Path(),

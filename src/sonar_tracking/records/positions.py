@@ -34,6 +34,8 @@ class TrackSource(IntEnum):
     TRUTH = 3
     STATIC = 4
     """Contacts of something that is fixed, rather than of a target that moves."""
+    SMOOTHED = 5
+    """As TMA, with what was measured later."""
 
 
 class TrackHypothesis(IntEnum):

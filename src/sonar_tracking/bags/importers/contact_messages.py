@@ -1,9 +1,9 @@
-"""Serialised pings, odometry and true positions made without ROS, for imported contacts."""
+"""Serialised pings, odometry and position tracks made without ROS."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,10 +11,17 @@ import numpy as np
 from sonar_tracking.bags.storage.message_definitions import installed_typestore
 from sonar_tracking.message_reading.contact_reading import CONTACT_REALS, DEVIATIONS
 from sonar_tracking.message_reading.position_reading import STATE_NAMES
+from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.contacts import Contacts
 from sonar_tracking.records.own_ship import OwnShipState
-from sonar_tracking.records.positions import COLUMNS, MAP_FRAME, TrackSource, TruthTracks
+from sonar_tracking.records.positions import (
+    COLUMNS,
+    MAP_FRAME,
+    PositionTracks,
+    TrackSource,
+    TruthTracks,
+)
 from sonar_tracking.records.time import NANOSECONDS
 
 CONTACTS_TYPE = "sonar_tracking_msgs/msg/Contacts"
@@ -62,23 +69,44 @@ def odometry_cdr(state: OwnShipState) -> bytes:
 
 def truth_tracks_cdr(truth: TruthTracks) -> bytes:
     """Return true positions as a serialised Tracks message of source TRUTH."""
-    types = installed_typestore(TRACKS_TYPE).types
     count = len(truth.id)
     state = np.concatenate([truth.position, truth.velocity], axis=1)
-    values: dict[str, Any] = {
-        "header": _header(types, truth.stamp, MAP_FRAME),
-        "next_stamp": _time(types, truth.next_stamp),
-        "contributor_sensor": [],
-    }
-    for name, column in COLUMNS.items():
-        if name != "state":
-            values[name] = np.zeros(0, column.dtype)
-    for index, name in enumerate(STATE_NAMES):
-        values[name] = np.ascontiguousarray(state[:, index])
+    values = {name: np.zeros(0, column.dtype) for name, column in COLUMNS.items()}
     values["id"] = truth.id
     values["status"] = np.full(count, TrackStatus.CONFIRMED, np.uint8)
     values["source"] = np.full(count, TrackSource.TRUTH, np.uint8)
     values["existence_probability"] = np.ones(count)
+    return _tracks_cdr(truth.stamp, truth.next_stamp, values, state)
+
+
+def position_tracks_cdr(tracks: PositionTracks) -> bytes:
+    """Return a serialised Tracks message; a column without a known value is left empty."""
+    values = {}
+    for name, column in COLUMNS.items():
+        own = np.ravel(getattr(tracks, name))
+        unknown = column.dtype == "float64" and not np.isfinite(own).any()
+        values[name] = own[:0] if unknown else own
+    sensors = list(tracks.contributor_sensor)
+    return _tracks_cdr(tracks.stamp, tracks.next_stamp, values, tracks.state, sensors)
+
+
+def _tracks_cdr(
+    stamp: int,
+    next_stamp: int,
+    columns: Mapping[str, Any],
+    state: FloatArray,
+    sensors: Sequence[str] = (),
+) -> bytes:
+    """Return a serialised Tracks message of columns as it carries them."""
+    types = installed_typestore(TRACKS_TYPE).types
+    values: dict[str, Any] = {
+        "header": _header(types, stamp, MAP_FRAME),
+        "next_stamp": _time(types, next_stamp),
+        "contributor_sensor": list(sensors),
+    }
+    values.update({n: np.ascontiguousarray(one) for n, one in columns.items() if n != "state"})
+    for index, name in enumerate(STATE_NAMES):
+        values[name] = np.ascontiguousarray(state[:, index])
     return _serialised(TRACKS_TYPE, values)
 
 

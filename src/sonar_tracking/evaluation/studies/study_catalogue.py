@@ -22,6 +22,7 @@ from sonar_tracking.evaluation.studies.maritime_contacts.study import (
     maritime_contacts,
 )
 from sonar_tracking.evaluation.studies.mismatch_contacts.study import MISMATCH_CONTACTS
+from sonar_tracking.evaluation.studies.mismatch_positions.study import MISMATCH_POSITIONS
 from sonar_tracking.evaluation.studies.multi_target_clutter.study import MULTI_TARGET_CLUTTER
 from sonar_tracking.evaluation.studies.room_array.study import ROOM_ARRAY, room_array
 from sonar_tracking.evaluation.studies.ship_bearings.study import SHIP_BEARINGS, ship_bearings
@@ -40,6 +41,7 @@ STUDIES = {
         DETECTION_THRESHOLD,
         MULTI_TARGET_CLUTTER,
         MISMATCH_CONTACTS,
+        MISMATCH_POSITIONS,
     )
 }
 """Studies by the name typed on the command line, in the order of ``all``."""

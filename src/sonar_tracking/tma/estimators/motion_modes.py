@@ -5,6 +5,11 @@ other what may have changed into it meanwhile (Markov chain in continuous time, 
 frames are no matter). Nothing need be decided: while the data do not tell a turn from a straight
 path the estimate's covariance holds both, and a turn that is none costs next to nothing.
 
+A vessel that manoeuvres changes its course rather than its speed: with velocity v, turn rate w and
+J the rotation by 90 degrees its acceleration is w J v. Where v is known only by its distribution,
+E[a a^T] is in proportion to J E[v v^T] J^T: across the course where that is known, the same in all
+directions where it is not.
+
 The two modes of a hypothesis are neighbours in the bank: straight, then manoeuvring.
 
 References
@@ -21,6 +26,7 @@ import numpy as np
 
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank
+from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
 
 MODES = 2
 """Of motion: straight, manoeuvring."""
@@ -84,6 +90,42 @@ def mix_modes(
         covariance=mixed.reshape(bank.covariance.shape),
         log_weight=after.reshape(bank.log_weight.shape),
     )
+
+
+def add_turns(bank: HypothesisBank, elapsed: FloatArray, acceleration: float) -> HypothesisBank:
+    """Return the bank with the noise of turns added to its manoeuvring components.
+
+    Parameters
+    ----------
+    bank : HypothesisBank
+        Predicted as if all went straight; every component a batch entry of its own.
+    elapsed : ndarray, shape (n_components,)
+        Length of the prediction, s.
+    acceleration : float
+        Standard deviation of an acceleration that lasts for 1 s, root mean square of the two
+        axes, m/s^2.
+    """
+    turning = slice(MANOEUVRING, None, MODES)
+    mean, covariance = bank.mean.copy(), bank.covariance.copy()
+    velocity = mean[turning, 0, 2:KINEMATIC].copy()
+    own = covariance[turning, 0]
+    second = velocity[:, :, None] * velocity[:, None, :] + own[:, 2:KINEMATIC, 2:KINEMATIC]
+    size = np.trace(second, axis1=1, axis2=2)[:, None, None]
+    step = elapsed[turning, None, None]
+    diffusion = 2.0 * acceleration**2 / size
+    across = second[:, ::-1, ::-1] * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    kept = np.exp(-0.5 * diffusion * step)
+    after = 0.5 * size * np.eye(2) + kept**4 * (second - 0.5 * size * np.eye(2))
+    mean[turning, 0, 2:KINEMATIC] = kept[:, 0] * velocity
+    own[:, 2:KINEMATIC, :] *= kept
+    own[:, :, 2:KINEMATIC] *= kept
+    mean_after = kept[:, 0] * velocity
+    own[:, 2:KINEMATIC, 2:KINEMATIC] = after - mean_after[:, :, None] * mean_after[:, None, :]
+    density = diffusion * across
+    own[:, :2, :2] += density * step**3 / 3.0
+    own[:, :2, 2:KINEMATIC] += density * step**2 / 2.0
+    own[:, 2:KINEMATIC, :2] += density * step**2 / 2.0
+    return replace(bank, mean=mean, covariance=covariance)
 
 
 def _log_transition(elapsed: FloatArray, interval: float, duration: float) -> FloatArray:

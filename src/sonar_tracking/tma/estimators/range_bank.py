@@ -44,7 +44,7 @@ from sonar_tracking.tma.estimators.innovation_monitor import (
     judge,
 )
 from sonar_tracking.tma.estimators.measurement_model import LinearisedRows
-from sonar_tracking.tma.estimators.motion_modes import MODES, STRAIGHT, mix_modes
+from sonar_tracking.tma.estimators.motion_modes import MODES, STRAIGHT, add_turns, mix_modes
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.range_bank_state import (
     REFUSED_AT_START,
@@ -215,9 +215,8 @@ def _predict(batch: BankBatch, configuration: RangeBankConfiguration) -> Hypothe
     measured, elapsed = batch.measurement, batch.interval[batch.rows.owner]
     interval, duration = configuration.manoeuvre_interval, configuration.manoeuvre_duration
     mixed = mix_modes(batch.bank, elapsed, interval, duration)
-    accelerations = [configuration.acceleration, configuration.manoeuvre_acceleration]
-    acceleration = np.tile(accelerations, len(elapsed) // MODES)
-    predicted = predict_bank(mixed, elapsed, acceleration)
+    predicted = predict_bank(mixed, elapsed, np.asarray(configuration.acceleration))
+    predicted = add_turns(predicted, elapsed, configuration.manoeuvre_acceleration)
     return seed_lines(predicted, measured, measured.heard & ~predicted.known)
 
 

@@ -1,0 +1,1 @@
+"""Study mismatch-positions: the default position tracker in scenes it was not tuned for."""

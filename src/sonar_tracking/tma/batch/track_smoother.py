@@ -1,0 +1,160 @@
+"""Position tracks as they would have been, had their later measurements been known.
+
+Fixed-interval smoothing (Rauch, Tung and Striebel 1965) of the rows of a recorded track list: it
+needs what a filter said after each measurement and how the target may have moved in between, not
+the measurements. The rows of a bank of filters are the moments of a mixture; they are smoothed as
+if they were those of one filter.
+
+Where a filter has allowed for more motion than the process noise given, because the target turned,
+its covariance says so: it is larger than it could be after a prediction with that noise. As much is
+allowed for here.
+
+References
+----------
+Rauch, Tung and Striebel, "Maximum likelihood estimates of linear dynamic systems", AIAA J. 3(8),
+1965.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.records.arrays import BoolArray, FloatArray
+from sonar_tracking.records.positions import PositionTracks, TrackSource
+from sonar_tracking.records.time import seconds
+from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
+
+
+@dataclass(frozen=True)
+class TrackPath:
+    """States of one track in order of time.
+
+    Attributes
+    ----------
+    times : ndarray, shape (n,)
+        s, increasing.
+    mean : ndarray, shape (n, 4)
+        x, y, vx, vy, m and m/s.
+    covariance : ndarray, shape (n, 4, 4)
+        m^2, m^2/s, m^2/s^2.
+    """
+
+    times: FloatArray
+    mean: FloatArray
+    covariance: FloatArray
+
+
+def smooth_tracks(
+    pictures: Sequence[PositionTracks], acceleration: float
+) -> tuple[PositionTracks, ...]:
+    """Return the tracks of target motion analysis in all pictures, smoothed.
+
+    Parameters
+    ----------
+    pictures : sequence of PositionTracks
+        All of a recording, of one tracker, in order.
+    acceleration : float
+        Process noise of a target that moves straight: standard deviation of an acceleration that
+        lasts for 1 s, m/s^2.
+
+    Returns
+    -------
+    tuple of PositionTracks
+        Of each picture, of source SMOOTHED; rows without a known covariance are left out.
+
+    Raises
+    ------
+    ConfigurationError
+        If the noise is not positive.
+    """
+    if not acceleration > 0.0:
+        raise ConfigurationError(
+            f"acceleration is {acceleration:g} m/s^2; give a positive process noise."
+        )
+    kept = [picture.selected(_usable(picture)) for picture in pictures]
+    places: dict[int, list[tuple[int, int]]] = {}
+    for number, picture in enumerate(kept):
+        for row, identifier in enumerate(picture.id.tolist()):
+            places.setdefault(identifier, []).append((number, row))
+    states = [picture.state.copy() for picture in kept]
+    covariances = [picture.covariance.copy() for picture in kept]
+    for own in places.values():
+        path = TrackPath(
+            np.array([seconds(kept[number].stamp - kept[own[0][0]].stamp) for number, _ in own]),
+            np.array([kept[number].state[row] for number, row in own]),
+            np.array([kept[number].covariance[row] for number, row in own]),
+        )
+        smoothed = smooth_path(path, acceleration)
+        for index, (number, row) in enumerate(own):
+            states[number][row] = smoothed.mean[index]
+            covariances[number][row] = smoothed.covariance[index]
+    return tuple(
+        replace(
+            picture,
+            state=states[number],
+            covariance=covariances[number],
+            source=np.full(len(picture), TrackSource.SMOOTHED, np.uint8),
+        )
+        for number, picture in enumerate(kept)
+    )
+
+
+def smooth_path(path: TrackPath, acceleration: float) -> TrackPath:
+    """Return the smoothed states of one track.
+
+    Parameters
+    ----------
+    path : TrackPath
+        As the filter gave them.
+    acceleration : float
+        Process noise, m/s^2.
+    """
+    mean, covariance = path.mean.copy(), path.covariance.copy()
+    for index in range(len(path.times) - 2, -1, -1):
+        interval = float(path.times[index + 1] - path.times[index])
+        transition = np.eye(KINEMATIC)
+        transition[0, 2] = transition[1, 3] = interval
+        ahead = transition @ path.covariance[index] @ transition.T
+        ahead += process_noise(ahead, path.covariance[index + 1], interval, acceleration)
+        crossed = transition @ path.covariance[index]
+        gain = np.linalg.solve(ahead, crossed).T
+        mean[index] += gain @ (mean[index + 1] - transition @ path.mean[index])
+        change = gain @ (covariance[index + 1] - ahead) @ gain.T
+        covariance[index] += 0.5 * (change + change.T)
+    return TrackPath(path.times, mean, covariance)
+
+
+def process_noise(
+    moved: FloatArray, after: FloatArray, interval: float, acceleration: float
+) -> FloatArray:
+    """Return the noise of an interval: that given, or as much as the filter allowed for.
+
+    Parameters
+    ----------
+    moved, after : ndarray, shape (4, 4)
+        Covariance after the interval without noise, and what the filter said there, m^2, m^2/s,
+        m^2/s^2. A measurement can only have made that smaller.
+    interval : float
+        s.
+    acceleration : float
+        m/s^2.
+
+    Returns
+    -------
+    ndarray, shape (4, 4)
+        In the same units.
+    """
+    velocity = slice(2, KINEMATIC)
+    grown = float(np.linalg.eigvalsh(after[velocity, velocity] - moved[velocity, velocity])[-1])
+    density = max(acceleration**2, grown / interval)
+    along = np.array([[interval**3 / 3.0, interval**2 / 2.0], [interval**2 / 2.0, interval]])
+    return np.asarray(density * np.kron(along, np.eye(2)))
+
+
+def _usable(picture: PositionTracks) -> BoolArray:
+    known = np.isfinite(picture.state).all(axis=1) & np.isfinite(picture.covariance).all((1, 2))
+    return np.asarray(known & (picture.source == TrackSource.TMA))
