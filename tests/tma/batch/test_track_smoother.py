@@ -95,7 +95,9 @@ def test_positions_of_the_range_bank_are_known_earlier_with_hindsight() -> None:
     runs = simulate_runs(scenario("S1"), np.random.SeedSequence(15).spawn(8))
     bank = RangeBank()
     estimates = [bank.update(measurement) for measurement in runs.frames()]
-    before, after, nees = [], [], []
+    before: list[float] = []
+    after: list[float] = []
+    nees = []
     for run in range(8):
         path = TrackPath(
             runs.scene.times,

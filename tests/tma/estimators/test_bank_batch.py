@@ -35,7 +35,8 @@ def test_runs_of_any_shape_are_joined_and_given_back() -> None:
         nothing = np.zeros(shape, np.int64)
         errors = no_evidence(shape, 2)
         errors = ErrorEvidence(errors.table + len(shape), errors.stamp + 7)
-        states.append(RangeBankState(0, bank, empty_windows(shape, 2), errors, nothing))
+        windows, since = empty_windows(shape, 2), np.full(shape, 0.5 + len(shape))
+        states.append(RangeBankState(0, bank, windows, errors, nothing, since))
         measurements.append(
             TmaMeasurement(
                 stamp=3 * 10**9,

@@ -14,9 +14,9 @@ import pytest
 
 from sonar_tracking.errors import InputError
 from sonar_tracking.tma.estimators.sensor_frame import TmaEstimate, TmaMeasurement
+from sonar_tracking.tma.targets.array_sides import LEFT, RIGHT, SINGLE
 from sonar_tracking.tma.targets.baseline_solver import BaselineSolver
 from sonar_tracking.tma.targets.target_records import TargetObservation
-from sonar_tracking.tma.targets.target_solver import LEFT, RIGHT, SINGLE
 
 SECOND = 1_000_000_000
 SEEN = TargetObservation(

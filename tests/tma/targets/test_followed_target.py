@@ -10,10 +10,11 @@ import pytest
 
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import TrackHypothesis, TrackSource
+from sonar_tracking.tma.targets.array_sides import LEFT, RIGHT, SINGLE
 from sonar_tracking.tma.targets.baseline_solver import BaselineSolver
 from sonar_tracking.tma.targets.followed_target import FollowedTarget, new_solver
 from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
-from sonar_tracking.tma.targets.target_solver import LEFT, RIGHT, SINGLE, TargetSolver
+from sonar_tracking.tma.targets.target_solver import TargetSolver
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
 from sonar_tracking.tma.targets.track_rows import track_list, track_row
 

@@ -105,7 +105,7 @@ def test_a_station_that_sees_both_targets_of_a_trial_tells_them_apart() -> None:
     (outcome,) = observe_together([(new, another(1))], pairing)
     assert isinstance(outcome, tuple)
     observe_together([(old, replace(AHEAD, stamp=2 * 10**9)), (new, another(2))], pairing)
-    assert pairing.decide() == ()
+    assert pairing.decide(10**9) == ()
 
 
 @pytest.mark.parametrize("method", ["fused_line", "stacked_lines"])

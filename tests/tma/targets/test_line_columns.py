@@ -47,7 +47,7 @@ def state(n_lines: int = 2) -> RangeBankState:
     windows = InnovationWindows(generator.normal(size=(n_lines, 20)), generator.normal(size=20))
     errors = no_evidence((), n_lines)
     errors = ErrorEvidence(generator.normal(size=errors.table.shape), errors.stamp + 9)
-    return RangeBankState(1, bank, windows, errors, np.array(0))
+    return RangeBankState(1, bank, windows, errors, np.array(0), np.array(0.0))
 
 
 def test_new_columns_are_empty_and_old_ones_stay() -> None:

@@ -13,6 +13,7 @@ from sonar_tracking.tma.targets.target_solver import TargetSolver, log_likelihoo
 
 PLACES = {"bow": np.array([0.0, 0.0]), "stern": np.array([3000.0, 0.0])}
 SHIPS = (np.array([1500.0, 3000.0]), np.array([3500.0, 4000.0]))
+NOW = 10**9
 DEVIATION = np.radians(0.5)
 HEIGHT = 500.0
 """Of the ships above the stations: the first one measures elevations, and knows where they are."""
@@ -62,14 +63,14 @@ def born(sensor: str = "stern") -> FollowedTarget:
 def test_bearings_of_the_same_ship_make_a_pair_and_a_solution_at_the_crossing() -> None:
     pairing, old, new = StationPairing(10.0), followed("bow", 0), born()
     pairing.begin(new, [old])
-    assert pairing.decide() == ()
+    assert pairing.decide(NOW) == ()
     watch(pairing, new, "stern", 0, range(5, 25))
-    (pair,) = pairing.decide()
+    (pair,) = pairing.decide(NOW)
     assert (pair.first, pair.second) == (old, new)
     (solution,) = pair.solver.solutions()
     assert np.hypot(*(solution.mean[:2] - SHIPS[0])) < 150.0
     pairing.join(pair)
-    assert pairing.decide() == (), "a pair that was made is not made again"
+    assert pairing.decide(NOW) == (), "a pair that was made is not made again"
 
 
 def test_bearings_of_another_ship_give_the_trial_up() -> None:
@@ -81,9 +82,9 @@ def test_bearings_of_another_ship_give_the_trial_up() -> None:
             number * 10**9, "stern", (3000.0, 0.0), (0.0, 0.0), (-1.5,), float(DEVIATION**2)
         )
         take_in(pairing, new, seen)
-    assert pairing.decide() == ()
+    assert pairing.decide(NOW) == ()
     watch(pairing, new, "stern", 0, range(12, 40))
-    assert pairing.decide() == (), "given up for good"
+    assert pairing.decide(NOW) == (), "given up for good"
 
 
 def test_of_two_rivals_the_better_one_must_lead_by_the_odds() -> None:
@@ -91,9 +92,9 @@ def test_of_two_rivals_the_better_one_must_lead_by_the_odds() -> None:
     olds = [followed("bow", 0), followed("bow", 0)]
     pairing.begin(new, olds)
     watch(pairing, new, "stern", 0, range(5, 25))
-    assert pairing.decide() == (), "both fit equally well"
+    assert pairing.decide(NOW) == (), "both fit equally well"
     pairing.end(olds[1])
-    (pair,) = pairing.decide()
+    (pair,) = pairing.decide(NOW)
     assert pair.first is olds[0]
 
 
@@ -104,7 +105,7 @@ def test_targets_that_share_a_station_are_never_tried() -> None:
     pairing.begin(silent, [born("bow")])  # nothing is known of it yet
     watch(pairing, new, "bow", 0, range(5, 25))
     watch(pairing, silent, "stern", 0, range(25, 45))
-    assert pairing.decide() == ()
+    assert pairing.decide(NOW) == ()
 
 
 @pytest.mark.parametrize("odds", [10.0, 1e4])
@@ -129,7 +130,7 @@ def test_evidence_is_the_ratio_of_densities_with_a_hundredth_of_wild_bearings(od
         evidence += density(together, seen) - own
         together.update(seen)
         take_in(pairing, new, seen)
-        decided = bool(pairing.decide())
+        decided = bool(pairing.decide(NOW))
         assert decided == (evidence >= np.log(odds))
         if decided:
             break

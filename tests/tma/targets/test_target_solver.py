@@ -13,11 +13,9 @@ from sonar_tracking.evaluation.studies.tma_frequency_fusion.observability_rows i
 )
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import scene_of_legs
 from sonar_tracking.simulation.sensors.tma_scene import TmaRuns, TmaScene, simulate_runs
+from sonar_tracking.tma.targets.array_sides import LEFT, RIGHT, SINGLE
 from sonar_tracking.tma.targets.target_records import MAXIMUM_LINES, TargetObservation
 from sonar_tracking.tma.targets.target_solver import (
-    LEFT,
-    RIGHT,
-    SINGLE,
     TargetSolver,
     log_likelihoods,
 )

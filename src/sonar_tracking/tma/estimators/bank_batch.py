@@ -108,6 +108,8 @@ class BankBatch:
         Of each run.
     refused : ndarray of int64, shape (n_runs,)
         As in :class:`RangeBankState`.
+    contradicted : ndarray, shape (n_runs,)
+        As in :class:`RangeBankState`.
     measurement : TmaMeasurement
         Of each hypothesis, or what is the same for all.
     """
@@ -118,6 +120,7 @@ class BankBatch:
     interval: FloatArray
     errors: ErrorEvidence
     refused: IntArray
+    contradicted: FloatArray
     measurement: TmaMeasurement
 
 
@@ -161,6 +164,7 @@ def join_banks(
             _joined([one.errors.stamp for one in states], n_runs, (1 + n_lines,)),
         ),
         refused=_joined([one.refused for one in states], n_runs, ()),
+        contradicted=_joined([one.contradicted for one in states], n_runs, ()),
         measurement=_measurement_of_rows(measurements, banks, n_runs, rows),
     )
 
@@ -213,7 +217,8 @@ def separate_banks(
             batch.errors.stamp[runs].reshape(state.errors.stamp.shape),
         )
         refused = batch.refused[runs].reshape(shape[:-1])
-        parts.append(RangeBankState(stamp, bank, windows, errors, refused))
+        contradicted = batch.contradicted[runs].reshape(shape[:-1])
+        parts.append(RangeBankState(stamp, bank, windows, errors, refused, contradicted))
     return parts
 
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sonar_tracking.records.arrays import BoolArray, FloatArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 from sonar_tracking.tma.estimators.bank_batch import (
     BankBatch,
     RunRows,
@@ -33,7 +33,6 @@ from sonar_tracking.tma.estimators.error_models import (
 from sonar_tracking.tma.estimators.hypothesis_bank import (
     HypothesisBank,
     condition_bank,
-    predict_bank,
     seed_lines,
 )
 from sonar_tracking.tma.estimators.innovation_monitor import (
@@ -44,9 +43,11 @@ from sonar_tracking.tma.estimators.innovation_monitor import (
     judge,
 )
 from sonar_tracking.tma.estimators.measurement_model import LinearisedRows
-from sonar_tracking.tma.estimators.motion_modes import MODES, STRAIGHT, add_turns, mix_modes
+from sonar_tracking.tma.estimators.motion_modes import MODES, STRAIGHT, mix_modes, predict_modes
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.range_bank_state import (
+    ELEVATION_INTERVAL,
+    MOST_A_TIME,
     REFUSED_AT_START,
     REFUSED_AZIMUTHS,
     RangeBankState,
@@ -197,26 +198,46 @@ def _advance(
         rows = rows_of(predicted, measured)
         variance = innovation_variance(predicted, rows)
     within, penalty = gate_rows(rows, variance, configuration.gate)
-    accepted = within.present[:, 0, 0]
-    refused = rows_of_run.all(rows.present[:, 0, 0] & ~accepted)
     bank = condition_bank(predicted, within, penalty)
     total = rows_of_run.log_sums(bank.log_weight)
     bank = replace(bank, log_weight=bank.log_weight - total[rows_of_run.owner])
     if configuration.learn_errors:
         errors = _learn(batch, factor, np.exp(bank.log_weight), rows, variance, changes)
-    count = np.where(rows_of_run.any(accepted), 0, batch.refused + refused)
-    count = np.where(begun, REFUSED_AZIMUTHS - REFUSED_AT_START, count)
     began = (before <= LIKELY) & (_manoeuvring(bank, rows_of_run) > LIKELY)
-    after = replace(batch, bank=bank, windows=windows, errors=errors, refused=count)
+    refused, contradicted = _count_refused(batch, rows, within, begun)
+    after = replace(
+        batch,
+        bank=bank,
+        windows=windows,
+        errors=errors,
+        refused=refused,
+        contradicted=contradicted,
+    )
     return after, Changes(changes.reborn, began)
+
+
+def _count_refused(
+    batch: BankBatch, rows: LinearisedRows, within: LinearisedRows, begun: BoolArray
+) -> tuple[IntArray, FloatArray]:
+    """Return how many azimuths and elevations in a row no hypothesis of a run has accepted."""
+    directions = slice(ROW_ELEVATION + 1)
+    accepted = within.present[:, 0, directions]
+    refused = batch.rows.all(rows.present[:, 0, directions] & ~accepted)
+    accepted = batch.rows.any(accepted)
+    count = np.where(accepted[:, 0], 0, batch.refused + refused[:, 0])
+    count = np.where(begun, REFUSED_AZIMUTHS - REFUSED_AT_START, count)
+    worth = np.clip(batch.interval / ELEVATION_INTERVAL, 1.0, MOST_A_TIME)
+    contradicted = batch.contradicted + worth * refused[:, ROW_ELEVATION]
+    return count, np.where(accepted[:, ROW_ELEVATION], 0.0, contradicted)
 
 
 def _predict(batch: BankBatch, configuration: RangeBankConfiguration) -> HypothesisBank:
     measured, elapsed = batch.measurement, batch.interval[batch.rows.owner]
     interval, duration = configuration.manoeuvre_interval, configuration.manoeuvre_duration
     mixed = mix_modes(batch.bank, elapsed, interval, duration)
-    predicted = predict_bank(mixed, elapsed, np.asarray(configuration.acceleration))
-    predicted = add_turns(predicted, elapsed, configuration.manoeuvre_acceleration)
+    predicted = predict_modes(
+        mixed, elapsed, configuration.acceleration, configuration.manoeuvre_acceleration
+    )
     return seed_lines(predicted, measured, measured.heard & ~predicted.known)
 
 

@@ -23,6 +23,11 @@ from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 REFUSED_AZIMUTHS = 5
 """So many azimuths in a row outside every gate: the filter is elsewhere than the target."""
 
+REFUSED_ELEVATIONS = 5.0
+ELEVATION_INTERVAL, MOST_A_TIME = 4.0, 3.0
+"""The same of elevations, where one that comes after a long time, s, counts as several: what they
+contradict is to be found within a minute."""
+
 REFUSED_AT_START = 3
 """So many suffice right after the first azimuth: later a near hypothesis could have moved there."""
 
@@ -43,6 +48,8 @@ class RangeBankState:
         On the errors of the azimuths of the station that measures, and of the lines.
     refused : ndarray of int64, shape (...)
         Azimuths in a row that no hypothesis accepted.
+    contradicted : ndarray, shape (...)
+        The same of elevations, rare ones counted as several.
     """
 
     stamp: int
@@ -50,6 +57,7 @@ class RangeBankState:
     windows: InnovationWindows
     errors: ErrorEvidence
     refused: IntArray
+    contradicted: FloatArray
 
     @property
     def manoeuvring(self) -> FloatArray:
@@ -75,12 +83,14 @@ def start_range_bank(
         windows,
         no_evidence(batch, measurement.n_lines),
         np.zeros(batch, dtype=np.int64),
+        np.zeros(batch),
     )
 
 
 def is_lost(state: RangeBankState, measurement: TmaMeasurement) -> BoolArray:
-    """Return where to start anew, shape (...): no hypothesis has accepted the last azimuths."""
+    """Return where to start anew, shape (...): no hypothesis has accepted the last directions."""
     refused = np.asarray(state.refused >= REFUSED_AZIMUTHS)
+    refused |= state.contradicted >= REFUSED_ELEVATIONS
     return refused & np.isfinite(measurement.azimuth[..., 0]) if refused.any() else refused
 
 
@@ -113,4 +123,5 @@ def restart_lost(
         clear_windows(state.windows, everything),
         state.errors,
         np.where(lost, 0, state.refused),
+        np.where(lost, 0.0, state.contradicted),
     )

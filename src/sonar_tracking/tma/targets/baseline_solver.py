@@ -14,6 +14,7 @@ import numpy as np
 from sonar_tracking.errors import InputError, shown
 from sonar_tracking.tma.estimators.estimator import Estimator
 from sonar_tracking.tma.estimators.sensor_frame import TmaEstimate, TmaMeasurement
+from sonar_tracking.tma.targets.array_sides import LEFT, RIGHT, SINGLE
 from sonar_tracking.tma.targets.measurement_log import MeasurementLog
 from sonar_tracking.tma.targets.observability import OBSERVABLE
 from sonar_tracking.tma.targets.target_records import (
@@ -22,7 +23,6 @@ from sonar_tracking.tma.targets.target_records import (
     TargetSolution,
     check_observation,
 )
-from sonar_tracking.tma.targets.target_solver import LEFT, RIGHT, SINGLE
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
 
 
@@ -34,6 +34,9 @@ class BaselineSolver:
     configuration : TmaTrackerConfiguration
         With one of the methods for comparison.
     """
+
+    refused = 0
+    """Methods for comparison take whatever comes."""
 
     def __init__(self, configuration: TmaTrackerConfiguration) -> None:
         self._configuration = configuration

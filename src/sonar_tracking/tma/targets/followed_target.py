@@ -8,13 +8,18 @@ import numpy as np
 
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.time import NANOSECONDS
+from sonar_tracking.tma.estimators.range_bank_state import REFUSED_AZIMUTHS
+from sonar_tracking.tma.targets.array_sides import SIDE_PROBABILITY
 from sonar_tracking.tma.targets.baseline_solver import BaselineSolver
 from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
-from sonar_tracking.tma.targets.target_solver import SIDE_PROBABILITY, TargetSolver
+from sonar_tracking.tma.targets.target_solver import TargetSolver
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
 
 DOUBTFUL = 2.0
 """A deviation this many times that which confirms a solution ends its confirmation."""
+
+SILENCE = 60.0
+"""A confirmed target whose bearing tracks went on to something else is predicted so long, s."""
 
 
 @dataclass(eq=False)
@@ -43,6 +48,8 @@ class FollowedTarget:
         Where the station was that observed it last, m.
     misfits : dict of str to int
         Azimuths in a row of each station that no hypothesis explains.
+    forsaken : bool
+        Its bearing tracks went on to something else.
     """
 
     solver: TargetSolver | BaselineSolver
@@ -56,6 +63,7 @@ class FollowedTarget:
     confirmed: bool = False
     place: tuple[float, float] = (0.0, 0.0)
     misfits: dict[str, int] = field(default_factory=dict)
+    forsaken: bool = False
 
     @property
     def best(self) -> TargetSolution:
@@ -70,13 +78,33 @@ class FollowedTarget:
     def conclude(
         self, observation: TargetObservation, solutions: tuple[TargetSolution, ...]
     ) -> tuple[TargetSolution, ...]:
-        """Return the solutions that stand after an observation, from those of the solver."""
+        """Return the solutions that stand after an observation, from those of the solver.
+
+        An azimuth that no hypothesis accepts is no measurement of this target.
+        """
         if not solutions:
             return self.solutions
-        self.updated = observation.stamp
+        if observation.line_ids or not self.solver.refused:
+            self.updated = observation.stamp
         if observation.azimuths:
             self.place = observation.position
         return solutions
+
+    @property
+    def misled(self) -> bool:
+        """Whether a confirmed target's bearings are all of something else by now."""
+        return self.confirmed and self.solver.refused >= REFUSED_AZIMUTHS
+
+    def forsake(self) -> None:
+        """Go on without bearing tracks: predicted, for as long as the source may be silent."""
+        self.members, self.misfits, self.forsaken = {}, {}, True
+        if isinstance(self.solver, TargetSolver):
+            self.solver.forgive()
+
+    def patience(self, configuration: TmaTrackerConfiguration) -> float:
+        """Return how long it outlives its bearing tracks, s."""
+        least = SILENCE if self.forsaken else 0.0
+        return max(configuration.coast_duration, least)
 
     def status(
         self, solution: TargetSolution, stamp: int, configuration: TmaTrackerConfiguration

@@ -14,10 +14,11 @@ import numpy as np
 
 from sonar_tracking.errors import InputError, Notice, shown
 from sonar_tracking.motion import KinematicState, lever_arm, swing_velocity, wrap_angle
-from sonar_tracking.records.bearings import AngleKind, Sensor
+from sonar_tracking.records.bearings import AngleKind, BearingTracks, Sensor, TrackStatus
 from sonar_tracking.records.own_ship import OWN_SHIP_FRAMES
 from sonar_tracking.records.positions import MAP_FRAME
 from sonar_tracking.sensor_pose import PlanePose, is_unset, judge_pose, mounted_pose, yaw_of
+from sonar_tracking.tma.targets.line_attribution import VAGUEST, TrackAngle
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
 
 FARTHEST = 1e8
@@ -186,3 +187,15 @@ def station_view(
         axis=axis,
         turn_rate=turn_rate,
     )
+
+
+def track_angles(bearings: BearingTracks, view: StationView) -> dict[int, TrackAngle]:
+    """Return where the bearing tracks of a station are, from broadside."""
+    angles = {}
+    for row in np.flatnonzero(bearings.status != TrackStatus.TERMINATED):
+        angle = float(bearings.arrival_angle[row])
+        variance = float(bearings.covariance[row, 0, 0])
+        if abs(angle) <= 2.0 * np.pi and 0.0 <= variance < VAGUEST:
+            cone = view.from_broadside(angle, bearings.angle_kind)
+            angles[int(bearings.id[row])] = TrackAngle(cone, variance)
+    return angles

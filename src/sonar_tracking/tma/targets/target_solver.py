@@ -14,7 +14,6 @@ import numpy as np
 
 from sonar_tracking.errors import InputError, shown
 from sonar_tracking.motion import wrap_angle
-from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.tma.estimators.bank_splitting import split_bank, without_unlikely
 from sonar_tracking.tma.estimators.error_models import (
     ErrorEvidence,
@@ -29,6 +28,15 @@ from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConf
 from sonar_tracking.tma.estimators.range_bank_state import RangeBankState
 from sonar_tracking.tma.estimators.recursion import elapsed
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, TmaMeasurement
+from sonar_tracking.tma.targets.array_sides import (
+    LEFT,
+    RIGHT,
+    SIDE_PROBABILITY,
+    SIDE_TURN,
+    SINGLE,
+    side_of,
+    side_weights,
+)
 from sonar_tracking.tma.targets.line_columns import LineColumns, plan_columns, with_columns
 from sonar_tracking.tma.targets.measurement_log import MeasurementLog
 from sonar_tracking.tma.targets.observability import OBSERVABLE
@@ -39,12 +47,6 @@ from sonar_tracking.tma.targets.target_records import (
     check_observation,
     measurement_of,
 )
-
-SIDE_PROBABILITY = 0.99
-SIDE_TURN = float(np.radians(20.0))
-"""One side is dropped when the other is this probable and own ship has turned by this much."""
-
-SINGLE, LEFT, RIGHT = "single", "left", "right"
 
 Splits = dict[tuple[int, tuple[float, float]], tuple[HypothesisBank, HypothesisBank]]
 """Banks by identity and position of the station they are split for: before and after."""
@@ -105,12 +107,22 @@ class TargetSolver:
             raise problem
         return self.solutions()
 
+    @property
+    def refused(self) -> int:
+        """Azimuths in a row that no hypothesis has accepted."""
+        return 0 if self._state is None else int(self._state.refused)
+
+    def forgive(self) -> None:
+        """Forget the azimuths that were refused."""
+        if self._state is not None:
+            self._state = replace(self._state, refused=np.array(0))
+
     def solutions(self) -> tuple[TargetSolution, ...]:
         """Return the solutions that stand: one, two while the side is open, none at first."""
         state, sides = self._state, self._progress.sides
         if state is None:
             return ()
-        weights = _side_weights(state.bank, len(sides))
+        weights = side_weights(state.bank, len(sides))
         return tuple(
             self._solution(state, index, float(probability))
             for index, probability in enumerate(weights)
@@ -197,15 +209,15 @@ class TargetSolver:
         progress.resolvable |= other or turned > SIDE_TURN
         if not progress.resolvable:
             return
-        halves = _side_weights(state.bank, 2)
+        halves = side_weights(state.bank, 2)
         if np.max(halves) > SIDE_PROBABILITY:
             winner = int(np.argmax(halves))
             progress.sides = (progress.sides[winner],)
-            self._state = replace(state, bank=_side_of(state.bank, winner, 2))
+            self._state = replace(state, bank=side_of(state.bank, winner, 2))
 
     def _solution(self, state: RangeBankState, index: int, probability: float) -> TargetSolution:
         sides = self._progress.sides
-        mean, covariance = mixture_moments(_side_of(state.bank, index, len(sides)))
+        mean, covariance = mixture_moments(side_of(state.bank, index, len(sides)))
         lines = np.arange(KINEMATIC, len(mean))
         figure = self._log.observability(mean, int(sides[index] == RIGHT))
         return TargetSolution(
@@ -335,15 +347,3 @@ def _known_state(solver: TargetSolver) -> RangeBankState:
 
 def _course(observation: TargetObservation) -> float:
     return float(np.arctan2(observation.velocity[1], observation.velocity[0]))
-
-
-def _side_weights(bank: HypothesisBank, n_sides: int) -> FloatArray:
-    return np.asarray(np.exp(bank.log_weight).reshape(n_sides, -1).sum(axis=-1))
-
-
-def _side_of(bank: HypothesisBank, side: int, n_sides: int) -> HypothesisBank:
-    """Return the hypotheses of one side, their weights normalised."""
-    count = len(bank.log_weight) // n_sides
-    own = slice(side * count, (side + 1) * count)
-    weight = bank.log_weight[own] - np.logaddexp.reduce(bank.log_weight[own])
-    return HypothesisBank(bank.mean[own], bank.covariance[own], weight, bank.known)

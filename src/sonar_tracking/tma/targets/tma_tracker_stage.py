@@ -28,10 +28,11 @@ from sonar_tracking.tma.targets.bearing_observations import (
 )
 from sonar_tracking.tma.targets.followed_target import FollowedTarget, new_solver
 from sonar_tracking.tma.targets.joint_observation import observe_together
-from sonar_tracking.tma.targets.line_attribution import VAGUEST, LineAttribution, TrackAngle
+from sonar_tracking.tma.targets.line_attribution import LineAttribution, TrackAngle
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame, TmaUpdate
 from sonar_tracking.tma.targets.station_pairing import Pair, StationPairing
-from sonar_tracking.tma.targets.station_view import StationView, station_view
+from sonar_tracking.tma.targets.station_view import StationView, station_view, track_angles
+from sonar_tracking.tma.targets.target_notices import misled, unconfirmed
 from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
 from sonar_tracking.tma.targets.tma_tracker_configuration import (
     TmaTrackerConfiguration,
@@ -139,6 +140,7 @@ class TmaTrackerStage:
             self._observe(list(seen), born, notices)
         self._join_stations()
         self._release_misfits()
+        self._forsake_misled(notices)
         self._end_coasted()
         tracks = self.picture() if frame.bearings or frame.unusable else None
         return TmaUpdate(tracks, tuple(notices))
@@ -164,7 +166,7 @@ class TmaTrackerStage:
             notices.append(Notice(Severity.ERROR, f"data of {sensor}", str(error)))
             station.angles = {}
             return
-        station.angles = _angles(bearings, view)
+        station.angles = track_angles(bearings, view)
         for row in np.flatnonzero(running):
             key = (sensor, int(bearings.id[row]))
             observation, problem = observation_of(bearings, int(row), view, self.configuration)
@@ -233,8 +235,11 @@ class TmaTrackerStage:
             try:
                 if isinstance(outcome, Exception):
                     raise outcome
+                confirmed = target.confirmed
                 self._replace(target, outcome)
                 target.judge(self.configuration)
+                if confirmed and not target.confirmed:
+                    notices.append(unconfirmed(target))
             except InputError as error:
                 notices.append(left_out(key[0], str(error).rstrip(".")))
             except np.linalg.LinAlgError:
@@ -279,13 +284,12 @@ class TmaTrackerStage:
         target.solutions = solutions
 
     def _end_coasted(self) -> None:
-        patience = nanoseconds(self.configuration.coast_duration)
         for target in [one for one in self._targets if not one.members]:
-            if self._stamp - target.updated > patience:
+            if self._stamp - target.updated > nanoseconds(target.patience(self.configuration)):
                 self._end(target)
 
     def _join_stations(self) -> None:
-        for pair in self._pairing.decide():
+        for pair in self._pairing.decide(self._stamp):
             if pair.first in self._targets and pair.second in self._targets:
                 self._join(pair)
 
@@ -310,6 +314,14 @@ class TmaTrackerStage:
                     key = (sensor, target.members[sensor])
                     self._leave(key)
                     target.misfits = {}
+
+    def _forsake_misled(self, notices: list[Notice]) -> None:
+        """Let confirmed targets go on without bearings that are of something else by now."""
+        for target in [one for one in self._targets if one.misled]:
+            notices.append(misled(target))
+            for key in target.members.items():
+                del self._target_of[key]
+            target.forsake()
 
     def picture(self) -> PositionTracks:
         """Return the complete picture at the stamp of the last frame; an ended row appears once."""
@@ -336,15 +348,3 @@ class TmaTrackerStage:
         if len(watermarks) < self._n_stations or min(watermarks) <= self._stamp:
             return UNKNOWN_STAMP
         return min(watermarks)
-
-
-def _angles(bearings: BearingTracks, view: StationView) -> dict[int, TrackAngle]:
-    """Return where the bearing tracks of a station are, from broadside."""
-    angles = {}
-    for row in np.flatnonzero(bearings.status != TrackStatus.TERMINATED):
-        angle = float(bearings.arrival_angle[row])
-        variance = float(bearings.covariance[row, 0, 0])
-        if abs(angle) <= 2.0 * np.pi and 0.0 <= variance < VAGUEST:
-            cone = view.from_broadside(angle, bearings.angle_kind)
-            angles[int(bearings.id[row])] = TrackAngle(cone, variance)
-    return angles

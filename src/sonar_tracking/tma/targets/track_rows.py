@@ -13,9 +13,9 @@ from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks, TrackHypothesis, TrackSource
 from sonar_tracking.records.time import NANOSECONDS
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
+from sonar_tracking.tma.targets.array_sides import LEFT, RIGHT, SINGLE
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
 from sonar_tracking.tma.targets.target_records import TargetSolution
-from sonar_tracking.tma.targets.target_solver import LEFT, RIGHT, SINGLE
 
 HYPOTHESES = {
     SINGLE: TrackHypothesis.SINGLE,
