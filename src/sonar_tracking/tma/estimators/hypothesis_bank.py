@@ -110,28 +110,14 @@ def predict_bank(
     mean[..., :2] += step * mean[..., 2:KINEMATIC]
     covariance[..., :2, :] += step[..., None] * covariance[..., 2:KINEMATIC, :]
     covariance[..., :, :2] += step[..., None] * covariance[..., :, 2:KINEMATIC]
-    add_acceleration(covariance, elapsed, np.asarray(acceleration)[..., None] ** 2)
-    return replace(bank, mean=mean, covariance=covariance)
-
-
-def add_acceleration(covariance: FloatArray, elapsed: FloatArray, density: FloatArray) -> None:
-    """Add what white acceleration does to a covariance, in place.
-
-    Parameters
-    ----------
-    covariance : ndarray, shape (..., n_components, 4 + n_lines, 4 + n_lines)
-        Of the states.
-    elapsed : ndarray, shape (..., 1)
-        s.
-    density : ndarray, shape (..., 1)
-        Of each axis, m^2/s^3.
-    """
+    density = np.asarray(acceleration)[..., None] ** 2
     between = density * elapsed**2 / 2.0
     for axis in range(2):
         covariance[..., axis, axis] += density * (elapsed**2 * elapsed) / 3.0
         covariance[..., axis, 2 + axis] += between
         covariance[..., 2 + axis, axis] += between
         covariance[..., 2 + axis, 2 + axis] += density * elapsed
+    return replace(bank, mean=mean, covariance=covariance)
 
 
 def seed_lines(

@@ -33,6 +33,7 @@ from sonar_tracking.tma.estimators.error_models import (
 from sonar_tracking.tma.estimators.hypothesis_bank import (
     HypothesisBank,
     condition_bank,
+    predict_bank,
     seed_lines,
 )
 from sonar_tracking.tma.estimators.innovation_monitor import (
@@ -43,7 +44,7 @@ from sonar_tracking.tma.estimators.innovation_monitor import (
     judge,
 )
 from sonar_tracking.tma.estimators.measurement_model import LinearisedRows
-from sonar_tracking.tma.estimators.motion_modes import MODES, STRAIGHT, mix_modes, predict_modes
+from sonar_tracking.tma.estimators.motion_modes import MODES, STRAIGHT, mix_modes
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.range_bank_state import (
     ELEVATION_INTERVAL,
@@ -202,7 +203,8 @@ def _advance(
     total = rows_of_run.log_sums(bank.log_weight)
     bank = replace(bank, log_weight=bank.log_weight - total[rows_of_run.owner])
     if configuration.learn_errors:
-        errors = _learn(batch, factor, np.exp(bank.log_weight), rows, variance, changes)
+        usable = rows_of_run.any(within.present[:, 0, 0]) | (batch.refused == 0), ~changes.reborn
+        errors = _learn(batch, factor, np.exp(bank.log_weight), rows, variance, usable)
     began = (before <= LIKELY) & (_manoeuvring(bank, rows_of_run) > LIKELY)
     refused, contradicted = _count_refused(batch, rows, within, begun)
     after = replace(
@@ -235,9 +237,9 @@ def _predict(batch: BankBatch, configuration: RangeBankConfiguration) -> Hypothe
     measured, elapsed = batch.measurement, batch.interval[batch.rows.owner]
     interval, duration = configuration.manoeuvre_interval, configuration.manoeuvre_duration
     mixed = mix_modes(batch.bank, elapsed, interval, duration)
-    predicted = predict_modes(
-        mixed, elapsed, configuration.acceleration, configuration.manoeuvre_acceleration
-    )
+    accelerations = [configuration.acceleration, configuration.manoeuvre_acceleration]
+    acceleration = np.tile(accelerations, len(elapsed) // MODES)
+    predicted = predict_bank(mixed, elapsed, acceleration)
     return seed_lines(predicted, measured, measured.heard & ~predicted.known)
 
 
@@ -264,12 +266,13 @@ def _learn(
     weight: FloatArray,
     rows: LinearisedRows,
     variance: FloatArray,
-    changes: Changes,
+    usable: tuple[BoolArray, BoolArray],
 ) -> ErrorEvidence:
     """Return what the innovations add on the errors.
 
     They are averaged over the hypotheses with the weights that these have afterwards: what one of
-    them explains is no error.
+    them explains is no error. Of azimuths that none of them accepts only the first in a row is
+    usable: the others are of something else; and no line that was just started anew.
     """
     told, owner, runs = batch.measurement, batch.rows.owner, batch.rows
     watched = np.arange(rows.variance.shape[-1]) != ROW_ELEVATION
@@ -281,12 +284,13 @@ def _learn(
     variance_told = np.where(present, rows.variance[runs.starts, 0][:, watched] / factor, 1.0)
     if told.n_lines:
         frequency = np.broadcast_to(told.frequency, (len(owner), told.n_lines))[runs.starts]
-        present[:, 1:] &= ~changes.reborn
+        present[:, 1:] &= usable[1]
         mean[:, 1:], own[:, 1:] = without_common_doppler(
             mean[:, 1:], own[:, 1:], frequency, variance_told[:, 1:], present[:, 1:]
         )
     own /= variance_told
     telling = present & (own < VAGUE * factor)
+    telling[:, 0] &= usable[0]
     return learn_errors(batch.errors, mean / np.sqrt(variance_told), own, telling, told.stamp)
 
 

@@ -18,7 +18,10 @@ class RangeBankConfiguration:
         500.0, "Nearest initial range considered", unit="m", minimum=1.0
     )
     maximum_range: float = parameter(
-        20_000.0, "Farthest initial range considered", unit="m", minimum=2.0
+        20_000.0,
+        "Farthest initial range expected; up to two and a half times it is considered, too",
+        unit="m",
+        minimum=2.0,
     )
     n_ranges: int = parameter(6, "Range hypotheses, geometrically spaced", minimum=1, maximum=40)
     maximum_speed: float = parameter(20.0, "Of the target, per axis", unit="m/s", minimum=0.1)
@@ -37,7 +40,7 @@ class RangeBankConfiguration:
         maximum=1e9,
     )
     manoeuvre_duration: float = parameter(
-        200.0, "Mean duration of a manoeuvre", unit="s", minimum=1.0, maximum=1e9
+        100.0, "Mean duration of a manoeuvre", unit="s", minimum=1.0, maximum=1e9
     )
     learn_errors: bool = parameter(
         True,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -30,6 +30,10 @@ contradict is to be found within a minute."""
 
 REFUSED_AT_START = 3
 """So many suffice right after the first azimuth: later a near hypothesis could have moved there."""
+
+BEYOND, BEYOND_WEIGHT = 2.5, 0.5
+"""A target may be farther away than the farthest range considered by this factor; how probable this
+is in comparison with one of the intervals below it. A single hypothesis is as it is."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +75,7 @@ def start_range_bank(
 ) -> RangeBankState:
     """Return the state before the first measurement, which has a finite azimuth, is taken in."""
     bank = with_modes(
-        start_bank(measurement, configuration.range_edges(), configuration.maximum_speed),
+        _start_bank(measurement, configuration),
         configuration.manoeuvre_interval,
         configuration.manoeuvre_duration,
     )
@@ -85,6 +89,22 @@ def start_range_bank(
         np.zeros(batch, dtype=np.int64),
         np.zeros(batch),
     )
+
+
+def _start_bank(
+    measurement: TmaMeasurement, configuration: RangeBankConfiguration
+) -> HypothesisBank:
+    """Return the hypotheses of the initial range, one of them for what is beyond the farthest."""
+    edges, speed = configuration.range_edges(), configuration.maximum_speed
+    if configuration.n_ranges == 1:
+        return start_bank(measurement, edges, speed)
+    bank = start_bank(measurement, np.append(edges, BEYOND * edges[-1]), speed)
+    weight = np.ones(len(edges))
+    weight[-1] = BEYOND_WEIGHT
+    log_weight = bank.log_weight + np.log(
+        np.tile(weight / np.mean(weight), measurement.azimuth.shape[-1])
+    )
+    return replace(bank, log_weight=log_weight)
 
 
 def is_lost(state: RangeBankState, measurement: TmaMeasurement) -> BoolArray:
