@@ -62,8 +62,9 @@ def test_a_fast_target_is_reported_where_it_is() -> None:
         NEAR,
         motion=KinematicMotion(position=(5000.0, 2000.0), course_deg=350.0, speed=12.0),
     )
-    # Better frequencies would show the terms in (v/c)^2 that the model leaves out: 0.02 Hz.
-    exact = replace(DIRECTIONS, angle_standard_deviation_deg=0.05, frequency_standard_deviation=0.1)
+    exact = replace(
+        DIRECTIONS, angle_standard_deviation_deg=0.05, frequency_standard_deviation=0.01
+    )
     frames = simulated(scene(exact, targets=(fast,)))
     errors = {}
     for travel_time in (True, False):

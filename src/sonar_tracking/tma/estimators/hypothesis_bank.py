@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sonar_tracking.records.arrays import BoolArray, FloatArray
-from sonar_tracking.tma.estimators.measurement_model import LinearisedRows, range_rate
+from sonar_tracking.tma.estimators.measurement_model import LinearisedRows, doppler_factor
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, TmaMeasurement
 
 SOURCE_FREQUENCY_SPREAD = 50.0 / 300.0
@@ -139,7 +139,7 @@ def seed_lines(
     """
     if not np.any(which):
         return bank
-    factor = 1.0 - range_rate(bank.mean, measurement) / measurement.sound_speed
+    factor = doppler_factor(bank.mean, measurement)
     received = np.where(which, measurement.frequency, 0.0)[..., None, :]
     mean, covariance = bank.mean.copy(), bank.covariance.copy()
     new = which[..., None, :]

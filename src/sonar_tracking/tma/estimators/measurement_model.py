@@ -6,7 +6,8 @@ With p and w the target's position and velocity relative to the sensor, r = |p|,
     f_i = f_S,i (1 - rdot / c),  rdot = p . w / r.
 
 Sound takes time: what is received now left the target a travel time ago, when it was elsewhere.
-With a finite propagation speed p is that earlier position; the state always is that of the stamp.
+With a finite propagation speed p is that earlier position, the state always is that of the stamp,
+and rdot is divided by c + v . p / r, v being the target's velocity in the water.
 
 The paper divides the range rate by the absolute position, which is wrong as soon as the sensor
 moves, and prints arctan(x / y) where atan2 is needed.
@@ -74,6 +75,25 @@ def range_rate(mean: FloatArray, measurement: TmaMeasurement) -> FloatArray:
     return np.sum(direction * relative, axis=-1)
 
 
+def doppler_factor(mean: FloatArray, measurement: TmaMeasurement) -> FloatArray:
+    """Return what a source frequency is multiplied by on its way to the sensor.
+
+    Parameters
+    ----------
+    mean : ndarray, shape (..., n_components, at least 4)
+        States x, y, vx, vy, m and m/s.
+    measurement : TmaMeasurement
+        Whose sensor.
+
+    Returns
+    -------
+    ndarray, shape (..., n_components)
+        Pure numbers.
+    """
+    _, direction, relative, _ = _relative(mean, measurement)
+    return _factor(mean, direction, relative, measurement)
+
+
 def linearise(
     mean: FloatArray, measurement: TmaMeasurement, known: BoolArray, azimuth: FloatArray
 ) -> LinearisedRows:
@@ -109,7 +129,7 @@ def linearise(
     variance[..., 1] = measurement.elevation_variance[..., None]
     if n_lines:
         rate = np.sum(direction * relative, axis=-1)
-        factor = 1.0 - rate / measurement.sound_speed
+        factor = _factor(mean, direction, relative, measurement)
         source = mean[..., KINEMATIC:]
         innovation[..., 2:] = measurement.frequency[..., None, :] - source * factor[..., None]
         across = (relative - rate[..., None] * direction) / distance[..., None]
@@ -170,6 +190,20 @@ def offset_seen(
     then = now - delay[..., None] * mean[..., 2:KINEMATIC]
     delay = np.hypot(then[..., 0], then[..., 1]) / propagation_speed
     return now - delay[..., None] * mean[..., 2:KINEMATIC], delay
+
+
+def _factor(
+    mean: FloatArray, direction: FloatArray, relative: FloatArray, measurement: TmaMeasurement
+) -> FloatArray:
+    """Return the Doppler factor: with travel time exactly, sound being left behind by its source.
+
+    To first order in v / c both are the same; lines good to 1e-5 tell them apart.
+    """
+    speed = measurement.sound_speed
+    rate = np.sum(direction * relative, axis=-1)
+    if np.isfinite(measurement.propagation_speed):
+        speed = speed + np.sum(direction * mean[..., 2:KINEMATIC], axis=-1)
+    return np.asarray(1.0 - rate / speed)
 
 
 def _relative(
