@@ -15,6 +15,7 @@ from sonar_tracking.tma.estimators.hypothesis_bank import predict_bank
 from sonar_tracking.tma.estimators.motion_modes import MODES
 from sonar_tracking.tma.estimators.range_bank import RangeBank
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
+from sonar_tracking.tma.estimators.range_bank_state import start_range_bank
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 
 BOUND_S1, BOUND_S2, BOUND_S3 = 80.5, 144.1, 83.2
@@ -165,6 +166,66 @@ def test_silence_is_no_refusal_and_an_accepted_azimuth_begins_the_count_anew() -
         assert not bank.update(frame(number, azimuth)).restarted
     assert not bank.update(frame(20, np.nan)).restarted, "a lost filter waits for an azimuth"
     assert bank.update(frame(21, 3.0)).restarted
+
+
+@pytest.mark.parametrize(("interval", "frames"), [(1, 5), (2, 5), (8, 3), (20, 2), (60, 2)])
+def test_elevations_that_nothing_accepts_start_the_filter_again_within_a_minute_or_two(
+    interval: int, frames: int
+) -> None:
+    """Those that come rarely count more: 8 s apart as two, 12 s and more as three."""
+    bank = RangeBank()
+    height, deviation = 300.0, np.radians(0.3)
+    restarted = []
+    for number in range(30):
+        elevation = np.arctan2(height, 3000.0) if number < 20 else np.radians(25.0)
+        measured = frame(
+            number * interval,
+            0.3,
+            elevation=np.array(elevation),
+            elevation_variance=np.array(deviation**2),
+            height=height,
+        )
+        restarted.append(bool(bank.update(measured).restarted))
+    assert restarted.index(True) == 20 + frames
+    assert bank.state is not None
+    position = np.exp(bank.state.bank.log_weight) @ bank.state.bank.mean[:, :2]
+    assert np.hypot(*position) == pytest.approx(height / np.tan(np.radians(25.0)), rel=0.1)
+
+
+def test_of_azimuths_in_a_row_that_are_refused_only_the_first_says_something_of_errors() -> None:
+    bank = RangeBank()
+    for number in range(40):
+        bank.update(frame(number, 0.3))
+    learnt = []
+    for number in range(40, 44):
+        bank.update(frame(number, 0.4))
+        assert bank.state is not None
+        learnt.append(bank.state.errors.table[0, 0])
+    assert bank.state is not None and bank.state.refused == 4
+    for later in learnt[1:]:
+        np.testing.assert_array_equal(later, learnt[0])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["S1", "S3"])
+def test_a_target_beyond_the_farthest_range_is_not_put_within_it(name: str) -> None:
+    """30 km away, expected within 20 km; own ship turns in the first scene only."""
+    far = replace(scenario(name), target=np.array([24_000.0, 18_000.0, -3.0, 0.0]))
+    histories = history_of(RangeBank(), runs_of(far, 12))
+    assert np.mean(histories.nees[:, 200:]) < 2.0
+
+
+@pytest.mark.parametrize("sides", [1, 2])
+def test_one_hypothesis_more_is_beyond_the_farthest_range_and_half_as_likely(sides: int) -> None:
+    first = replace(frame(0, 0.3), azimuth=np.array([0.3, -0.7][:sides]))
+    configuration = RangeBankConfiguration(n_ranges=4)
+    bank = start_range_bank(first, configuration).bank
+    weight = np.exp(bank.log_weight).reshape(sides, 5, MODES).sum(axis=2)
+    assert weight == pytest.approx(np.tile([2.0, 2.0, 2.0, 2.0, 1.0], (sides, 1)) / 9.0 / sides)
+    distance = np.hypot(*bank.mean[:, :2].T).reshape(sides, 5, MODES)
+    assert distance[:, 4] == pytest.approx(35_000.0)
+    single = start_range_bank(first, RangeBankConfiguration(n_ranges=1)).bank
+    assert len(single.log_weight) == sides * MODES
 
 
 def test_each_mode_has_its_own_process_noise() -> None:

@@ -150,6 +150,41 @@ def test_an_observation_that_is_taken_in_moves_stamp_and_place() -> None:
     assert (made.updated, made.place) == (31 * SECOND, (7.0, 8.0))
 
 
+def refusing(count: int) -> TargetSolver:
+    """Return a solver that has refused so many azimuths in a row, after some that it accepted."""
+    solver = TargetSolver()
+    for number in range(4 + count):
+        azimuth = 0.1 if number < 4 else 2.0
+        solver.update(observation((21 + number) * SECOND, azimuth))
+    return solver
+
+
+def test_an_azimuth_that_is_refused_is_no_measurement_of_the_target() -> None:
+    after = solution(stamp=30 * SECOND)
+    made = target(solution(), solver=refusing(1))
+    made.conclude(observation(30 * SECOND, 2.0), (after,))
+    assert made.updated == 20 * SECOND
+    heard = replace(
+        observation(30 * SECOND, 2.0),
+        line_ids=(1,),
+        frequencies=(300.0,),
+        frequency_deviations=(0.1,),
+    )
+    made.conclude(heard, (after,))
+    assert made.updated == 30 * SECOND
+
+
+@pytest.mark.parametrize(("count", "misled"), [(4, False), (5, True)])
+def test_a_target_is_misled_by_five_azimuths_that_it_refuses(count: int, misled: bool) -> None:
+    made = target(solution(), solver=refusing(count), confirmed=True)
+    assert made.misled == misled
+    short, long = CONFIGURATION, replace(CONFIGURATION, coast_duration=300.0)
+    assert made.patience(short) == 0.0
+    made.forsake()
+    assert not made.misled and not made.members
+    assert (made.patience(short), made.patience(long)) == (60.0, 300.0)
+
+
 def test_the_solver_is_that_of_the_method() -> None:
     assert isinstance(new_solver(TmaTrackerConfiguration()), TargetSolver)
     assert isinstance(new_solver(TmaTrackerConfiguration(method="fused_line")), BaselineSolver)

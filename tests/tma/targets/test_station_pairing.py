@@ -7,13 +7,13 @@ import pytest
 
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
 from sonar_tracking.tma.targets.joint_observation import observe_together
-from sonar_tracking.tma.targets.station_pairing import StationPairing
+from sonar_tracking.tma.targets.station_pairing import StationPairing, Trial
 from sonar_tracking.tma.targets.target_records import TargetObservation
 from sonar_tracking.tma.targets.target_solver import TargetSolver, log_likelihoods
 
 PLACES = {"bow": np.array([0.0, 0.0]), "stern": np.array([3000.0, 0.0])}
 SHIPS = (np.array([1500.0, 3000.0]), np.array([3500.0, 4000.0]))
-NOW = 10**9
+SECOND = NOW = 10**9
 DEVIATION = np.radians(0.5)
 HEIGHT = 500.0
 """Of the ships above the stations: the first one measures elevations, and knows where they are."""
@@ -84,7 +84,41 @@ def test_bearings_of_another_ship_give_the_trial_up() -> None:
         take_in(pairing, new, seen)
     assert pairing.decide(NOW) == ()
     watch(pairing, new, "stern", 0, range(12, 40))
-    assert pairing.decide(NOW) == (), "given up for good"
+    assert pairing.decide(NOW) == (), "given up"
+    assert pairing.decide(NOW + 59 * SECOND) == ()
+
+
+def test_a_trial_that_failed_is_begun_again_after_ever_longer_pauses() -> None:
+    pairing, old, new = StationPairing(10.0), followed("bow", 0), born()
+    pairing.begin(new, [old])
+    stamp = NOW
+    begun: list[tuple[Trial, int]] = []
+    for number in range(5, 700):
+        stamp += SECOND
+        wrong = TargetObservation(
+            number * SECOND, "stern", (3000.0, 0.0), (0.0, 0.0), (-1.5,), float(DEVIATION**2)
+        )
+        before = pairing.concerned([(new, wrong)])
+        for trial, _ in before:
+            trial.evidence -= 1.0
+        if before and (not begun or trial is not begun[-1][0]):
+            begun.append((trial, number))
+        assert pairing.decide(stamp) == ()
+    pauses = np.diff([number for _, number in begun])
+    # Three frames until one fails, then the pause.
+    assert pauses == pytest.approx([63.0, 123.0, 243.0], abs=2.0)
+    pairing.end(old)
+    assert not pairing.concerned([(new, wrong)])
+
+
+def test_what_a_station_tells_apart_is_not_tried_again() -> None:
+    pairing, old, new = StationPairing(10.0), followed("bow", 0), born()
+    pairing.begin(new, [old])
+    seen = observation(5, "bow", 0)
+    pairing.concerned([(old, seen), (new, seen)])
+    for number in range(200):
+        assert pairing.decide(NOW + number * SECOND) == ()
+    assert not pairing.concerned([(new, seen)])
 
 
 def test_of_two_rivals_the_better_one_must_lead_by_the_odds() -> None:

@@ -92,8 +92,8 @@ class FollowedTarget:
 
     @property
     def misled(self) -> bool:
-        """Whether a confirmed target's bearings are all of something else by now."""
-        return self.confirmed and self.solver.refused >= REFUSED_AZIMUTHS
+        """Whether its bearings are all of something else by now."""
+        return self.solver.refused >= REFUSED_AZIMUTHS
 
     def forsake(self) -> None:
         """Go on without bearing tracks: predicted, for as long as the source may be silent."""

@@ -75,6 +75,22 @@ class StationView:
         return 0.5 * np.pi - abs(float(wrap_angle(azimuth - self.axis)))
 
 
+@dataclass
+class StationRecord:
+    """What is remembered of a station between its frames.
+
+    Attributes
+    ----------
+    next_stamp : int
+        Its watermark, ns.
+    angles : dict of int to TrackAngle
+        Of its bearing tracks.
+    """
+
+    next_stamp: int
+    angles: dict[int, TrackAngle]
+
+
 def needs_own_ship(sensor: Sensor, configuration: TmaTrackerConfiguration) -> bool:
     """Return whether own ship's motion is needed to know where a sensor is, and how it turns."""
     told = (*sensor.position[:2], *sensor.velocity[:2], yaw_of(sensor.orientation))

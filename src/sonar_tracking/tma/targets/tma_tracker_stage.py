@@ -8,7 +8,6 @@ left out with a notice, and the targets are predicted.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import groupby
 
 import numpy as np
@@ -28,10 +27,15 @@ from sonar_tracking.tma.targets.bearing_observations import (
 )
 from sonar_tracking.tma.targets.followed_target import FollowedTarget, new_solver
 from sonar_tracking.tma.targets.joint_observation import observe_together
-from sonar_tracking.tma.targets.line_attribution import LineAttribution, TrackAngle
+from sonar_tracking.tma.targets.line_attribution import LineAttribution
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame, TmaUpdate
 from sonar_tracking.tma.targets.station_pairing import Pair, StationPairing
-from sonar_tracking.tma.targets.station_view import StationView, station_view, track_angles
+from sonar_tracking.tma.targets.station_view import (
+    StationRecord,
+    StationView,
+    station_view,
+    track_angles,
+)
 from sonar_tracking.tma.targets.target_notices import misled, unconfirmed
 from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
 from sonar_tracking.tma.targets.tma_tracker_configuration import (
@@ -45,22 +49,6 @@ TrackKey = tuple[str, int]
 
 RELEASED_AFTER = 10
 """A station whose azimuths do not fit so many times in a row sees another target."""
-
-
-@dataclass
-class _Station:
-    """What is remembered of a station between its frames.
-
-    Attributes
-    ----------
-    next_stamp : int
-        Its watermark, ns.
-    angles : dict of int to TrackAngle
-        Of its bearing tracks.
-    """
-
-    next_stamp: int
-    angles: dict[int, TrackAngle]
 
 
 class TmaTrackerStage:
@@ -95,7 +83,7 @@ class TmaTrackerStage:
     def reset(self) -> None:
         """Forget all targets; identifiers go on."""
         self._stamp = UNKNOWN_STAMP
-        self._stations: dict[str, _Station] = {}
+        self._stations: dict[str, StationRecord] = {}
         self._target_of: dict[TrackKey, FollowedTarget] = {}
         self._targets: list[FollowedTarget] = []
         self._ended: list[TrackRow] = []
@@ -130,7 +118,9 @@ class TmaTrackerStage:
         observed: dict[TrackKey, TargetObservation] = {}
         born: set[TrackKey] = set()
         for unusable in frame.unusable:
-            station = self._stations.setdefault(unusable.sensor_id, _Station(UNKNOWN_STAMP, {}))
+            station = self._stations.setdefault(
+                unusable.sensor_id, StationRecord(UNKNOWN_STAMP, {})
+            )
             station.next_stamp = unusable.next_stamp
         for bearings in frame.bearings:
             self._read_bearings(bearings, frame.own_ship, observed, born, notices)
@@ -154,7 +144,7 @@ class TmaTrackerStage:
         notices: list[Notice],
     ) -> None:
         sensor = bearings.sensor.sensor_id
-        station = self._stations.setdefault(sensor, _Station(UNKNOWN_STAMP, {}))
+        station = self._stations.setdefault(sensor, StationRecord(UNKNOWN_STAMP, {}))
         station.next_stamp = bearings.next_stamp
         running = bearings.status != TrackStatus.TERMINATED
         alive = {int(number) for number in bearings.id[running]}
@@ -316,12 +306,21 @@ class TmaTrackerStage:
                     target.misfits = {}
 
     def _forsake_misled(self, notices: list[Notice]) -> None:
-        """Let confirmed targets go on without bearings that are of something else by now."""
+        """Let confirmed targets go on without bearings that are of something else by now.
+
+        What these were taken for instead ends when they jump again: they may have come back.
+        """
+        waiting = any(one.forsaken for one in self._targets)
         for target in [one for one in self._targets if one.misled]:
-            notices.append(misled(target))
+            if not target.confirmed and not waiting:
+                continue
             for key in target.members.items():
                 del self._target_of[key]
-            target.forsake()
+            if target.confirmed:
+                notices.append(misled(target))
+                target.forsake()
+            else:
+                self._end(target)
 
     def picture(self) -> PositionTracks:
         """Return the complete picture at the stamp of the last frame; an ended row appears once."""
