@@ -69,7 +69,7 @@ def test_an_azimuth_from_elsewhere_has_a_likelihood_all_along_the_bearing() -> N
     azimuths = np.arctan2(offset[:, 1], offset[:, 0])
     variance = np.full(len(ranges), np.radians(0.5) ** 2)
     (likely,) = azimuth_log_likelihoods(
-        [bank], np.zeros(1), 0.01, ELSEWHERE[None], azimuths[None], variance[None]
+        [bank], np.zeros(1), np.array([0.01]), ELSEWHERE[None], azimuths[None], variance[None]
     )
     assert np.min(likely) > np.log(0.05)
 

@@ -54,7 +54,12 @@ def likelihood_of(
     variances: FloatArray,
 ) -> FloatArray:
     found = azimuth_log_likelihoods(
-        [bank], np.array([interval]), acceleration, place[None], measured[None], variances[None]
+        [bank],
+        np.array([interval]),
+        np.array([acceleration]),
+        place[None],
+        measured[None],
+        variances[None],
     )
     return np.asarray(found[0])
 

@@ -13,6 +13,7 @@ import numpy as np
 from sonar_tracking.errors import InputError
 from sonar_tracking.tma.targets.baseline_solver import BaselineSolver
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
+from sonar_tracking.tma.targets.solver_likelihoods import log_likelihoods
 from sonar_tracking.tma.targets.station_association import CHANCE_DENSITY
 from sonar_tracking.tma.targets.station_pairing import Sighting, StationPairing, Trial
 from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
@@ -20,7 +21,6 @@ from sonar_tracking.tma.targets.target_solver import (
     Problem,
     Splits,
     Task,
-    log_likelihoods,
     update_solvers,
 )
 
@@ -49,6 +49,12 @@ def observe_together(seen: Sequence[Sighting], pairing: StationPairing) -> list[
     trials = _expected(pairing.concerned(seen))
     _weigh(seen, trials)
     tasks: list[Task] = [(trial.solver, observation) for trial, (_, observation) in trials]
+    own_of_trials: list[Task] = [
+        (trial.alone[target], observation)
+        for trial, (target, observation) in trials
+        if target in trial.alone
+    ]
+    tasks += own_of_trials
     tasks += [
         (target.solver, observation)
         for target, observation in seen
@@ -58,7 +64,7 @@ def observe_together(seen: Sequence[Sighting], pairing: StationPairing) -> list[
     for (trial, _), problem in zip(trials, problems, strict=False):
         if problem is not None:
             trial.evidence = -np.inf
-    own = iter(problems[len(trials) :])
+    own = iter(problems[len(trials) + len(own_of_trials) :])
     return [
         _outcome(
             target, observation, None if isinstance(target.solver, BaselineSolver) else next(own)
@@ -84,7 +90,7 @@ def _expected(trials: Sequence[tuple[Trial, Sighting]]) -> list[tuple[Trial, Sig
 def _weigh(seen: Sequence[Sighting], trials: Sequence[tuple[Trial, Sighting]]) -> None:
     """Weigh the trials, and count what the targets of several stations do not explain."""
     weighed = [(trial, one) for trial, one in trials if one[1].azimuths]
-    tried = {target for _, (target, _) in weighed}
+    tried = {target for trial, (target, _) in weighed if target not in trial.alone}
     alone = [
         (target, target.solver, observation)
         for target, observation in seen
@@ -92,18 +98,28 @@ def _weigh(seen: Sequence[Sighting], trials: Sequence[tuple[Trial, Sighting]]) -
         and not isinstance(target.solver, BaselineSolver)
         and (len(target.members) > 1 or (target in tried and target.solutions))
     ]
+    apart = [
+        (trial, trial.alone[target], observation)
+        for trial, (target, observation) in weighed
+        if target in trial.alone and trial.alone[target].state is not None
+    ]
     found = log_likelihoods(
         [(trial.solver, observation) for trial, (_, observation) in weighed]
         + [(solver, observation) for _, solver, observation in alone]
+        + [(solver, observation) for _, solver, observation in apart]
     )
-    explained: dict[FollowedTarget, float] = {}
-    for (target, _, observation), likelihood in zip(alone, found[len(weighed) :], strict=True):
+    explained: dict[FollowedTarget | Trial, float] = {}
+    for (target, _, observation), likelihood in zip(alone, found[len(weighed) :], strict=False):
         explained[target] = likelihood
         if len(target.members) > 1:
             target.weigh(observation.sensor_id, likelihood)
+    for (trial, _, _), likelihood in zip(apart, found[len(weighed) + len(alone) :], strict=True):
+        explained[trial] = likelihood
     for (trial, (target, observation)), likelihood in zip(weighed, found, strict=False):
         chance = _chance(observation)
-        own = _log_density(explained[target], chance) if target.solutions else chance
+        rival = explained.get(trial if target in trial.alone else target)
+        begun = target in trial.alone or bool(target.solutions)
+        own = _log_density(rival, chance) if begun and rival is not None else chance
         trial.evidence += _log_density(likelihood, chance) - own
 
 

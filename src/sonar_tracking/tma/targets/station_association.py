@@ -38,7 +38,7 @@ CHANCE_DENSITY_WITH_ELEVATION = CHANCE_DENSITY * 2.0 / np.pi
 def azimuth_log_likelihoods(
     banks: Sequence[HypothesisBank],
     intervals: FloatArray,
-    acceleration: float,
+    accelerations: FloatArray,
     positions: FloatArray,
     azimuths: FloatArray,
     variances: FloatArray,
@@ -53,7 +53,7 @@ def azimuth_log_likelihoods(
         Of each target, a single run.
     intervals : ndarray, shape (n_targets,)
         From each bank's time to the azimuths', s.
-    acceleration : float
+    accelerations : ndarray, shape (n_targets,)
         Process noise in between, m/s^2.
     positions : ndarray, shape (n_targets, 2)
         Of the station that measured those of a target, m.
@@ -71,7 +71,7 @@ def azimuth_log_likelihoods(
     """
     rows, bank = join_motions(banks)
     owner = rows.owner
-    moved = predict_bank(bank, intervals[owner], np.asarray(acceleration))
+    moved = predict_bank(bank, intervals[owner], accelerations[owner])
     speed = np.broadcast_to(propagation_speed, intervals.shape)
     offset, _ = offset_seen(moved.mean[:, 0], positions[owner], speed[owner])
     distance = np.maximum(np.hypot(offset[:, 0], offset[:, 1]), 1.0)

@@ -9,25 +9,34 @@ summed innovation by innovation; the first bearing of a target alone comes from 
 taken to be one is the most likely assignment, once it beats every other one by the stated odds.
 Bearings that cross where no target is (ghosts) fall behind as the stations or the targets move.
 
-A trial that has fallen behind may have been wrong about the motion, or about the range: it is tried
-again later, from what is known of the older target then, after ever longer pauses.
+The motion that is allowed is that of the target's class: of a ship, and, in a trial of its own, of
+something agile, as animals and divers are. That is compared with solvers alone that allow for it
+too. Where many pairs are possible agile targets are tried only later: a pair whose trials have all
+fallen behind is tried again, from what is known of the older target then, after ever longer pauses.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.time import nanoseconds
+from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
 from sonar_tracking.tma.targets.station_association import CHANCE_DENSITY, FREE, associate
 from sonar_tracking.tma.targets.target_records import TargetObservation
 from sonar_tracking.tma.targets.target_solver import TargetSolver
 
-FIRST_PAUSE, LATER_PAUSES = 60.0, 2.0
+AGILE = 0.05
+"""Process noise of targets that do not go straight for long, m/s^2."""
+
+FEW = 4
+"""Where a new target may be one with so many others at most, agile ones are tried at once."""
+
+FIRST_PAUSE, LATER_PAUSES = 30.0, 2.0
 """Of a trial that failed, s, and how much longer each further one is."""
 
 Sighting = tuple[FollowedTarget, TargetObservation]
@@ -48,6 +57,8 @@ class Trial:
         That they are one; log.
     pause : float
         Until it is tried again if it fails, s.
+    alone : dict of FollowedTarget to TargetSolver
+        What the trial is compared with where this is not the target's own solver.
     """
 
     first: FollowedTarget
@@ -55,6 +66,7 @@ class Trial:
     solver: TargetSolver
     evidence: float = 0.0
     pause: float = FIRST_PAUSE
+    alone: dict[FollowedTarget, TargetSolver] = field(default_factory=dict)
 
     @property
     def pair(self) -> tuple[FollowedTarget, FollowedTarget]:
@@ -100,16 +112,32 @@ class StationPairing:
         self._threshold = float(np.log(odds))
         self._trials: list[Trial] = []
         self._failed: list[_Failed] = []
+        self._agile: RangeBankConfiguration | None = None
 
     def begin(self, born: FollowedTarget, others: Sequence[FollowedTarget]) -> None:
         """Try a new target, before its first observation, with all others it may be one with."""
-        for other in others:
-            self._try(other, born, FIRST_PAUSE)
+        possible = [one for one in others if _may_be_one(one, born)]
+        for other in possible:
+            if isinstance(other.solver, TargetSolver):
+                self._trials.append(Trial(other, born, other.solver.copy()))
+                if len(possible) <= FEW:
+                    self._try_agile(other, born, FIRST_PAUSE)
 
-    def _try(self, first: FollowedTarget, second: FollowedTarget, pause: float) -> None:
-        apart = set(first.members) & set(second.members)
-        if not apart and isinstance(first.solver, TargetSolver) and first.solutions:
-            self._trials.append(Trial(first, second, first.solver.copy(), pause=pause))
+    def _try_agile(self, first: FollowedTarget, second: FollowedTarget, pause: float) -> None:
+        """Begin a trial in which neither the pair nor one alone need go straight for long.
+
+        Not of a target that is only predicted: it could be anywhere soon.
+        """
+        if not _may_be_one(first, second) or not isinstance(first.solver, TargetSolver):
+            return
+        if not first.members:
+            return
+        if self._agile is None:
+            given = first.solver.configuration
+            self._agile = replace(given, acceleration=max(given.acceleration, AGILE))
+        alone = {first: first.solver.copy(self._agile), second: TargetSolver(self._agile)}
+        solver = first.solver.copy(self._agile)
+        self._trials.append(Trial(first, second, solver, pause=pause, alone=alone))
 
     def concerned(self, seen: Sequence[Sighting]) -> list[tuple[Trial, Sighting]]:
         """Return what the trials of the targets that a station has seen will take in.
@@ -142,7 +170,8 @@ class StationPairing:
         seconds = list(dict.fromkeys(one.second for one in likely))
         evidence = np.full((len(firsts), len(seconds)), -np.inf)
         for one in likely:
-            evidence[firsts.index(one.first), seconds.index(one.second)] = one.evidence
+            place = firsts.index(one.first), seconds.index(one.second)
+            evidence[place] = max(evidence[place], one.evidence)
         assigned = associate(evidence + np.log(CHANCE_DENSITY))
         pairs = []
         for column, row in enumerate(assigned):
@@ -150,9 +179,8 @@ class StationPairing:
                 self._threshold
             ):
                 continue
-            trial = next(
-                one for one in likely if one.first is firsts[row] and one.second is seconds[column]
-            )
+            pair = firsts[row], seconds[column]
+            trial = max((one for one in likely if one.pair == pair), key=lambda one: one.evidence)
             pairs.append(Pair(trial.first, trial.second, trial.solver))
         return tuple(pairs)
 
@@ -160,10 +188,11 @@ class StationPairing:
         """Give up what fell behind, for ever only where a station tells the two apart."""
         for failed in [one for one in self._failed if one.next_stamp <= stamp]:
             self._failed.remove(failed)
-            self._try(*failed.trial.pair, LATER_PAUSES * failed.trial.pause)
+            self._try_agile(*failed.trial.pair, LATER_PAUSES * failed.trial.pause)
         for trial in [one for one in self._trials if one.evidence <= -self._threshold]:
             self._trials.remove(trial)
-            if trial.evidence > -np.inf:
+            parallel = any(one.pair == trial.pair for one in self._trials)
+            if trial.evidence > -np.inf and not parallel:
                 self._failed.append(_Failed(trial, stamp + nanoseconds(trial.pause)))
 
     def join(self, pair: Pair) -> None:
@@ -171,7 +200,14 @@ class StationPairing:
         self.end(pair.second)
         for trial in self._trials:
             if pair.first in trial.pair:
-                trial.solver = pair.solver.copy()
+                trial.solver = pair.solver.copy(trial.solver.configuration)
+            if pair.first in trial.alone:
+                trial.alone[pair.first] = pair.solver.copy(trial.solver.configuration)
+
+
+def _may_be_one(first: FollowedTarget, second: FollowedTarget) -> bool:
+    """Return whether no station tells two targets apart, and something is known of the first."""
+    return not set(first.members) & set(second.members) and bool(first.solutions)
 
 
 def _rival(evidence: FloatArray, row: int, column: int) -> float:

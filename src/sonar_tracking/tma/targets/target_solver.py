@@ -26,7 +26,6 @@ from sonar_tracking.tma.estimators.motion_modes import MODES
 from sonar_tracking.tma.estimators.range_bank import RangeBankUpdate, update_range_banks
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.range_bank_state import RangeBankState
-from sonar_tracking.tma.estimators.recursion import elapsed
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, TmaMeasurement
 from sonar_tracking.tma.targets.array_sides import (
     LEFT,
@@ -40,7 +39,6 @@ from sonar_tracking.tma.targets.array_sides import (
 from sonar_tracking.tma.targets.line_columns import LineColumns, plan_columns, with_columns
 from sonar_tracking.tma.targets.measurement_log import MeasurementLog
 from sonar_tracking.tma.targets.observability import OBSERVABLE
-from sonar_tracking.tma.targets.station_association import azimuth_log_likelihoods
 from sonar_tracking.tma.targets.target_records import (
     TargetObservation,
     TargetSolution,
@@ -76,11 +74,18 @@ class TargetSolver:
     ----------
     configuration : RangeBankConfiguration
         Of the filter.
+
+    Attributes
+    ----------
+    configuration : RangeBankConfiguration
+        Of the filter.
+    state : RangeBankState or None
+        Of the filter; None = there was no azimuth yet.
     """
 
     def __init__(self, configuration: RangeBankConfiguration | None = None) -> None:
-        self._configuration = configuration or RangeBankConfiguration()
-        self._state: RangeBankState | None = None
+        self.configuration = configuration or RangeBankConfiguration()
+        self.state: RangeBankState | None = None
         self._progress = _Progress()
         self._log: MeasurementLog
 
@@ -110,16 +115,16 @@ class TargetSolver:
     @property
     def refused(self) -> int:
         """Azimuths in a row that no hypothesis has accepted."""
-        return 0 if self._state is None else int(self._state.refused)
+        return 0 if self.state is None else int(self.state.refused)
 
     def forgive(self) -> None:
         """Forget the azimuths that were refused."""
-        if self._state is not None:
-            self._state = replace(self._state, refused=np.array(0))
+        if self.state is not None:
+            self.state = replace(self.state, refused=np.array(0))
 
     def solutions(self) -> tuple[TargetSolution, ...]:
         """Return the solutions that stand: one, two while the side is open, none at first."""
-        state, sides = self._state, self._progress.sides
+        state, sides = self.state, self._progress.sides
         if state is None:
             return ()
         weights = side_weights(state.bank, len(sides))
@@ -138,7 +143,7 @@ class TargetSolver:
         splits : Splits, optional
             Banks split already; those of copied solvers are the same.
         """
-        state = self._state
+        state = self.state
         known = observation.sensor_id in self._progress.last_stamp_of
         if state is None or known or not observation.azimuths:
             return
@@ -146,24 +151,24 @@ class TargetSolver:
         key = (id(state.bank), observation.position)
         if key not in splits:
             splits[key] = (state.bank, split_bank(state.bank, np.array(observation.position)))
-        self._state = replace(state, bank=splits[key][1])
+        self.state = replace(state, bank=splits[key][1])
 
-    def copy(self) -> TargetSolver:
-        """Return a solver that goes on from here independently."""
-        copied = TargetSolver(self._configuration)
+    def copy(self, configuration: RangeBankConfiguration | None = None) -> TargetSolver:
+        """Return a solver that goes on from here independently, with other parameters if given."""
+        copied = TargetSolver(configuration or self.configuration)
         progress = self._progress
-        copied._state = self._state
+        copied.state = self.state
         copied._progress = replace(
             progress,
             last_stamp_of=dict(progress.last_stamp_of),
             errors_of=dict(progress.errors_of),
         )
-        if self._state is not None:
+        if self.state is not None:
             copied._log = self._log.copy()
         return copied
 
     def _check_order(self, observation: TargetObservation) -> None:
-        state, sensor = self._state, observation.sensor_id
+        state, sensor = self.state, observation.sensor_id
         if state is not None and observation.stamp < state.stamp:
             raise InputError(
                 f"observation of {shown(sensor)} is older than the last one; keep them in order."
@@ -186,10 +191,10 @@ class TargetSolver:
         plan = plan_columns(progress.columns, lines, observation.stamp)
         progress.columns = plan.columns
         count = len(plan.columns.lines)
-        if self._state is not None:
-            state = with_columns(self._state, count, plan.freed)
+        if self.state is not None:
+            state = with_columns(self.state, count, plan.freed)
             own = progress.errors_of.get(observation.sensor_id) or no_evidence((), 0)
-            self._state = replace(state, errors=with_azimuth_evidence(state.errors, own))
+            self.state = replace(state, errors=with_azimuth_evidence(state.errors, own))
             if plan.freed:
                 self._log.forget_lines(plan.freed)
         kind = (id(observation), plan.column_of, count)
@@ -198,11 +203,11 @@ class TargetSolver:
         return made[kind]
 
     def _decide_side(self, observation: TargetObservation) -> None:
-        progress, state = self._progress, self._state
+        progress, state = self._progress, self.state
         assert state is not None
         if len(progress.sides) == 1:
             if len(state.bank.log_weight) > MODES:
-                self._state = replace(state, bank=without_unlikely(state.bank))
+                self.state = replace(state, bank=without_unlikely(state.bank))
             return
         turned = abs(float(wrap_angle(_course(observation) - progress.first_course)))
         other = observation.sensor_id != progress.first_sensor and bool(observation.azimuths)
@@ -213,7 +218,7 @@ class TargetSolver:
         if np.max(halves) > SIDE_PROBABILITY:
             winner = int(np.argmax(halves))
             progress.sides = (progress.sides[winner],)
-            self._state = replace(state, bank=side_of(state.bank, winner, 2))
+            self.state = replace(state, bank=side_of(state.bank, winner, 2))
 
     def _solution(self, state: RangeBankState, index: int, probability: float) -> TargetSolution:
         sides = self._progress.sides
@@ -239,7 +244,7 @@ class TargetSolver:
     ) -> TmaMeasurement | None:
         """Return what the filter takes; None = nothing is known yet, and no azimuth comes."""
         self._check_order(observation)
-        if self._state is None and not observation.azimuths:
+        if self.state is None and not observation.azimuths:
             return None
         self.expect(observation, splits)
         return self._measurement(observation, made)
@@ -247,11 +252,11 @@ class TargetSolver:
     def _conclude(
         self, observation: TargetObservation, measurement: TmaMeasurement, done: RangeBankUpdate
     ) -> None:
-        new = self._state is None
-        self._state = done.state
+        new = self.state is None
+        self.state = done.state
         if new or bool(done.restarted):
             self._begin(observation)
-            parameters = self._configuration
+            parameters = self.configuration
             ranges, speeds = parameters.maximum_range, parameters.maximum_speed
             self._log = MeasurementLog(measurement, ranges, speeds)
         self._log.append(measurement)
@@ -274,7 +279,7 @@ def update_solvers(tasks: Sequence[Task]) -> list[Problem | None]:
     Parameters
     ----------
     tasks : sequence of Task
-        Of different solvers of one configuration.
+        Of different solvers.
 
     Returns
     -------
@@ -297,52 +302,14 @@ def update_solvers(tasks: Sequence[Task]) -> list[Problem | None]:
             continue
         if measurement is not None:
             ready.append((solver, observation, measurement))
-    if ready:
-        states, measurements = [one[0]._state for one in ready], [one[2] for one in ready]
-        done = update_range_banks(states, measurements, ready[0][0]._configuration)
-        for (solver, observation, measurement), update in zip(ready, done, strict=True):
+    configurations = {id(one): one for one in (solver.configuration for solver, _, _ in ready)}
+    for configuration in configurations.values():
+        own = [one for one in ready if one[0].configuration is configuration]
+        states, measurements = [one[0].state for one in own], [one[2] for one in own]
+        done = update_range_banks(states, measurements, configuration)
+        for (solver, observation, measurement), update in zip(own, done, strict=True):
             solver._conclude(observation, measurement, update)
     return problems
-
-
-def log_likelihoods(tasks: Sequence[Task]) -> list[float]:
-    """Return how well the azimuths of observations fit their solvers, before they are taken in.
-
-    Parameters
-    ----------
-    tasks : sequence of Task
-        Solvers of one configuration that have had an azimuth; observations of whatever sensors,
-        not older than the solver's last one, with azimuths.
-
-    Returns
-    -------
-    list of float
-        Log of the density of each, rad^-1; -inf = outside the gate of every hypothesis.
-    """
-    if not tasks:
-        return []
-    states = [_known_state(solver) for solver, _ in tasks]
-    observations = [observation for _, observation in tasks]
-    intervals = [
-        elapsed(state.stamp, one.stamp) for state, one in zip(states, observations, strict=True)
-    ]
-    parameters = tasks[0][0]._configuration
-    density = azimuth_log_likelihoods(
-        [state.bank for state in states],
-        np.array(intervals),
-        parameters.acceleration,
-        np.array([one.position for one in observations]),
-        np.array([(*one.azimuths, np.nan)[:2] for one in observations]),
-        np.array([one.azimuth_variance for one in observations])[:, None],
-        parameters.gate,
-        np.array([one.propagation_speed for one in observations]),
-    )
-    return [float(one) for one in np.logaddexp.reduce(density, axis=1)]
-
-
-def _known_state(solver: TargetSolver) -> RangeBankState:
-    assert solver._state is not None
-    return solver._state
 
 
 def _course(observation: TargetObservation) -> float:

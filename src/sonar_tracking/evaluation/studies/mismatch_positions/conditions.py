@@ -65,7 +65,8 @@ def _weaving(name: str, angle_deg: float) -> Condition:
     """Return a target whose velocity changes at random as much as that of the zig-zag does."""
     scene = scenario(name)
     change = 2.0 * np.hypot(*scene.target[2:]) * np.sin(np.radians(0.5 * angle_deg))
-    told = replace(BELIEVING, acceleration=float(change / np.sqrt(80.0)))
+    density = float(change / np.sqrt(80.0))
+    told = replace(BELIEVING, acceleration=density, manoeuvre_acceleration=density)
     weave = ZigZag(angle_deg)
     return Condition(f"zig-zag by {angle_deg:g} deg, {name}", scene, weave, told=told)
 
