@@ -109,7 +109,7 @@ class BankBatch:
     refused : ndarray of int64, shape (n_runs,)
         As in :class:`RangeBankState`.
     contradicted : ndarray, shape (n_runs,)
-        As in :class:`RangeBankState`.
+        A pure number, as in :class:`RangeBankState`.
     measurement : TmaMeasurement
         Of each hypothesis, or what is the same for all.
     """

@@ -175,9 +175,9 @@ def learn_errors(
     evidence : ErrorEvidence
         Before.
     innovation : ndarray, shape (..., 1 + n_lines)
-        Measured minus predicted, in told standard deviations.
+        Measured minus predicted, in told standard deviations: a pure number.
     own_variance : ndarray, shape (..., 1 + n_lines)
-        Of the prediction, in told variances.
+        Of the prediction, in told variances: a pure number.
     telling : ndarray of bool, shape (..., 1 + n_lines)
         Which rows there are and say something of their errors.
     stamp : int
@@ -226,6 +226,13 @@ def without_common_doppler(
         Received, Hz.
     present : ndarray of bool, shape (..., n_lines)
         Which lines there are.
+
+    Returns
+    -------
+    innovation : ndarray, shape (..., n_lines)
+        Hz.
+    own_variance : ndarray, shape (..., n_lines)
+        Hz^2.
     """
     scale = np.where(present, frequency, 1.0)
     weight = np.where(present, scale**2 / variance, 0.0)

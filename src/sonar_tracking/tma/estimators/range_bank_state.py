@@ -53,7 +53,7 @@ class RangeBankState:
     refused : ndarray of int64, shape (...)
         Azimuths in a row that no hypothesis accepted.
     contradicted : ndarray, shape (...)
-        The same of elevations, rare ones counted as several.
+        The same of elevations, rare ones counted as several; a pure number.
     """
 
     stamp: int

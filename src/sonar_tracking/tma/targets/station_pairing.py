@@ -34,7 +34,8 @@ AGILE = 0.05
 """Process noise of targets that do not go straight for long, m/s^2."""
 
 FEW = 4
-"""Where a new target may be one with so many others at most, agile ones are tried at once."""
+"""Where a new target may be one with so many others at most, agile ones are tried at once; a trial
+is begun again when there are fewer."""
 
 FIRST_PAUSE, LATER_PAUSES = 30.0, 2.0
 """Of a trial that failed, s, and how much longer each further one is."""
@@ -187,8 +188,10 @@ class StationPairing:
     def _give_up(self, stamp: int) -> None:
         """Give up what fell behind, for ever only where a station tells the two apart."""
         for failed in [one for one in self._failed if one.next_stamp <= stamp]:
-            self._failed.remove(failed)
-            self._try_agile(*failed.trial.pair, LATER_PAUSES * failed.trial.pause)
+            first, second = failed.trial.pair
+            if sum(one.second is second for one in self._trials) < FEW:
+                self._failed.remove(failed)
+                self._try_agile(first, second, LATER_PAUSES * failed.trial.pause)
         for trial in [one for one in self._trials if one.evidence <= -self._threshold]:
             self._trials.remove(trial)
             parallel = any(one.pair == trial.pair for one in self._trials)

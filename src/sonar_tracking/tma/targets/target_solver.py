@@ -46,6 +46,9 @@ from sonar_tracking.tma.targets.target_records import (
     measurement_of,
 )
 
+PRUNED_EVERY = 8
+"""Observations; the hypotheses that do not matter any more are left out then."""
+
 Splits = dict[tuple[int, tuple[float, float]], tuple[HypothesisBank, HypothesisBank]]
 """Banks by identity and position of the station they are split for: before and after."""
 
@@ -59,6 +62,8 @@ class _Progress:
 
     sides: tuple[str, ...] = ()
     first_sensor: str = ""
+    last_sensor: str = ""
+    unpruned: int = 0
     first_course: float = 0.0
     resolvable: bool = False
     manoeuvre: bool = False
@@ -192,9 +197,8 @@ class TargetSolver:
         progress.columns = plan.columns
         count = len(plan.columns.lines)
         if self.state is not None:
-            state = with_columns(self.state, count, plan.freed)
-            own = progress.errors_of.get(observation.sensor_id) or no_evidence((), 0)
-            self.state = replace(state, errors=with_azimuth_evidence(state.errors, own))
+            self.state = with_columns(self.state, count, plan.freed)
+            self._take_up_errors(observation.sensor_id)
             if plan.freed:
                 self._log.forget_lines(plan.freed)
         kind = (id(observation), plan.column_of, count)
@@ -202,11 +206,21 @@ class TargetSolver:
             made[kind] = measurement_of(observation, plan.column_of, count)
         return made[kind]
 
+    def _take_up_errors(self, sensor_id: str) -> None:
+        """Go on with what is known of the errors of the station that measures."""
+        progress, state = self._progress, self.state
+        assert state is not None
+        if sensor_id != progress.last_sensor:
+            own = progress.errors_of.get(sensor_id) or no_evidence((), 0)
+            self.state = replace(state, errors=with_azimuth_evidence(state.errors, own))
+
     def _decide_side(self, observation: TargetObservation) -> None:
         progress, state = self._progress, self.state
         assert state is not None
         if len(progress.sides) == 1:
-            if len(state.bank.log_weight) > MODES:
+            progress.unpruned += 1
+            if len(state.bank.log_weight) > MODES and progress.unpruned >= PRUNED_EVERY:
+                progress.unpruned = 0
                 self.state = replace(state, bank=without_unlikely(state.bank))
             return
         turned = abs(float(wrap_angle(_course(observation) - progress.first_course)))
@@ -262,6 +276,7 @@ class TargetSolver:
         self._log.append(measurement)
         self._progress.manoeuvre = bool(done.manoeuvre)
         self._progress.last_stamp_of[observation.sensor_id] = observation.stamp
+        self._progress.last_sensor = observation.sensor_id
         self._progress.errors_of[observation.sensor_id] = azimuth_evidence(done.state.errors)
         self._decide_side(observation)
 

@@ -153,9 +153,14 @@ def lasting(normal: FloatArray, time_constant: float) -> FloatArray:
     Parameters
     ----------
     normal : ndarray, shape (n_frames, n)
-        Standard normal.
+        Standard normal, pure numbers.
     time_constant : float
         In frames.
+
+    Returns
+    -------
+    ndarray, shape (n_frames, n)
+        Pure numbers.
     """
     phi = np.exp(-1.0 / time_constant)
     errors = normal.copy()
