@@ -16,6 +16,7 @@ from sonar_tracking.passive.bearings.bearing_tracker_stage import (
 )
 from sonar_tracking.passive.subspaces import subspace_stage
 from sonar_tracking.passive.subspaces.subspace_stage import SubspaceConfiguration, SubspaceStage
+from sonar_tracking.passive.subspaces.unfollowed_subspace import UnfollowedSubspace
 from sonar_tracking.records.bearings import ArraySnapshots, BearingTracks, SubspaceEstimates
 from tests.passive.crossing_scene import blocks_of, crossing_angles, snapshots_of
 
@@ -92,6 +93,22 @@ def test_tracks_of_runs_together_are_those_of_each(method: str) -> None:
         alone = BearingTrackerStage(tracker)
         assert known(own) == known([alone.update(each).tracks for each in single])
     assert any(entry.established.any() for entry in together[0])
+
+
+def test_where_nobody_looks_at_the_subspace_all_else_is_the_same() -> None:
+    blocks = runs()[0]
+    stage = SubspaceStage(ESTIMATOR, UnfollowedSubspace())
+    tracker, other = BearingTrackerStage(TRACKER), BearingTrackerStage(TRACKER)
+    unfollowed = [each for block in blocks for each in stage.update(block).estimates]
+    followed = estimates_alone(ESTIMATOR, blocks)
+    assert not np.array_equal(unfollowed[-1].basis, followed[-1].basis)
+    alike = [replace(own, basis=each.basis) for own, each in zip(unfollowed, followed, strict=True)]
+    assert known(alike) == known(followed)
+    tracks = [
+        [at.update(each).tracks for each in of]
+        for at, of in ((tracker, unfollowed), (other, followed))
+    ]
+    assert known(tracks[0]) == known(tracks[1])
 
 
 def test_bad_data_of_one_run_change_none() -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from sonar_tracking.configuration import ConfigurationType, Value, describe, from_mapping
 from sonar_tracking.errors import Notice
@@ -17,6 +18,7 @@ from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
     check_estimator,
 )
 from sonar_tracking.passive.bearings.bearing_tracker_stage import BearingTrackerStage
+from sonar_tracking.passive.subspaces.subspace_method import SubspaceMethod
 from sonar_tracking.passive.subspaces.subspace_stage import SubspaceConfiguration, SubspaceStage
 from sonar_tracking.records.bearings import BearingTracks
 from sonar_tracking.simulation.scenarios.scenario import Scenario
@@ -88,13 +90,17 @@ def run_offline_chain(scenario: Scenario) -> OfflineRun:
     return OfflineRun(tuple(truth), tuple(tracks), tuple(notices))
 
 
-def bearing_stages(scenario: Scenario) -> tuple[SubspaceStage, BearingTrackerStage]:
+def bearing_stages(
+    scenario: Scenario, method: SubspaceMethod[Any] | None = None
+) -> tuple[SubspaceStage, BearingTrackerStage]:
     """Return the two stages of a scenario before its first block.
 
     Parameters
     ----------
     scenario : Scenario
         Its ``nodes.subspace_estimator`` and ``nodes.bearing_tracker`` configure the stages.
+    method : SubspaceMethod, optional
+        What follows the subspace, if not the method of the scenario.
 
     Raises
     ------
@@ -113,4 +119,5 @@ def bearing_stages(scenario: Scenario) -> tuple[SubspaceStage, BearingTrackerSta
         f"{scenario.name}: nodes.{tracker_name}",
     )
     check_estimator(tracker_configuration, estimator_configuration)
-    return SubspaceStage(estimator_configuration), BearingTrackerStage(tracker_configuration)
+    estimator = SubspaceStage(estimator_configuration, method)
+    return estimator, BearingTrackerStage(tracker_configuration)

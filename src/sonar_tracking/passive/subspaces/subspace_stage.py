@@ -90,6 +90,8 @@ class SubspaceStage:
     ----------
     configuration : SubspaceConfiguration
         Parameters.
+    method : SubspaceMethod, optional
+        What follows the subspace, if not the method of the configuration.
 
     Raises
     ------
@@ -104,10 +106,12 @@ class SubspaceStage:
     ...     tracks = tracker.update(estimates).tracks
     """
 
-    def __init__(self, configuration: SubspaceConfiguration) -> None:
+    def __init__(
+        self, configuration: SubspaceConfiguration, method: SubspaceMethod[Any] | None = None
+    ) -> None:
         check_configuration(configuration)
         self.configuration = configuration
-        self._method: SubspaceMethod[Any] = configuration.entry.make(configuration)
+        self._method: SubspaceMethod[Any] = method or configuration.entry.make(configuration)
         self._schedule = SampleSchedule(
             period_in_nanoseconds(configuration.period),
             configuration.n_subspaces,
@@ -120,12 +124,10 @@ class SubspaceStage:
     def warm_up(self) -> None:
         """Let a stage like this one estimate from made-up data: its first use of much is slow."""
         n_snapshots = 2 * (self._kept_snapshots + self._schedule.reach) + 20
+        configuration = self.configuration
+        block = rehearsed_block(configuration.source_count, n_snapshots, configuration.period)
         with suppress(InputError):
-            SubspaceStage(self.configuration).update(
-                rehearsed_block(
-                    self.configuration.source_count, n_snapshots, self.configuration.period
-                )
-            )
+            SubspaceStage(configuration).update(block)
 
     def reset(self) -> None:
         """Forget all data: the next block starts a new run."""

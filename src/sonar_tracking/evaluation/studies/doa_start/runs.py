@@ -22,6 +22,7 @@ from sonar_tracking.passive.bearings.bearing_tracker_stage import TrackerUpdate
 from sonar_tracking.passive.bearings.bearing_tracker_stage import update_together as tracks_together
 from sonar_tracking.passive.subspaces.subspace_stage import SubspaceUpdate
 from sonar_tracking.passive.subspaces.subspace_stage import update_together as subspaces_together
+from sonar_tracking.passive.subspaces.unfollowed_subspace import UnfollowedSubspace
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
@@ -140,8 +141,8 @@ def start_batch(task: StartBatch) -> StartRuns:
 def start_chains(condition: StartCondition, seeds: Sequence[int]) -> tuple[OfflineRun, ...]:
     """Return what the chain gives with each of several seeds: that of the offline chain.
 
-    Only the blocks are longer, since a block costs much and gives the same, and what all runs have
-    in common is made once.
+    Only the blocks are longer, since a block costs much and gives the same, what all runs have in
+    common is made once, and the subspaces, in which this tracker takes no bearings, are left out.
 
     Parameters
     ----------
@@ -151,7 +152,8 @@ def start_chains(condition: StartCondition, seeds: Sequence[int]) -> tuple[Offli
         Of the scenario, one a run.
     """
     scenario = condition.scenario(0)
-    estimators, trackers = zip(*(bearing_stages(scenario) for _ in seeds), strict=True)
+    stages = [bearing_stages(scenario, UnfollowedSubspace()) for _ in seeds]
+    estimators, trackers = zip(*stages, strict=True)
     tracks: list[list[BearingTracks]] = [[] for _ in seeds]
     notices: list[list[Notice]] = [[] for _ in seeds]
     for block in long_blocks(scenario, seeds, BLOCK_SNAPSHOTS):
