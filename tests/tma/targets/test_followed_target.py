@@ -79,7 +79,9 @@ def test_a_solution_is_confirmed_when_it_is_observable_and_known_to_a_tenth_of_i
     turn = np.array([[0.8, -0.6], [0.6, 0.8]])
     covariance = np.eye(4)
     covariance[:2, :2] = turn @ np.diag([deviation**2, 4.0]) @ turn.T
-    made = target(solution(covariance=covariance, observability=observability), place=place)
+    made = target(
+        solution(covariance=covariance, observability=observability), places={"bow": place}
+    )
     made.judge(CONFIGURATION)
     assert made.confirmed == confirmed
 
@@ -96,6 +98,15 @@ def test_what_is_confirmed_stays_so_until_it_is_unobservable_or_half_as_well_kno
     made = target(one, confirmed=True)
     made.judge(CONFIGURATION)
     assert made.confirmed == confirmed
+
+
+def test_the_range_is_that_from_the_farthest_station_whichever_has_observed_it_last() -> None:
+    """A deviation of 150 m is good enough at 2 km and not at 1 km."""
+    covariance = np.diag([150.0**2, 100.0, 1.0, 1.0])
+    for places in ({"near": (0.0, 0.0), "far": (-1000.0, 0.0)}, {"near": (0.0, 0.0)}):
+        made = target(solution(covariance=covariance), places=dict(places))
+        made.judge(CONFIGURATION)
+        assert made.confirmed == ("far" in places)
 
 
 def test_without_a_solution_nothing_is_judged() -> None:
@@ -143,11 +154,11 @@ def test_an_observation_that_is_taken_in_moves_stamp_and_place() -> None:
     before, after = solution(), solution(stamp=30 * SECOND)
     made = target(before)
     assert made.conclude(observation(30 * SECOND, 0.1), ()) == (before,)
-    assert (made.updated, made.place) == (20 * SECOND, (0.0, 0.0))
+    assert (made.updated, made.places) == (20 * SECOND, {})
     assert made.conclude(observation(30 * SECOND), (after,)) == (after,)
-    assert (made.updated, made.place) == (30 * SECOND, (0.0, 0.0))
+    assert (made.updated, made.places) == (30 * SECOND, {})
     made.conclude(observation(31 * SECOND, 0.1), (after,))
-    assert (made.updated, made.place) == (31 * SECOND, (7.0, 8.0))
+    assert (made.updated, made.places) == (31 * SECOND, {"stern": (7.0, 8.0)})
 
 
 def refusing(count: int) -> TargetSolver:

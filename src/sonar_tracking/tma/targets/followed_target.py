@@ -44,8 +44,8 @@ class FollowedTarget:
         Identifier of each side's row in the track list.
     confirmed : bool
         Whether the solution is good enough.
-    place : tuple of float
-        Where the station was that observed it last, m.
+    places : dict of str to tuple of float
+        Where each station was when it observed it last, m.
     misfits : dict of str to int
         Azimuths in a row of each station that no hypothesis explains.
     forsaken : bool
@@ -61,7 +61,7 @@ class FollowedTarget:
     solutions: tuple[TargetSolution, ...] = ()
     row_of: dict[str, int] = field(default_factory=dict)
     confirmed: bool = False
-    place: tuple[float, float] = (0.0, 0.0)
+    places: dict[str, tuple[float, float]] = field(default_factory=dict)
     misfits: dict[str, int] = field(default_factory=dict)
     forsaken: bool = False
 
@@ -87,7 +87,7 @@ class FollowedTarget:
         if observation.line_ids or not self.solver.refused:
             self.updated = observation.stamp
         if observation.azimuths:
-            self.place = observation.position
+            self.places[observation.sensor_id] = observation.position
         return solutions
 
     @property
@@ -128,12 +128,17 @@ class FollowedTarget:
         if best.observability < configuration.confirm_observability:
             self.confirmed = False
             return
-        distance = np.hypot(*(best.mean[:2] - self.place))
+        distance = self._distance(best)
         variance = float(np.linalg.eigvalsh(best.covariance[:2, :2])[-1])
         limit = configuration.confirm_relative_deviation * distance
         if self.confirmed:
             limit *= DOUBTFUL
         self.confirmed = bool(variance <= limit**2)
+
+    def _distance(self, solution: TargetSolution) -> float:
+        """Return the range of a solution from the station that is farthest from it, m."""
+        places = list(self.places.values()) or [(0.0, 0.0)]
+        return float(np.max(np.hypot(*(solution.mean[:2] - places).T)))
 
 
 def new_solver(configuration: TmaTrackerConfiguration) -> TargetSolver | BaselineSolver:
