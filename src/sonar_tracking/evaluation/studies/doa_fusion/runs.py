@@ -27,7 +27,10 @@ from sonar_tracking.evaluation.studies.doa_fusion.systems import (
 )
 from sonar_tracking.filtering.assignment import least_cost_pairs
 from sonar_tracking.filtering.consistency import normalised_squared
-from sonar_tracking.passive.bearings.bearing_tracker_stage import BearingTrackerStage
+from sonar_tracking.passive.bearings.bearing_tracker_stage import (
+    BearingTrackerStage,
+    update_together,
+)
 from sonar_tracking.passive.subspaces.subspace_configuration import SubspaceConfiguration
 from sonar_tracking.passive.subspaces.subspace_stage import SubspaceStage
 from sonar_tracking.records.arrays import FloatArray, IntArray
@@ -68,18 +71,17 @@ def track_batch(batch: RunBatch) -> dict[str, BearingHistories]:
         for system in SYSTEMS
     }
     shape = (len(LEVELS_DB), len(batch.seeds))
-    automatic = {
-        index: BearingTrackerStage(automatic_start_configuration()) for index in np.ndindex(shape)
-    }
+    runs = list(np.ndindex(shape))
+    automatic = [BearingTrackerStage(automatic_start_configuration()) for _ in runs]
     given_tracks: dict[str, list[BearingTracks]] = {name: [] for name in given}
-    automatic_tracks: dict[tuple[int, ...], list[BearingTracks]] = {run: [] for run in automatic}
+    automatic_tracks: list[list[BearingTracks]] = [[] for _ in runs]
     configuration = subspace_configuration(len(scenario.targets))
     for estimates in scored_subspaces(scenario, configuration, batch, LEVELS_DB):
         for name, tracker in given.items():
             given_tracks[name].append(tracker.update(estimates).tracks)
-        for run, tracker in automatic.items():
-            single = single_run(estimates, run)
-            automatic_tracks[run].append(tracker.update(single).tracks)
+        updates = update_together(automatic, [single_run(estimates, run) for run in runs])
+        for own, update in zip(automatic_tracks, updates, strict=True):
+            own.append(update.tracks)
 
     angles, rates = true_bearings(scenario, STEP_TIMES)
     histories = {
@@ -87,7 +89,7 @@ def track_batch(batch: RunBatch) -> dict[str, BearingHistories]:
     }
     found = [
         histories_of(matched_to_targets(tracks[1:], angles), angles, rates)
-        for tracks in automatic_tracks.values()
+        for tracks in automatic_tracks
     ]
     histories[AUTOMATIC] = BearingHistories(
         angle=np.reshape([one.angle for one in found], (*shape, *angles.shape)),
