@@ -41,6 +41,8 @@ def follow_together(
     before : sequence of (TrackerState, float or None)
         The state of each run before its estimate, and how long before, s; None = it is the first.
     """
+    if len(estimates) == 1:
+        return [steps.follow(estimates[0], *before[0])]
     kinds = [
         (interval, kind_of(state.filters), kind_of_estimates(own))
         for own, (state, interval) in zip(estimates, before, strict=True)

@@ -63,17 +63,25 @@ def signal_counts(eigenvalues: NDArray[np.floating], n_snapshots: int) -> IntArr
         One a covariance.
     """
     floor = np.maximum(eigenvalues[..., :1], 0.0) * _EPSILON + _TINY
-    above = np.count_nonzero(eigenvalues > eigenvalues.shape[-1] * floor, axis=-1)
+    n_eigenvalues = eigenvalues.shape[-1]
+    least = n_eigenvalues * floor
+    if (eigenvalues[..., -1:] > least).all():
+        return _shortest_description(eigenvalues[..., :n_snapshots], n_snapshots)
+    above = (eigenvalues > least).sum(axis=-1)
     counts = np.maximum(np.minimum(above, n_snapshots), 1)
-    found = np.zeros_like(counts)
+    values, found = np.maximum(eigenvalues, floor), np.zeros_like(counts)
     for count in set(counts.ravel().tolist()):
         rows = counts == count
-        values = np.maximum(eigenvalues[rows][:, :count], floor[rows])
-        remaining, scaled, penalty = _penalty(count, n_snapshots)
-        mean = values[:, ::-1].cumsum(axis=-1)[:, ::-1] / remaining
-        log_mean = np.log(values)[:, ::-1].cumsum(axis=-1)[:, ::-1] / remaining
-        found[rows] = (scaled * (np.log(mean) - log_mean) + penalty).argmin(axis=-1)
+        found[rows] = _shortest_description(values[rows][:, :count], n_snapshots)
     return found
+
+
+def _shortest_description(values: NDArray[np.floating], n_snapshots: int) -> IntArray:
+    """Return the k of the least MDL(k), shape (...), of eigenvalues (..., count) above zero."""
+    remaining, scaled, penalty = _penalty(values.shape[-1], n_snapshots)
+    mean = values[..., ::-1].cumsum(axis=-1)[..., ::-1] / remaining
+    log_mean = np.log(values)[..., ::-1].cumsum(axis=-1)[..., ::-1] / remaining
+    return np.asarray((scaled * (np.log(mean) - log_mean) + penalty).argmin(axis=-1))
 
 
 @lru_cache(maxsize=256)

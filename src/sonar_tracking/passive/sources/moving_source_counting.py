@@ -126,8 +126,9 @@ class _Windows:
     def count(self, rows: IndexArray, n_newest: IntArray) -> IntArray:
         """Return the number of sources in the newest snapshots of some windows."""
         noise, counts = self.header.noise_covariance, np.zeros_like(n_newest)
-        for n in set(n_newest.tolist()):
-            together = n_newest == n
+        kinds = set(n_newest.tolist())
+        for n in kinds:
+            together = n_newest == n if len(kinds) > 1 else slice(None)
             if n == self.snapshots.shape[-2]:
                 newest = self.covariance[rows[together]]
             else:

@@ -153,8 +153,10 @@ class NullSpectrum:
         """Return steering vectors with the phase of the array centre, and two derivatives."""
         x, y = self.across
         sine, cosine = np.sin(angles)[..., None, :], np.cos(angles)[..., None, :]
-        phase = self.wavenumber * (x * sine + y * cosine)
-        slope = self.wavenumber * (x * cosine - y * sine)
+        phase, slope = x * sine, x * cosine
+        if y.any():
+            phase, slope = phase + y * cosine, slope - y * sine
+        phase, slope = self.wavenumber * phase, self.wavenumber * slope
         vectors = np.exp(1j * phase)
         first, second = 1j * slope * vectors, -(slope**2 + 1j * phase) * vectors
         if self.factor is None:
@@ -292,17 +294,17 @@ def _refined(null_spectrum: NullSpectrum, grid: FloatArray, found: IndexArray) -
     The floor of a spectrum is sought until it is reached in all valleys of that spectrum, so that
     it does not depend on the others.
     """
-    angles = grid[found]
+    angles, valleys = grid[found], found >= 0
     low = grid[np.maximum(found - 1, 0)]
     high = grid[np.minimum(found + 1, len(grid) - 1)]
-    rows, valleys = np.arange(len(found)), found >= 0
+    rows = np.flatnonzero(valleys.any(axis=-1))
     for _ in range(_REFINEMENT_STEPS):
-        rows = rows[valleys[rows].any(axis=-1)]
         if not rows.size:
             break
-        step = null_spectrum.of(rows).newton_step(angles[rows])
-        refined = np.minimum(np.maximum(angles[rows] + step, low[rows]), high[rows])
-        change = np.where(valleys[rows], np.abs(refined - angles[rows]), 0.0).max(axis=-1)
-        angles[rows] = refined
+        here = rows if len(rows) < len(found) else slice(None)
+        step = null_spectrum.of(rows).newton_step(angles[here])
+        refined = np.minimum(np.maximum(angles[here] + step, low[here]), high[here])
+        change = (np.abs(refined - angles[here]) * valleys[here]).max(axis=-1)
+        angles[here] = refined
         rows = rows[null_spectrum.curvature * change**2 >= _FLOOR_REACHED]
     return angles

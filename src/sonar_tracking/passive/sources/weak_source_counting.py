@@ -47,6 +47,9 @@ _EPSILON, _TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
 _LARGEST_SPREAD = 1.0
 """Of a second eigenvalue by motion, with the margin, over the noise."""
 
+_SMALL = 20
+"""Up to so many elements the eigenvalues cost no more than a bound of the largest one."""
+
 _SURELY = 1.0 + 1e-6
 """Beyond all rounding."""
 
@@ -179,14 +182,18 @@ def believed_sources(
     counts = signal_counts(eigenvalues, n_snapshots)
     n_elements = eigenvalues.shape[-1]
     signal = np.arange(n_elements) < counts[..., None]
-    noise = np.where(signal, 0.0, eigenvalues).sum(axis=-1) / (n_elements - counts)
-    least_noise = np.maximum(eigenvalues[..., 0] * _EPSILON, _TINY)
-    ratios = eigenvalues / np.maximum(noise, least_noise)[..., None]
+    noise = (
+        eigenvalues.sum(axis=-1, where=~signal, keepdims=True) / (n_elements - counts)[..., None]
+    )
+    ratios = eigenvalues / np.maximum(noise, eigenvalues[..., :1] * _EPSILON + _TINY)
     share = len(positions) / n_snapshots
     least = 2.0 * _spread_of_unit(positions, number, largest_turn) * ratios[..., :1]
-    limit = (1.0 + least) * (1.0 + share / np.maximum(least, _TINY))
-    shown = np.count_nonzero(signal & (ratios > limit) & (least <= _LARGEST_SPREAD), axis=-1)
-    return np.where(least[..., 0] < np.sqrt(share), counts, shown)
+    spread = least >= np.sqrt(share)
+    believed = signal & (~spread | (least <= _LARGEST_SPREAD))
+    if (believed & spread).any():
+        # Where motion may show at all, what it may have spread is not counted.
+        believed &= ~spread | (ratios > (1.0 + least) * (1.0 + share / np.maximum(least, _TINY)))
+    return np.asarray(believed.sum(axis=-1))
 
 
 def _spread_of_unit(positions: FloatArray, number: float, turn: float) -> float:
@@ -224,11 +231,13 @@ class _MeanCovariances:
         if noise is not None:
             covariances = whitened_covariance(covariances, noise_factor(noise))
         number = wavenumber(self.estimates.center_frequency, self.estimates.sound_speed)
-        # Where even the least ratio that trace and norm allow spreads too far, none is believed
-        # whatever the eigenvalues are.
-        spread = _spread_of_unit(positions, number, self.turn) * least_ratios(covariances)
-        rows = np.flatnonzero(~(2.0 * spread > _SURELY * _LARGEST_SPREAD))
-        counts = np.zeros(len(covariances), dtype=np.int64)
+        counts, rows = np.zeros(len(covariances), dtype=np.int64), np.arange(len(covariances))
+        if len(positions) > _SMALL:
+            # Where even the least ratio that trace and norm allow spreads too far, none is
+            # believed whatever the eigenvalues are.
+            spread = _spread_of_unit(positions, number, self.turn) * least_ratios(covariances)
+            most = max(_LARGEST_SPREAD, np.sqrt(len(positions) / self.n_snapshots))
+            rows = np.flatnonzero(~(2.0 * spread > _SURELY * most))
         if rows.size:
             values = np.linalg.eigvalsh(covariances[rows])[:, ::-1]
             counts[rows] = believed_sources(values, self.n_snapshots, positions, number, self.turn)
