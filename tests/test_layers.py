@@ -74,6 +74,7 @@ ROOMS = (
     "evaluation.studies.mismatch_contacts",
     "evaluation.studies.maritime_contacts",
     "evaluation.studies.room_array",
+    "evaluation.studies.scenario_seeds",
     "evaluation.studies.ship_bearings",
     "evaluation.studies.tma_frequency_fusion",
     "evaluation.studies.mismatch_positions",
@@ -94,6 +95,7 @@ ROOMS = (
     "cli_options",
     "cli_loading",
     "cli_bench",
+    "cli_smooth",
     "cli",
     "",
 )

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import sonar_tracking
 from sonar_tracking.errors import ConfigurationError, SonarTrackingError
-from sonar_tracking.evaluation.metrics.cutoff import CUTOFF_M
+from sonar_tracking.evaluation.metrics.cutoff import CUTOFF_M, FAR_LIMIT_M
 
 try:
     import typer
@@ -23,6 +23,7 @@ from sonar_tracking.cli_loading import load as _load
 from sonar_tracking.cli_loading import needs as _needs
 from sonar_tracking.cli_options import (
     CutoffOption,
+    FarLimitOption,
     FaultsOption,
     GraphNamespaceOption,
     GraphRemapOption,
@@ -34,6 +35,7 @@ from sonar_tracking.cli_options import (
     RecordOption,
     RemapOption,
 )
+from sonar_tracking.cli_smooth import smooth
 
 REFUSED = 2
 """Exit code: what was asked cannot be done, and nothing was started."""
@@ -242,24 +244,17 @@ def score(
     bag: Annotated[Path, typer.Argument(help="Bag with tracks and truth.")],
     json: JsonOption = None,
     cutoff: CutoffOption = CUTOFF_M,
+    far_limit: FarLimitOption = FAR_LIMIT_M,
     remap: RemapOption = None,
     namespace: NamespaceOption = "",
 ) -> None:
     """Score the bearing and position tracks in a bag against the truth in the bag."""
     _needs("sonar_tracking.evaluation.metrics.score_bag").score_bag(
-        bag, json, cutoff, _names(remap, namespace)
+        bag, json, cutoff, _names(remap, namespace), far_limit
     )
 
 
-@app.command()
-def smooth(
-    bag: Annotated[Path, typer.Argument(help="Bag with position tracks.")],
-    output: Annotated[Path | None, typer.Option(help="The new bag; default: beside it.")] = None,
-    acceleration: Annotated[float, typer.Option(help="Process noise of targets, m/s^2.")] = 0.01,
-) -> None:
-    """Add the tracks of target motion analysis in a bag, with hindsight, in a new bag."""
-    module = _needs("sonar_tracking.evaluation.offline.smoothed_bag")
-    print(module.smooth_bag(bag, output, acceleration))
+app.command()(smooth)
 
 
 @app.command()

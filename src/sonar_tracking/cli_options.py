@@ -18,6 +18,10 @@ CutoffOption = Annotated[
     float,
     typer.Option(help="Distance from which on a track is scored as none of a target, m."),
 ]
+FarLimitOption = Annotated[
+    float,
+    typer.Option(help="Distance to the nearest target beyond which a row is far off, m."),
+]
 RemapOption = Annotated[
     list[str] | None,
     typer.Option(help="OLD:=NEW, a topic of the bag and its name in the graph; may be repeated."),

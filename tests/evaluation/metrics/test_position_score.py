@@ -96,6 +96,18 @@ def test_beyond_the_cutoff_a_track_is_false_and_its_target_missed() -> None:
     assert score([{7: (250.0, 0.0)}] * 36, {1: (0.0, 0.0)}, 300.0).rmse_m == pytest.approx(250.0)
 
 
+def test_rows_far_from_every_target_are_counted_whatever_the_cutoff() -> None:
+    """Of three rows one is 150 m from a target, one 500 m; the third has its target at 0 m."""
+    truth = [picture(0, {1: (0.0, 0.0), 2: (5000.0, 0.0)})]
+    tracks = [picture(0, {7: (150.0, 0.0), 8: (5500.0, 0.0), 9: (0.0, 0.0)})]
+    assert score_position_tracks(truth, tracks).far_share == pytest.approx(1.0 / 3.0)
+    assert score_position_tracks(truth, tracks, 1000.0).far_share == pytest.approx(1.0 / 3.0)
+    closer = score_position_tracks(truth, tracks, far_limit_m=100.0)
+    assert (closer.far_limit_m, closer.far_share) == (100.0, pytest.approx(2.0 / 3.0))
+    assert score_position_tracks([picture(0, {})], tracks).far_share == 1.0
+    assert np.isnan(score_position_tracks(truth, [picture(0, {})]).far_share)
+
+
 def test_exchange_of_identities_is_one_swap_a_target() -> None:
     before, after = {7: (0.0, 0.0), 8: (900.0, 0.0)}, {7: (900.0, 0.0), 8: (0.0, 0.0)}
     identities = score([before] * 6 + [after] * 14, {1: (0.0, 0.0), 2: (900.0, 0.0)}).identities

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.evaluation.metrics.cutoff import CUTOFF_M
+from sonar_tracking.evaluation.metrics.cutoff import CUTOFF_M, FAR_LIMIT_M
 from sonar_tracking.evaluation.metrics.identity_score import (
     IdentityScore,
     IdentityTally,
@@ -66,6 +66,11 @@ class PositionScore:
         Median distance from a target to the nearest track, whatever the cut-off, over all periods
         of all targets in which there is a track; it tells how far off tracks are that were not
         assigned, m.
+    far_limit_m : float
+        Distance from the nearest target beyond which a row is far off, m.
+    far_share : float
+        Share of the rows of all periods that are far off, whatever the cut-off; rows of a period
+        without targets are.
     ospa_m, gospa_m : float
         Mean over the periods, order 2.
     nees_per_dimension, nees_median_per_dimension, nees_band : float, float, tuple of float
@@ -89,6 +94,8 @@ class PositionScore:
     median_error_m: float
     velocity_rmse_m_per_s: float
     median_nearest_m: float
+    far_limit_m: float
+    far_share: float
     ospa_m: float
     gospa_m: float
     nees_per_dimension: float
@@ -107,6 +114,7 @@ def score_position_tracks(
     truth: Sequence[PositionTracks],
     tracks: Sequence[PositionTracks],
     cutoff_m: float = CUTOFF_M,
+    far_limit_m: float = FAR_LIMIT_M,
 ) -> PositionScore:
     """Score the tracks of a run.
 
@@ -118,6 +126,8 @@ def score_position_tracks(
         The tracker's lists, one a period.
     cutoff_m : float
         Distance from which on a track is none of a target, m, positive.
+    far_limit_m : float
+        Distance from the nearest target beyond which a row is far off, m, positive.
 
     Returns
     -------
@@ -125,7 +135,7 @@ def score_position_tracks(
         Definitions: :mod:`sonar_tracking.evaluation.metrics.ospa_gospa` and
         :mod:`sonar_tracking.evaluation.metrics.identity_score`.
     """
-    online = OnlinePositionScore(cutoff_m, PositionTruth(truth))
+    online = OnlinePositionScore(cutoff_m, PositionTruth(truth), far_limit_m)
     online.add_all(tracks)
     return online.score()
 
@@ -133,14 +143,20 @@ def score_position_tracks(
 class OnlinePositionScore(OnlineScore[PositionTracks]):
     """Scores the tracks of a run while it goes on; see :func:`score_position_tracks`."""
 
-    def __init__(self, cutoff_m: float = CUTOFF_M, truth: PositionTruth | None = None) -> None:
+    def __init__(
+        self,
+        cutoff_m: float = CUTOFF_M,
+        truth: PositionTruth | None = None,
+        far_limit_m: float = FAR_LIMIT_M,
+    ) -> None:
         self._truth = truth or PositionTruth()
         super().__init__(self._truth)
-        self._cutoff_m = cutoff_m
+        self._cutoff_m, self._far_limit_m = cutoff_m, far_limit_m
         self._choice = SideChoice()
         self._identities = IdentityTally()
         self._ospa, self._gospa, self._nees = Column(), Column(), Column()
         self._distance, self._speed_error, self._nearest = Column(), Column(), Column()
+        self._far = Column()
         self._two_sided, self._wrong_side = Column(), Column()
         self._errors: list[tuple[FloatArray, FloatArray]] = []
 
@@ -159,6 +175,7 @@ class OnlinePositionScore(OnlineScore[PositionTracks]):
         self._gospa.add([gospa(assignment, cutoff, ORDER)])
         self._distance.add(apart[pairs])
         self._nearest.add(np.min(apart, axis=1) if apart.shape[1] else ())
+        self._far.add(np.min(apart, axis=0, initial=np.inf) > self._far_limit_m)
         covariance = tracks.covariance[sided.rows[assignment.estimates]]
         self._errors.append((error[pairs], covariance))
         if len(self._errors) == NORMALISED_AT_ONCE:
@@ -181,6 +198,8 @@ class OnlinePositionScore(OnlineScore[PositionTracks]):
             median_error_m=median(self._distance.values),
             velocity_rmse_m_per_s=mean(self._speed_error.values**2) ** 0.5,
             median_nearest_m=median(self._nearest.values),
+            far_limit_m=float(self._far_limit_m),
+            far_share=mean(self._far.values),
             ospa_m=mean(self._ospa.values),
             gospa_m=mean(self._gospa.values),
             nees_per_dimension=mean(nees),

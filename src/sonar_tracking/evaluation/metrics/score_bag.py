@@ -29,13 +29,22 @@ from sonar_tracking.bags.storage.reader import Bag, read_bag
 from sonar_tracking.bags.storage.topic_names import RECORDED_NAMES, TopicNames
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.evaluation.metrics.bearing_score import BearingScore, score_bearing_tracks
-from sonar_tracking.evaluation.metrics.cutoff import CUTOFF_M, check_cutoff
+from sonar_tracking.evaluation.metrics.cutoff import (
+    CUTOFF_M,
+    FAR_LIMIT_M,
+    check_cutoff,
+    check_far_limit,
+)
 from sonar_tracking.evaluation.metrics.position_score import PositionScore, score_position_tracks
 
 Score = BearingScore | PositionScore
 Scores = dict[str, Score]
 
-LABELS = {"held_share": "share of time tracked", "targets_never_held": "targets never tracked"}
+LABELS = {
+    "held_share": "share of time tracked",
+    "targets_never_held": "targets never tracked",
+    "far_share": "share of rows beyond the far limit",
+}
 """What the table calls a field whose name does not say it."""
 
 
@@ -44,6 +53,7 @@ def score_bag(
     output: Path | None = None,
     cutoff_m: float = CUTOFF_M,
     names: TopicNames = RECORDED_NAMES,
+    far_limit_m: float = FAR_LIMIT_M,
 ) -> Scores:
     """Score every topic of tracks in a bag, print the scores and write them as JSON.
 
@@ -57,6 +67,8 @@ def score_bag(
         Distance from which on a position track is none of a target, m.
     names : TopicNames
         How to call the recorded topics.
+    far_limit_m : float
+        Distance from the nearest target beyond which a row of position tracks is far off, m.
 
     Returns
     -------
@@ -66,15 +78,16 @@ def score_bag(
     Raises
     ------
     ConfigurationError
-        If the cut-off is not positive, the bag cannot be read, or it lacks tracks or truth.
+        If a distance is not positive, the bag cannot be read, or it lacks tracks or truth.
     """
     check_cutoff(cutoff_m)
+    check_far_limit(far_limit_m)
     bag = read_bag(path).named(names)
     console = Console(highlight=False)
     if bag.recovery:
         console.print(bag.recovery, markup=False, soft_wrap=True)
     remarks: list[str] = []
-    scores = _scores(bag, cutoff_m, remarks)
+    scores = _scores(bag, cutoff_m, far_limit_m, remarks)
     for topic, score in scores.items():
         console.print(_table(topic, score))
     for sentence in remarks:
@@ -84,7 +97,7 @@ def score_bag(
     return scores
 
 
-def _scores(bag: Bag, cutoff_m: float, remarks: list[str]) -> Scores:
+def _scores(bag: Bag, cutoff_m: float, far_limit_m: float, remarks: list[str]) -> Scores:
     """Return the score of every topic of tracks whose truth is in the bag."""
     scores: Scores = _scores_of_kind(
         bag, BEARING_TRACKS_TYPE, "true bearings", bearing_tracks_of, score_bearing_tracks, remarks
@@ -94,7 +107,7 @@ def _scores(bag: Bag, cutoff_m: float, remarks: list[str]) -> Scores:
         POSITION_TRACKS_TYPE,
         "true positions",
         position_tracks_of,
-        lambda truth, tracks: score_position_tracks(truth, tracks, cutoff_m),
+        lambda truth, tracks: score_position_tracks(truth, tracks, cutoff_m, far_limit_m),
         remarks,
     )
     if not scores:

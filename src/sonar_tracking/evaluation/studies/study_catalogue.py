@@ -25,6 +25,7 @@ from sonar_tracking.evaluation.studies.mismatch_contacts.study import MISMATCH_C
 from sonar_tracking.evaluation.studies.mismatch_positions.study import MISMATCH_POSITIONS
 from sonar_tracking.evaluation.studies.multi_target_clutter.study import MULTI_TARGET_CLUTTER
 from sonar_tracking.evaluation.studies.room_array.study import ROOM_ARRAY, room_array
+from sonar_tracking.evaluation.studies.scenario_seeds.study import SCENARIO_SEEDS
 from sonar_tracking.evaluation.studies.ship_bearings.study import SHIP_BEARINGS, ship_bearings
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.study import TMA_FREQUENCY_FUSION
 
@@ -42,6 +43,7 @@ STUDIES = {
         MULTI_TARGET_CLUTTER,
         MISMATCH_CONTACTS,
         MISMATCH_POSITIONS,
+        SCENARIO_SEEDS,
     )
 }
 """Studies by the name typed on the command line, in the order of ``all``."""

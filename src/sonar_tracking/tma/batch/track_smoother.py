@@ -1,4 +1,4 @@
-"""Position tracks as they would have been, had their later measurements been known.
+"""The path of a recorded track with hindsight, from what its filter said: where to start from.
 
 Fixed-interval smoothing (Rauch, Tung and Striebel 1965) of the rows of a recorded track list: it
 needs what a filter said after each measurement and how the target may have moved in between, not
@@ -17,15 +17,11 @@ Rauch, Tung and Striebel, "Maximum likelihood estimates of linear dynamic system
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.records.arrays import BoolArray, FloatArray
-from sonar_tracking.records.positions import PositionTracks, TrackSource
-from sonar_tracking.records.time import seconds
+from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
 
 
@@ -46,61 +42,6 @@ class TrackPath:
     times: FloatArray
     mean: FloatArray
     covariance: FloatArray
-
-
-def smooth_tracks(
-    pictures: Sequence[PositionTracks], acceleration: float
-) -> tuple[PositionTracks, ...]:
-    """Return the tracks of target motion analysis in all pictures, smoothed.
-
-    Parameters
-    ----------
-    pictures : sequence of PositionTracks
-        All of a recording, of one tracker, in order.
-    acceleration : float
-        Process noise of a target that moves straight: standard deviation of an acceleration that
-        lasts for 1 s, m/s^2.
-
-    Returns
-    -------
-    tuple of PositionTracks
-        Of each picture, of source SMOOTHED; rows without a known covariance are left out.
-
-    Raises
-    ------
-    ConfigurationError
-        If the noise is not positive.
-    """
-    if not acceleration > 0.0:
-        raise ConfigurationError(
-            f"acceleration is {acceleration:g} m/s^2; give a positive process noise."
-        )
-    kept = [picture.selected(_usable(picture)) for picture in pictures]
-    places: dict[int, list[tuple[int, int]]] = {}
-    for number, picture in enumerate(kept):
-        for row, identifier in enumerate(picture.id.tolist()):
-            places.setdefault(identifier, []).append((number, row))
-    states = [picture.state.copy() for picture in kept]
-    covariances = [picture.covariance.copy() for picture in kept]
-    for own in places.values():
-        path = TrackPath(
-            np.array([seconds(kept[number].stamp - kept[own[0][0]].stamp) for number, _ in own]),
-            np.array([kept[number].state[row] for number, row in own]),
-            np.array([kept[number].covariance[row] for number, row in own]),
-        )
-        smoothed = smooth_path(path, acceleration)
-        for index, (number, row) in enumerate(own):
-            states[number][row] = smoothed.mean[index]
-            covariances[number][row] = smoothed.covariance[index]
-    return tuple(
-        replace(
-            picture,
-            state=states[number],
-            covariance=covariances[number],
-            source=np.full(len(picture), TrackSource.SMOOTHED, np.uint8),
-        )
-        for number, picture in enumerate(kept)
-    )
 
 
 def smooth_path(path: TrackPath, acceleration: float) -> TrackPath:
@@ -153,8 +94,3 @@ def process_noise(
     density = max(acceleration**2, grown / interval)
     along = np.array([[interval**3 / 3.0, interval**2 / 2.0], [interval**2 / 2.0, interval]])
     return np.asarray(density * np.kron(along, np.eye(2)))
-
-
-def _usable(picture: PositionTracks) -> BoolArray:
-    known = np.isfinite(picture.state).all(axis=1) & np.isfinite(picture.covariance).all((1, 2))
-    return np.asarray(known & (picture.source == TrackSource.TMA))

@@ -1,0 +1,1 @@
+"""Study scenario-seeds: the scenarios of the package, each with many seeds."""

@@ -1,0 +1,192 @@
+"""Study scenario-seeds: what the scenarios that end in positions give with many seeds.
+
+A run of a scenario is one draw of its noise; a figure of one run says little. Each scenario is run
+through its chain with the seeds from the one given on, and every figure of the score is told as
+its median over the seeds with the 10 and 90 % quantiles, so that seed 1 is what ``sonar-tracking
+run`` shows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.evaluation.metrics.position_score import PositionScore, score_position_tracks
+from sonar_tracking.evaluation.metrics.position_truth import truth_as_tracks
+from sonar_tracking.evaluation.monte_carlo.batch_runner import Task
+from sonar_tracking.evaluation.monte_carlo.study import StudyRow
+from sonar_tracking.evaluation.monte_carlo.study_definition import (
+    Column,
+    StudyDefinition,
+    TableLayout,
+)
+from sonar_tracking.evaluation.offline.offline_contact_chain import run_offline_active_chain
+from sonar_tracking.evaluation.offline.offline_sample_chain import run_offline_sample_chain
+from sonar_tracking.evaluation.offline.offline_tma_chain import run_offline_tma_chain
+from sonar_tracking.evaluation.studies.scenario_seeds.figures import draw_errors
+from sonar_tracking.simulation.scenarios.scenario import Scenario
+from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
+
+QUANTILES = {"low": 10.0, "median": 50.0, "high": 90.0}
+"""Over the seeds, %."""
+
+
+@dataclass(frozen=True)
+class SeededRun:
+    """One run.
+
+    Attributes
+    ----------
+    scenario : str
+        Its name.
+    seed : int
+        Of its noise.
+    duration : float or None
+        Of the data, s; None = the scenario's own.
+    """
+
+    scenario: str
+    seed: int
+    duration: float | None = None
+
+
+@dataclass(frozen=True)
+class RunFigures:
+    """What one run gave.
+
+    Attributes
+    ----------
+    run : SeededRun
+        Which.
+    figures : dict of str to float
+        Of its score; NaN = unknown.
+    """
+
+    run: SeededRun
+    figures: dict[str, float]
+
+
+def score_samples(scenario: Scenario) -> PositionScore:
+    """Return the score of the positions made of a scenario with hydrophones."""
+    run = run_offline_sample_chain(scenario)
+    truth = [truth_as_tracks(block.truth_tracks) for block in run.blocks]
+    return score_position_tracks(truth, run.positions)
+
+
+CHAINS: dict[str, Callable[[Scenario], PositionScore]] = {
+    "active": lambda scenario: run_offline_active_chain(scenario).score(),
+    "tma": lambda scenario: run_offline_tma_chain(scenario).score(),
+    "cross_fix": lambda scenario: run_offline_tma_chain(scenario).score(),
+    "tonals": score_samples,
+}
+"""The score of each scenario, from its chain."""
+
+FIGURES = ("median_error_m", "rmse_m", "far_share", "held_share", "nees_median_per_dimension")
+FIGURES_OF_TIME = ("confirmation_delay", "confirmation_delay_periods")
+COUNTS = ("false_tracks", "identity_swaps", "targets_never_held")
+
+
+def score_run(run: SeededRun) -> RunFigures:
+    """Return the figures of one run.
+
+    Parameters
+    ----------
+    run : SeededRun
+        Scenario and seed.
+    """
+    scenario = replace(load_scenario(run.scenario), seed=run.seed)
+    if run.duration is not None:
+        scenario = replace(scenario, duration=run.duration)
+    scored = CHAINS[run.scenario](scenario).to_mapping()
+    figures = {}
+    for name in (*FIGURES, *FIGURES_OF_TIME, *COUNTS):
+        value = scored[name]
+        figures[name] = float(value) if isinstance(value, int | float) else np.nan
+    return RunFigures(run, figures)
+
+
+def scenario_rows(results: Sequence[Any]) -> tuple[StudyRow, ...]:
+    """Return one row a scenario: quantiles of each figure over the seeds, means of counts."""
+    rows = []
+    for name in dict.fromkeys(one.run.scenario for one in results):
+        own = [one for one in results if one.run.scenario == name]
+        metrics = {}
+        for figure in (*FIGURES, *FIGURES_OF_TIME):
+            values = np.array([one.figures[figure] for one in own])
+            known = values[np.isfinite(values)]
+            for label, quantile in QUANTILES.items():
+                value = np.percentile(known, quantile) if len(known) else np.nan
+                metrics[f"{figure}_{label}"] = float(value)
+        for count in COUNTS:
+            metrics[f"{count}_mean"] = float(np.mean([one.figures[count] for one in own]))
+        lost = [one for one in own if np.isnan(one.figures["median_error_m"])]
+        metrics["runs_without_positions"] = float(len(lost))
+        seeds = [one.run.seed for one in own]
+        rows.append(StudyRow(name, f"seeds {min(seeds)} to {max(seeds)}", metrics))
+    return tuple(rows)
+
+
+def _tasks(runs: int, seed: int) -> tuple[Task, ...]:
+    if runs < 1:
+        raise ConfigurationError(f"runs is {runs}; a study needs at least 1 run.")
+    if seed < 0:
+        raise ConfigurationError(f"seed is {seed}; give a whole number of at least 0.")
+    seeds = range(seed, seed + runs)
+    return tuple(Task(score_run, SeededRun(name, one)) for name in CHAINS for one in seeds)
+
+
+def _spread(figure: str, heading: str, form: str) -> tuple[Column, ...]:
+    """Return the columns of a figure: median, then the two quantiles around it."""
+    return (
+        Column(f"{figure}_median", heading, form),
+        Column(f"{figure}_low", "10 %", form),
+        Column(f"{figure}_high", "90 %", form),
+    )
+
+
+def _draw(results: Sequence[Any], rows: Sequence[StudyRow], directory: Path) -> tuple[Path, ...]:
+    errors: dict[str, list[float]] = {}
+    for one in results:
+        errors.setdefault(one.run.scenario, []).append(one.figures["median_error_m"])
+    return draw_errors(errors, directory)
+
+
+SCENARIO_SEEDS = StudyDefinition(
+    name="scenario-seeds",
+    description="the scenarios that end in positions, with many seeds",
+    default_runs=20,
+    tasks=_tasks,
+    rows=scenario_rows,
+    layouts=(
+        TableLayout(
+            "Position errors of the scenarios, over seeds",
+            (
+                *_spread("median_error_m", "median m", ".1f"),
+                *_spread("rmse_m", "RMSE m", ".1f"),
+                *_spread("far_share", "far off", ".3f"),
+            ),
+            "Median over the seeds, and its 10 and 90 % quantiles, of each run's median error and "
+            "RMSE of the rows that are assigned to a target, and of its share of rows more than "
+            "200 m from every target.",
+        ),
+        TableLayout(
+            "Tracks of the scenarios, over seeds",
+            (
+                *_spread("held_share", "time tracked", ".3f"),
+                *_spread("confirmation_delay", "delay s", ".0f"),
+                *_spread("nees_median_per_dimension", "NEES", ".2f"),
+                Column("false_tracks_mean", "false", ".2f"),
+                Column("identity_swaps_mean", "swaps", ".2f"),
+                Column("runs_without_positions", "none", ".0f"),
+            ),
+            "NEES: median of each run, 0.84 is consistent. false, swaps: mean count a run. none: "
+            "runs in which no confirmed row was near a target.",
+        ),
+    ),
+    draw=_draw,
+)

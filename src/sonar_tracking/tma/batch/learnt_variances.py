@@ -1,0 +1,213 @@
+"""Variances that a smoother learns from what it has smoothed: of noise, of errors, of motion.
+
+A variance that explains changes d_k of known relative size is learnt by the fixed point
+
+    variance = sum of d_k^2 / (n - sum of P_k / Q_k),
+
+P_k being what is left unknown of each after smoothing and Q_k what the model allows for: where the
+data say nothing of the changes the denominator vanishes, and a prior of a few of them decides.
+
+References
+----------
+MacKay, "Bayesian interpolation", Neural Computation 4(3), 1992, eq. 4.10.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sonar_tracking.records.arrays import FloatArray, IntArray
+from sonar_tracking.tma.batch.linear_smoother import SmoothedStates
+from sonar_tracking.tma.batch.target_history import TargetHistory, rows_at
+from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
+
+BLOCK = 60.0
+"""Time with one process noise, and over which errors of lines are summed, s."""
+
+PRIOR_CHANGES = 2.0
+"""So many changes of velocity say that a target moves straight."""
+
+PRIOR_ERRORS = 5.0
+"""So many errors say that they are as told, and that none last."""
+
+PRIOR_DEVIATION = 0.1
+"""Errors that last, before anything is learnt of them, relative to the deviation told."""
+
+SHORTEST = 1e-3
+"""Interval over which anything is learnt, s."""
+
+
+@dataclass(frozen=True)
+class Learnt:
+    """What the passes learn.
+
+    Attributes
+    ----------
+    acceleration : ndarray, shape (n,)
+        Process noise before each time, m/s^2.
+    fast : ndarray, shape (n_errors,)
+        Standard deviation of each of the faster errors of directions, rad.
+    told : ndarray, shape (n_errors,)
+        Median deviation told of those directions, rad.
+    ratio : ndarray, shape (n_groups,)
+        Variance of each group of rows over that told; pure numbers.
+    """
+
+    acceleration: FloatArray
+    fast: FloatArray
+    told: FloatArray
+    ratio: FloatArray
+
+    @staticmethod
+    def of(history: TargetHistory, acceleration: float, manoeuvre: float) -> Learnt:
+        """Return what is taken before the first pass: turns anywhere, errors as told."""
+        groups = history.groups()
+        told = np.zeros(history.n_errors)
+        for error in range(history.n_errors):
+            own = history.deviations()[:, :2][groups[:, :2] == error]
+            told[error] = np.median(own[np.isfinite(own)]) if np.isfinite(own).any() else 0.0
+        return Learnt(
+            acceleration=np.full(len(history.times), max(acceleration, manoeuvre)),
+            fast=told,
+            told=told,
+            ratio=np.ones(int(groups.max(initial=0)) + 1),
+        )
+
+
+def learn(
+    history: TargetHistory,
+    states: SmoothedStates,
+    learnt: Learnt,
+    correlation_time: float,
+    acceleration: float,
+    freedom: float,
+) -> Learnt:
+    """Return what the states of a pass teach.
+
+    Parameters
+    ----------
+    history : TargetHistory
+        What was measured.
+    states : SmoothedStates
+        Of the pass.
+    learnt : Learnt
+        What the pass went by.
+    correlation_time : float
+        Of the faster errors, s.
+    acceleration : float
+        Process noise of a target that moves straight, m/s^2.
+    freedom : float
+        Degrees of freedom of Student's t distribution.
+    """
+    return Learnt(
+        acceleration=_accelerations(history, states, learnt, acceleration),
+        fast=_lasting_errors(history, states, learnt, correlation_time),
+        told=learnt.told,
+        ratio=_ratios(history, states.mean, learnt, freedom),
+    )
+
+
+def unit_noise(intervals: FloatArray) -> FloatArray:
+    """Return what the covariance of [x, y, vx, vy] gains with an acceleration of 1 m/s^2.
+
+    Parameters
+    ----------
+    intervals : ndarray, shape (n,)
+        s.
+
+    Returns
+    -------
+    ndarray, shape (n, 4, 4)
+        m^2, m^2/s, m^2/s^2.
+    """
+    noise = np.zeros((len(intervals), KINEMATIC, KINEMATIC))
+    for axis in (0, 1):
+        noise[:, axis, axis] = intervals**3 / 3.0
+        noise[:, axis, axis + 2] = noise[:, axis + 2, axis] = intervals**2 / 2.0
+        noise[:, axis + 2, axis + 2] = intervals
+    return noise
+
+
+def _accelerations(
+    history: TargetHistory, states: SmoothedStates, learnt: Learnt, straight: float
+) -> FloatArray:
+    """Return the process noise of each block, from what the states say moved them."""
+    intervals = np.diff(history.times)
+    moved = np.flatnonzero(intervals > SHORTEST)
+    if not len(moved):
+        return learnt.acceleration
+    mean, covariance = states.mean[:, :KINEMATIC], states.covariance[:, :KINEMATIC, :KINEMATIC]
+    transition = np.tile(np.eye(KINEMATIC), (len(moved), 1, 1))
+    transition[:, 0, 2] = transition[:, 1, 3] = intervals[moved]
+    change = mean[moved + 1] - (transition @ mean[moved, :, None])[..., 0]
+    crossed = transition @ states.crossed[moved, :KINEMATIC, :KINEMATIC]
+    spread = covariance[moved + 1] - crossed - crossed.swapaxes(-1, -2)
+    spread = spread + transition @ covariance[moved] @ transition.swapaxes(-1, -2)
+    unit = unit_noise(intervals[moved])
+    allowed = learnt.acceleration[moved + 1] ** 2
+    squared = np.sum(change * np.linalg.solve(unit, change[:, :, None])[..., 0], axis=1)
+    known = KINEMATIC - np.einsum("nii->n", np.linalg.solve(unit, spread)) / allowed
+    block = _blocks(history)
+    count = int(block[-1]) + 1
+    total = np.bincount(block[moved + 1], weights=squared, minlength=count)
+    determined = np.bincount(block[moved + 1], weights=known, minlength=count)
+    found = total + PRIOR_CHANGES * straight**2
+    found /= np.maximum(determined, 0.0) + PRIOR_CHANGES
+    return np.asarray(np.sqrt(np.maximum(found, straight**2))[block])
+
+
+def _lasting_errors(
+    history: TargetHistory, states: SmoothedStates, learnt: Learnt, correlation_time: float
+) -> FloatArray:
+    """Return the deviations of the faster errors of directions."""
+    intervals = np.diff(history.times)
+    moved = np.flatnonzero(intervals > SHORTEST)
+    kept = np.exp(-intervals[moved] / correlation_time)
+    unit = 1.0 - kept**2
+    found = np.empty(history.n_errors)
+    for error, column in enumerate(history.fast):
+        value, variance = states.mean[:, column], states.covariance[:, column, column]
+        change = value[moved + 1] - kept * value[moved]
+        crossed = states.crossed[moved, column, column]
+        left = variance[moved + 1] - 2.0 * kept * crossed + kept**2 * variance[moved]
+        allowed = max(learnt.fast[error] ** 2, 1e-30)
+        total = np.sum(change**2 / unit)
+        known = max(float(np.sum(1.0 - left / (unit * allowed))), 0.0)
+        small = (PRIOR_DEVIATION * learnt.told[error]) ** 2
+        found[error] = np.sqrt((total + PRIOR_ERRORS * small) / (known + PRIOR_ERRORS))
+    return found
+
+
+def _ratios(
+    history: TargetHistory, path: FloatArray, learnt: Learnt, freedom: float
+) -> FloatArray:
+    """Return the variance of each group of rows over that told.
+
+    The scale of Student's t distribution, which outliers do not own. Errors of a line may last:
+    sums over blocks of what white noise would leave independent tell how much more that is.
+    """
+    rows, groups, block = rows_at(history, path), history.groups(), _blocks(history)
+    deviation = np.where(rows.present, history.deviations(), 1.0)
+    size = rows.residual / (deviation * np.sqrt(learnt.ratio[groups]))
+    score = (freedom + 1.0) / (freedom + size**2) * size
+    found = learnt.ratio.copy()
+    for group in range(len(found)):
+        chosen = rows.present & (groups == group)
+        if not chosen.any():
+            continue
+        scale, known = float(np.mean(score[chosen] * size[chosen])), float(np.sum(chosen))
+        if group >= 2 * history.n_stations:
+            where = np.broadcast_to(block[:, None], chosen.shape)[chosen]
+            count = np.bincount(where)
+            total = np.bincount(where, weights=score[chosen])[count > 0]
+            lasting = float(np.mean(total**2 / count[count > 0]) / np.mean(score[chosen] ** 2))
+            scale, known = scale * max(1.0, lasting), float(len(total))
+        found[group] *= scale
+        found[group] = max(1.0, (PRIOR_ERRORS + known * found[group]) / (PRIOR_ERRORS + known))
+    return found
+
+
+def _blocks(history: TargetHistory) -> IntArray:
+    return np.asarray((history.times - history.times[0]) // BLOCK, dtype=np.int64)

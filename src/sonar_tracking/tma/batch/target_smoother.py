@@ -1,0 +1,214 @@
+"""Most probable path of one target from all that any station measured of it.
+
+Iterated Kalman smoother on [x, y, vx, vy], errors of the stations' directions that last, and the
+source frequency of each line. Each pass linearises at the path of the last one, and learns from it
+what nobody can tell beforehand:
+
+- outliers: every row is weighed by how well the path explains it, (nu + 1) / (nu + t^2) with t its
+  residual in standard deviations, as noise with Student's t distribution asks for;
+- errors that are larger than told: the variance of the rows of each station and of each line;
+- errors of directions that last (Gauss-Markov): their variance; their correlation time is that of
+  the most probable of a few;
+- turns: the process noise of each minute, not below that of a target that moves straight.
+
+A variance is learnt by the fixed point of its evidence: the sum of the squares of what was smoothed
+over how much of it the data determine.
+
+References
+----------
+Bell, "The iterated Kalman smoother as a Gauss-Newton method", SIAM J. Optimization 4(3), 1994.
+Aravkin, Burke, Pillonetto, "Robust and trend-following Student's t Kalman smoothers", SIAM J.
+Control and Optimization 52(5), 2014.
+MacKay, "Bayesian interpolation", Neural Computation 4(3), 1992, eq. 4.10.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sonar_tracking.configuration import parameter
+from sonar_tracking.filtering.kalman import KalmanState
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.tma.batch.learnt_variances import Learnt, learn, unit_noise
+from sonar_tracking.tma.batch.linear_smoother import LinearSystem, SmoothedStates, smooth_linear
+from sonar_tracking.tma.batch.target_history import LINES, HistoryRows, TargetHistory, rows_at
+from sonar_tracking.tma.estimators.hypothesis_bank import SOURCE_FREQUENCY_SPREAD
+from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
+
+WIDENING = (4.0, 2.0)
+"""Factors of the deviations in the first passes, so that the start need not be good."""
+
+CORRELATION_TIMES = (5.0, 20.0, 80.0)
+"""Of the faster errors of directions, one of which is chosen, s."""
+
+SLOW_TIME = 600.0
+"""Correlation time of the slow errors of directions, s."""
+
+SMALLEST = 1e-8
+"""Deviation of errors that are not there, rad: no covariance is singular."""
+
+
+@dataclass(frozen=True)
+class TargetSmootherConfiguration:
+    """Parameters of the smoother."""
+
+    acceleration: float = parameter(
+        0.01, "Process noise of a target that moves straight", unit="m/s^2", minimum=1e-6
+    )
+    manoeuvre_acceleration: float = parameter(
+        0.1, "Process noise that turns are looked for with", unit="m/s^2", minimum=1e-6
+    )
+    systematic_deviation_deg: float = parameter(
+        0.1,
+        "Of errors of a station's directions that do not average out within ten minutes",
+        unit="deg",
+        minimum=0.0,
+        maximum=90.0,
+    )
+    degrees_of_freedom: float = parameter(
+        4.0, "Of Student's t distribution; fewer = more outliers", minimum=1.0
+    )
+    passes: int = parameter(15, "Passes, the widened ones included", minimum=4)
+
+
+@dataclass(frozen=True)
+class TargetPath:
+    """States of one target in order of time.
+
+    Attributes
+    ----------
+    mean : ndarray, shape (n, 4)
+        x, y, vx, vy, m and m/s.
+    covariance : ndarray, shape (n, 4, 4)
+        m^2, m^2/s, m^2/s^2.
+    """
+
+    mean: FloatArray
+    covariance: FloatArray
+
+
+def smooth_target(
+    history: TargetHistory,
+    start: FloatArray,
+    prior: KalmanState,
+    configuration: TargetSmootherConfiguration | None = None,
+) -> TargetPath:
+    """Return the most probable path.
+
+    Parameters
+    ----------
+    history : TargetHistory
+        All that was measured.
+    start : ndarray, shape (n, 4)
+        Path to start from, at the times of the history, m and m/s.
+    prior : KalmanState
+        Of [x, y, vx, vy] before the first time, shapes (4,) and (4, 4).
+    configuration : TargetSmootherConfiguration, optional
+        Parameters.
+    """
+    parameters = configuration or TargetSmootherConfiguration()
+    candidates = [_smooth(history, start, prior, time, parameters) for time in CORRELATION_TIMES]
+    best = max(candidates, key=lambda one: one.log_likelihood)
+    return TargetPath(best.mean[:, :KINEMATIC], best.covariance[:, :KINEMATIC, :KINEMATIC])
+
+
+def _smooth(
+    history: TargetHistory,
+    start: FloatArray,
+    prior: KalmanState,
+    correlation_time: float,
+    parameters: TargetSmootherConfiguration,
+) -> SmoothedStates:
+    """Return all states if the faster errors have a correlation time, s."""
+    path = _full_path(history, start)
+    learnt = Learnt.of(history, parameters.acceleration, parameters.manoeuvre_acceleration)
+    for number in range(parameters.passes):
+        widening = WIDENING[number] if number < len(WIDENING) else 1.0
+        rows = rows_at(history, path)
+        first = _first(history, prior, path, learnt, parameters)
+        system = _system(history, first, path, rows, learnt, widening, correlation_time, parameters)
+        states = smooth_linear(system)
+        path = states.mean
+        if number >= len(WIDENING):
+            learnt = learn(
+                *(history, states, learnt, correlation_time),
+                *(parameters.acceleration, parameters.degrees_of_freedom),
+            )
+    return states
+
+
+def _full_path(history: TargetHistory, start: FloatArray) -> FloatArray:
+    """Return the start with no lasting errors and the source frequencies it implies."""
+    path = np.zeros((len(history.times), history.size))
+    path[:, :KINEMATIC] = start
+    if history.n_lines:
+        path[:, history.lines] = 1.0
+        factor = history.frequency - rows_at(history, path).residual[:, LINES:]
+        path[:, history.lines] = np.nanmedian(history.frequency / factor, axis=0)
+    return path
+
+
+def _first(
+    history: TargetHistory,
+    prior: KalmanState,
+    path: FloatArray,
+    learnt: Learnt,
+    parameters: TargetSmootherConfiguration,
+) -> KalmanState:
+    """Return the distribution of the whole state before the first time."""
+    first = np.zeros((history.size, history.size))
+    first[:KINEMATIC, :KINEMATIC] = prior.covariance
+    slow, fast, lines = history.slow, history.fast, history.lines
+    first[slow, slow] = np.radians(parameters.systematic_deviation_deg) ** 2 + SMALLEST**2
+    first[fast, fast] = learnt.fast**2 + SMALLEST**2
+    first[lines, lines] = (SOURCE_FREQUENCY_SPREAD * path[0, lines]) ** 2
+    mean = np.zeros(history.size)
+    mean[:KINEMATIC] = prior.mean
+    mean[lines] = path[0, lines]
+    return KalmanState(mean, first)
+
+
+def _system(
+    history: TargetHistory,
+    first: KalmanState,
+    path: FloatArray,
+    rows: HistoryRows,
+    learnt: Learnt,
+    widening: float,
+    correlation_time: float,
+    parameters: TargetSmootherConfiguration,
+) -> LinearSystem:
+    """Return the system linearised at a path, its rows weighed."""
+    ratio = learnt.ratio[history.groups()]
+    variance = np.where(rows.present, widening**2 * ratio * history.deviations() ** 2, 1.0)
+    freedom = parameters.degrees_of_freedom
+    weight = (freedom + 1.0) / (freedom + rows.residual**2 / variance) / variance
+    # What was measured, referred to the state instead of to errors of the last path.
+    measured = rows.residual + np.einsum("nri,ni->nr", rows.derivative, path)
+    intervals = np.diff(history.times, prepend=history.times[0])
+    transition = np.tile(np.eye(history.size), (len(path), 1, 1))
+    transition[:, 0, 2] = transition[:, 1, 3] = intervals
+    noise = np.zeros_like(transition)
+    noise[:, :KINEMATIC, :KINEMATIC] = learnt.acceleration[:, None, None] ** 2 * unit_noise(
+        intervals
+    )
+    slow = np.full(history.n_errors, np.radians(parameters.systematic_deviation_deg))
+    for columns, deviation, time in (
+        (history.slow, slow, SLOW_TIME),
+        (history.fast, learnt.fast, correlation_time),
+    ):
+        kept = np.exp(-intervals / time)[:, None]
+        transition[:, columns, columns] = kept
+        noise[:, columns, columns] = deviation**2 * (1.0 - kept**2)
+    return LinearSystem(
+        start=first,
+        transition=transition,
+        noise=noise,
+        matrix=rows.derivative,
+        measured=measured,
+        weight=np.where(rows.present, weight, 0.0),
+        variance=variance,
+        degrees_of_freedom=freedom,
+    )

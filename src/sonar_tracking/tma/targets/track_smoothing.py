@@ -1,0 +1,278 @@
+"""Position tracks with hindsight: each row of a recorded list, from all its measurements at once.
+
+A row of the list says which bearing tracks it was made of. All that was measured along them, before
+and after, goes into :func:`~sonar_tracking.tma.batch.target_smoother.smooth_target`, which starts
+from where the tracker had the target. A station that joined a target, and stayed, saw it before,
+too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sonar_tracking.filtering.kalman import KalmanState
+from sonar_tracking.records.arrays import BoolArray
+from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.records.positions import PositionTracks, TrackSource
+from sonar_tracking.records.time import seconds
+from sonar_tracking.tma.batch.target_history import TargetHistory
+from sonar_tracking.tma.batch.target_smoother import TargetSmootherConfiguration, smooth_target
+from sonar_tracking.tma.batch.track_smoother import TrackPath, smooth_path
+from sonar_tracking.tma.targets.observation_log import Observations, TrackKey
+from sonar_tracking.tma.targets.target_records import MAXIMUM_LINES, TargetObservation
+from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
+
+FEWEST_HEARD = 10
+"""A line heard in fewer frames says less than it costs."""
+
+
+@dataclass(frozen=True)
+class SmoothedTracks:
+    """What came of the tracks of a recording.
+
+    Attributes
+    ----------
+    pictures : tuple of PositionTracks
+        One for each that was given, of source SMOOTHED; rows of other sources are left out.
+    n_tracks : int
+        Rows by identifier.
+    without_measurements, failed : tuple of int
+        Identifiers of those nothing was measured of, and of those whose path could not be found
+        from what was measured: these are smoothed from the list alone.
+    """
+
+    pictures: tuple[PositionTracks, ...]
+    n_tracks: int
+    without_measurements: tuple[int, ...]
+    failed: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class _Recorded:
+    """One row of a list over time: where it is in which picture, and what it was made of."""
+
+    places: list[tuple[int, int]]
+    path: TrackPath
+    stamps: list[int]
+    members: list[frozenset[TrackKey]]
+
+
+def smooth_tracks(
+    pictures: Sequence[PositionTracks],
+    observations: Observations,
+    tracker: TmaTrackerConfiguration,
+    smoother: TargetSmootherConfiguration,
+    done: Callable[[int, int], None] = lambda _done, _total: None,
+) -> SmoothedTracks:
+    """Return the tracks of target motion analysis in all pictures, smoothed.
+
+    Parameters
+    ----------
+    pictures : sequence of PositionTracks
+        All of a recording, of one tracker, in order.
+    observations : dict
+        What was observed along each bearing track, by stamp.
+    tracker : TmaTrackerConfiguration
+        Of the tracker: speed of sound, height of targets, what is confirmed.
+    smoother : TargetSmootherConfiguration
+        Parameters.
+    done : callable
+        Called with the number of tracks that are done, and that of all of them.
+    """
+    kept = [picture.selected(_usable(picture)) for picture in pictures]
+    recorded = _recorded_tracks(kept)
+    states = [picture.state.copy() for picture in kept]
+    covariances = [picture.covariance.copy() for picture in kept]
+    statuses = [picture.status.copy() for picture in kept]
+    silent, failed = [], []
+    for number, (identifier, track) in enumerate(recorded.items()):
+        history = _history(track, observations, tracker)
+        start = _start(track, smoother)
+        path = None if history is None else _smoothed(track, start, history, smoother)
+        if history is None:
+            silent.append(identifier)
+        elif path is None:
+            failed.append(identifier)
+        path = path or start
+        known = _known(path, history, tracker)
+        ever = any(kept[index].established[row] for index, row in track.places)
+        for place, (index, row) in enumerate(track.places):
+            states[index][row], covariances[index][row] = path.mean[place], path.covariance[place]
+            if ever and known[place] and statuses[index][row] == TrackStatus.TENTATIVE:
+                statuses[index][row] = TrackStatus.CONFIRMED
+        done(number + 1, len(recorded))
+    columns = zip(kept, states, covariances, statuses, strict=True)
+    return SmoothedTracks(
+        tuple(
+            replace(
+                picture,
+                state=state,
+                covariance=covariance,
+                status=status,
+                source=np.full(len(picture), TrackSource.SMOOTHED, np.uint8),
+            )
+            for picture, state, covariance, status in columns
+        ),
+        len(recorded),
+        tuple(silent),
+        tuple(failed),
+    )
+
+
+def _usable(picture: PositionTracks) -> BoolArray:
+    known = np.isfinite(picture.state).all(axis=1) & np.isfinite(picture.covariance).all((1, 2))
+    return np.asarray(known & (picture.source == TrackSource.TMA))
+
+
+def _recorded_tracks(pictures: Sequence[PositionTracks]) -> dict[int, _Recorded]:
+    """Return every row by its identifier."""
+    places: dict[int, list[tuple[int, int]]] = {}
+    members: dict[tuple[int, int], set[TrackKey]] = {}
+    for index, picture in enumerate(pictures):
+        for row, identifier in enumerate(picture.id.tolist()):
+            places.setdefault(identifier, []).append((index, row))
+        columns = zip(
+            picture.contributor_track.tolist(),
+            picture.contributor_sensor,
+            picture.contributor_id.tolist(),
+            strict=True,
+        )
+        for row, sensor, number in columns:
+            members.setdefault((index, row), set()).add((sensor, number))
+    recorded = {}
+    for identifier, own in places.items():
+        stamps = [pictures[index].stamp for index, _ in own]
+        path = TrackPath(
+            np.array([seconds(stamp - stamps[0]) for stamp in stamps]),
+            np.array([pictures[index].state[row] for index, row in own]),
+            np.array([pictures[index].covariance[row] for index, row in own]),
+        )
+        heard = [frozenset(members.get(place, ())) for place in own]
+        recorded[identifier] = _Recorded(own, path, stamps, heard)
+    return recorded
+
+
+def _history(
+    track: _Recorded, observations: Observations, tracker: TmaTrackerConfiguration
+) -> TargetHistory | None:
+    """Return what was measured of a track, an empty instant where a picture has no measurement."""
+    chosen = _chosen(track, observations)
+    if not chosen:
+        return None
+    stamps = {one.stamp for one in chosen}
+    empty: list[tuple[int, TargetObservation | None]] = [
+        (stamp, None) for stamp in track.stamps if stamp not in stamps
+    ]
+    instants = sorted([*((one.stamp, one) for one in chosen), *empty], key=lambda each: each[0])
+    sensors = {one.sensor_id: index for index, one in reversed(list(enumerate(chosen)))}
+    number = {
+        sensor: index for index, sensor in enumerate(sorted(sensors, key=sensors.__getitem__))
+    }
+    columns = {line: index for index, line in enumerate(_lines(chosen))}
+    n = len(instants)
+    measured = np.full((n, 5), np.nan)
+    place = np.zeros((n, 4))
+    station = np.zeros(n, np.int64)
+    frequency, deviation = np.full((2, n, len(columns)), np.nan)
+    for index, (_, one) in enumerate(instants):
+        if one is None:
+            continue
+        station[index] = number[one.sensor_id]
+        place[index] = (*one.position, *one.velocity)
+        measured[index, : len(one.azimuths)] = one.azimuths
+        measured[index, 2:] = one.azimuth_variance, one.elevation, one.elevation_variance
+        for line, value, spread in zip(
+            one.line_ids, one.frequencies, one.frequency_deviations, strict=True
+        ):
+            column = columns.get((one.sensor_id, line))
+            if column is not None:
+                frequency[index, column], deviation[index, column] = value, spread
+    return TargetHistory(
+        times=np.array([seconds(stamp - track.stamps[0]) for stamp, _ in instants]),
+        station=station,
+        position=place[:, :2],
+        velocity=place[:, 2:],
+        azimuth=measured[:, :2],
+        azimuth_deviation=np.sqrt(measured[:, 2]),
+        elevation=measured[:, 3],
+        elevation_deviation=np.sqrt(measured[:, 4]),
+        height=tracker.target_height,
+        frequency=frequency,
+        frequency_deviation=deviation,
+        sound_speed=tracker.sound_speed,
+        propagation_speed=tracker.propagation_speed,
+    )
+
+
+def _chosen(track: _Recorded, observations: Observations) -> list[TargetObservation]:
+    """Return what was observed along the bearing tracks of a row while they were its own."""
+    keys = sorted(set().union(*track.members))
+    chosen = []
+    for key in keys:
+        own = [
+            stamp for stamp, heard in zip(track.stamps, track.members, strict=True) if key in heard
+        ]
+        along = observations.get(key, {})
+        if not along:
+            continue
+        stayed = own[-1] == track.stamps[-1] or own[-1] >= max(along)
+        first = track.stamps[0] if stayed else own[0]
+        chosen += [one for stamp, one in along.items() if first <= stamp <= own[-1]]
+    return chosen
+
+
+def _lines(chosen: Sequence[TargetObservation]) -> list[tuple[str, int]]:
+    """Return the lines heard most often, station and identifier."""
+    count: dict[tuple[str, int], int] = {}
+    for one in chosen:
+        for line in one.line_ids:
+            count[one.sensor_id, line] = count.get((one.sensor_id, line), 0) + 1
+    often = [line for line, heard in count.items() if heard >= FEWEST_HEARD]
+    return sorted(often, key=lambda line: (-count[line], line))[:MAXIMUM_LINES]
+
+
+def _start(track: _Recorded, smoother: TargetSmootherConfiguration) -> TrackPath:
+    """Return the path as the list alone tells it."""
+    try:
+        return smooth_path(track.path, smoother.acceleration)
+    except np.linalg.LinAlgError:
+        return track.path
+
+
+def _smoothed(
+    track: _Recorded,
+    start: TrackPath,
+    history: TargetHistory,
+    smoother: TargetSmootherConfiguration,
+) -> TrackPath | None:
+    """Return the path at the stamps of the list; None where it cannot be found."""
+    between = np.stack(
+        [np.interp(history.times, start.times, start.mean[:, axis]) for axis in range(4)], axis=1
+    )
+    prior = KalmanState(track.path.mean[0], track.path.covariance[0])
+    try:
+        found = smooth_target(history, between, prior, smoother)
+    except np.linalg.LinAlgError:
+        return None
+    if not (np.isfinite(found.mean).all() and np.isfinite(found.covariance).all()):
+        return None
+    # The last of the instants of one time; all of them have the same state.
+    where = np.searchsorted(history.times, track.path.times, side="right") - 1
+    return TrackPath(track.path.times, found.mean[where], found.covariance[where])
+
+
+def _known(
+    path: TrackPath, history: TargetHistory | None, tracker: TmaTrackerConfiguration
+) -> BoolArray:
+    """Return where a position is known as well as a confirmation takes, shape (n,)."""
+    if history is None:
+        return np.zeros(len(path.times), bool)
+    heard = np.isfinite(history.deviations()).any(axis=1)
+    nearest = np.searchsorted(history.times[heard], path.times, side="right") - 1
+    place = history.position[heard][np.maximum(nearest, 0)]
+    distance = np.hypot(*(path.mean[:, :2] - place).T)
+    variance = np.linalg.eigvalsh(path.covariance[:, :2, :2])[:, -1]
+    return np.asarray(variance <= (tracker.confirm_relative_deviation * distance) ** 2)

@@ -1,0 +1,139 @@
+"""Protects the smoother of targets: honest where errors are not as told and where targets turn.
+
+The scene is S1 of the study tma-frequency-fusion: own ship turns three times, 400 frames, azimuths
+of 0.5 degrees and six lines of 1 Hz; the bound of the filter at its end is 83 m.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import scenario
+from sonar_tracking.filtering.consistency import normalised_squared
+from sonar_tracking.filtering.kalman import KalmanState
+from sonar_tracking.motion import wrap_angle
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.simulation.sensors.tma_scene import TmaRuns, TmaScene, simulate_runs
+from sonar_tracking.tma.batch.target_history import TargetHistory
+from sonar_tracking.tma.batch.target_smoother import smooth_target
+from sonar_tracking.tma.batch.track_smoother import TrackPath, smooth_path
+from sonar_tracking.tma.estimators.range_bank import RangeBank
+
+RUNS = 3
+DEVIATION = np.radians(0.5)
+
+
+def turning(scene: TmaScene) -> TmaScene:
+    """Return the scene with a turn of 90 degrees at 1 degree/s from 200 s on."""
+    commanded, velocity = np.zeros_like(scene.commanded), scene.target[2:]
+    cosine, sine = np.cos(np.radians(1.0)), np.sin(np.radians(1.0))
+    for frame in range(200, 290):
+        after = np.array([[cosine, -sine], [sine, cosine]]) @ velocity
+        commanded[frame], velocity = after - velocity, after
+    return replace(scene, commanded=commanded)
+
+
+def twice_as_wrong(runs: TmaRuns) -> TmaRuns:
+    """Return runs whose azimuths have twice the deviation told."""
+    more = np.sqrt(3.0) * DEVIATION * np.random.default_rng(3).standard_normal(runs.azimuth.shape)
+    return replace(runs, azimuth=runs.azimuth + more)
+
+
+def correlated(runs: TmaRuns) -> TmaRuns:
+    """Return runs whose azimuth errors last for 10 s, of the deviation told."""
+    generator = np.random.default_rng(4)
+    kept = np.exp(-0.1)
+    error = generator.standard_normal(runs.azimuth.shape)
+    for frame in range(1, error.shape[1]):
+        error[:, frame] = kept * error[:, frame - 1] + np.sqrt(1.0 - kept**2) * error[:, frame]
+    offset = runs.truth[..., :2] - runs.scene.sensor_position
+    return replace(runs, azimuth=np.arctan2(offset[..., 1], offset[..., 0]) + DEVIATION * error)
+
+
+def with_outliers(runs: TmaRuns) -> TmaRuns:
+    """Return runs in which every tenth azimuth is anything."""
+    generator = np.random.default_rng(5)
+    wild = generator.random(runs.azimuth.shape) < 0.1
+    anything = generator.uniform(-np.pi, np.pi, runs.azimuth.shape)
+    return replace(runs, azimuth=np.where(wild, anything, runs.azimuth))
+
+
+def as_told(runs: TmaRuns) -> TmaRuns:
+    return runs
+
+
+def history_of(runs: TmaRuns, run: int) -> TargetHistory:
+    scene = runs.scene
+    nothing = np.full(len(scene.times), np.nan)
+    heard = np.isfinite(runs.frequency[run])
+    return TargetHistory(
+        times=scene.times,
+        station=np.zeros(len(scene.times), np.int64),
+        position=scene.sensor_position,
+        velocity=scene.sensor_velocity,
+        azimuth=np.stack([runs.azimuth[run], nothing], axis=1),
+        azimuth_deviation=np.full(len(scene.times), scene.azimuth_deviation),
+        elevation=nothing,
+        elevation_deviation=nothing,
+        height=0.0,
+        frequency=runs.frequency[run],
+        frequency_deviation=np.where(heard, scene.frequency_deviation, np.nan),
+    )
+
+
+def smoothed(scene: TmaScene, seed: int, disturb: Callable[[TmaRuns], TmaRuns]) -> FloatArray:
+    """Return distance (m) and NEES per dimension of every frame, shape (2, RUNS, n_frames)."""
+    runs = disturb(simulate_runs(scene, np.random.SeedSequence(seed).spawn(RUNS)))
+    bank = RangeBank()
+    estimates = [bank.update(measurement) for measurement in runs.frames()]
+    figures = []
+    for run in range(RUNS):
+        mean = np.array([one.mean[run] for one in estimates])
+        covariance = np.array([one.covariance[run] for one in estimates])
+        start = smooth_path(TrackPath(scene.times, mean, covariance), 0.01).mean
+        path = smooth_target(history_of(runs, run), start, KalmanState(mean[0], covariance[0]))
+        error = path.mean - runs.truth[run]
+        figures.append([np.hypot(*error[:, :2].T), normalised_squared(error, path.covariance)])
+    return np.array(figures).swapaxes(0, 1)
+
+
+@pytest.mark.parametrize(
+    ("name", "disturb", "rmse"),
+    [
+        ("S1", as_told, 130.0),
+        ("S1", twice_as_wrong, 180.0),
+        ("S1", correlated, 350.0),
+        ("S1", with_outliers, 150.0),
+        ("S3", as_told, 180.0),
+        ("turn", as_told, 200.0),
+    ],
+)
+def test_the_whole_path_is_found_with_an_honest_covariance(
+    name: str, disturb: Callable[[TmaRuns], TmaRuns], rmse: float
+) -> None:
+    scene = turning(scenario("S1")) if name == "turn" else scenario(name)
+    distance, nees = smoothed(scene, 15, disturb)
+    assert np.sqrt(np.mean(distance**2)) < rmse
+    assert 0.4 < np.mean(nees) < 1.6
+    assert np.mean(nees > 5.0) < 0.02
+
+
+def test_turning_the_scene_turns_the_path() -> None:
+    runs = simulate_runs(scenario("S1"), np.random.SeedSequence(2).spawn(1))
+    history = history_of(runs, 0)
+    start, prior = runs.truth[0], KalmanState(runs.truth[0, 0], np.diag([1e6, 1e6, 100.0, 100.0]))
+    cosine, sine = np.cos(1.0), np.sin(1.0)
+    turn = np.array([[cosine, -sine], [sine, cosine]])
+    turned = replace(
+        history,
+        position=history.position @ turn.T,
+        velocity=history.velocity @ turn.T,
+        azimuth=wrap_angle(history.azimuth + 1.0),
+    )
+    both = np.kron(np.eye(2), turn)
+    there = smooth_target(turned, start @ both.T, KalmanState(both @ prior.mean, prior.covariance))
+    here = smooth_target(history, start, prior)
+    np.testing.assert_allclose(there.mean, here.mean @ both.T, atol=1e-3)
+    np.testing.assert_allclose(there.covariance, both @ here.covariance @ both.T, rtol=1e-4)

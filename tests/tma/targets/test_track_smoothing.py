@@ -1,0 +1,107 @@
+"""Protects smoothing of a recorded list: whose measurements count, what rows say afterwards."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+
+from sonar_tracking.evaluation.metrics.position_score import score_position_tracks
+from sonar_tracking.evaluation.metrics.position_truth import truth_as_tracks
+from sonar_tracking.evaluation.offline.offline_tma_chain import (
+    OfflineTmaRun,
+    passive_frame,
+    run_offline_tma_chain,
+)
+from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.records.positions import PositionTracks, TrackSource
+from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
+from sonar_tracking.tma.batch.target_smoother import TargetSmootherConfiguration
+from sonar_tracking.tma.targets.observation_log import ObservationLog, Observations
+from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
+from sonar_tracking.tma.targets.track_smoothing import SmoothedTracks, smooth_tracks
+
+TRACKER = TmaTrackerConfiguration()
+SMOOTHER = TargetSmootherConfiguration()
+
+
+@cache
+def run(name: str) -> OfflineTmaRun:
+    return run_offline_tma_chain(load_scenario(name))
+
+
+def observed(one: OfflineTmaRun) -> Observations:
+    log = ObservationLog(TRACKER)
+    log.add_all(passive_frame(frame) for frame in one.frames)
+    assert not log.problems
+    return log.observations
+
+
+@cache
+def smoothed(name: str) -> SmoothedTracks:
+    return smooth_tracks(run(name).tracks, observed(run(name)), TRACKER, SMOOTHER)
+
+
+def truth(name: str) -> list[PositionTracks]:
+    return [truth_as_tracks(frame.truth_tracks) for frame in run(name).frames]
+
+
+def test_targets_are_known_from_the_beginning_with_an_honest_covariance() -> None:
+    """The tracker knows them after a turn, or two; both sides of the array are rows until then."""
+    before = score_position_tracks(truth("tma"), run("tma").tracks)
+    after = score_position_tracks(truth("tma"), smoothed("tma").pictures)
+    assert before.identities.held_share < 0.6 and after.identities.held_share > 0.95
+    assert after.rmse_m < before.rmse_m and after.median_error_m < 0.7 * before.median_error_m
+    assert after.far_share < 0.02 and after.identities.false_tracks == 0
+    assert 0.1 < after.nees_per_dimension < 1.6
+
+
+def test_two_stations_that_were_joined_both_count_from_the_beginning() -> None:
+    before = score_position_tracks(truth("cross_fix"), run("cross_fix").tracks)
+    after = score_position_tracks(truth("cross_fix"), smoothed("cross_fix").pictures)
+    assert after.rmse_m < 0.8 * before.rmse_m and after.identities.held_share > 0.95
+    assert 0.1 < after.nees_per_dimension < 1.6
+
+
+def test_rows_say_what_they_are_and_keep_the_rest() -> None:
+    for old, new in zip(run("tma").tracks, smoothed("tma").pictures, strict=True):
+        assert new.stamp == old.stamp and new.id.tolist() == old.id.tolist()
+        assert np.all(new.source == TrackSource.SMOOTHED)
+        assert new.bearing_track_id.tolist() == old.bearing_track_id.tolist()
+        assert new.contributor_sensor == old.contributor_sensor
+        # What was confirmed, coasted or ended stays so.
+        kept = old.status != TrackStatus.TENTATIVE
+        assert new.status[kept].tolist() == old.status[kept].tolist()
+
+
+def test_a_side_that_was_never_confirmed_stays_tentative() -> None:
+    confirmed = {
+        number
+        for picture in run("tma").tracks
+        for number in picture.id[picture.established].tolist()
+    }
+    for picture in smoothed("tma").pictures:
+        assert set(picture.id[picture.established].tolist()) <= confirmed
+
+
+def test_without_its_bearings_a_track_is_smoothed_from_the_list_alone() -> None:
+    pictures = run("cross_fix").tracks[:100]
+    alone = smooth_tracks(pictures, {}, TRACKER, SMOOTHER)
+    assert len(alone.without_measurements) == alone.n_tracks and not alone.failed
+    assert all(np.isfinite(picture.state).all() for picture in alone.pictures)
+
+
+def test_rows_of_others_and_rows_that_are_unknown_are_left_out() -> None:
+    pictures = list(run("cross_fix").tracks[:40])
+    n_rows = len(pictures[-1])
+    source = pictures[-1].source.copy()
+    source[0] = TrackSource.ACTIVE
+    pictures[-1] = replace(pictures[-1], source=source)
+    covariance = pictures[-2].covariance.copy()
+    covariance[0] = np.nan
+    pictures[-2] = replace(pictures[-2], covariance=covariance)
+    seen: list[tuple[int, int]] = []
+    out = smooth_tracks(
+        pictures, observed(run("cross_fix")), TRACKER, SMOOTHER, lambda *one: seen.append(one)
+    )
+    assert [len(picture) for picture in out.pictures[-2:]] == [n_rows - 1, n_rows - 1]
+    assert seen == [(number + 1, out.n_tracks) for number in range(out.n_tracks)]
