@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 
 from sonar_tracking.bags.storage.message_definitions import installed_typestore
 from sonar_tracking.message_reading.sample_reading import LOFAR_AXIS
+from sonar_tracking.records.bearings import BearingTracks
 from sonar_tracking.records.contacts import Contacts
 from sonar_tracking.records.own_ship import OwnShipState
 from sonar_tracking.records.positions import COLUMNS, PositionTracks
 from tests.bags.bag_fixtures import SECOND, filled
 
+BEARINGS = "sonar_tracking_msgs/msg/BearingTracks"
 POSITIONS = "sonar_tracking_msgs/msg/Tracks"
 CONTACTS = "sonar_tracking_msgs/msg/Contacts"
 ODOMETRY = "nav_msgs/msg/Odometry"
@@ -82,3 +84,25 @@ def lofar_cdr(stamp: int, levels_db: NDArray[np.float32]) -> bytes:
     )
     message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp, SECOND)
     return bytes(installed_typestore(IMAGE).serialize_cdr(message, IMAGE))
+
+
+def bearings_cdr(tracks: BearingTracks) -> bytes:
+    """Return serialised bearing tracks with all columns and the pose of their sensor."""
+    names = (
+        *("id", "status", "arrival_angle", "arrival_angle_rate", "covariance", "measurement"),
+        *("measurement_variance", "innovation", "signal_to_noise_ratio"),
+        *("existence_probability", "ambiguous", "elevation", "elevation_variance"),
+    )
+    columns = {name: np.ascontiguousarray(np.ravel(getattr(tracks, name))) for name in names}
+    sensor = tracks.sensor
+    message = filled(
+        BEARINGS, sensor_id=sensor.sensor_id, angle_kind=int(tracks.angle_kind), **columns
+    )
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(tracks.stamp, SECOND)
+    message.header.frame_id = sensor.frame_id
+    pose, velocity = message.sensor_pose, message.sensor_velocity
+    pose.position.x, pose.position.y, pose.position.z = sensor.position
+    turn = pose.orientation
+    turn.x, turn.y, turn.z, turn.w = sensor.orientation
+    velocity.x, velocity.y, velocity.z = sensor.velocity
+    return bytes(installed_typestore(BEARINGS).serialize_cdr(message, BEARINGS))

@@ -23,11 +23,16 @@ __all__ = [
     "DirectionSmootherConfiguration",
     "Estimator",
     "JauffretStackedLines",
+    "ObservationLog",
     "PassiveFrame",
     "RangeBank",
     "RangeBankConfiguration",
     "SingleFilterConfiguration",
+    "SmoothedTracks",
+    "TargetHistory",
     "TargetObservation",
+    "TargetPath",
+    "TargetSmootherConfiguration",
     "TargetSolution",
     "TargetSolver",
     "TmaEstimate",
@@ -40,6 +45,8 @@ __all__ = [
     "polar_bound",
     "posterior_bound",
     "smooth_directions",
+    "smooth_target",
+    "smooth_tracks",
 ]
 
 if TYPE_CHECKING:
@@ -53,6 +60,12 @@ if TYPE_CHECKING:
         DirectionSmootherConfiguration,
         smooth_directions,
     )
+    from sonar_tracking.tma.batch.target_history import TargetHistory
+    from sonar_tracking.tma.batch.target_smoother import (
+        TargetPath,
+        TargetSmootherConfiguration,
+        smooth_target,
+    )
     from sonar_tracking.tma.estimators.chan_summed_lines import ChanSummedLines
     from sonar_tracking.tma.estimators.cheong_fused_line import CheongFusedLine
     from sonar_tracking.tma.estimators.estimator import Estimator
@@ -65,12 +78,14 @@ if TYPE_CHECKING:
         polar_bound,
         posterior_bound,
     )
+    from sonar_tracking.tma.targets.observation_log import ObservationLog
     from sonar_tracking.tma.targets.passive_frame import PassiveFrame, TmaUpdate
     from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
     from sonar_tracking.tma.targets.target_solver import TargetSolver
     from sonar_tracking.tma.targets.tma_method_registry import TMA_METHODS, TmaMethodEntry
     from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
     from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+    from sonar_tracking.tma.targets.track_smoothing import SmoothedTracks, smooth_tracks
 else:
     __getattr__, __dir__ = lazy_exports(
         __name__,
@@ -85,6 +100,12 @@ else:
                 "DirectionSmootherConfiguration",
                 "smooth_directions",
             ],
+            "batch.target_history": ["TargetHistory"],
+            "batch.target_smoother": [
+                "TargetPath",
+                "TargetSmootherConfiguration",
+                "smooth_target",
+            ],
             "estimators.chan_summed_lines": ["ChanSummedLines"],
             "estimators.cheong_fused_line": ["CheongFusedLine"],
             "estimators.estimator": ["Estimator"],
@@ -94,11 +115,13 @@ else:
             "estimators.single_filter_configuration": ["SingleFilterConfiguration"],
             "estimators.sensor_frame": ["TmaEstimate", "TmaMeasurement"],
             "performance.posterior_cramer_rao_bound": ["polar_bound", "posterior_bound"],
+            "targets.observation_log": ["ObservationLog"],
             "targets.passive_frame": ["PassiveFrame", "TmaUpdate"],
             "targets.target_records": ["TargetObservation", "TargetSolution"],
             "targets.target_solver": ["TargetSolver"],
             "targets.tma_method_registry": ["TMA_METHODS", "TmaMethodEntry"],
             "targets.tma_tracker_configuration": ["TmaTrackerConfiguration"],
             "targets.tma_tracker_stage": ["TmaTrackerStage"],
+            "targets.track_smoothing": ["SmoothedTracks", "smooth_tracks"],
         },
     )

@@ -77,10 +77,7 @@ def smooth_bag(
     """
     console = Console(highlight=False, soft_wrap=True)
     bag = read_bag(path).named(names)
-    resolved = path.resolve()
-    target = output or resolved.with_name(f"{resolved.stem}{SUFFIX}")
-    if target.exists():
-        raise ConfigurationError(f"{target} exists already; give another name or remove it.")
+    target = _target(path, output)
     if bag.recovery:
         console.print(bag.recovery, markup=False)
     rejected: list[str] = []
@@ -94,18 +91,21 @@ def smooth_bag(
     for topic, own in pictures.items():
         with _progress(topic, console) as done:
             smoothed[topic] = smooth_tracks(
-                own,
-                log.observations,
-                recorded.configuration,
-                configuration,
-                done,
+                own, log.observations, recorded.configuration, configuration, done
             )
     with new_bag(target, bag.recording, bag.custom_data) as writer:
         _copy(bag, writer, smoothed, recorded.bearing_topics[0])
-    for topic, one in smoothed.items():
-        console.print(f"{target}: {_done(topic, one)}", markup=False)
-    for sentence in _remarks(log, rejected):
-        console.print(sentence, markup=False)
+    done_texts = [f"{target}: {_done(topic, one)}" for topic, one in smoothed.items()]
+    console.print("\n".join([*done_texts, *_remarks(log, rejected)]), markup=False)
+    return target
+
+
+def _target(path: Path, output: Path | None) -> Path:
+    """Return the name of the new bag, which does not exist."""
+    resolved = path.resolve()
+    target = output or resolved.with_name(f"{resolved.stem}{SUFFIX}")
+    if target.exists():
+        raise ConfigurationError(f"{target} exists already; give another name or remove it.")
     return target
 
 
@@ -204,7 +204,7 @@ def _copy(
 def _progress(topic: str, console: Console) -> Iterator[Progress]:
     from rich.progress import Progress as Bar
 
-    with Bar(console=console, transient=True) as bar:
+    with Bar(console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task(f"smoothing {topic}", total=None)
         yield lambda done, total: bar.update(task, completed=done, total=total)
 

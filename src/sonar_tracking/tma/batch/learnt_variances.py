@@ -180,9 +180,7 @@ def _lasting_errors(
     return found
 
 
-def _ratios(
-    history: TargetHistory, path: FloatArray, learnt: Learnt, freedom: float
-) -> FloatArray:
+def _ratios(history: TargetHistory, path: FloatArray, learnt: Learnt, freedom: float) -> FloatArray:
     """Return the variance of each group of rows over that told.
 
     The scale of Student's t distribution, which outliers do not own. Errors of a line may last:

@@ -28,15 +28,17 @@ class LinearSystem:
     start : KalmanState
         Before the first instant, shapes (size,) and (size, size).
     transition, noise : ndarray, shape (n, size, size)
-        Into each instant from the one before; those of the first one act on the start.
+        Into each instant from the one before, in units of the state, and in these squared; those
+        of the first one act on the start.
     matrix : ndarray, shape (n, n_rows, size)
-        Measurement matrix of each instant.
+        Measurement matrix of each instant, units of the rows over units of the state.
     measured : ndarray, shape (n, n_rows)
         In the units of the rows.
     weight : ndarray, shape (n, n_rows)
-        One over the variance of each row; 0 = there is none.
+        One over the variance of each row, in units of the row squared; 0 = there is none.
     variance : ndarray, shape (n, n_rows)
-        Of each row by itself, before it was weighed for being an outlier or not.
+        Of each row by itself, before it was weighed for being an outlier or not, in the units of
+        the row squared.
     degrees_of_freedom : float
         Of the distribution that what is measured is judged by.
     """
@@ -62,7 +64,7 @@ class SmoothedStates:
     covariance : ndarray, shape (n, size, size)
         In the same units squared.
     crossed : ndarray, shape (n - 1, size, size)
-        Covariance of each state with the next one.
+        Covariance of each state with the next one, in the units of the state squared.
     log_likelihood : float
         Of all that was measured, each instant given those before it.
     """

@@ -84,17 +84,17 @@ class TargetHistory:
 
     @property
     def slow(self) -> IntArray:
-        """Columns of the slow errors in the state: azimuths of the stations, then elevations."""
+        """Columns of the slow errors in the state, shape (n_errors,): azimuths, then elevations."""
         return KINEMATIC + np.arange(self.n_errors)
 
     @property
     def fast(self) -> IntArray:
-        """Columns of the faster errors in the state, in the same order."""
+        """Columns of the faster errors in the state, shape (n_errors,), in the same order."""
         return KINEMATIC + self.n_errors + np.arange(self.n_errors)
 
     @property
     def lines(self) -> IntArray:
-        """Columns of the source frequencies in the state."""
+        """Columns of the source frequencies in the state, shape (n_lines,)."""
         return KINEMATIC + 2 * self.n_errors + np.arange(self.n_lines)
 
     @property
@@ -128,7 +128,8 @@ class HistoryRows:
     residual : ndarray, shape (n, 2 + n_lines)
         Measured minus predicted, rad (wrapped) and Hz; 0 where there is nothing.
     derivative : ndarray, shape (n, 2 + n_lines, size)
-        Of the prediction, by the state; 0 where there is nothing.
+        Of the prediction, by the state, rad and Hz over units of the state; 0 where there is
+        nothing.
     present : ndarray of bool, shape (n, 2 + n_lines)
         Which rows there are.
     """

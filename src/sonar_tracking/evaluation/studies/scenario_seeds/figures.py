@@ -7,19 +7,19 @@ from pathlib import Path
 
 
 def draw_errors(errors: Mapping[str, Sequence[float]], directory: Path) -> tuple[Path, ...]:
-    """Draw the median error of every run of every scenario.
+    """Draw the median error of every run of every system.
 
     Parameters
     ----------
     errors : mapping of str to sequence of float
-        By scenario, one a seed, m; NaN = no position.
+        By system, one a seed, m; NaN = no position.
     directory : Path
         Where the picture goes.
     """
     import matplotlib.pyplot as plt
 
     directory.mkdir(parents=True, exist_ok=True)
-    figure, axes = plt.subplots(figsize=(7, 4), layout="constrained")
+    figure, axes = plt.subplots(figsize=(9, 4), layout="constrained")
     for number, values in enumerate(errors.values()):
         axes.semilogy([number] * len(values), values, "o", color="#0072B2", alpha=0.5)
     axes.set_xticks(range(len(errors)), list(errors))

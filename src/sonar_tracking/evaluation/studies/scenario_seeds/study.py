@@ -25,12 +25,23 @@ from sonar_tracking.evaluation.monte_carlo.study_definition import (
     StudyDefinition,
     TableLayout,
 )
+from sonar_tracking.evaluation.offline.offline_bearing_chain import stage_configuration
 from sonar_tracking.evaluation.offline.offline_contact_chain import run_offline_active_chain
 from sonar_tracking.evaluation.offline.offline_sample_chain import run_offline_sample_chain
-from sonar_tracking.evaluation.offline.offline_tma_chain import run_offline_tma_chain
+from sonar_tracking.evaluation.offline.offline_tma_chain import (
+    TRACKER,
+    passive_frame,
+    run_offline_tma_chain,
+)
 from sonar_tracking.evaluation.studies.scenario_seeds.figures import draw_errors
+from sonar_tracking.records.positions import PositionTracks
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
+from sonar_tracking.tma.batch.target_smoother import TargetSmootherConfiguration
+from sonar_tracking.tma.targets.observation_log import ObservationLog
+from sonar_tracking.tma.targets.passive_frame import PassiveFrame
+from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
+from sonar_tracking.tma.targets.track_smoothing import smooth_tracks
 
 QUANTILES = {"low": 10.0, "median": 50.0, "high": 90.0}
 """Over the seeds, %."""
@@ -61,37 +72,84 @@ class RunFigures:
 
     Attributes
     ----------
-    run : SeededRun
-        Which.
+    system : str
+        The scenario, and whether its tracks are smoothed.
+    seed : int
+        Of the run.
     figures : dict of str to float
         Of its score; NaN = unknown.
     """
 
-    run: SeededRun
+    system: str
+    seed: int
     figures: dict[str, float]
 
 
-def score_samples(scenario: Scenario) -> PositionScore:
-    """Return the score of the positions made of a scenario with hydrophones."""
+Scores = tuple[PositionScore, ...]
+"""Of the tracks as they came, and of those with hindsight if there are any."""
+
+
+def score_contacts(scenario: Scenario) -> Scores:
+    """Return the score of a scenario with an active sonar."""
+    return (run_offline_active_chain(scenario).score(),)
+
+
+def score_bearings(scenario: Scenario) -> Scores:
+    """Return the scores of a scenario with stations that measure bearings."""
+    run = run_offline_tma_chain(scenario)
+    frames = [passive_frame(frame) for frame in run.frames]
+    truth = [truth_as_tracks(frame.truth_tracks) for frame in run.frames]
+    return run.score(), score_position_tracks(truth, _smoothed(scenario, frames, run.tracks))
+
+
+def score_samples(scenario: Scenario) -> Scores:
+    """Return the scores of the positions made of a scenario with hydrophones."""
     run = run_offline_sample_chain(scenario)
     truth = [truth_as_tracks(block.truth_tracks) for block in run.blocks]
-    return score_position_tracks(truth, run.positions)
+    bearings = {one.stamp: one for one in run.bearings}
+    lines = {one.stamp: one for one in run.lines}
+    frames = [
+        PassiveFrame(
+            stamp,
+            bearings=(bearings[stamp],) if stamp in bearings else (),
+            lines=(lines[stamp],) if stamp in lines else (),
+        )
+        for stamp in sorted({*bearings, *lines})
+    ]
+    smoothed = _smoothed(scenario, frames, run.positions)
+    return score_position_tracks(truth, run.positions), score_position_tracks(truth, smoothed)
 
 
-CHAINS: dict[str, Callable[[Scenario], PositionScore]] = {
-    "active": lambda scenario: run_offline_active_chain(scenario).score(),
-    "tma": lambda scenario: run_offline_tma_chain(scenario).score(),
-    "cross_fix": lambda scenario: run_offline_tma_chain(scenario).score(),
+def _smoothed(
+    scenario: Scenario, frames: Sequence[PassiveFrame], tracks: Sequence[PositionTracks]
+) -> tuple[PositionTracks, ...]:
+    where = f"{scenario.name}: nodes.{TRACKER}"
+    tracker = stage_configuration(TmaTrackerConfiguration, scenario.nodes.get(TRACKER, {}), where)
+    log = ObservationLog(tracker)
+    log.add_all(frames)
+    smoother = TargetSmootherConfiguration(
+        acceleration=tracker.acceleration, manoeuvre_acceleration=tracker.manoeuvre_acceleration
+    )
+    return smooth_tracks(tracks, log.observations, tracker, smoother).pictures
+
+
+CHAINS: dict[str, Callable[[Scenario], Scores]] = {
+    "active": score_contacts,
+    "tma": score_bearings,
+    "cross_fix": score_bearings,
     "tonals": score_samples,
 }
-"""The score of each scenario, from its chain."""
+"""The scores of each scenario, from its chain."""
+
+SYSTEMS = ("{}", "{}, smoothed")
+"""What the tracks of each score are called."""
 
 FIGURES = ("median_error_m", "rmse_m", "far_share", "held_share", "nees_median_per_dimension")
 FIGURES_OF_TIME = ("confirmation_delay", "confirmation_delay_periods")
 COUNTS = ("false_tracks", "identity_swaps", "targets_never_held")
 
 
-def score_run(run: SeededRun) -> RunFigures:
+def score_run(run: SeededRun) -> tuple[RunFigures, ...]:
     """Return the figures of one run.
 
     Parameters
@@ -102,19 +160,27 @@ def score_run(run: SeededRun) -> RunFigures:
     scenario = replace(load_scenario(run.scenario), seed=run.seed)
     if run.duration is not None:
         scenario = replace(scenario, duration=run.duration)
-    scored = CHAINS[run.scenario](scenario).to_mapping()
+    return tuple(
+        RunFigures(system.format(run.scenario), run.seed, _figures(score))
+        for system, score in zip(SYSTEMS, CHAINS[run.scenario](scenario), strict=False)
+    )
+
+
+def _figures(score: PositionScore) -> dict[str, float]:
+    scored = score.to_mapping()
     figures = {}
     for name in (*FIGURES, *FIGURES_OF_TIME, *COUNTS):
         value = scored[name]
         figures[name] = float(value) if isinstance(value, int | float) else np.nan
-    return RunFigures(run, figures)
+    return figures
 
 
 def scenario_rows(results: Sequence[Any]) -> tuple[StudyRow, ...]:
-    """Return one row a scenario: quantiles of each figure over the seeds, means of counts."""
+    """Return one row a system: quantiles of each figure over the seeds, means of counts."""
+    parts = [part for result in results for part in result]
     rows = []
-    for name in dict.fromkeys(one.run.scenario for one in results):
-        own = [one for one in results if one.run.scenario == name]
+    for name in dict.fromkeys(part.system for part in parts):
+        own = [part for part in parts if part.system == name]
         metrics = {}
         for figure in (*FIGURES, *FIGURES_OF_TIME):
             values = np.array([one.figures[figure] for one in own])
@@ -126,7 +192,7 @@ def scenario_rows(results: Sequence[Any]) -> tuple[StudyRow, ...]:
             metrics[f"{count}_mean"] = float(np.mean([one.figures[count] for one in own]))
         lost = [one for one in own if np.isnan(one.figures["median_error_m"])]
         metrics["runs_without_positions"] = float(len(lost))
-        seeds = [one.run.seed for one in own]
+        seeds = [one.seed for one in own]
         rows.append(StudyRow(name, f"seeds {min(seeds)} to {max(seeds)}", metrics))
     return tuple(rows)
 
@@ -151,8 +217,8 @@ def _spread(figure: str, heading: str, form: str) -> tuple[Column, ...]:
 
 def _draw(results: Sequence[Any], rows: Sequence[StudyRow], directory: Path) -> tuple[Path, ...]:
     errors: dict[str, list[float]] = {}
-    for one in results:
-        errors.setdefault(one.run.scenario, []).append(one.figures["median_error_m"])
+    for one in (part for result in results for part in result):
+        errors.setdefault(one.system, []).append(one.figures["median_error_m"])
     return draw_errors(errors, directory)
 
 
