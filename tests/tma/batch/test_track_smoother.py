@@ -5,22 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import scenario
 from sonar_tracking.filtering.consistency import normalised_squared
 from sonar_tracking.records.arrays import FloatArray
-from sonar_tracking.records.bearings import TrackStatus
-from sonar_tracking.records.positions import PositionTracks, TrackSource
 from sonar_tracking.simulation.sensors.tma_scene import simulate_runs
 from sonar_tracking.tma.batch.track_smoother import (
     TrackPath,
     process_noise,
     smooth_path,
-    smooth_tracks,
 )
 from sonar_tracking.tma.estimators.range_bank import RangeBank
 
-SECOND = 10**9
 ACCELERATION = 0.3
 
 
@@ -48,20 +43,6 @@ def filtered(seed: int, n: int = 60) -> tuple[TrackPath, FloatArray]:
         covariances.append(spread)
     path = TrackPath(np.arange(float(n)), np.array(means), np.array(covariances))
     return path, np.array(truth)
-
-
-def pictures_of(path: TrackPath, identifier: int = 7) -> list[PositionTracks]:
-    return [
-        PositionTracks(
-            stamp=round((1.0 + time) * SECOND),
-            id=np.array([identifier, 99], np.uint64),
-            status=np.array([TrackStatus.CONFIRMED] * 2, np.uint8),
-            source=np.array([TrackSource.TMA, TrackSource.ACTIVE], np.uint8),
-            state=np.array([mean, mean]),
-            covariance=np.array([covariance, covariance]),
-        )
-        for time, mean, covariance in zip(path.times, path.mean, path.covariance, strict=True)
-    ]
 
 
 def test_smoothed_states_are_better_and_their_covariance_is_right() -> None:
@@ -110,27 +91,3 @@ def test_positions_of_the_range_bank_are_known_earlier_with_hindsight() -> None:
         nees.append(normalised_squared(smoothed.mean - runs.truth[run], smoothed.covariance))
     assert np.sqrt(np.mean(np.square(after))) < 0.2 * np.sqrt(np.mean(np.square(before)))
     assert np.mean(np.array(nees)[:, 20:]) < 2.0
-
-
-def test_only_tracks_of_target_motion_analysis_are_smoothed() -> None:
-    path, _ = filtered(1)
-    pictures = pictures_of(path)
-    smoothed = smooth_tracks(pictures, ACCELERATION)
-    assert [picture.stamp for picture in smoothed] == [picture.stamp for picture in pictures]
-    for picture in smoothed:
-        assert picture.id.tolist() == [7]
-        assert picture.source.tolist() == [TrackSource.SMOOTHED]
-    expected = smooth_path(path, ACCELERATION)
-    np.testing.assert_allclose([one.state[0] for one in smoothed], expected.mean)
-    np.testing.assert_allclose([one.covariance[0] for one in smoothed], expected.covariance)
-
-
-def test_rows_that_are_unknown_are_left_out_and_gaps_bridged() -> None:
-    path, _ = filtered(2, 12)
-    pictures = pictures_of(path)
-    pictures[5].covariance[0] = np.nan
-    smoothed = smooth_tracks(pictures, ACCELERATION)
-    assert [len(picture) for picture in smoothed] == [1] * 5 + [0] + [1] * 6
-    assert np.all(np.isfinite([one.state for one in smoothed if len(one)]))
-    with pytest.raises(ConfigurationError, match="positive process noise"):
-        smooth_tracks(pictures, 0.0)
