@@ -13,6 +13,7 @@ from sonar_tracking.records.positions import TrackHypothesis, TrackSource
 from sonar_tracking.tma.targets.array_sides import LEFT, RIGHT, SINGLE
 from sonar_tracking.tma.targets.baseline_solver import BaselineSolver
 from sonar_tracking.tma.targets.followed_target import FollowedTarget, new_solver
+from sonar_tracking.tma.targets.systematic_errors import Sight
 from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
 from sonar_tracking.tma.targets.target_solver import TargetSolver
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
@@ -55,6 +56,10 @@ def target(*solutions: TargetSolution, **changes: Any) -> FollowedTarget:
     return FollowedTarget(**{**values, **changes})
 
 
+def sight(position: tuple[float, float], second: int = 20) -> Sight:
+    return Sight(position, 0.0, elevated=False, stamp=second * SECOND)
+
+
 def test_the_best_solution_is_the_most_probable() -> None:
     left, right = solution(side=LEFT, probability=0.3), solution(side=RIGHT, probability=0.7)
     assert target(left, right).best is right
@@ -80,7 +85,7 @@ def test_a_solution_is_confirmed_when_it_is_observable_and_known_to_a_tenth_of_i
     covariance = np.eye(4)
     covariance[:2, :2] = turn @ np.diag([deviation**2, 4.0]) @ turn.T
     made = target(
-        solution(covariance=covariance, observability=observability), places={"bow": place}
+        solution(covariance=covariance, observability=observability), sights={"bow": sight(place)}
     )
     made.judge(CONFIGURATION)
     assert made.confirmed == confirmed
@@ -104,9 +109,37 @@ def test_the_range_is_that_from_the_farthest_station_whichever_has_observed_it_l
     """A deviation of 150 m is good enough at 2 km and not at 1 km."""
     covariance = np.diag([150.0**2, 100.0, 1.0, 1.0])
     for places in ({"near": (0.0, 0.0), "far": (-1000.0, 0.0)}, {"near": (0.0, 0.0)}):
-        made = target(solution(covariance=covariance), places=dict(places))
+        sights = {name: sight(place) for name, place in places.items()}
+        made = target(solution(covariance=covariance), sights=sights)
         made.judge(CONFIGURATION)
         assert made.confirmed == ("far" in places)
+
+
+def test_constant_errors_of_the_stations_are_added_once_and_not_to_methods_for_comparison() -> None:
+    """Half a degree across the line of sight, 1000 m away."""
+    made, one = target(sights={"bow": sight((0.0, 0.0))}), solution()
+    made.take((one,), CONFIGURATION)
+    (taken,) = made.solutions
+    added = taken.covariance - one.covariance
+    assert added == pytest.approx(np.diag([0.0, (1000.0 * np.radians(0.5)) ** 2, 0.0, 0.0]))
+    made.take(made.solutions, CONFIGURATION)
+    assert made.solutions == (taken,)
+    for other in (
+        replace(CONFIGURATION, systematic_deviation_deg=0.0),
+        replace(CONFIGURATION, method="fused_line"),
+    ):
+        made.take((one,), other)
+        assert made.solutions == (one,)
+
+
+def test_a_station_that_has_been_silent_for_long_does_not_count() -> None:
+    made, one = target(), solution()
+    made.sights = {"bow": sight((0.0, 0.0), 400), "stern": sight((1000.0, 500.0), 50)}
+    made.take((one,), CONFIGURATION)
+    alone = made.solutions[0].covariance
+    made.sights["stern"] = sight((1000.0, 500.0), 150)
+    made.take((one,), CONFIGURATION)
+    assert alone[0, 0] == one.covariance[0, 0] < made.solutions[0].covariance[0, 0]
 
 
 def test_without_a_solution_nothing_is_judged() -> None:
@@ -154,11 +187,11 @@ def test_an_observation_that_is_taken_in_moves_stamp_and_place() -> None:
     before, after = solution(), solution(stamp=30 * SECOND)
     made = target(before)
     assert made.conclude(observation(30 * SECOND, 0.1), ()) == (before,)
-    assert (made.updated, made.places) == (20 * SECOND, {})
+    assert (made.updated, made.sights) == (20 * SECOND, {})
     assert made.conclude(observation(30 * SECOND), (after,)) == (after,)
-    assert (made.updated, made.places) == (30 * SECOND, {})
+    assert (made.updated, made.sights) == (30 * SECOND, {})
     made.conclude(observation(31 * SECOND, 0.1), (after,))
-    assert (made.updated, made.places) == (31 * SECOND, {"stern": (7.0, 8.0)})
+    assert (made.updated, made.sights) == (31 * SECOND, {"stern": sight((7.0, 8.0), 31)})
 
 
 def refusing(count: int) -> TargetSolver:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -11,12 +11,16 @@ from sonar_tracking.records.time import NANOSECONDS
 from sonar_tracking.tma.estimators.range_bank_state import REFUSED_AZIMUTHS
 from sonar_tracking.tma.targets.array_sides import SIDE_PROBABILITY
 from sonar_tracking.tma.targets.baseline_solver import BaselineSolver
+from sonar_tracking.tma.targets.systematic_errors import Sight, systematic_covariance
 from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
 from sonar_tracking.tma.targets.target_solver import TargetSolver
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
 
 DOUBTFUL = 2.0
 """A deviation this many times that which confirms a solution ends its confirmation."""
+
+RECENT = 300
+"""A station that has not observed a target for longer does not fix its position any more, s."""
 
 SILENCE = 60.0
 """A confirmed target whose bearing tracks went on to something else is predicted so long, s."""
@@ -44,8 +48,8 @@ class FollowedTarget:
         Identifier of each side's row in the track list.
     confirmed : bool
         Whether the solution is good enough.
-    places : dict of str to tuple of float
-        Where each station was when it observed it last, m.
+    sights : dict of str to Sight
+        From where each station has observed it last.
     misfits : dict of str to int
         Azimuths in a row of each station that no hypothesis explains.
     forsaken : bool
@@ -61,7 +65,7 @@ class FollowedTarget:
     solutions: tuple[TargetSolution, ...] = ()
     row_of: dict[str, int] = field(default_factory=dict)
     confirmed: bool = False
-    places: dict[str, tuple[float, float]] = field(default_factory=dict)
+    sights: dict[str, Sight] = field(default_factory=dict)
     misfits: dict[str, int] = field(default_factory=dict)
     forsaken: bool = False
 
@@ -87,8 +91,24 @@ class FollowedTarget:
         if observation.line_ids or not self.solver.refused:
             self.updated = observation.stamp
         if observation.azimuths:
-            self.places[observation.sensor_id] = observation.position
+            elevated = bool(np.isfinite(observation.elevation))
+            self.sights[observation.sensor_id] = Sight(
+                observation.position, observation.height, elevated, observation.stamp
+            )
         return solutions
+
+    def take(
+        self, solutions: tuple[TargetSolution, ...], configuration: TmaTrackerConfiguration
+    ) -> None:
+        """Let solutions of the solver stand, with what constant errors of the stations add."""
+        deviation = configuration.systematic_deviation
+        if solutions is self.solutions or not configuration.entry.weighs_hypotheses:
+            self.solutions = solutions
+            return
+        newest = max((one.stamp for one in self.sights.values()), default=0)
+        recent = newest - RECENT * NANOSECONDS
+        sights = [one for one in self.sights.values() if one.stamp >= recent]
+        self.solutions = tuple(_with_errors(one, sights, deviation) for one in solutions)
 
     @property
     def misled(self) -> bool:
@@ -137,8 +157,17 @@ class FollowedTarget:
 
     def _distance(self, solution: TargetSolution) -> float:
         """Return the range of a solution from the station that is farthest from it, m."""
-        places = list(self.places.values()) or [(0.0, 0.0)]
+        places = [one.position for one in self.sights.values()] or [(0.0, 0.0)]
         return float(np.max(np.hypot(*(solution.mean[:2] - places).T)))
+
+
+def _with_errors(solution: TargetSolution, sights: list[Sight], deviation: float) -> TargetSolution:
+    """Return a solution with the covariance of constant errors of directions, rad."""
+    if not sights or deviation == 0.0:
+        return solution
+    covariance = solution.covariance.copy()
+    covariance[:2, :2] += systematic_covariance(solution.mean[:2], sights, deviation)
+    return replace(solution, covariance=covariance)
 
 
 def new_solver(configuration: TmaTrackerConfiguration) -> TargetSolver | BaselineSolver:

@@ -38,6 +38,14 @@ class TmaTrackerConfiguration(RangeBankConfiguration):
         minimum=0.0,
         maximum=90.0,
     )
+    systematic_deviation_deg: float = parameter(
+        0.5,
+        "of the constant error of a station's directions, which is added to the covariance of "
+        "positions: no array is aligned better; 0 = exactly",
+        unit="deg",
+        minimum=0.0,
+        maximum=90.0,
+    )
     mounting_x: float = parameter(
         0.0, "array origin ahead of own ship's reference, if data do not tell their pose", unit="m"
     )
@@ -102,6 +110,11 @@ class TmaTrackerConfiguration(RangeBankConfiguration):
     def azimuth_deviation(self) -> float:
         """In rad."""
         return float(np.radians(self.azimuth_deviation_deg))
+
+    @property
+    def systematic_deviation(self) -> float:
+        """In rad."""
+        return float(np.radians(self.systematic_deviation_deg))
 
     @property
     def mounting_yaw(self) -> float:

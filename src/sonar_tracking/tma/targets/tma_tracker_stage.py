@@ -271,7 +271,7 @@ class TmaTrackerStage:
             if solution.side in target.row_of and solution.side not in staying:
                 self._ended.append(self._row(target, solution, TrackStatus.TERMINATED))
                 del target.row_of[solution.side]
-        target.solutions = solutions
+        target.take(solutions, self.configuration)
 
     def _end_coasted(self) -> None:
         for target in [one for one in self._targets if not one.members]:
