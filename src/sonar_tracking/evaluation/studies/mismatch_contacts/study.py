@@ -65,12 +65,21 @@ LAYOUTS = (
 )
 
 
+RUNS_TOGETHER = 50
+"""Runs of a task: with few contacts each, more of them cost less."""
+
+CROWDED, RUNS_IN_A_CROWD = "K-distributed clutter, shape 0.5", 10
+"""Where the arrays of more do not stay near the processor."""
+
+
 def tasks(runs: int, seed: int) -> tuple[Task, ...]:
     """Return what the workers compute: a few runs under a condition each."""
     return tuple(
         Task(mismatch_runs, MismatchTask(name, batch.seeds, timed=batch.first_run == 0))
         for part, name in enumerate(CONDITIONS)
-        for batch in run_batches(runs, seed, part)
+        for batch in run_batches(
+            runs, seed, part, RUNS_IN_A_CROWD if name == CROWDED else RUNS_TOGETHER
+        )
     )
 
 
