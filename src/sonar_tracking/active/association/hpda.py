@@ -95,17 +95,20 @@ def _rounds_of_choice(bank: TrackBank, pairs: GatePairs) -> Iterator[IndexArray]
     Confirmed tracks choose first, then candidates by existence probability; a track waits for all
     before it that it shares a contact with.
     """
-    first = np.searchsorted(pairs.track, np.arange(len(bank) + 1))
-    tracks = np.flatnonzero(first[1:] != first[:-1])
-    order = tracks[np.lexsort((-bank.existence[tracks], ~bank.confirmed[tracks]))]
-    contacts, bounds = pairs.contact.tolist(), first.tolist()
+    turn = np.ones(len(bank), dtype=np.intp)
+    shared = np.flatnonzero(np.bincount(pairs.contact)[pairs.contact] > 1)
+    own = pairs.keep(shared)
+    begins = own.first_of_each_track()
+    tracks, bounds = own.track[begins], np.append(begins, len(shared)).tolist()
+    contacts = own.contact.tolist()
     last_round: dict[int, int] = {}
-    turn = np.zeros(len(bank), dtype=np.intp)
-    for track in order.tolist():
-        wanted = contacts[bounds[track] : bounds[track + 1]]
+    turns = [1] * len(tracks)
+    for row in np.lexsort((-bank.existence[tracks], ~bank.confirmed[tracks])).tolist():
+        wanted = contacts[bounds[row] : bounds[row + 1]]
         mine = 1 + max(last_round.get(contact, 0) for contact in wanted)
         last_round.update(dict.fromkeys(wanted, mine))
-        turn[track] = mine
+        turns[row] = mine
+    turn[tracks] = turns
     turn_of_pair = turn[pairs.track]
     by_turn = np.argsort(turn_of_pair, kind="stable")
     ends = np.searchsorted(turn_of_pair[by_turn], np.arange(1, int(turn.max(initial=0)) + 2))

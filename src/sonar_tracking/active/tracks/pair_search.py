@@ -333,7 +333,8 @@ def _squared_distances(
     delay = contacts.delay.take(pairs.contact)
     state = tracks.mean.take(pairs.track, axis=0)
     innovation = contacts.position.take(pairs.contact, axis=0) - state[:, :2]
-    innovation -= delay[:, None] * state[:, 2:]
+    if delay.any():
+        innovation -= delay[:, None] * state[:, 2:]
     covariance = delayed_position_covariance(tracks.spread.take(pairs.track, axis=0), delay)
     covariance = covariance + contacts.covariance.take(pairs.contact, axis=0)
     x, y = innovation[:, 0], innovation[:, 1]
