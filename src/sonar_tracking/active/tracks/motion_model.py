@@ -60,8 +60,8 @@ class MotionModel(Protocol):
 
         Returns
         -------
-        ndarray, shape (..., n_modes, 4, 4)
-            For the state x, y, vx, vy; pure numbers, s and 1/s.
+        ndarray, shape (..., n_modes, 4, 4) or (n_modes, 4, 4)
+            For the state x, y, vx, vy; pure numbers, s and 1/s; the latter if all are alike.
         """
 
     def noise(self, velocity: FloatArray, interval: float) -> FloatArray:

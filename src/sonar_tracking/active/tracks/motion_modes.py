@@ -134,10 +134,11 @@ class MotionModes:
 
         Returns
         -------
-        ndarray, shape (..., n_modes, 4, 4)
-            Pure numbers, s and 1/s.
+        ndarray, shape (..., n_modes, 4, 4) or (1, 4, 4)
+            Pure numbers, s and 1/s; the latter if all targets go straight.
         """
-        return turn_matrices(self.turn_rates(velocity), interval)
+        rates = self.turn_rates(velocity) if self.n_modes > 1 else np.zeros(1)
+        return turn_matrices(rates, interval)
 
     def noise(self, velocity: FloatArray, interval: float) -> FloatArray:
         """Return Q over an interval: the same for all modes and velocities.
