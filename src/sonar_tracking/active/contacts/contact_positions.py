@@ -117,7 +117,8 @@ def position_covariance(
     along = np.square(range_standard_deviation)
     across = (distance * azimuth_standard_deviation) ** 2
     near = distance < NEAR * np.asarray(range_standard_deviation)
-    across = np.where(near, np.maximum(across, along), across)
+    if near.any():
+        across = np.where(near, np.maximum(across, along), across)
     more, (x, y) = along - across, direction.T
     covariance = np.empty((len(distance), 2, 2))
     covariance[:, 0, 0] = across + more * (x * x)
