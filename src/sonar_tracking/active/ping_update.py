@@ -143,12 +143,13 @@ def _update_at_once(
         [each.reach for each in known],
     )
     tracks = SceneRows(tuple(len(scene.bank) for scene in scenes))
-    bank = predict_scenes(method, scenes, ping.stamp)
+    predicted = predict_scenes(method, scenes, ping.stamp)
     particles = [scene.particles for scene in scenes]
-    gating = gate_ping(bank, tracks, ping, configuration, particles, method.modes)
-    association = method.rule.associate(bank, gating.of_ping(ping))
+    gating = gate_ping(predicted, tracks, ping, configuration, particles, method.modes)
+    association = method.rule.associate(predicted, gating.of_ping(ping))
     bank = _update_states(particles, tracks, association, gating)
-    listed = _confirm_and_end(configuration, scenes, tracks, bank, association, gating, ping)
+    bank = _confirmed(configuration, predicted, bank, association, gating, ping)
+    listed = _which_end(configuration, scenes, tracks, bank, association, gating, ping)
     candidates, new = _start_candidates(method, scenes, association, gating, ping)
     next_ids = [scene.next_id + count for scene, count in zip(scenes, new.counts, strict=True)]
     most = configuration.maximum_tracks
@@ -182,7 +183,26 @@ def _update_states(
     return update_particles(particles, bank, tracks, gating.clouds, weights[:, 0])
 
 
-def _confirm_and_end(
+def _confirmed(
+    configuration: ContactTrackerConfiguration,
+    predicted: TrackBank,
+    bank: TrackBank,
+    association: BankAssociation,
+    gating: PingGating,
+    ping: PlacedPing,
+) -> TrackBank:
+    """Return the tracks, those that exist confirmed."""
+    bank = replace(
+        bank,
+        confirmed=bank.confirmed | (bank.existence >= configuration.confirmation_probability),
+        updated=np.where(association.detected > 0.5, ping.stamp, bank.updated),
+    )
+    # Most tracks are candidates without a contact: what they were predicted to be, they are.
+    bank.remember_moments(predicted, gating.pairs.track[gating.pairs.first_of_each_track()])
+    return bank
+
+
+def _which_end(
     configuration: ContactTrackerConfiguration,
     scenes: Sequence[SceneMemory],
     tracks: SceneRows,
@@ -191,13 +211,7 @@ def _confirm_and_end(
     gating: PingGating,
     ping: PlacedPing,
 ) -> ListedTracks:
-    """Confirm tracks that exist, and find out which go on."""
-    detected = association.detected
-    bank = replace(
-        bank,
-        confirmed=bank.confirmed | (bank.existence >= configuration.confirmation_probability),
-        updated=np.where(detected > 0.5, ping.stamp, bank.updated),
-    )
+    """Find out which tracks go on."""
     mean, _ = bank.position_moments()
     separation = mean[:, :2] - tracks.spread([sensor.position for sensor in ping.sensors])
     distance = np.hypot(separation[:, 0], separation[:, 1])
@@ -206,7 +220,7 @@ def _confirm_and_end(
     alive &= ~duplicates(bank, gating.pairs, association.weights)
     ids = tracks.split(bank.id)
     shown = [scene.were_shown(own) for scene, own in zip(scenes, ids, strict=True)]
-    return ListedTracks(bank, alive, joined(shown), detected)
+    return ListedTracks(bank, alive, joined(shown), association.detected)
 
 
 def _start_candidates(

@@ -139,6 +139,26 @@ class TrackBank:
             return mean[rows], covariance[rows]
         return _mixture(self.mode_probability[rows], self.mean[rows], self.covariance[rows])
 
+    def remember_moments(self, before: TrackBank, changed: IndexArray) -> None:
+        """Take the moments of the position over from the same tracks before an update.
+
+        Parameters
+        ----------
+        before : TrackBank
+            The tracks before it.
+        changed : ndarray of int, shape (n_changed,)
+            Rows of the tracks whose states it has changed: theirs are computed.
+        """
+        if self.mean.shape[1] == 1:
+            return
+        mean, covariance = (each.copy() for each in before.position_moments())
+        mean[changed], covariance[changed] = _mixture(
+            self.mode_probability[changed],
+            self.mean[changed],
+            self.covariance[changed][..., :2, :2],
+        )
+        vars(self)["_position_moments"] = mean, covariance
+
     def in_mode(self, mode: int) -> TrackBank:
         """Return the tracks as they are if their motion is that of one mode for sure."""
         only = slice(mode, mode + 1)
