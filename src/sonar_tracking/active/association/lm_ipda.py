@@ -27,6 +27,7 @@ import numpy as np
 from sonar_tracking.active.detection.gate_association import PROBABILITY_IN_GATE
 from sonar_tracking.active.tracks.contact_gating import GatePairs
 from sonar_tracking.active.tracks.track_bank import TrackBank
+from sonar_tracking.filtering.few_terms import sum_of_few
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 
 LARGEST_CLAIM = 0.999
@@ -106,7 +107,7 @@ def associate_integrated(
     track, contact = pairs.track, pairs.contact
     in_gate = detection_probability * PROBABILITY_IN_GATE
     modal = evidence.density * (evidence.amplitude_ratio / PROBABILITY_IN_GATE)[:, None]
-    merged = (bank.mode_probability[track] * modal).sum(axis=1)
+    merged = sum_of_few(bank.mode_probability[track] * modal, axis=1)
     total = sum_by_row(track, merged, n_tracks)
     share = merged / np.maximum(total[track], 1e-300)
     claim = np.minimum(LARGEST_CLAIM, (in_gate * bank.existence)[track] * share)
@@ -120,10 +121,10 @@ def associate_integrated(
     ratio = (1.0 - in_gate)[:, None] + explained
     weights = scaled / ratio[track]
     mode_weight = bank.mode_probability * ratio
-    likelihood = mode_weight.sum(axis=1)
+    likelihood = sum_of_few(mode_weight, axis=1)
     mode_probability = mode_weight / likelihood[:, None]
     existence = update_existence(bank.existence, likelihood)
-    beta = (mode_probability[track] * weights).sum(axis=1)
+    beta = sum_of_few(mode_probability[track] * weights, axis=1)
     return BankAssociation(
         bank=replace(bank, existence=existence, mode_probability=mode_probability),
         weights=weights,

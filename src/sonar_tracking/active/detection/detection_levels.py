@@ -21,6 +21,7 @@ import numpy as np
 
 from sonar_tracking.active.detection.gate_association import PROBABILITY_IN_GATE
 from sonar_tracking.errors import Notice, Severity
+from sonar_tracking.filtering.few_terms import sum_of_few
 from sonar_tracking.records.arrays import BoolArray, FloatArray
 
 LEVELS = np.array([0.1, 0.3, 0.5, 0.7, 0.85, 0.95])
@@ -193,4 +194,4 @@ def weigh(weights: FloatArray, likelihood_ratio: FloatArray) -> FloatArray:
     least = 1.0 - PROBABILITY_IN_GATE
     likelihood = np.maximum(1.0 + LEVELS * slope[:, None], least)
     product = weights * likelihood
-    return np.asarray(product / product.sum(axis=1, keepdims=True))
+    return np.asarray(product / sum_of_few(product, axis=1)[:, None])

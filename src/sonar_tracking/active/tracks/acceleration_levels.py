@@ -22,6 +22,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from sonar_tracking.filtering.few_terms import sum_of_few
 from sonar_tracking.records.arrays import FloatArray
 
 ACCELERATIONS = (0.0006, 0.12, 3.0)
@@ -136,7 +137,7 @@ class AccelerationLevels:
         flow = np.ones((len(age), 1, 1)) * FLOW
         flow[:, :TURNING, TURNING] += rates[:, :1]
         flow[:, :AGILE, AGILE] += rates[:, 1:]
-        leaving = flow.sum(axis=-1)
+        leaving = sum_of_few(flow, axis=-1)
         leaves = -np.expm1(-interval * leaving)
         transition = flow * (leaves / leaving)[..., None]
         np.einsum("nii->ni", transition)[...] = 1.0 - leaves

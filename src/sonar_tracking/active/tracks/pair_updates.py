@@ -19,6 +19,7 @@ from sonar_tracking.active.contacts.contact_positions import PlacedContacts
 from sonar_tracking.active.tracks.contact_gating import GatePairs, determinant, inverse
 from sonar_tracking.active.tracks.scene_rows import joined_tables
 from sonar_tracking.active.tracks.track_bank import TrackBank
+from sonar_tracking.filtering.few_terms import sum_of_few
 from sonar_tracking.filtering.kalman import symmetrised
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 
@@ -78,7 +79,7 @@ def update_pairs(bank: TrackBank, contacts: PlacedContacts, pairs: GatePairs) ->
     weighted = inverse(spread, area)
     gain = np.matmul(cross, weighted)
     scaled = np.matmul(weighted, innovation[..., None])[..., 0]
-    square = (innovation * scaled).sum(axis=-1)
+    square = sum_of_few(innovation * scaled, axis=-1)
     density = np.exp(-0.5 * square) / (2.0 * np.pi * np.sqrt(area))
     return PairUpdates(
         density=density,

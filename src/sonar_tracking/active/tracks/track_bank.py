@@ -19,6 +19,7 @@ import numpy as np
 from sonar_tracking.active.detection.detection_levels import LEVELS, averaged
 from sonar_tracking.active.tracks.motion_model import MotionModel
 from sonar_tracking.active.tracks.scene_rows import SceneRows
+from sonar_tracking.filtering.few_terms import sum_of_few
 from sonar_tracking.filtering.kalman import symmetrised
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray, IntArray
 
@@ -98,7 +99,7 @@ class TrackBank:
         ndarray, shape (n_pairs,)
             Probabilities.
         """
-        return np.asarray((self.mode_probability[track] * weights).sum(axis=1))
+        return sum_of_few(self.mode_probability[track] * weights, axis=1)
 
     def moments(self) -> tuple[FloatArray, FloatArray]:
         """Return mean and covariance of the mixture over the modes.
@@ -195,13 +196,13 @@ def _mixture(
     """Return mean, shape (n, 4), and covariance of as many components as are given."""
     if means.shape[1] == 1:
         return means[:, 0], covariances[:, 0]
-    mean = (weight[..., None] * means).sum(axis=1)
+    mean = sum_of_few(weight[..., None] * means, axis=1)
     deviation = (means - mean[:, None])[..., : covariances.shape[-1]]
     # In place: of many tracks, reading and writing takes longer than the arithmetic.
     spread = deviation[..., :, None] * deviation[..., None, :]
     spread += covariances
     spread *= weight[..., None, None]
-    return mean, spread.sum(axis=1)
+    return mean, sum_of_few(spread, axis=1)
 
 
 COLUMNS = tuple(field.name for field in fields(TrackBank))
@@ -286,7 +287,7 @@ def _mix(bank: TrackBank, transition: FloatArray) -> tuple[FloatArray, FloatArra
     if transition.shape[-1] == 1:
         return bank.mean, bank.covariance, bank.mode_probability
     joint = bank.mode_probability[:, :, None] * transition
-    probability = joint.sum(axis=1)
+    probability = sum_of_few(joint, axis=1)
     weight = (joint / probability[:, None, :]).swapaxes(1, 2)
     mean = np.matmul(weight, bank.mean)
     deviation = bank.mean[:, None] - mean[:, :, None]
