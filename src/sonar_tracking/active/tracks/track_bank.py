@@ -153,10 +153,8 @@ class TrackBank:
         if self.mean.shape[1] == 1:
             return
         mean, covariance = (each.copy() for each in before.position_moments())
-        mean[changed], covariance[changed] = _mixture(
-            self.mode_probability[changed],
-            self.mean[changed],
-            self.covariance[changed][..., :2, :2],
+        mean[changed], covariance[changed] = _position_mixture(
+            self.mode_probability[changed], self.mean[changed], self.covariance[changed]
         )
         vars(self)["_position_moments"] = mean, covariance
 
@@ -187,7 +185,7 @@ class TrackBank:
         if "_moments" in vars(self):
             mean, covariance = self._moments
             return mean, covariance[:, :2, :2]
-        return _mixture(self.mode_probability, self.mean, self.covariance[..., :2, :2])
+        return _position_mixture(self.mode_probability, self.mean, self.covariance)
 
 
 def _mixture(
@@ -197,12 +195,29 @@ def _mixture(
     if means.shape[1] == 1:
         return means[:, 0], covariances[:, 0]
     mean = sum_of_few(weight[..., None] * means, axis=1)
-    deviation = (means - mean[:, None])[..., : covariances.shape[-1]]
+    deviation = means - mean[:, None]
     # In place: of many tracks, reading and writing takes longer than the arithmetic.
     spread = deviation[..., :, None] * deviation[..., None, :]
     spread += covariances
     spread *= weight[..., None, None]
     return mean, sum_of_few(spread, axis=1)
+
+
+def _position_mixture(
+    weight: FloatArray, means: FloatArray, covariances: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the same mean, and the covariance of x and y, one entry after the other."""
+    if means.shape[1] == 1:
+        return means[:, 0], covariances[:, 0, :2, :2]
+    mean = sum_of_few(weight[..., None] * means, axis=1)
+    away = [means[..., axis] - mean[:, None, axis] for axis in (0, 1)]
+    covariance = np.empty((len(mean), 2, 2))
+    for row, column in ((0, 0), (0, 1), (1, 1)):
+        spread = away[row] * away[column]
+        spread += covariances[..., row, column]
+        spread *= weight
+        covariance[:, row, column] = covariance[:, column, row] = sum_of_few(spread, axis=1)
+    return mean, covariance
 
 
 COLUMNS = tuple(field.name for field in fields(TrackBank))
