@@ -300,7 +300,7 @@ def _banks_of_scenes(
     order = np.argsort(np.concatenate([left.scene, new.scene]), kind="stable")
     rows = np.concatenate([rows, len(listed.bank) + np.arange(len(candidates))])[order]
     counts = [old + begun for old, begun in zip(left.counts, new.counts, strict=True)]
-    return listed.bank.append(candidates).select(rows).parts(SceneRows(tuple(counts)))
+    return SceneRows(tuple(counts)).parts(listed.bank.append(candidates).select(rows))
 
 
 def _reports(

@@ -18,7 +18,6 @@ import numpy as np
 
 from sonar_tracking.active.detection.detection_levels import LEVELS, averaged
 from sonar_tracking.active.tracks.motion_model import MotionModel
-from sonar_tracking.active.tracks.scene_rows import SceneRows
 from sonar_tracking.filtering.few_terms import sum_of_few
 from sonar_tracking.filtering.kalman import symmetrised
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray, IntArray
@@ -169,12 +168,6 @@ class TrackBank:
             entered=self.entered[:, only],
             fresh=self.fresh[:, only],
         )
-
-    def parts(self, scenes: SceneRows) -> list[TrackBank]:
-        """Return the tracks of each scene."""
-        if scenes.single:
-            return [self]
-        return [self.select(rows) for rows in scenes.slices]
 
     @cached_property
     def _moments(self) -> tuple[FloatArray, FloatArray]:
