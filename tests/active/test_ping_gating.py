@@ -20,8 +20,8 @@ from sonar_tracking.active.tracks.track_bank import TrackBank
 from tests.active.track_scene import bank_of, contacts_at
 
 LEVELS = AccelerationLevels(8.0)
-FAST = np.full((4, 2), 20.0)
-STRAIGHT = np.array([1e-6, 1.0 - 3e-6, 1e-6, 1e-6])
+FAST = np.full((LEVELS.n_modes, 2), 20.0)
+STRAIGHT = np.array([1e-6, 1.0 - 4e-6, 1e-6, 1e-6, 1e-6])
 """Mode probabilities of a track that has never turned."""
 
 

@@ -8,27 +8,31 @@ from sonar_tracking.active.tracks.acceleration_levels import (
     AGILE,
     EXPECTED_CHANGES,
     EXPECTED_TIME,
+    GENTLE,
     TURNING,
     AccelerationLevels,
 )
 
 MODES = AccelerationLevels(8.0)
-FAST = np.full((4, 2), 20.0)
-NEW = np.zeros((1, 4)), np.zeros(1)
+N_MODES = MODES.n_modes
+FAST = np.full((N_MODES, 2), 20.0)
+FAST[GENTLE] = 0.0
+"""Velocity of each mode: the agile one may turn, what curves gently has no course yet, m/s."""
+NEW = np.zeros((1, N_MODES)), np.zeros(1)
 
 
 def test_the_probabilities_are_probabilities() -> None:
     assert np.sum(MODES.mode_prior) == pytest.approx(1.0)
-    assert len(MODES.mode_prior) == MODES.n_modes == 4
+    assert len(MODES.mode_prior) == N_MODES == 5
     for interval in (0.5, 10.0, 60.0, 1e5):
         (transition,) = MODES.transition(interval, *NEW)
-        assert np.sum(transition, axis=1) == pytest.approx(np.ones(4))
+        assert np.sum(transition, axis=1) == pytest.approx(np.ones(N_MODES))
         assert np.min(transition) >= 0.0
 
 
 def test_a_short_interval_leaves_every_mode_as_it_is() -> None:
     (transition,) = MODES.transition(1e-6, *NEW)
-    assert transition == pytest.approx(np.eye(4), abs=1e-7)
+    assert transition == pytest.approx(np.eye(N_MODES), abs=1e-7)
     # Whatever the interval, a mode is left at one rate.
     leaving = [-np.log(np.diagonal(MODES.transition(each, *NEW)[0])) / each for each in (1.0, 30.0)]
     assert leaving[0] == pytest.approx(leaving[1])
@@ -36,7 +40,7 @@ def test_a_short_interval_leaves_every_mode_as_it_is() -> None:
 
 def test_changes_into_turns_come_at_the_rates_that_were_seen() -> None:
     """Mean of a Gamma distribution: changes expected and seen, over time expected and seen."""
-    entered = np.array([[0.0, 0.0, 3.0, 1.0], [0.0, 0.0, 0.0, 0.0]])
+    entered = np.array([[0.0, 0.0, 0.0, 3.0, 1.0], [0.0, 0.0, 0.0, 0.0, 0.0]])
     transition = MODES.transition(0.01, entered, np.array([700.0, 700.0]))
     for target, (turns, hard_turns) in enumerate(entered[:, TURNING:]):
         rate = transition[target, 1] / 0.01
@@ -52,11 +56,11 @@ def test_changes_into_turns_come_at_the_rates_that_were_seen() -> None:
 
 def test_what_is_fixed_has_no_velocity_and_stays() -> None:
     state = np.array([100.0, -50.0, 3.0, 4.0])
-    matrices = MODES.matrices(np.zeros((1, 4, 2)), 10.0)
+    matrices = MODES.matrices(np.zeros((1, N_MODES, 2)), 10.0)
     assert (matrices[0] @ state).tolist() == [100.0, -50.0, 0.0, 0.0]
     for matrix in matrices[1:]:
         assert (matrix @ state).tolist() == [130.0, -10.0, 3.0, 4.0]
-    noise = MODES.noise(np.zeros((4, 2)), 100.0)[0]
+    noise = MODES.noise(np.zeros((N_MODES, 2)), 100.0)[0]
     assert np.sqrt(np.diag(noise)) == pytest.approx([0.2, 0.2, 0.02, 0.02])
 
 
@@ -69,6 +73,19 @@ def test_accelerations_are_constant_from_ping_to_ping() -> None:
         assert noise == pytest.approx(expected)
 
 
+def test_what_curves_gently_keeps_its_speed_as_far_as_it_has_a_course() -> None:
+    """At 20 m/s a fifth of the acceleration is along the velocity; at rest it is the same all round."""
+    velocity = np.zeros((2, N_MODES, 2))
+    velocity[0, GENTLE] = [12.0, 16.0]
+    moving, resting = MODES.noise(velocity, 10.0)[:, GENTLE, 2:, 2:]
+    along, across = np.array([0.6, 0.8]), np.array([-0.8, 0.6])
+    change = 10.0 * ACCELERATIONS[GENTLE - 1]
+    assert np.sqrt(along @ moving @ along) == pytest.approx(0.2 * change, rel=0.02)
+    assert np.sqrt(across @ moving @ across) == pytest.approx(change)
+    assert along @ moving @ across == pytest.approx(0.0, abs=1e-9)
+    assert resting == pytest.approx(change**2 * np.eye(2))
+
+
 def test_a_velocity_changes_by_no_more_than_a_boat_can_turn() -> None:
     agile = MODES.noise(FAST, 60.0)[-1]
     assert np.sqrt(agile[2, 2]) == pytest.approx(15.0)
@@ -77,7 +94,7 @@ def test_a_velocity_changes_by_no_more_than_a_boat_can_turn() -> None:
 
 def test_a_slow_ship_does_not_turn_hard() -> None:
     """At 3 m/s a velocity changes by 1 + 3 m/s, at rest by 1 m/s, and in other modes as ever."""
-    velocity = np.zeros((2, 4, 2))
+    velocity = np.zeros((2, N_MODES, 2))
     velocity[0, -1] = [1.8, 2.4]
     noise = MODES.noise(velocity, 10.0)
     assert np.sqrt(noise[:, -1, 2, 2]) == pytest.approx([4.0, 1.0])
@@ -87,5 +104,5 @@ def test_a_slow_ship_does_not_turn_hard() -> None:
 
 
 def test_new_targets_are_slow_or_fast() -> None:
-    assert MODES.speed_deviation == pytest.approx([0.02, 4.4, 8.0, 8.0])
+    assert MODES.speed_deviation == pytest.approx([0.02, 4.4, 8.0, 8.0, 8.0])
     assert AccelerationLevels(0.01).speed_deviation[0] == 0.01

@@ -6,6 +6,9 @@ times larger from one mode to the next, up to 0.3 g. What a target does shows in
 probabilities, and the covariance of the mixture follows. Changes of mode come at rates per second,
 so that the interval between pings does not matter.
 
+What leaves its course gently, by wind, current or the helm, keeps its speed better than its course:
+there the acceleration is mostly across the velocity, as far as that is known.
+
 A turn changes a velocity by no more than twice the speed: the change in the agile mode is limited
 by that of the target, and a slow ship does not jump to the contacts around it.
 
@@ -25,8 +28,15 @@ import numpy as np
 from sonar_tracking.filtering.few_terms import sum_of_few
 from sonar_tracking.records.arrays import FloatArray
 
-ACCELERATIONS = (0.0006, 0.12, 3.0)
-"""Of the moving modes, m/s^2: straight on, turning as ships do, agile as boats are (0.3 g)."""
+ACCELERATIONS = (0.0006, 0.012, 0.2, 3.0)
+"""Of the moving modes, m/s^2: straight on, curving gently, turning as ships do, agile as boats are
+(0.3 g)."""
+
+ALONG_SHARE = 0.2
+"""Of the acceleration of what curves gently, along its velocity relative to across."""
+
+COURSE_SPEED = 0.5
+"""From about this speed on what curves gently has a course, m/s."""
 
 LARGEST_CHANGE = 15.0
 """Of a velocity per axis, standard deviation, m/s."""
@@ -43,19 +53,20 @@ FIXED_DRIFT = 0.02
 STRAIGHT_SPEED_SHARE = 0.55
 """Speed of new targets that go straight on, relative to that of all: most are slow."""
 
-PRIOR = (0.4, 0.4, 0.15, 0.05)
+PRIOR = (0.4, 0.4, 0.05, 0.1, 0.05)
 """Of a new target: fixed, then the moving modes."""
 
-ENDING_RATES = np.array([1 / 3000.0, 0.0, 1 / 3000.0, 1 / 100.0])
+ENDING_RATES = np.array([1 / 3000.0, 1 / 2000.0, 1 / 500.0, 1 / 3000.0, 1 / 100.0])
 """At which a mode ends by itself, 1/s. They are low: what flows back into the straight mode brings
 the uncertain velocity of the others with it."""
 
 ENDS_IN = np.array(
     [
-        [0.0, 0.6, 0.4, 0.0],
-        [0.0, 0.0, 0.0, 0.0],
-        [0.01, 0.99, 0.0, 0.0],
-        [0.0, 0.02, 0.98, 0.0],
+        [0.0, 0.6, 0.2, 0.2, 0.0],
+        [0.0, 0.0, 1.0, 0.0, 0.0],
+        [0.01, 0.99, 0.0, 0.0, 0.0],
+        [0.01, 0.5, 0.49, 0.0, 0.0],
+        [0.0, 0.02, 0.0, 0.98, 0.0],
     ]
 )
 """Whereto, row = mode that ends."""
@@ -66,7 +77,10 @@ STATIC = 0
 FLOW = ENDING_RATES[:, None] * ENDS_IN
 """From mode to mode, 1/s."""
 
-TURNING, AGILE = 2, 3
+GENTLE = 2
+"""Mode of what curves gently."""
+
+TURNING, AGILE = 3, 4
 """Modes into which a target changes at a rate of its own."""
 
 EXPECTED_CHANGES = np.array([0.05, 0.1])
@@ -175,11 +189,14 @@ class AccelerationLevels:
         ndarray, shape (..., n_modes, 4, 4)
             m^2, m^2/s, m^2/s^2.
         """
+        noise = np.tile(_noise(interval), (*velocity.shape[:-2], 1, 1, 1))
         agile = velocity[..., AGILE, :]
         largest = LARGEST_CHANGE_AT_REST + np.hypot(agile[..., 0], agile[..., 1])
-        share = np.ones(velocity.shape[:-1])
-        share[..., AGILE] = np.minimum(largest / _changes(interval)[-1], 1.0) ** 2
-        return np.asarray(share[..., None, None] * _noise(interval))
+        share = np.minimum(largest / _changes(interval)[-1], 1.0) ** 2
+        noise[..., AGILE, :, :] *= share[..., None, None]
+        across = np.kron(_ramp(interval), _mostly_across(velocity[..., GENTLE, :]))
+        noise[..., GENTLE, :, :] = _changes(interval)[GENTLE - 1] ** 2 * across
+        return noise
 
 
 @lru_cache(maxsize=16)
@@ -195,11 +212,22 @@ def _changes(interval: float) -> FloatArray:
 
 @lru_cache(maxsize=16)
 def _noise(interval: float) -> FloatArray:
-    change = _changes(interval)
-    gain = np.kron(np.array([[0.5 * interval], [1.0]]), np.eye(2))
-    moving = change[:, None, None] ** 2 * (gain @ gain.T)
+    moving = _changes(interval)[:, None, None] ** 2 * np.kron(_ramp(interval), np.eye(2))
     place, speed = FIXED_DRIFT**2 * interval, FIXED_SPEED**2
     return _kept(np.concatenate([np.diag([place, place, speed, speed])[None], moving]))
+
+
+def _ramp(interval: float) -> FloatArray:
+    """Return what an acceleration does to place and velocity, by change of velocity, squared."""
+    gain = np.array([0.5 * interval, 1.0])
+    return np.outer(gain, gain)
+
+
+def _mostly_across(velocity: FloatArray) -> FloatArray:
+    """Return the covariance of accelerations by course, relative, shape (..., 2, 2)."""
+    along = velocity[..., :, None] * velocity[..., None, :]
+    known = COURSE_SPEED**2 + (velocity**2).sum(axis=-1)[..., None, None]
+    return np.asarray(np.eye(2) - (1.0 - ALONG_SHARE**2) * along / known)
 
 
 def _kept(array: FloatArray) -> FloatArray:
