@@ -74,7 +74,7 @@ def test_accelerations_are_constant_from_ping_to_ping() -> None:
 
 
 def test_what_curves_gently_keeps_its_speed_as_far_as_it_has_a_course() -> None:
-    """At 20 m/s a fifth of the acceleration is along the velocity, at rest it is alike all round."""
+    """At 20 m/s a fifth of the acceleration is along the velocity, at rest it is the same."""
     velocity = np.zeros((2, N_MODES, 2))
     velocity[0, GENTLE] = [12.0, 16.0]
     moving, resting = MODES.noise(velocity, 10.0)[:, GENTLE, 2:, 2:]
