@@ -4,10 +4,10 @@ Rows of an instant are an azimuth, an elevation and one a line. With p the targe
 from the station, where it was when the sound left, u = p / |p| and w the relative velocity,
 
     azimuth = atan2(p_y, p_x) + b / cos(elevation),   elevation = atan(height / |p|) + b',
-    f_i = f_S,i (1 - u . w / c),
+    f_i = f_S,i (1 - u . w / (c + u . v)),
 
 b and b' being errors of the station's directions that last: each the sum of a slow one and a
-faster one.
+faster one, and v the target's velocity; where sound takes no time, c alone.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import numpy as np
 
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
+from sonar_tracking.tma.estimators.measurement_model import offset_seen
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
 
 AZIMUTH, ELEVATION, LINES = 0, 1, 2
@@ -150,9 +151,7 @@ def rows_at(history: TargetHistory, path: FloatArray) -> HistoryRows:
         States: x, y, vx, vy, errors that last, source frequencies; m, m/s, rad, Hz.
     """
     n_times, n_lines = len(history.times), history.n_lines
-    offset = path[:, :2] - history.position
-    delay = np.hypot(offset[:, 0], offset[:, 1]) / history.propagation_speed
-    offset = offset - delay[:, None] * path[:, 2:KINEMATIC]
+    offset, delay = offset_seen(path, history.position, history.propagation_speed)
     distance = np.maximum(np.hypot(offset[:, 0], offset[:, 1]), MINIMUM_RANGE)
     direction = offset / distance[:, None]
     relative = path[:, 2:KINEMATIC] - history.velocity
@@ -183,7 +182,11 @@ def rows_at(history: TargetHistory, path: FloatArray) -> HistoryRows:
 
     if n_lines:
         rate = np.sum(direction * relative, axis=1)
-        factor = 1.0 - rate / history.sound_speed
+        speed = history.sound_speed
+        if np.isfinite(history.propagation_speed):
+            # Sound is left behind by its source: exact, as in the filters.
+            speed = speed + np.sum(direction * path[:, 2:KINEMATIC], axis=1)
+        factor = 1.0 - rate / speed
         source = path[:, history.lines]
         residual[:, LINES:] = history.frequency - source * factor[:, None]
         across = (relative - rate[:, None] * direction) / distance[:, None]
