@@ -26,6 +26,9 @@ from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
 BLOCK = 60.0
 """Time with one process noise, and over which errors of lines are summed, s."""
 
+LARGEST_ACCELERATION = 2.5
+"""Of what turns are looked for with: bearings that ask for more are wrong."""
+
 PRIOR_CHANGES = 2.0
 """So many changes of velocity say that a target moves straight."""
 
@@ -47,6 +50,8 @@ class Learnt:
     ----------
     acceleration : ndarray, shape (n,)
         Process noise before each time, m/s^2.
+    largest : float
+        That the process noise may have, m/s^2.
     fast : ndarray, shape (n_errors,)
         Standard deviation of each of the faster errors of directions, rad.
     told : ndarray, shape (n_errors,)
@@ -56,6 +61,7 @@ class Learnt:
     """
 
     acceleration: FloatArray
+    largest: float
     fast: FloatArray
     told: FloatArray
     ratio: FloatArray
@@ -70,6 +76,7 @@ class Learnt:
             told[error] = np.median(own[np.isfinite(own)]) if np.isfinite(own).any() else 0.0
         return Learnt(
             acceleration=np.full(len(history.times), max(acceleration, manoeuvre)),
+            largest=max(acceleration, LARGEST_ACCELERATION * manoeuvre),
             fast=told,
             told=told,
             ratio=np.ones(int(groups.max(initial=0)) + 1),
@@ -103,6 +110,7 @@ def learn(
     """
     return Learnt(
         acceleration=_accelerations(history, states, learnt, acceleration),
+        largest=learnt.largest,
         fast=_lasting_errors(history, states, learnt, correlation_time),
         told=learnt.told,
         ratio=_ratios(history, states.mean, learnt, freedom),
@@ -155,7 +163,7 @@ def _accelerations(
     determined = np.bincount(block[moved + 1], weights=known, minlength=count)
     found = total + PRIOR_CHANGES * straight**2
     found /= np.maximum(determined, 0.0) + PRIOR_CHANGES
-    return np.asarray(np.sqrt(np.maximum(found, straight**2))[block])
+    return np.asarray(np.clip(np.sqrt(found), straight, learnt.largest)[block])
 
 
 def _lasting_errors(

@@ -61,7 +61,7 @@ class TargetSmootherConfiguration:
         0.1, "Process noise that turns are looked for with", unit="m/s^2", minimum=1e-6
     )
     systematic_deviation_deg: float = parameter(
-        0.1,
+        0.5,
         "Of errors of a station's directions that do not average out within ten minutes",
         unit="deg",
         minimum=0.0,

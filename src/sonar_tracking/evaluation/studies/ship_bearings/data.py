@@ -16,7 +16,7 @@ import numpy as np
 
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.motion import azimuth_from_compass
-from sonar_tracking.records.arrays import FloatArray, IntArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 from sonar_tracking.tma.batch.direction_smoother import MINIMUM_COSINE, DirectionHistory
 
 PRIOR_DEVIATION_DEG, PRIOR_WEIGHT = 0.5, 2.0
@@ -26,6 +26,9 @@ RADIANS_PER_MICROSECOND = 1.06e-3
 """Sound speed over 1.40 m, the extent of the arrays (singular value of their baselines)."""
 
 N_DELAYS, N_MISFITS = 6, 4
+
+LENGTH_MISFIT, DELAY_MISFIT_US = 0.1, 15.0
+"""Directions that fit better are consistent; the second in microseconds."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +51,9 @@ class ArrayBearings:
         From GPS at the instant of emission, m; NaN = not known.
     sound_speed : float
         m/s.
+    consistent : ndarray of bool, shape (n,)
+        Where the six delays agree with one direction: its length within 0.1 of one, misfit below
+        15 microseconds.
     """
 
     name: str
@@ -58,6 +64,7 @@ class ArrayBearings:
     deviation: FloatArray
     ship: FloatArray
     sound_speed: float
+    consistent: BoolArray
 
     def azimuth_deviation(self) -> FloatArray:
         """Return the standard deviation of the azimuths, shape (n,), rad: large overhead."""
@@ -164,6 +171,8 @@ def _array(name: str, data: dict[str, Any]) -> ArrayBearings:
         deviation=_deviation(data[f"{name}_fit_rms_us"][usable], data[f"{name}_norm"][usable]),
         ship=ship[usable],
         sound_speed=float(data["sound_speed_m_s"]),
+        consistent=(np.abs(data[f"{name}_norm"][usable] - 1.0) < LENGTH_MISFIT)
+        & (data[f"{name}_fit_rms_us"][usable] < DELAY_MISFIT_US),
     )
 
 

@@ -43,8 +43,11 @@ since bearings of several arrays go into one filter."""
 SMOOTHER = DirectionSmootherConfiguration(maximum_speed=8.0, systematic_deviation_deg=0.7)
 """What does not average out is what the two arrays disagree by over a minute: 0.7 deg."""
 
-FIXES = "rays of single seconds"
+FIXES, GATED = "rays of single seconds", ", outliers taken out"
 CROSS, SINGLE, BOTH = "azimuths of both arrays", "azimuth and elevation", "everything"
+MINIMUM_CROSSING = 0.02
+"""Sine of the least angle at which azimuths cross."""
+
 SMOOTHED, ANTENNA = "smoothed: ", "antenna fitted: "
 """How the names of smoothed tracks begin, and of those referred to the antenna of the GPS."""
 
@@ -65,6 +68,8 @@ class ShipTrack:
         Of the position, per dimension, pure numbers; NaN = no covariance.
     antenna : float
         How far the antenna is ahead of the noise, fitted to the GPS, m; NaN = not fitted.
+    instants : int
+        At which there could have been a confirmed row; 0 = rows are not confirmed.
     """
 
     system: str
@@ -74,6 +79,7 @@ class ShipTrack:
     ship: FloatArray
     nees: FloatArray
     antenna: float = np.nan
+    instants: int = 0
 
 
 def locate_ship(arrays: tuple[ArrayBearings, ...]) -> tuple[ShipTrack, ...]:
@@ -86,9 +92,11 @@ def locate_ship(arrays: tuple[ArrayBearings, ...]) -> tuple[ShipTrack, ...]:
     """
     tracks: list[ShipTrack] = []
     for array in arrays:
-        tracks.append(fix_single_seconds(array))
+        fixes = fix_single_seconds(array)
+        tracks += [fixes, _consistent(fixes, array)]
         tracks.extend(_tracked(SINGLE, join_bearings((array,), elevations=True)))
     if len(arrays) > 1:
+        tracks.append(cross_fixes(arrays[0], arrays[1]))
         tracks.extend(_tracked(CROSS, join_bearings(arrays, elevations=False)))
         tracks.extend(_tracked(BOTH, join_bearings(arrays, elevations=True)))
     return tuple(tracks)
@@ -108,6 +116,46 @@ def fix_single_seconds(array: ArrayBearings) -> ShipTrack:
     position = array.position[:2] + distance[:, None] * direction
     unknown = np.full(len(distance), np.nan)
     return ShipTrack(FIXES, array.name, array.times, position, array.ship, unknown)
+
+
+def cross_fixes(first: ArrayBearings, second: ArrayBearings) -> ShipTrack:
+    """Return where the azimuths of two arrays cross, both consistent and within a second.
+
+    Parameters
+    ----------
+    first, second : ArrayBearings
+        What was measured.
+    """
+    own, others = np.flatnonzero(first.consistent), np.flatnonzero(second.consistent)
+    nearest = np.abs(first.times[own, None] - second.times[None, others]).argmin(axis=1)
+    together = np.abs(first.times[own] - second.times[others[nearest]]) < 1.0
+    one, other = own[together], others[nearest[together]]
+    direction = [
+        np.stack([np.cos(array.azimuth[rows]), np.sin(array.azimuth[rows])], axis=1)
+        for array, rows in ((first, one), (second, other))
+    ]
+    base = second.position[:2] - first.position[:2]
+    across = direction[0][:, 0] * direction[1][:, 1] - direction[0][:, 1] * direction[1][:, 0]
+    along = base[0] * direction[1][:, 1] - base[1] * direction[1][:, 0]
+    distance = along / np.where(np.abs(across) > MINIMUM_CROSSING, across, np.nan)
+    position = first.position[:2] + distance[:, None] * direction[0]
+    names = f"{first.name} and {second.name}"
+    unknown = np.full(len(one), np.nan)
+    times, ship = first.times[one], first.ship[one]
+    return ShipTrack(f"{CROSS}{GATED}", names, times, position, ship, unknown)
+
+
+def _consistent(fixes: ShipTrack, array: ArrayBearings) -> ShipTrack:
+    """Return the fixes of the seconds whose delays are consistent."""
+    rows = array.consistent
+    return replace(
+        fixes,
+        system=FIXES + GATED,
+        times=fixes.times[rows],
+        position=fixes.position[rows],
+        ship=fixes.ship[rows],
+        nees=fixes.nees[rows],
+    )
 
 
 def measurement_of(joined: JoinedBearings, index: int) -> TmaMeasurement:
