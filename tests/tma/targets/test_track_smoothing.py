@@ -21,7 +21,7 @@ from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfi
 from sonar_tracking.tma.targets.track_smoothing import SmoothedTracks, smooth_tracks
 
 TRACKER = TmaTrackerConfiguration()
-SMOOTHER = TargetSmootherConfiguration()
+SMOOTHER = TargetSmootherConfiguration(systematic_deviation_deg=0.1)
 
 
 @cache
