@@ -22,7 +22,7 @@ def smooth(
     ] = None,
     systematic_deviation_deg: Annotated[
         float | None,
-        typer.Option(help="Of direction errors that last for ten minutes and more; default: 0.5."),
+        typer.Option(help="Of direction errors that do not average out; default: 0.5."),
     ] = None,
     remap: RemapOption = None,
     namespace: NamespaceOption = "",

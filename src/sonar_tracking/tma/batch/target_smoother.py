@@ -24,7 +24,7 @@ MacKay, "Bayesian interpolation", Neural Computation 4(3), 1992, eq. 4.10.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -43,9 +43,6 @@ WIDENING = (4.0, 2.0)
 CORRELATION_TIMES = (5.0, 20.0, 80.0)
 """Of the faster errors of directions, one of which is chosen, s."""
 
-SLOW_TIME = 600.0
-"""Correlation time of the slow errors of directions, s."""
-
 SMALLEST = 1e-8
 """Deviation of errors that are not there, rad: no covariance is singular."""
 
@@ -62,7 +59,7 @@ class TargetSmootherConfiguration:
     )
     systematic_deviation_deg: float = parameter(
         0.5,
-        "Of errors of a station's directions that do not average out within ten minutes",
+        "Of errors of a station's directions that do not average out; they widen the covariance",
         unit="deg",
         minimum=0.0,
         maximum=90.0,
@@ -110,8 +107,26 @@ def smooth_target(
     """
     parameters = configuration or TargetSmootherConfiguration()
     candidates = [_smooth(history, start, prior, time, parameters) for time in CORRELATION_TIMES]
-    best = max(candidates, key=lambda one: one.log_likelihood)
-    return TargetPath(best.mean[:, :KINEMATIC], best.covariance[:, :KINEMATIC, :KINEMATIC])
+    best, system = max(candidates, key=lambda one: one[0].log_likelihood)
+    covariance = best.covariance[:, :KINEMATIC, :KINEMATIC]
+    deviation = float(np.radians(parameters.systematic_deviation_deg))
+    if deviation > 0.0:
+        covariance = covariance + deviation**2 * _systematic(history, system)
+    return TargetPath(best.mean[:, :KINEMATIC], covariance)
+
+
+def _systematic(history: TargetHistory, system: LinearSystem) -> FloatArray:
+    """Return what constant errors of directions of 1 rad do to the covariance, shape (n, 4, 4).
+
+    They are no part of the estimate, which cannot tell them from another path.
+    """
+    start = KalmanState(np.zeros(history.size), system.start.covariance)
+    added = np.zeros((len(history.times), KINEMATIC, KINEMATIC))
+    for column in history.slow:
+        response = replace(system, start=start, measured=system.matrix[:, :, column])
+        moved = smooth_linear(response).mean[:, :KINEMATIC]
+        added += moved[:, :, None] * moved[:, None, :]
+    return added
 
 
 def _smooth(
@@ -120,14 +135,14 @@ def _smooth(
     prior: KalmanState,
     correlation_time: float,
     parameters: TargetSmootherConfiguration,
-) -> SmoothedStates:
-    """Return all states if the faster errors have a correlation time, s."""
+) -> tuple[SmoothedStates, LinearSystem]:
+    """Return all states if the faster errors have a correlation time, s, and their system."""
     path = _full_path(history, start)
     learnt = Learnt.of(history, parameters.acceleration, parameters.manoeuvre_acceleration)
     for number in range(parameters.passes):
         widening = WIDENING[number] if number < len(WIDENING) else 1.0
         rows = rows_at(history, path)
-        first = _first(history, prior, path, learnt, parameters)
+        first = _first(history, prior, path, learnt)
         system = _system(history, first, path, rows, learnt, widening, correlation_time, parameters)
         states = smooth_linear(system)
         path = states.mean
@@ -136,7 +151,7 @@ def _smooth(
                 *(history, states, learnt, correlation_time),
                 *(parameters.acceleration, parameters.degrees_of_freedom),
             )
-    return states
+    return states, system
 
 
 def _full_path(history: TargetHistory, start: FloatArray) -> FloatArray:
@@ -155,13 +170,12 @@ def _first(
     prior: KalmanState,
     path: FloatArray,
     learnt: Learnt,
-    parameters: TargetSmootherConfiguration,
 ) -> KalmanState:
     """Return the distribution of the whole state before the first time."""
     first = np.zeros((history.size, history.size))
     first[:KINEMATIC, :KINEMATIC] = prior.covariance
     slow, fast, lines = history.slow, history.fast, history.lines
-    first[slow, slow] = np.radians(parameters.systematic_deviation_deg) ** 2 + SMALLEST**2
+    first[slow, slow] = SMALLEST**2
     first[fast, fast] = learnt.fast**2 + SMALLEST**2
     first[lines, lines] = (SOURCE_FREQUENCY_SPREAD * path[0, lines]) ** 2
     mean = np.zeros(history.size)
@@ -194,14 +208,9 @@ def _system(
     noise[:, :KINEMATIC, :KINEMATIC] = learnt.acceleration[:, None, None] ** 2 * unit_noise(
         intervals
     )
-    slow = np.full(history.n_errors, np.radians(parameters.systematic_deviation_deg))
-    for columns, deviation, time in (
-        (history.slow, slow, SLOW_TIME),
-        (history.fast, learnt.fast, correlation_time),
-    ):
-        kept = np.exp(-intervals / time)[:, None]
-        transition[:, columns, columns] = kept
-        noise[:, columns, columns] = deviation**2 * (1.0 - kept**2)
+    kept = np.exp(-intervals / correlation_time)[:, None]
+    transition[:, history.fast, history.fast] = kept
+    noise[:, history.fast, history.fast] = learnt.fast**2 * (1.0 - kept**2)
     return LinearSystem(
         start=first,
         transition=transition,
