@@ -6,7 +6,7 @@ from the station, where it was when the sound left, u = p / |p| and w the relati
     azimuth = atan2(p_y, p_x) + b / cos(elevation),   elevation = atan(height / |p|) + b',
     f_i = f_S,i (1 - u . w / (c + u . v)),
 
-b and b' being errors of the station's directions that last: each the sum of a slow one and a
+b and b' being errors of the station's directions that last: each the sum of a constant and a
 faster one, and v the target's velocity; where sound takes no time, c alone.
 """
 
@@ -85,7 +85,7 @@ class TargetHistory:
 
     @property
     def slow(self) -> IntArray:
-        """Columns of the slow errors in the state, shape (n_errors,): azimuths, then elevations."""
+        """Columns of constant errors in the state, shape (n_errors,): azimuths, then elevations."""
         return KINEMATIC + np.arange(self.n_errors)
 
     @property
