@@ -43,6 +43,9 @@ WIDENING = (4.0, 2.0)
 CORRELATION_TIMES = (5.0, 20.0, 80.0)
 """Of the faster errors of directions, one of which is chosen, s."""
 
+STIFF_TIME = 20.0
+"""Correlation time where nothing but a straight path is looked for at first, s."""
+
 SMALLEST = 1e-8
 """Deviation of errors that are not there, rad: no covariance is singular."""
 
@@ -104,15 +107,39 @@ def smooth_target(
         Of [x, y, vx, vy] before the first time, shapes (4,) and (4, 4).
     configuration : TargetSmootherConfiguration, optional
         Parameters.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        If no path is found that is more likely than the start.
     """
     parameters = configuration or TargetSmootherConfiguration()
-    candidates = [_smooth(history, start, prior, time, parameters) for time in CORRELATION_TIMES]
+    stiff = replace(parameters, manoeuvre_acceleration=parameters.acceleration)
+    tried = [(time, parameters) for time in CORRELATION_TIMES] + [(STIFF_TIME, stiff)]
+    candidates = [_smooth(history, start, prior, time, each) for time, each in tried]
     best, system = max(candidates, key=lambda one: one[0].log_likelihood)
+    if best.log_likelihood < _likelihood_of_start(history, start, prior, parameters):
+        raise np.linalg.LinAlgError("No path was found that is more likely than the start.")
     covariance = best.covariance[:, :KINEMATIC, :KINEMATIC]
     deviation = float(np.radians(parameters.systematic_deviation_deg))
     if deviation > 0.0:
         covariance = covariance + deviation**2 * _systematic(history, system)
     return TargetPath(best.mean[:, :KINEMATIC], covariance)
+
+
+def _likelihood_of_start(
+    history: TargetHistory,
+    start: FloatArray,
+    prior: KalmanState,
+    parameters: TargetSmootherConfiguration,
+) -> float:
+    """Return the log likelihood where the measurements are linearised at the start."""
+    path = _full_path(history, start)
+    learnt = Learnt.of(history, parameters.acceleration, parameters.manoeuvre_acceleration)
+    first = _first(history, prior, path, learnt)
+    rows = rows_at(history, path)
+    system = _system(history, first, path, rows, learnt, 1.0, STIFF_TIME, parameters)
+    return smooth_linear(system).log_likelihood
 
 
 def _systematic(history: TargetHistory, system: LinearSystem) -> FloatArray:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sonar_tracking.filtering.kalman import KalmanState
-from sonar_tracking.records.arrays import BoolArray
+from sonar_tracking.records.arrays import BoolArray, CodeArray, FloatArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks, TrackSource
 from sonar_tracking.records.time import seconds
@@ -91,35 +91,31 @@ def smooth_tracks(
     for number, (identifier, track) in enumerate(recorded.items()):
         history = _history(track, observations, tracker)
         start = _start(track, smoother)
-        path = None if history is None else _smoothed(track, start, history, smoother)
+        ever = any(kept[index].established[row] for index, row in track.places)
+        # A side that was never confirmed is as uncertain as the list says.
+        path = _smoothed(track, start, history, smoother) if history and ever else None
         if history is None:
             silent.append(identifier)
-        elif path is None:
+        elif ever and path is None:
             failed.append(identifier)
         path = path or start
         known = _known(path, history, tracker)
-        ever = any(kept[index].established[row] for index, row in track.places)
         for place, (index, row) in enumerate(track.places):
             states[index][row], covariances[index][row] = path.mean[place], path.covariance[place]
             if ever and known[place] and statuses[index][row] == TrackStatus.TENTATIVE:
                 statuses[index][row] = TrackStatus.CONFIRMED
         done(number + 1, len(recorded))
     columns = zip(kept, states, covariances, statuses, strict=True)
-    return SmoothedTracks(
-        tuple(
-            replace(
-                picture,
-                state=state,
-                covariance=covariance,
-                status=status,
-                source=np.full(len(picture), TrackSource.SMOOTHED, np.uint8),
-            )
-            for picture, state, covariance, status in columns
-        ),
-        len(recorded),
-        tuple(silent),
-        tuple(failed),
-    )
+    smoothed = tuple(_picture(*each) for each in columns)
+    return SmoothedTracks(smoothed, len(recorded), tuple(silent), tuple(failed))
+
+
+def _picture(
+    picture: PositionTracks, state: FloatArray, covariance: FloatArray, status: CodeArray
+) -> PositionTracks:
+    """Return a picture with what smoothing changes."""
+    source = np.full(len(picture), TrackSource.SMOOTHED, np.uint8)
+    return replace(picture, state=state, covariance=covariance, status=status, source=source)
 
 
 def _usable(picture: PositionTracks) -> BoolArray:
