@@ -111,15 +111,16 @@ def smooth_target(
     Raises
     ------
     numpy.linalg.LinAlgError
-        If no path is found that is more likely than the start.
+        If any path found is far less likely than the start, by a factor e for each time.
     """
     parameters = configuration or TargetSmootherConfiguration()
     stiff = replace(parameters, manoeuvre_acceleration=parameters.acceleration)
     tried = [(time, parameters) for time in CORRELATION_TIMES] + [(STIFF_TIME, stiff)]
     candidates = [_smooth(history, start, prior, time, each) for time, each in tried]
     best, system = max(candidates, key=lambda one: one[0].log_likelihood)
-    if best.log_likelihood < _likelihood_of_start(history, start, prior, parameters):
-        raise np.linalg.LinAlgError("No path was found that is more likely than the start.")
+    least = _likelihood_of_start(history, start, prior, parameters) - len(history.times)
+    if best.log_likelihood < least:
+        raise np.linalg.LinAlgError("Any path that was found is far less likely than the start.")
     covariance = best.covariance[:, :KINEMATIC, :KINEMATIC]
     deviation = float(np.radians(parameters.systematic_deviation_deg))
     if deviation > 0.0:
