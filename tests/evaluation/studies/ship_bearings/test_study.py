@@ -28,6 +28,7 @@ from sonar_tracking.evaluation.studies.ship_bearings.tracks import (
     SINGLE,
     SMOOTHED,
     ShipTrack,
+    locate_ship,
 )
 from sonar_tracking.evaluation.studies.study_catalogue import run_study
 from tests.recorded_data import recorded_data
@@ -156,8 +157,8 @@ def test_pictures_are_drawn(made_up: Path, located: tuple[ShipTrack, ...], tmp_p
 def test_the_real_ship_is_found_better_than_by_single_seconds(
     file: str, single_seconds: dict[tuple[str, str], float]
 ) -> None:
-    path = recorded_data(f"harp_ship_bearings/{file}.npz")
-    rows = {(row.system, row.condition): row.metrics for row in ship_rows([locate(path)])}
+    tracks = locate_ship(read_bearings(recorded_data(f"harp_ship_bearings/{file}.npz")))
+    rows = {(row.system, row.condition): row.metrics for row in ship_rows([tracks])}
     for (way, arrays), median in single_seconds.items():
         assert rows[SMOOTHED + way, arrays]["median_m"] < median
         assert 0.3 < rows[SMOOTHED + way, arrays]["median_nees"] < 2.0
