@@ -6,11 +6,13 @@ import pytest
 
 import sonar_tracking
 from sonar_tracking import cli
+from tests.ros_domain import ros_domain
 
 
 def refused(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, *arguments: str
 ) -> str:
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(ros_domain()))  # not that of the tests beside
     monkeypatch.setattr("sys.argv", ["sonar-tracking", *arguments])
     assert cli.main() == cli.REFUSED
     said = capsys.readouterr().err

@@ -25,6 +25,7 @@ from sonar_tracking.graph.message_writing.field_writing import message_class
 from sonar_tracking.graph.orchestration.run_observer import tracks_from_bytes
 from sonar_tracking.graph.verbs import run_command as run_command_module
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
+from tests.ros_domain import ros_domain
 from tests.system.command_line import (
     PATIENCE,
     RunningCommand,
@@ -387,6 +388,7 @@ def refused(
 ) -> str:
     """Return what is said of a request that is refused with exit code 2."""
     monkeypatch.setenv("ROS_HOME", str(home))
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(ros_domain()))  # not that of the tests beside
     monkeypatch.setattr("sys.argv", ["sonar-tracking", *arguments])
     assert cli.main() == 2
     return capsys.readouterr().err
