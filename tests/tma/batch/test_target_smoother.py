@@ -113,6 +113,7 @@ def smoothed(
     return np.array(figures).swapaxes(0, 1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "disturb", "rmse"),
     [
@@ -135,6 +136,7 @@ def test_the_whole_path_is_found_with_an_honest_covariance(
     assert np.mean(nees > 5.0) < 0.02
 
 
+@pytest.mark.slow
 def test_a_lasting_error_of_half_a_degree_is_allowed_for_by_default() -> None:
     none = TargetSmootherConfiguration(systematic_deviation_deg=0.0)
     by_configuration = [
@@ -144,6 +146,7 @@ def test_a_lasting_error_of_half_a_degree_is_allowed_for_by_default() -> None:
     assert 0.4 < by_configuration[0] < 2.0 < 4.0 < by_configuration[1]
 
 
+@pytest.mark.slow
 def test_turning_the_scene_turns_the_path() -> None:
     runs = simulate_runs(scenario("S1"), np.random.SeedSequence(2).spawn(1))
     history = history_of(runs, 0)

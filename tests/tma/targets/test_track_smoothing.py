@@ -4,6 +4,7 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
+import pytest
 
 from sonar_tracking.evaluation.metrics.position_score import score_position_tracks
 from sonar_tracking.evaluation.metrics.position_truth import truth_as_tracks
@@ -19,6 +20,8 @@ from sonar_tracking.tma.batch.target_smoother import TargetSmootherConfiguration
 from sonar_tracking.tma.targets.observation_log import ObservationLog, Observations
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
 from sonar_tracking.tma.targets.track_smoothing import SmoothedTracks, smooth_tracks
+
+pytestmark = pytest.mark.slow
 
 TRACKER = TmaTrackerConfiguration()
 SMOOTHER = TargetSmootherConfiguration(systematic_deviation_deg=0.1)
