@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 
 from sonar_tracking.evaluation.monte_carlo.batch_runner import Task, run_batches
+from sonar_tracking.evaluation.monte_carlo.condition_panels import Panel, draw_conditions
+from sonar_tracking.evaluation.monte_carlo.plot_styles import Style
 from sonar_tracking.evaluation.monte_carlo.study import StudyRow
 from sonar_tracking.evaluation.monte_carlo.study_definition import (
     Column,
@@ -22,7 +24,6 @@ from sonar_tracking.evaluation.monte_carlo.study_definition import (
     TableLayout,
 )
 from sonar_tracking.evaluation.studies.mismatch_contacts.conditions import CONDITIONS
-from sonar_tracking.evaluation.studies.mismatch_contacts.figures import draw_conditions
 from sonar_tracking.evaluation.studies.mismatch_contacts.runs import (
     DEFAULTS,
     TOLD,
@@ -31,6 +32,15 @@ from sonar_tracking.evaluation.studies.mismatch_contacts.runs import (
     mismatch_runs,
 )
 from sonar_tracking.records.arrays import FloatArray
+
+STYLES = {DEFAULTS: Style("#D55E00", "o"), TOLD: Style("#0072B2", "|")}
+
+PANELS = (
+    Panel("held_share", "time maintained"),
+    Panel("nees_per_dimension", "NEES per dimension", "log", right=1.0),
+    Panel("false_tracks_per_hour", "false tracks an hour", "symlog"),
+    Panel("ospa_over_told", "OSPA over that of told", right=1.0),
+)
 
 LAYOUTS = (
     TableLayout(
@@ -117,7 +127,7 @@ def system_metrics(runs: Sequence[MismatchRun], system: str) -> dict[str, float]
 
 def draw(results: Sequence[Any], rows: Sequence[StudyRow], directory: Path) -> tuple[Path, ...]:
     """Write one picture of all conditions."""
-    return (draw_conditions(directory / "mismatch_contacts.png", rows),)
+    return (draw_conditions(directory / "mismatch_contacts.png", rows, PANELS, STYLES),)
 
 
 def _known(values: Sequence[float]) -> FloatArray:

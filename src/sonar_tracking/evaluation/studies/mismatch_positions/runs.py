@@ -18,7 +18,7 @@ from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConf
 from sonar_tracking.tma.targets.followed_target import DOUBTFUL
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
 
-DEFAULTS, DETECTOR_OFF, TOLD = "defaults", "nothing learnt, no turns", "told the truth"
+DEFAULTS, NOTHING_LEARNT, TOLD = "defaults", "nothing learnt, no turns", "told the truth"
 
 BOUND_PATHS = 100
 """True paths the bound is averaged over."""
@@ -99,7 +99,7 @@ def mismatch_runs(task: MismatchTask) -> MismatchRuns:
     claimed, true = condition.claimed(runs), condition.true(runs)
     given = {
         DEFAULTS: (RangeBankConfiguration(), claimed),
-        DETECTOR_OFF: (BELIEVING, claimed),
+        NOTHING_LEARNT: (BELIEVING, claimed),
         TOLD: (condition.told, true),
     }
     return MismatchRuns(

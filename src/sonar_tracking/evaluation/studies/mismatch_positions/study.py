@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 
 from sonar_tracking.evaluation.monte_carlo.batch_runner import RunBatch, Task, run_batches
+from sonar_tracking.evaluation.monte_carlo.condition_panels import Panel, draw_conditions
+from sonar_tracking.evaluation.monte_carlo.plot_styles import Style
 from sonar_tracking.evaluation.monte_carlo.study import StudyRow
 from sonar_tracking.evaluation.monte_carlo.study_definition import (
     Column,
@@ -22,11 +24,10 @@ from sonar_tracking.evaluation.monte_carlo.study_definition import (
     TableLayout,
 )
 from sonar_tracking.evaluation.studies.mismatch_positions.conditions import CONDITIONS
-from sonar_tracking.evaluation.studies.mismatch_positions.figures import draw_conditions
 from sonar_tracking.evaluation.studies.mismatch_positions.runs import (
     BOUND_PATHS,
     DEFAULTS,
-    DETECTOR_OFF,
+    NOTHING_LEARNT,
     TOLD,
     MismatchBound,
     MismatchRuns,
@@ -37,12 +38,25 @@ from sonar_tracking.evaluation.studies.mismatch_positions.runs import (
 )
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.histories import LOST_BOUNDS
 
-SYSTEMS = (DEFAULTS, DETECTOR_OFF, TOLD)
+SYSTEMS = (DEFAULTS, NOTHING_LEARNT, TOLD)
 
 RUNS_PER_TASK = 25
 
 SURPRISED = 20.0
 """A confirmed row whose NEES per dimension is larger is wrong and does not say so."""
+
+STYLES = {
+    DEFAULTS: Style("#D55E00", "o"),
+    NOTHING_LEARNT: Style("#999999", "x"),
+    TOLD: Style("#0072B2", "|"),
+}
+
+PANELS = (
+    Panel("range_per_bound", "range RMSE over the bound", "log", right=1.0),
+    Panel("nees_per_dimension", "NEES per dimension", "log", right=1.0),
+    Panel("surprised_percent", "confirmed rows with NEES > 20, %", "symlog"),
+    Panel("lost_percent", "beyond 5 bounds, %"),
+)
 
 LAYOUTS = (
     TableLayout(
@@ -122,7 +136,7 @@ def metrics(parts: Sequence[Outcomes], bound: float) -> dict[str, float]:
 
 def draw(results: Sequence[Any], rows: Sequence[StudyRow], directory: Path) -> tuple[Path, ...]:
     """Write one picture of all conditions."""
-    return (draw_conditions(directory / "mismatch_positions.png", rows),)
+    return (draw_conditions(directory / "mismatch_positions.png", rows, PANELS, STYLES),)
 
 
 MISMATCH_POSITIONS = StudyDefinition(
