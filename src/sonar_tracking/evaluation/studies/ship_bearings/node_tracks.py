@@ -23,7 +23,7 @@ from sonar_tracking.filtering.consistency import normalised_squared
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import AngleKind, BearingTracks, Sensor, TrackStatus
 from sonar_tracking.records.positions import MAP_FRAME, PositionTracks
-from sonar_tracking.records.time import nanoseconds
+from sonar_tracking.records.time import nanoseconds, seconds
 from sonar_tracking.tma.batch.target_smoother import TargetSmootherConfiguration
 from sonar_tracking.tma.targets.observation_log import ObservationLog
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame
@@ -141,7 +141,7 @@ def _scored(
             delay = np.hypot(np.hypot(*offset), depth) / array.sound_speed
             position = picture.state[row, :2] - delay * picture.state[row, 2:]
             error, covariance = position - ship, picture.covariance[row, :2, :2]
-            times.append(picture.stamp / 1e9)
+            times.append(seconds(picture.stamp))
             positions.append(position)
             truths.append(ship)
             nees.append(float(normalised_squared(error, covariance)))
