@@ -36,19 +36,31 @@ def test_a_row_is_in_the_units_people_use() -> None:
         hypothesis_probability=np.array([0.62]),
     )
     assert position_cells(tracks, 0) == (
-        *("+1500", "-200", "217", "5.0", "245x24, 090", "0.99", "0.25", "left 62%"),
+        *("+1500", "-200", "-", "217", "5.0", "245x24, 090", "0.99", "0.25", "left 62%"),
     )
 
 
 def test_what_is_not_known_is_a_dash() -> None:
-    assert position_cells(position_tracks(0.0, [[np.nan] * 4]), 0) == ("-",) * 8
-    assert position_cells(position_tracks(0.0, [[1.0, 2.0, 0.0, 0.0]]), 0)[2] == "-"
+    assert position_cells(position_tracks(0.0, [[np.nan] * 4]), 0) == ("-",) * 9
+    assert position_cells(position_tracks(0.0, [[1.0, 2.0, 0.0, 0.0]]), 0)[3] == "-"
+
+
+def test_heights_have_a_column_where_there_are_any() -> None:
+    """Estimated with its deviation, assumed without one."""
+    state = [[1.0, 2.0, 0.0, 0.0]]
+    assert "height" not in rendered(position_table("tracks", position_tracks(0.0, state)))
+    assumed = position_tracks(0.0, state, z=np.array([-45.2]))
+    assert position_cells(assumed, 0)[2] == "-45"
+    deviation = np.array([12.3])
+    estimated = position_tracks(0.0, state, z=np.array([-45.2]), z_standard_deviation=deviation)
+    assert "-45±12" in rendered(position_table("tracks", estimated))
+    assert "height" in rendered(position_table("tracks", estimated))
 
 
 def test_what_is_fixed_has_no_course() -> None:
     source = np.array([TrackSource.STATIC], np.uint8)
     tracks = position_tracks(0.0, [[1.0, 2.0, 0.01, 0.0]], source=source)
-    assert position_cells(tracks, 0)[2:4] == ("fixed", "0.0")
+    assert position_cells(tracks, 0)[3:5] == ("fixed", "0.0")
 
 
 @pytest.mark.parametrize(

@@ -36,6 +36,7 @@ _RANK = {
 COLUMNS = (
     "x\nm",
     "y\nm",
+    "height\nm",
     "course\ndeg",
     "speed\nm/s",
     "95 % ellipse\nm, deg",
@@ -44,6 +45,9 @@ COLUMNS = (
     "side",
 )
 """Headings of two lines, so that a terminal of 80 columns is wide enough."""
+
+HEIGHT = 2
+"""Place of the column that is left out where no height is known."""
 
 
 def position_table(title: str, tracks: PositionTracks, most_rows: int = MOST_ROWS) -> Table:
@@ -69,7 +73,8 @@ def position_table(title: str, tracks: PositionTracks, most_rows: int = MOST_ROW
     )
     table.add_column("track", justify="right", no_wrap=True)
     table.add_column("status", no_wrap=True)
-    for heading in COLUMNS:
+    heights = bool(np.isfinite(tracks.z).any())
+    for heading in shown_cells(COLUMNS, heights):
         table.add_column(heading, justify="right", no_wrap=True)
     rows = sorted(range(len(tracks)), key=lambda row: (_RANK[_status(tracks, row)], row))
     for row in rows[:most_rows]:
@@ -77,11 +82,16 @@ def position_table(title: str, tracks: PositionTracks, most_rows: int = MOST_ROW
         table.add_row(
             str(int(tracks.id[row])),
             Text(status.name.lower(), style=STATUS_STYLE[status]),
-            *position_cells(tracks, row),
+            *shown_cells(position_cells(tracks, row), heights),
         )
     if len(rows) > most_rows:
         table.add_row("", Text(f"and {len(rows) - most_rows} more", style="dim"))
     return table
+
+
+def shown_cells(cells: tuple[str, ...], heights: bool) -> tuple[str, ...]:
+    """Return what is shown of a row of :data:`COLUMNS`, with or without heights."""
+    return cells if heights else cells[:HEIGHT] + cells[HEIGHT + 1 :]
 
 
 def position_cells(tracks: PositionTracks, row: int) -> tuple[str, ...]:
@@ -99,6 +109,7 @@ def position_cells(tracks: PositionTracks, row: int) -> tuple[str, ...]:
     return (
         _number(x, "+.0f"),
         _number(y, "+.0f"),
+        _height(tracks, row),
         _course(tracks, row),
         _number(speed, ".1f"),
         _ellipse(tracks, row),
@@ -106,6 +117,13 @@ def position_cells(tracks: PositionTracks, row: int) -> tuple[str, ...]:
         _number(float(tracks.observability[row]), ".2f"),
         side_text(tracks, row),
     )
+
+
+def _height(tracks: PositionTracks, row: int) -> str:
+    """Return the height with its standard deviation; alone where it was only assumed."""
+    height, deviation = float(tracks.z[row]), float(tracks.z_standard_deviation[row])
+    text = _number(height, "+.0f")
+    return f"{text}±{deviation:.0f}" if math.isfinite(height + deviation) else text
 
 
 def _course(tracks: PositionTracks, row: int) -> str:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sonar_tracking.display.position_history import PositionHistory
-from sonar_tracking.display.position_table import COLUMNS, position_cells
+from sonar_tracking.display.position_table import COLUMNS, position_cells, shown_cells
 from sonar_tracking.display.track_history import TrackHistory
 from sonar_tracking.records.arrays import FloatArray, IntArray
 from sonar_tracking.records.bearings import AngleKind, TrackStatus
@@ -111,15 +111,19 @@ def position_summary(title: str, histories: Iterable[PositionHistory], start: in
     start : int
         Stamp that counts as time zero, ns.
     """
+    listed = tuple(histories)
+    heights = any(np.isfinite(history.tracks.z[-1]) for history in listed)
     rows = tuple(
         (
             str(history.id),
             *_life(history.stamps, start),
-            *position_cells(history.tracks, len(history.stamps) - 1),
+            *shown_cells(position_cells(history.tracks, len(history.stamps) - 1), heights),
         )
-        for history in histories
+        for history in listed
     )
-    return SummaryTable(title, ("track", "first\ns", "last\ns", *COLUMNS), rows)
+    return SummaryTable(
+        title, ("track", "first\ns", "last\ns", *shown_cells(COLUMNS, heights)), rows
+    )
 
 
 def draw_summary_tables(tables: Sequence[SummaryTable], path: Path) -> None:

@@ -44,9 +44,10 @@ def type_name(message: Any) -> str:
 def column(message: Any, name: str, dtype: str = "float64") -> NDArray[Any]:
     """Return a message field as a flat array, shape (n_values,), in units of the message.
 
-    It is a view of the message, not a copy.
+    It is a view of the message, not a copy; empty where the message is of a definition that has no
+    such field, as in a recording of an earlier version.
     """
-    values = getattr(message, name)
+    values = getattr(message, name, ())
     if len(values) == 0:
         return np.empty(0, dtype)
     if isinstance(values, array.array | bytes):
@@ -210,7 +211,7 @@ def check_columns(message: Any, key: str, widths: dict[str, int]) -> int:
     rows = len(getattr(message, key))
     check_size(type_name(message), key, rows)
     for name, width in widths.items():
-        length = len(getattr(message, name))
+        length = len(getattr(message, name, ()))
         if length not in (0, width * rows):
             raise InputError(
                 f"{type_name(message)}.{name} has {length} values, but {key} has {rows} and "

@@ -196,6 +196,8 @@ FIELD_USES: Mapping[str, Mapping[str, FieldUse]] = {
         "vx": column(),
         "vy": column(),
         "covariance": column(),
+        "z": column(),
+        "z_standard_deviation": column(),
         "initiated": unknown(),
         "updated": unknown(),
         "observability": column(),

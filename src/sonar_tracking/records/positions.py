@@ -73,6 +73,8 @@ COLUMNS: dict[str, Column] = {
     "source": Column("uint8", fill=None),
     "state": Column(width=(4,), fill=None),
     "covariance": Column(width=(4, 4)),
+    "z": Column(),
+    "z_standard_deviation": Column(),
     "existence_probability": Column(),
     "initiated": Column(),
     "updated": Column(),
@@ -124,6 +126,9 @@ class PositionTracks:
         x, y, vx, vy in ``frame_id``, m and m/s; NaN = unknown.
     covariance : ndarray, shape (n, 4, 4)
         Of the state, m^2, m^2/s and m^2/s^2; NaN = unknown.
+    z, z_standard_deviation : ndarray, shape (n,)
+        Height in ``frame_id``, m, upwards, NaN = unknown; and its standard deviation, m, NaN = it
+        is not estimated, but what was assumed.
     existence_probability : ndarray, shape (n,)
         A probability; NaN = not estimated.
     initiated, updated : ndarray, shape (n,)
@@ -178,6 +183,8 @@ class PositionTracks:
     source: CodeArray
     state: FloatArray
     covariance: FloatArray = field(default_factory=_left_out)
+    z: FloatArray = field(default_factory=_left_out)
+    z_standard_deviation: FloatArray = field(default_factory=_left_out)
     existence_probability: FloatArray = field(default_factory=_left_out)
     initiated: FloatArray = field(default_factory=_left_out)
     updated: FloatArray = field(default_factory=_left_out)

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -221,3 +222,18 @@ def test_mapping_is_valid_json_whatever_is_missing(lists: list[Places]) -> None:
     assert json.loads(json.dumps(mapping, allow_nan=False)) == mapping
     nothing = score_position_tracks([no_position_tracks(START)], [no_position_tracks(START)])
     assert nothing.ospa_m == 0.0 and json.dumps(nothing.to_mapping(), allow_nan=False)
+
+
+def test_heights_count_where_they_are_estimated_and_known() -> None:
+    """Errors of 3 and 4 m at a deviation of 5 m; what was only assumed does not count."""
+    truth, tracks = [], []
+    for time, height, deviation in ((0.0, 3.0, 5.0), (1.0, -4.0, 5.0), (2.0, 100.0, np.nan)):
+        place = picture(time, {1: (0.0, 0.0)})
+        truth.append(replace(place, z=np.array([-50.0])))
+        z, spread = np.array([height - 50.0]), np.array([deviation])
+        tracks.append(replace(place, z=z, z_standard_deviation=spread))
+    score = score_position_tracks(truth, tracks)
+    assert score.height_rmse_m == pytest.approx(np.sqrt(12.5))
+    assert score.height_nees == pytest.approx(0.5)
+    without = score_position_tracks(truth, [picture(0.0, {1: (0.0, 0.0)})])
+    assert np.isnan(without.height_rmse_m) and without.to_mapping()["height_nees"] is None

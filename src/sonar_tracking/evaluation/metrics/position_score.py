@@ -62,6 +62,9 @@ class PositionScore:
         Distance of all assigned pairs, m.
     velocity_rmse_m_per_s : float
         Of the velocity vectors of all assigned pairs, m/s.
+    height_rmse_m, height_nees : float
+        Error of the height of all assigned pairs, m, and its mean square in units of the variance
+        (1 is consistent); NaN where no track estimates one that is known.
     median_nearest_m : float
         Median distance from a target to the nearest track, whatever the cut-off, over all periods
         of all targets in which there is a track; it tells how far off tracks are that were not
@@ -93,6 +96,8 @@ class PositionScore:
     rmse_m: float
     median_error_m: float
     velocity_rmse_m_per_s: float
+    height_rmse_m: float
+    height_nees: float
     median_nearest_m: float
     far_limit_m: float
     far_share: float
@@ -157,6 +162,7 @@ class OnlinePositionScore(OnlineScore[PositionTracks]):
         self._ospa, self._gospa, self._nees = Column(), Column(), Column()
         self._distance, self._speed_error, self._nearest = Column(), Column(), Column()
         self._far = Column()
+        self._height, self._height_nees = Column(), Column()
         self._two_sided, self._wrong_side = Column(), Column()
         self._errors: list[tuple[FloatArray, FloatArray]] = []
 
@@ -174,6 +180,7 @@ class OnlinePositionScore(OnlineScore[PositionTracks]):
         self._ospa.add([ospa(assignment, cutoff, ORDER)])
         self._gospa.add([gospa(assignment, cutoff, ORDER)])
         self._distance.add(apart[pairs])
+        self._count_heights(tracks, truth, sided.rows[assignment.estimates], assignment.truths)
         self._nearest.add(np.min(apart, axis=1) if apart.shape[1] else ())
         self._far.add(np.min(apart, axis=0, initial=np.inf) > self._far_limit_m)
         covariance = tracks.covariance[sided.rows[assignment.estimates]]
@@ -182,6 +189,15 @@ class OnlinePositionScore(OnlineScore[PositionTracks]):
             self._normalise()
         self._two_sided.add(sided.other >= 0)
         self._wrong_side.add(wrong_sides(tracks, sided, truth.state[:, :2]))
+
+    def _count_heights(
+        self, tracks: PositionTracks, truth: TruePositions, rows: IndexArray, of: IndexArray
+    ) -> None:
+        """Count the heights that are estimated, of rows assigned to targets."""
+        error, deviation = tracks.z[rows] - truth.z[of], tracks.z_standard_deviation[rows]
+        known = np.isfinite(error) & np.isfinite(deviation)
+        self._height.add(error[known])
+        self._height_nees.add((error[known] / deviation[known]) ** 2)
 
     def score(self) -> PositionScore:
         """Return the score of all lists; what waits for truth is counted with what is known."""
@@ -197,6 +213,8 @@ class OnlinePositionScore(OnlineScore[PositionTracks]):
             rmse_m=mean(self._distance.values**2) ** 0.5,
             median_error_m=median(self._distance.values),
             velocity_rmse_m_per_s=mean(self._speed_error.values**2) ** 0.5,
+            height_rmse_m=mean(self._height.values**2) ** 0.5,
+            height_nees=mean(self._height_nees.values),
             median_nearest_m=median(self._nearest.values),
             far_limit_m=float(self._far_limit_m),
             far_share=mean(self._far.values),

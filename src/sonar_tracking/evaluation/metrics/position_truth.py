@@ -24,10 +24,13 @@ class TruePositions:
         Identifiers of the targets.
     state : ndarray, shape (n_targets, 4)
         x, y, vx, vy, m and m/s; a velocity may be NaN.
+    z : ndarray, shape (n_targets,)
+        Height, m; NaN = not known.
     """
 
     id: IdArray
     state: FloatArray
+    z: FloatArray
 
 
 class PositionTruth:
@@ -35,7 +38,7 @@ class PositionTruth:
 
     Between two samples a position follows the cubic that has the position and the velocity of
     both (Hermite), exact for constant acceleration; the straight line where a velocity is not
-    known.
+    known, and for heights.
 
     Parameters
     ----------
@@ -73,10 +76,10 @@ class PositionTruth:
             return _between(before, after, stamp)
         elapsed = seconds(stamp - before.stamp)
         if elapsed == 0.0:
-            return TruePositions(before.id, before.state)
+            return TruePositions(before.id, before.state, before.z)
         position, velocity = before.state[:, :2], before.state[:, 2:]
         moved = position + elapsed * np.where(np.isfinite(velocity), velocity, 0.0)
-        return TruePositions(before.id, np.concatenate([moved, velocity], axis=-1))
+        return TruePositions(before.id, np.concatenate([moved, velocity], axis=-1), before.z)
 
 
 def _placed(sample: PositionTracks) -> PositionTracks:
@@ -99,7 +102,9 @@ def _between(before: PositionTracks, after: PositionTracks, stamp: int) -> TrueP
     known = np.isfinite(bend)
     shift = share * change + np.where(known, share * (1.0 - share) * bend, 0.0)
     velocity = (change + np.where(known, slope, 0.0)) / duration
-    return TruePositions(identifiers, np.concatenate([start[:, :2] + shift, velocity], axis=-1))
+    height = (1.0 - share) * before.z[rows] + share * after.z[columns]
+    state = np.concatenate([start[:, :2] + shift, velocity], axis=-1)
+    return TruePositions(identifiers, state, height)
 
 
 def truth_as_tracks(truth: TruthTracks) -> PositionTracks:
