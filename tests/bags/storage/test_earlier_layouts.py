@@ -10,9 +10,11 @@ import pytest
 
 import sonar_tracking.bags.storage.writer as writer_module
 from sonar_tracking.bags.storage.bag_records import position_tracks_of
+from sonar_tracking.bags.storage.earlier_layouts import earlier_layout
 from sonar_tracking.bags.storage.message_definitions import (
     MessageDefinition,
     installed_definition,
+    installed_typestore,
     typestore_of,
 )
 from sonar_tracking.bags.storage.reader import read_bag
@@ -34,8 +36,8 @@ def earlier_definition() -> MessageDefinition:
     return MessageDefinition(POSITIONS, "\n".join(kept), "")
 
 
-def test_tracks_without_heights_are_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    earlier = earlier_definition()
+def earlier_message(earlier: MessageDefinition) -> bytes:
+    """Return one track in the earlier layout, serialised."""
     store = typestore_of(earlier)
     types = store.types
     fields: dict[str, Any] = {
@@ -50,8 +52,12 @@ def test_tracks_without_heights_are_read(tmp_path: Path, monkeypatch: pytest.Mon
     time = types["builtin_interfaces/msg/Time"]
     header = types["std_msgs/msg/Header"](time(EPOCH, 0), "map")
     message = types[POSITIONS](header=header, next_stamp=time(0, 0), **fields)
-    data = bytes(store.serialize_cdr(message, POSITIONS))
+    return bytes(store.serialize_cdr(message, POSITIONS))
 
+
+def test_tracks_without_heights_are_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    earlier = earlier_definition()
+    data = earlier_message(earlier)
     monkeypatch.setattr(writer_module, "installed_definition", lambda _name: earlier)
     writer = BagWriter(tmp_path / "run")
     writer.add_topic("/passive/tracks", POSITIONS, role="output")
@@ -62,3 +68,16 @@ def test_tracks_without_heights_are_read(tmp_path: Path, monkeypatch: pytest.Mon
     np.testing.assert_array_equal(tracks.state, [[3.0, 4.0, 0.0, 0.0]])
     np.testing.assert_array_equal(tracks.observability, [0.75])
     assert np.isnan(tracks.z).all() and np.isnan(tracks.z_standard_deviation).all()
+
+
+def test_tracks_without_heights_are_replayed() -> None:
+    """In the layout that is installed, the new columns empty; what is in it stays as it is."""
+    earlier = earlier_definition()
+    translate = earlier_layout(earlier)
+    assert translate is not None
+    data = translate(earlier_message(earlier))
+    message: Any = installed_typestore(POSITIONS).deserialize_cdr(data, POSITIONS)
+    assert message.id.tolist() == [7] and message.x.tolist() == [3.0]
+    assert message.observability.tolist() == [0.75]
+    assert message.z.size == 0 and message.z_standard_deviation.size == 0
+    assert earlier_layout(installed_definition(POSITIONS)) is None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 
+from sonar_tracking.bags.storage.earlier_layouts import earlier_layout
 from sonar_tracking.bags.storage.loss import Loss
 from sonar_tracking.bags.storage.reader import Bag
 from sonar_tracking.bags.storage.storage_file import BagMessage
@@ -41,6 +42,9 @@ class ReplayComparison:
             and (topic.message_count or bag.recording)
         }
         self._replayed = replayed
+        self._earlier = {
+            name for name in self._recorded if earlier_layout(bag.topics[name].definition)
+        }
         self._losses = [loss for loss in bag.losses if loss.topic in {"", *played, *self._recorded}]
         self._played = frozenset(played)
         self.topics = set(self._recorded)
@@ -59,6 +63,8 @@ class ReplayComparison:
         return any(phrase.startswith("different") for phrase in self.result().values())
 
     def _phrase(self, name: str) -> str:
+        if name in self._earlier:
+            return "not comparable: its messages had fewer fields when they were recorded"
         recorded, replayed = self._recorded[name], self._replayed[name]
         number = first_difference(recorded, replayed)
         losses = [loss for loss in self._losses if loss.topic in {"", name, *self._played}]

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Iterable
+from dataclasses import dataclass, field, replace
 from itertools import chain, repeat
 
+from sonar_tracking.bags.storage.earlier_layouts import earlier_layout
 from sonar_tracking.bags.storage.reader import Bag
 from sonar_tracking.bags.storage.storage_file import BagMessage
 from sonar_tracking.bags.storage.topic_names import TopicNames
@@ -99,7 +100,21 @@ class Selection:
             )
 
     def messages(self, bag: Bag, topics: Collection[str]) -> Iterable[BagMessage]:
-        """Return the messages of what :meth:`of` gave, again and again in a loop."""
+        """Return the messages of what :meth:`of` gave, again and again in a loop.
+
+        They are in the layout that is installed now, whatever it was when they were recorded.
+        """
         if not self.loop:
-            return bag.messages(topics)
-        return chain.from_iterable(bag.messages(topics) for _ in repeat(None))
+            return _installed_messages(bag, topics)
+        return chain.from_iterable(_installed_messages(bag, topics) for _ in repeat(None))
+
+
+def _installed_messages(bag: Bag, topics: Collection[str]) -> Iterable[BagMessage]:
+    layouts = {name: earlier_layout(bag.topics[name].definition) for name in topics}
+    if not any(layouts.values()):
+        return bag.messages(topics)
+    return (_translated(message, layouts[message.topic]) for message in bag.messages(topics))
+
+
+def _translated(message: BagMessage, layout: Callable[[bytes], bytes] | None) -> BagMessage:
+    return message if layout is None else replace(message, data=layout(message.data))
