@@ -8,11 +8,20 @@ from rclpy.serialization import serialize_message
 from std_msgs.msg import Header
 
 from sonar_tracking.bags.storage.loss import Loss
+from sonar_tracking.bags.storage.message_definitions import installed_definition
 from sonar_tracking.bags.storage.storage_file import BagMessage
 from sonar_tracking.graph.orchestration.topic_record import TopicRecord
 from sonar_tracking.graph.verbs.replay_comparison import ReplayComparison
 
 OUTPUT, TRUTH, TYPE = "/passive/bearing_tracks", "/truth/bearing_tracks", "std_msgs/msg/Header"
+DEFINITION = installed_definition(TYPE)
+
+
+def topic(role: str, message_count: int) -> SimpleNamespace:
+    """Return a topic of a bag."""
+    return SimpleNamespace(
+        type_name=TYPE, role=role, message_count=message_count, definition=DEFINITION
+    )
 
 
 def compared(
@@ -23,8 +32,8 @@ def compared(
 ) -> str:
     """Return what is said of one output, given the frames of its messages."""
     topics = {
-        OUTPUT: SimpleNamespace(type_name=TYPE, role="output", message_count=len(recorded)),
-        TRUTH: SimpleNamespace(type_name=TYPE, role="truth", message_count=1),
+        OUTPUT: topic("output", len(recorded)),
+        TRUTH: topic("truth", 1),
     }
     bag: Any = SimpleNamespace(topics=topics, losses=losses, recording=None)
     record = TopicRecord(TYPE, keep_steps=True)
@@ -79,8 +88,8 @@ def test_what_is_missing_of_a_topic_nobody_needs_changes_nothing() -> None:
 
 def comparison_of(message_count: int, recording: object, played: set[str]) -> ReplayComparison:
     """Return the comparison of one output of a bag."""
-    topic = SimpleNamespace(type_name=TYPE, role="output", message_count=message_count)
-    bag: Any = SimpleNamespace(topics={OUTPUT: topic}, losses=(), recording=recording)
+    topics = {OUTPUT: topic("output", message_count)}
+    bag: Any = SimpleNamespace(topics=topics, losses=(), recording=recording)
     return ReplayComparison(bag, {OUTPUT: TopicRecord(TYPE, keep_steps=True)}, played)
 
 
