@@ -78,6 +78,7 @@ ROOMS = (
     "evaluation.studies.ship_bearings",
     "evaluation.studies.tma_frequency_fusion",
     "evaluation.studies.mismatch_positions",
+    "evaluation.studies.mismatch_bearings",
     "evaluation.studies",
     "evaluation.bench",
     "evaluation",

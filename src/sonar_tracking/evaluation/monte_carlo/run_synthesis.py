@@ -44,6 +44,8 @@ def true_bearings(scenario: Scenario, times: FloatArray) -> tuple[FloatArray, Fl
     angles, rates : ndarray, shape (n_times, n_targets)
         rad, rad/s.
     """
+    if not scenario.targets:
+        return np.empty((len(times), 0)), np.empty((len(times), 0))
     receiver = scenario.receiver()
     arrivals = [target.motion.arrival(times, receiver) for target in scenario.targets]
     angles = np.stack([angle for angle, _ in arrivals], axis=-1)

@@ -21,6 +21,7 @@ from sonar_tracking.evaluation.studies.maritime_contacts.study import (
     MARITIME_CONTACTS,
     maritime_contacts,
 )
+from sonar_tracking.evaluation.studies.mismatch_bearings.study import MISMATCH_BEARINGS
 from sonar_tracking.evaluation.studies.mismatch_contacts.study import MISMATCH_CONTACTS
 from sonar_tracking.evaluation.studies.mismatch_positions.study import MISMATCH_POSITIONS
 from sonar_tracking.evaluation.studies.multi_target_clutter.study import MULTI_TARGET_CLUTTER
@@ -41,6 +42,7 @@ STUDIES = {
         TMA_FREQUENCY_FUSION,
         DETECTION_THRESHOLD,
         MULTI_TARGET_CLUTTER,
+        MISMATCH_BEARINGS,
         MISMATCH_CONTACTS,
         MISMATCH_POSITIONS,
         SCENARIO_SEEDS,

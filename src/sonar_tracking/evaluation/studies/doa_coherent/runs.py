@@ -2,7 +2,8 @@
 
 RYU takes the ordinary eigenvectors of the block covariance, as many as there are targets. PROPOSED
 and the joint filter take the generalised eigenvectors, as many as the rank, which both are given.
-All start from the truth, as in the paper, and are the stages that the nodes run.
+Both are told the process noise too; one more joint filter has the default one. All start from the
+truth, as in the paper, and are the stages that the nodes run.
 """
 
 from __future__ import annotations
@@ -48,10 +49,11 @@ INITIAL_RATE_VARIANCE_DEG2 = 0.01
 RYU = "RYU"
 PROPOSED = "PROPOSED"
 JOINT = "joint MAP"
+DEFAULT = "joint MAP, default q"
 
 METHODS = compared_methods(
     [entry for entry in BEARING_METHODS if entry.needs_covariance],
-    {RYU: "ryu", PROPOSED: "coherent", JOINT: "joint_map"},
+    {RYU: "ryu", PROPOSED: "coherent", JOINT: "joint_map", DEFAULT: "joint_map"},
 )
 """Method of each tracker, by its name: RYU and all that measure in the block covariance."""
 
@@ -177,7 +179,7 @@ def _with_ordinary_basis(estimates: SubspaceEstimates) -> SubspaceEstimates:
 
 def _tracker(name: str, condition: Condition) -> BearingTrackerConfiguration:
     angles, rates = true_bearings(condition.scenario(), np.zeros(1))
-    return BearingTrackerConfiguration(
+    configuration = BearingTrackerConfiguration(
         method=METHODS[name],
         source_rank=condition.rank,
         start="given",
@@ -185,8 +187,10 @@ def _tracker(name: str, condition: Condition) -> BearingTrackerConfiguration:
         initial_rates_deg=tuple(np.degrees(rates[0]).tolist()),
         initial_angle_variance_deg2=INITIAL_ANGLE_VARIANCE_DEG2,
         initial_rate_variance_deg2=INITIAL_RATE_VARIANCE_DEG2,
-        process_noise_deg2=PROCESS_NOISE_DEG2,
         measurement_variance_deg2=MEASUREMENT_VARIANCE_DEG2,
         fused_variance="independent",
         phase_reference="first_element",
     )
+    if name == DEFAULT:
+        return configuration
+    return replace(configuration, process_noise_deg2=PROCESS_NOISE_DEG2)

@@ -41,7 +41,8 @@ BURST_SNAPSHOTS = 32
 NOISE_CORRELATION = 0.6
 
 CLOSE, CROSSING = "2 close", "3 crossing"
-INCOHERENT, COHERENT, COLOURED = "incoherent", "coherent", "coloured noise"
+INCOHERENT, COHERENT = "incoherent", "coherent"
+COLOURED, BOTH = "coloured noise", "coherent, coloured noise"
 
 
 @dataclass(frozen=True)
@@ -92,7 +93,8 @@ class Condition:
     scene : str
         ``"2 close"`` or ``"3 crossing"``.
     kind : str
-        ``"incoherent"``, ``"coherent"`` or ``"coloured noise"`` (with incoherent sources).
+        ``"incoherent"``, ``"coherent"``, ``"coloured noise"`` (with incoherent sources) or
+        ``"coherent, coloured noise"``.
     """
 
     scene: str
@@ -109,9 +111,14 @@ class Condition:
         return len(_PASSES[self.scene])
 
     @property
+    def coherent(self) -> bool:
+        """Whether the sources emit one waveform."""
+        return self.kind in (COHERENT, BOTH)
+
+    @property
     def rank(self) -> int:
         """Rank of the source covariance."""
-        return 1 if self.kind == COHERENT else self.n_targets
+        return 1 if self.coherent else self.n_targets
 
     def noise_covariance(self) -> ComplexArray | None:
         """Return the spatial covariance of the noise.
@@ -121,7 +128,7 @@ class Condition:
         ndarray, shape (n_elements, n_elements), complex, or None
             Pure numbers with trace n_elements; None = white.
         """
-        if self.kind != COLOURED:
+        if self.kind not in (COLOURED, BOTH):
             return None
         element = np.arange(self.scenario().array.n_elements)
         apart = np.abs(element[:, None] - element)
@@ -135,10 +142,13 @@ class Condition:
         )
 
 
-CONDITIONS = tuple(
-    Condition(scene, kind)
-    for scene in (CLOSE, CROSSING)
-    for kind in (INCOHERENT, COHERENT, COLOURED)
+CONDITIONS = (
+    *(
+        Condition(scene, kind)
+        for scene in (CLOSE, CROSSING)
+        for kind in (INCOHERENT, COHERENT, COLOURED)
+    ),
+    *(Condition(scene, BOTH) for scene in (CLOSE, CROSSING)),
 )
 
 
@@ -177,7 +187,7 @@ def sources_of(condition: Condition, seeds: Sequence[np.random.SeedSequence]) ->
     """
     generators = tuple(np.random.default_rng(seed) for seed in seeds)
     n_targets = condition.n_targets
-    if condition.kind == COHERENT:
+    if condition.coherent:
         phases = [generator.uniform(0.0, 2.0 * np.pi, n_targets) for generator in generators]
         weights = np.exp(1j * np.array(phases))[:, None, :]
     else:

@@ -34,6 +34,7 @@ from sonar_tracking.evaluation.studies.doa_coherent.runs import (
     condition_batch,
 )
 from sonar_tracking.evaluation.studies.doa_coherent.scenes import (
+    BOTH,
     CLOSE,
     COHERENT,
     COLOURED,
@@ -68,7 +69,8 @@ _NOTE = (
     "MSE: deg², over successful runs (every error below 3 deg in the last 5 steps; success in %). "
     "median: of the MSE over all runs. / bound: root of the MSE over that of the tracking bound. "
     "NEES: per dimension, of the median run; 1 = the claimed covariance is right. RYU, PROPOSED: "
-    "R 0.05 deg²; joint MAP takes its variance from the data. Rank and first bearings are given."
+    "R 0.05 deg²; joint MAP takes its variance from the data. Rank, first bearings and q are told; "
+    "default q: the default process noise, which is told nothing."
 )
 
 LAYOUTS = (
@@ -88,6 +90,8 @@ _FIGURES = {
     (CROSSING, COHERENT): "figure_5_crossing_coherent",
     (CLOSE, COLOURED): "close_coloured_noise",
     (CROSSING, COLOURED): "crossing_coloured_noise",
+    (CLOSE, BOTH): "close_coherent_coloured_noise",
+    (CROSSING, BOTH): "crossing_coherent_coloured_noise",
 }
 
 

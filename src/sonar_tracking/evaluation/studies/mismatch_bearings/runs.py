@@ -1,0 +1,254 @@
+"""Runs under one condition: the same sounds for both chains, and their scores."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sonar_tracking.errors import Notice, Severity
+from sonar_tracking.evaluation.metrics.bearing_score import score_bearing_tracks
+from sonar_tracking.evaluation.metrics.bearing_truth import BearingTruth
+from sonar_tracking.evaluation.metrics.score_statistics import mean
+from sonar_tracking.evaluation.monte_carlo.run_synthesis import block_truth, true_bearings
+from sonar_tracking.evaluation.studies.mismatch_bearings.condition import Condition, Seeds
+from sonar_tracking.evaluation.studies.mismatch_bearings.conditions import CONDITIONS
+from sonar_tracking.evaluation.studies.mismatch_bearings.names import (
+    errors_under_names,
+    share_of_right_names,
+)
+from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
+    BearingTrackerConfiguration,
+)
+from sonar_tracking.passive.bearings.bearing_tracker_stage import (
+    BearingTrackerStage,
+    TrackerUpdate,
+)
+from sonar_tracking.passive.bearings.bearing_tracker_stage import update_together as tracks_together
+from sonar_tracking.passive.subspaces.subspace_stage import SubspaceStage, SubspaceUpdate
+from sonar_tracking.passive.subspaces.subspace_stage import update_together as subspaces_together
+from sonar_tracking.passive.subspaces.unfollowed_subspace import UnfollowedSubspace
+from sonar_tracking.records.bearings import ArraySnapshots, BearingTracks, TrackStatus
+
+DEFAULTS = "defaults"
+TOLD = "told the truth"
+
+TOLD_ANGLE_VARIANCE_DEG2, TOLD_RATE_VARIANCE_DEG2 = 0.25, 0.01
+"""Of the first bearings that a tracker is told."""
+
+
+@dataclass(frozen=True)
+class MismatchTask:
+    """Runs that are tracked together.
+
+    Attributes
+    ----------
+    condition : str
+        Name of the condition.
+    seeds : tuple of numpy.random.SeedSequence
+        One a run.
+    """
+
+    condition: str
+    seeds: tuple[np.random.SeedSequence, ...]
+
+
+@dataclass(frozen=True)
+class MismatchRun:
+    """What both chains did in one run.
+
+    Attributes
+    ----------
+    condition : str
+        Name of the condition.
+    metrics : mapping of str to mapping of str to float
+        Figures of each chain; NaN = there is none.
+    """
+
+    condition: str
+    metrics: Mapping[str, Mapping[str, float]]
+
+
+@dataclass(frozen=True)
+class ChainRun:
+    """What a chain gave in one run.
+
+    Attributes
+    ----------
+    tracks : list of BearingTracks
+        One a period.
+    notices : list of Notice
+        All of them.
+    """
+
+    tracks: list[BearingTracks]
+    notices: list[Notice]
+
+
+def mismatch_runs(task: MismatchTask) -> tuple[MismatchRun, ...]:
+    """Simulate runs and track them with the defaults and with what is true."""
+    return runs_under(CONDITIONS[task.condition], task.seeds)
+
+
+def runs_under(condition: Condition, seeds: Seeds) -> tuple[MismatchRun, ...]:
+    """Simulate runs under a condition and track them with the defaults and with what is true.
+
+    Parameters
+    ----------
+    condition : Condition
+        The condition.
+    seeds : sequence of SeedSequence
+        One a run.
+    """
+    arrays = [
+        condition.errors.draw(
+            condition.scenario.array.n_elements, np.random.default_rng(seed.generate_state(4))
+        )
+        for seed in seeds
+    ]
+    by_default, by_truth = (
+        _Chains(condition, False, len(seeds)),
+        _Chains(condition, True, len(seeds)),
+    )
+    for block in condition.blocks(seeds):
+        told_noise = block.noise_covariance if condition.published else None
+        wrong = [
+            replace(block, data=array.received(data), noise_covariance=told_noise)
+            for array, data in zip(arrays, block.data, strict=True)
+        ]
+        by_default.take(wrong)
+        by_truth.take([replace(block, data=data) for data in block.data])
+    truth = block_truth(condition.scenario)
+    return tuple(
+        MismatchRun(
+            condition.name,
+            {
+                DEFAULTS: figures(condition, truth, one, array.faulty),
+                TOLD: figures(condition, truth, other, ()),
+            },
+        )
+        for one, other, array in zip(by_default.runs, by_truth.runs, arrays, strict=True)
+    )
+
+
+class _Chains:
+    """The chains of several runs: with the defaults, or told the truth."""
+
+    def __init__(self, condition: Condition, told: bool, n_runs: int) -> None:
+        self._condition = condition
+        self._told = told and bool(condition.scenario.targets)
+        estimator = condition.estimator
+        if self._told:
+            estimator = replace(estimator, source_count=len(condition.scenario.targets))
+        self._estimators = [SubspaceStage(estimator, UnfollowedSubspace()) for _ in range(n_runs)]
+        self._trackers: list[BearingTrackerStage] = []
+        self.runs = tuple(ChainRun([], []) for _ in range(n_runs))
+
+    def take(self, blocks: Sequence[ArraySnapshots]) -> None:
+        """Take a block of each run."""
+        updates = subspaces_together(self._estimators, blocks)
+        self._tell(updates)
+        for estimates in zip(*(update.estimates for update in updates), strict=True):
+            if not self._trackers:
+                self._trackers = list(self._new_trackers(estimates[0].stamp))
+            tracked = tracks_together(self._trackers, estimates)
+            self._tell(tracked)
+            for run, update in zip(self.runs, tracked, strict=True):
+                run.tracks.append(update.tracks)
+
+    def _tell(self, updates: Sequence[SubspaceUpdate | TrackerUpdate]) -> None:
+        for run, update in zip(self.runs, updates, strict=True):
+            run.notices.extend(update.notices)
+
+    def _new_trackers(self, stamp: int) -> Iterator[BearingTrackerStage]:
+        configuration = BearingTrackerConfiguration()
+        if self._told:
+            configuration = told_configuration(self._condition, stamp)
+        for _ in self.runs:
+            yield BearingTrackerStage(configuration)
+
+
+def told_configuration(condition: Condition, stamp: int) -> BearingTrackerConfiguration:
+    """Return the parameters of the tracker that is told the truth.
+
+    Parameters
+    ----------
+    condition : Condition
+        The condition.
+    stamp : int
+        Of its first estimate, ns.
+    """
+    time = 1e-9 * (stamp - condition.scenario.stamp(0.0))
+    angles, rates = true_bearings(condition.scenario, np.array([time]))
+    return BearingTrackerConfiguration(
+        source_rank=condition.source_rank,
+        start="given",
+        initial_bearings_deg=tuple(np.degrees(angles[0]).tolist()),
+        initial_rates_deg=tuple(np.degrees(rates[0]).tolist()),
+        initial_angle_variance_deg2=TOLD_ANGLE_VARIANCE_DEG2,
+        initial_rate_variance_deg2=TOLD_RATE_VARIANCE_DEG2,
+        process_noise_deg2=condition.told_process_noise_deg2,
+        steady_process_noise_deg2=condition.told_process_noise_deg2,
+    )
+
+
+def figures(
+    condition: Condition, truth: Sequence[BearingTracks], run: ChainRun, faulty: Sequence[int]
+) -> dict[str, float]:
+    """Return the figures of one chain in one run.
+
+    Parameters
+    ----------
+    condition : Condition
+        Of the run.
+    truth : sequence of BearingTracks
+        True bearings.
+    run : ChainRun
+        What the chain gave.
+    faulty : sequence of int
+        Elements whose channels are exchanged or inverted.
+    """
+    score = score_bearing_tracks(truth, run.tracks)
+    errors = errors_under_names(truth, run.tracks)
+    false = float(score.identities.false_tracks)
+    texts = [notice.text for notice in run.notices if notice.severity != Severity.OK]
+    metrics = {
+        "mse_deg2": float(np.degrees(1.0) ** 2 * mean(errors.error[:, 0] ** 2)),
+        "nees_per_dimension": 0.5 * mean(errors.nees()),
+        "count_right_percent": 100.0 * _count_right(truth, run.tracks),
+        "swaps": float(score.identities.lasting_identity_swaps),
+        "false_tracks": false,
+        "silent_false_percent": 100.0 * (false > 0.0 and not texts),
+        "clipped_notices": float(sum("clipped" in text for text in texts)),
+        "right_names_percent": np.nan,
+        "named_percent": np.nan,
+    }
+    if condition.names_after[1] > 0.0:
+        metrics["right_names_percent"] = 100.0 * share_of_right_names(
+            condition.scenario,
+            truth,
+            run.tracks,
+            (condition.names_before, condition.names_after),
+        )
+    if faulty:
+        metrics["named_percent"] = 100.0 * any(_names(text, faulty) for text in texts)
+    return metrics
+
+
+def _count_right(truth: Sequence[BearingTracks], tracks: Sequence[BearingTracks]) -> float:
+    """Return the share of the periods with as many confirmed tracks as there are targets."""
+    reference = BearingTruth(truth)
+    right = []
+    for entry in tracks:
+        present = reference.at(entry.stamp)
+        if present is not None:
+            confirmed = np.count_nonzero(entry.status == TrackStatus.CONFIRMED)
+            right.append(int(confirmed) == len(present.id))
+    return float(np.mean(right)) if right else np.nan
+
+
+def _names(text: str, elements: Sequence[int]) -> bool:
+    """Return whether a sentence names exactly those elements, which count from 0."""
+    words = text.split(";")[0].split("(")[0].replace(",", " ").split()
+    return {int(word) for word in words if word.isdigit()} == set(elements)
