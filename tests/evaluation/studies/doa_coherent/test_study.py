@@ -90,7 +90,8 @@ def test_joint_filter_beats_both_and_nothing_beats_the_bound(
     case = condition.scene, condition.kind
     joint, bound = metric(study, JOINT, *case), metric(study, BOUND, *case)
     assert success(study, JOINT, *case) >= 98
-    assert joint < 0.95 * min(metric(study, RYU, *case), metric(study, PROPOSED, *case))
+    # One without a successful run has no error.
+    assert joint < 0.95 * np.fmin(metric(study, RYU, *case), metric(study, PROPOSED, *case))
     assert joint > bound
     assert metric(study, JOINT, *case, "rmse_over_bound") < 1.4
     nees = metric(study, JOINT, *case, "median_nees_per_dimension")

@@ -156,12 +156,14 @@ def test_array_errors_have_their_size_and_name_their_channels() -> None:
     assert np.degrees(np.std(np.angle(factors))) == pytest.approx(5.0, rel=0.1)
     exchanged = ArrayErrors(exchanged=True).draw(8, generator)
     first, second = exchanged.faulty
-    delivered = exchanged.received(np.arange(8.0) + 0j)
+    delivered = exchanged.received(np.arange(8.0).astype(np.complex128))
     assert delivered[first] == second and delivered[second] == first
     assert sorted(delivered.real) == list(range(8))
     inverted = ArrayErrors(inverted=True).draw(8, generator)
     (faulty,) = inverted.faulty
-    assert np.flatnonzero(inverted.received(np.ones(8) + 0j) == -1.0).tolist() == [faulty]
+    assert np.flatnonzero(inverted.received(np.ones(8, dtype=np.complex128)) == -1.0).tolist() == [
+        faulty
+    ]
 
 
 def test_errors_are_those_of_the_track_with_the_name_though_the_other_is_nearer() -> None:
