@@ -25,8 +25,8 @@ def sum_of_few(values: FloatArray, axis: int) -> FloatArray:
     ndarray, shape (..., ...)
         In the unit of the values.
     """
-    first, *others = np.moveaxis(values, axis, 0)
-    total = np.array(first)
-    for term in others:
-        total += term
+    before = (slice(None),) * (axis % values.ndim)
+    total = np.array(values[(*before, 0)])
+    for term in range(1, values.shape[axis]):
+        total += values[(*before, term)]
     return total

@@ -92,6 +92,9 @@ COLUMNS: dict[str, Column] = {
 }
 """The columns of position tracks."""
 
+KEYS = tuple(dict.fromkeys(column.key for column in COLUMNS.values()))
+"""Columns whose rows others share."""
+
 DATA_TYPES = {column.dtype: np.dtype(column.dtype) for column in COLUMNS.values()}
 
 EMPTY_COLUMNS: dict[str, NDArray[Any]] = {
@@ -205,9 +208,10 @@ class PositionTracks:
 
     def __post_init__(self) -> None:
         """Fill the columns that were left out and check the others."""
+        rows = {key: len(getattr(self, key)) for key in KEYS}
         for name, column in COLUMNS.items():
             given = getattr(self, name)
-            stored = _filled(name, given, len(getattr(self, column.key)), column)
+            stored = _filled(name, given, rows[column.key], column)
             if stored is not given:
                 object.__setattr__(self, name, stored)
         if not self.contributor_sensor:
