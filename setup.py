@@ -33,12 +33,15 @@ NODES = (
 )
 
 # Without a compiler the package installs all the same, with the coding in numpy alone.
-compiled_past = Extension(
-    f"{PACKAGE}.passive.subspaces.compiled_past",
-    [f"src/{PACKAGE}/passive/subspaces/compiled_past.c"],
-    extra_compile_args=["-O3", "-ffp-contract=off"],
-    optional=True,
-)
+compiled = [
+    Extension(
+        f"{PACKAGE}.{name}",
+        [f"src/{PACKAGE}/{name.replace('.', '/')}.c"],
+        extra_compile_args=["-O3", "-ffp-contract=off"],
+        optional=True,
+    )
+    for name in ("passive.subspaces.compiled_past", "active.tracks.compiled_gates")
+]
 
 node_executables = [f"{node} = {PACKAGE}.graph.nodes.{node}:main" for node in NODES]
 command = ["sonar-tracking = sonar_tracking.__main__:main"]
@@ -107,7 +110,7 @@ setup(
     package_dir={"": "src"},
     packages=find_packages("src"),
     package_data={PACKAGE: ["py.typed"]},
-    ext_modules=[compiled_past],
+    ext_modules=compiled,
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml"]),

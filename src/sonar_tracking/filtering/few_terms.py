@@ -5,6 +5,8 @@ numpy reduces a short axis sum by sum, which takes several times longer than to 
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from sonar_tracking.records.arrays import FloatArray
@@ -25,8 +27,9 @@ def sum_of_few(values: FloatArray, axis: int) -> FloatArray:
     ndarray, shape (..., ...)
         In the unit of the values.
     """
-    before = (slice(None),) * (axis % values.ndim)
-    total = np.array(values[(*before, 0)])
+    before: tuple[Any, ...] = (slice(None),) * (axis % values.ndim)
+    first: FloatArray = values[(*before, 0)]
+    total = np.array(first)
     for term in range(1, values.shape[axis]):
         total += values[(*before, term)]
     return total

@@ -22,6 +22,15 @@ from sonar_tracking.records.contacts import Contacts
 from tests.active.track_scene import COVARIANCE, bank_of, contacts_at
 
 
+@pytest.fixture(autouse=True, params=["compiled", "in numpy"])
+def _ways(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Search in both ways, where there are two."""
+    if request.param == "in numpy":
+        monkeypatch.setattr(pair_search, "COMPILED", None)
+    elif pair_search.COMPILED is None:
+        pytest.skip("no compiler was there: in numpy alone")
+
+
 @pytest.mark.parametrize("compared_at_once", [0, 3000, 100_000])
 def test_gating_finds_what_exhaustive_search_finds(
     compared_at_once: int, monkeypatch: pytest.MonkeyPatch

@@ -1,18 +1,19 @@
 """Which contacts lie in the gates of which tracks.
 
 Pairs are found through the contacts sorted by x and tracks in portions, so that memory stays
-bounded.
+bounded. ``compiled_gates`` does the same without lists of all that is looked at, and is there if a
+compiler was when the package was installed; the bits are those of the coding in numpy.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from sonar_tracking.active.contacts.contact_positions import PlacedContacts
 from sonar_tracking.active.detection.detection_threshold import GATE_SIZE
+from sonar_tracking.active.tracks.compiled_search import COMPILED, search_compiled
 from sonar_tracking.active.tracks.contact_gating import (
     GatePairs,
     TrackGates,
@@ -29,6 +30,11 @@ from sonar_tracking.active.tracks.pair_limits import (
     nearest_in_gates,
 )
 from sonar_tracking.active.tracks.scene_rows import SceneRows, joined
+from sonar_tracking.active.tracks.searched_tables import (
+    GatedTracks,
+    SearchedContacts,
+    ascending_rows,
+)
 from sonar_tracking.active.tracks.track_bank import TrackBank
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
 
@@ -42,76 +48,6 @@ BOX_SIZE = 1.5 * GATE_SIZE
 """Half of a box, in standard deviations: a gate at a contact may be wider by its noise."""
 
 NOTHING = np.zeros(0, dtype=np.intp)
-
-
-@dataclass(frozen=True)
-class GatedTracks:
-    """Predicted tracks with their gates, or some of them.
-
-    Attributes
-    ----------
-    mean : ndarray, shape (n, 4)
-        Of x, y, vx, vy, m and m/s.
-    spread : ndarray, shape (n, 4, 4) or (n, 2, 2)
-        m^2, m^2/s, m^2/s^2; that of x, y where sound takes no time.
-    gates : TrackGates
-        Their gates.
-    confirmed : ndarray of bool, shape (n,)
-        False = candidate.
-    threshold : ndarray, shape (n,)
-        Linear power; NaN = not known.
-    scenes : SceneRows
-        Whose they are.
-    """
-
-    mean: FloatArray
-    spread: FloatArray
-    gates: TrackGates
-    confirmed: BoolArray
-    threshold: FloatArray
-    scenes: SceneRows
-
-    def __len__(self) -> int:
-        return len(self.confirmed)
-
-    def select(self, rows: IndexArray) -> GatedTracks:
-        """Return some of the tracks, by their rows, shape (n_kept,), ascending."""
-        return GatedTracks(
-            self.mean[rows],
-            self.spread[rows],
-            self.gates.select(rows),
-            self.confirmed[rows],
-            self.threshold[rows],
-            self.scenes.of(rows),
-        )
-
-
-@dataclass(frozen=True)
-class SearchedContacts:
-    """Contacts of a ping that may be in gates, or some of them.
-
-    Attributes
-    ----------
-    placed : PlacedContacts
-        Where they were reflected.
-    amplitude : ndarray, shape (n,)
-        Linear power; NaN = not measured.
-    scenes : SceneRows
-        Whose they are.
-    """
-
-    placed: PlacedContacts
-    amplitude: FloatArray
-    scenes: SceneRows
-
-    def __len__(self) -> int:
-        return len(self.amplitude)
-
-    def select(self, rows: IndexArray) -> SearchedContacts:
-        """Return some of the contacts, by their rows, shape (n_kept,), ascending."""
-        return SearchedContacts(
-            self.placed.select(rows), self.amplitude[rows], self.scenes.of(rows)
-        )
 
 
 def find_pairs(
@@ -154,7 +90,10 @@ def find_pairs(
     searched = SearchedContacts(
         contacts, np.full(n_contacts, np.nan) if amplitudes is None else amplitudes, of_contacts
     )
-    if of_tracks.single or not _limited(tracks, searched):
+    limited = _limited(tracks, searched)
+    if COMPILED is not None and not limited:
+        return search_compiled(COMPILED, tracks, searched, BOX_SIZE)
+    if of_tracks.single or not limited:
         return _pairs_of_strong(tracks, searched)
     rows = zip(of_tracks.slices, of_contacts.slices, strict=True)
     parts = [
@@ -240,10 +179,7 @@ def _near_in_portions(tracks: GatedTracks, contacts: SearchedContacts) -> Iterat
     if _compared_at_once(tracks, contacts):
         yield _near_of_few(tracks.gates, contacts.placed)
         return
-    x = contacts.placed.position[:, 0]
-    xs = zip(contacts.scenes.starts.tolist(), contacts.scenes.split(x), strict=True)
-    order = joined([first + ascending_rows(own) for first, own in xs])
-    sorted_x, sorted_y = np.ascontiguousarray(contacts.placed.position.take(order, axis=0).T)
+    order, sorted_x, sorted_y = contacts.by_x()
     low, high = _boxed(tracks, contacts.scenes, sorted_x)
     before = (high - low).cumsum()
     first = 0
@@ -253,27 +189,6 @@ def _near_in_portions(tracks: GatedTracks, contacts: SearchedContacts) -> Iterat
         rows = np.arange(first, max(last, first + 1))
         yield _near(rows, low[rows], high[rows], tracks.gates, order, sorted_y)
         first = int(rows[-1]) + 1
-
-
-def ascending_rows(values: FloatArray) -> IndexArray:
-    """Return the rows of values in ascending order, equal ones in that of their rows.
-
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        In any unit.
-
-    Returns
-    -------
-    ndarray of int, shape (n,)
-        Rows.
-    """
-    # Several times as fast as a stable sort, and the same where no two values are equal.
-    order = values.argsort()
-    ascending = values.take(order)
-    if (ascending[1:] == ascending[:-1]).any():
-        return values.argsort(kind="stable")
-    return order
 
 
 def _boxed(
