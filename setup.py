@@ -40,7 +40,11 @@ compiled = [
         extra_compile_args=["-O3", "-ffp-contract=off"],
         optional=True,
     )
-    for name in ("passive.subspaces.compiled_past", "active.tracks.compiled_gates")
+    for name in (
+        "passive.subspaces.compiled_past",
+        "active.tracks.compiled_gates",
+        "active.tracks.compiled_modes",
+    )
 ]
 
 node_executables = [f"{node} = {PACKAGE}.graph.nodes.{node}:main" for node in NODES]

@@ -17,9 +17,9 @@ from functools import cached_property
 import numpy as np
 
 from sonar_tracking.active.detection.detection_levels import LEVELS, averaged
+from sonar_tracking.active.tracks.mode_prediction import mixed_states, moved_states
 from sonar_tracking.active.tracks.motion_model import MotionModel
 from sonar_tracking.filtering.few_terms import sum_of_few
-from sonar_tracking.filtering.kalman import symmetrised
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray, IntArray
 
 PRIOR_TRACKS = 4.0
@@ -256,14 +256,14 @@ def predict_bank(
     transition = modes.transition(interval, entered, age)
     mixed, spread, probability = _mix(bank, transition)
     stayed = bank.mode_probability * np.einsum("...ii->...i", transition)
-    matrices = modes.matrices(mixed[..., 2:], interval)
-    covariance = np.matmul(np.matmul(matrices, spread), matrices.swapaxes(-1, -2))
-    covariance += modes.noise(mixed[..., 2:], interval)
+    velocity = mixed[..., 2:]
+    mean, covariance = moved_states(modes.matrices(velocity, interval), mixed, spread)
+    covariance += modes.noise(velocity, interval)
     return replace(
         bank,
         existence=survival_probability * bank.existence,
-        mean=np.matmul(matrices, mixed[..., None])[..., 0],
-        covariance=symmetrised(covariance),
+        mean=mean,
+        covariance=covariance,
         mode_probability=probability,
         age=age,
         entered=entered,
@@ -297,11 +297,5 @@ def _mix(bank: TrackBank, transition: FloatArray) -> tuple[FloatArray, FloatArra
     joint = bank.mode_probability[:, :, None] * transition
     probability = sum_of_few(joint, axis=1)
     weight = (joint / probability[:, None, :]).swapaxes(1, 2)
-    mean = np.matmul(weight, bank.mean)
-    deviation = bank.mean[:, None] - mean[:, :, None]
-    n_tracks, n_modes = probability.shape
-    flat = bank.covariance.reshape(n_tracks, n_modes, 16)
-    within = np.matmul(weight, flat).reshape(n_tracks, n_modes, 4, 4)
-    weighted = weight[..., None] * deviation
-    within += np.matmul(weighted.swapaxes(-1, -2), deviation)
-    return mean, within, probability
+    mean, spread = mixed_states(weight, bank.mean, bank.covariance)
+    return mean, spread, probability
