@@ -19,15 +19,14 @@ from functools import cached_property
 import numpy as np
 
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
-from sonar_tracking.active.tracks.motion_modes import (
-    SMALLEST_SPEED,
-    TURN_DIRECTIONS,
-    half_turns,
+from sonar_tracking.active.tracks.cloud_steps import (
+    begun_turns,
+    cloud_moments,
+    finished_turns,
+    spread_particles,
 )
+from sonar_tracking.active.tracks.motion_modes import TURN_DIRECTIONS
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray, IntArray
-
-NEXT_MODES = np.array([0, 1, 2, 0, 1])
-"""Mode by the old one and how many further it is."""
 
 KERNEL_WIDTH = 0.3
 """Relative to the kernel that is best for a Gaussian cloud."""
@@ -91,7 +90,7 @@ class ParticleCloud:
         """
         return ParticleCloud(self.state[rows], self.mode[rows], self.weight[rows])
 
-    @property
+    @cached_property
     def share(self) -> FloatArray:
         """Weights with the sum 1, shape (..., n), pure numbers."""
         return np.asarray(self.weight / np.sum(self.weight, axis=-1, keepdims=True))
@@ -110,11 +109,7 @@ class ParticleCloud:
 
     @cached_property
     def _moments(self) -> tuple[FloatArray, FloatArray]:
-        share = self.share
-        mean = np.matmul(share[..., None, :], self.state)
-        deviation = self.state - mean
-        weighted = share[..., None] * deviation
-        return mean[..., 0, :], np.matmul(weighted.swapaxes(-1, -2), deviation)
+        return cloud_moments(self.share, self.state)
 
 
 def no_clouds(count: int) -> ParticleCloud:
@@ -163,27 +158,15 @@ def predict_cloud(
         One or several.
     motion : ParticleMotion
         Of the particles.
-    interval : float or ndarray, shape (n_clouds, 1)
+    interval : float
         s.
-    generators : sequence of numpy.random.Generator
-        Source of the randomness of each cloud.
+    generator : numpy.random.Generator
+        Source of randomness.
     """
     other, noise = _changes(cloud.weight.shape, motion, generator)
-    mode = NEXT_MODES.take(cloud.mode + other)
-    x, y, vx, vy = np.ascontiguousarray(np.moveaxis(cloud.state, -1, 0))
-    speed = np.maximum(np.sqrt(vx * vx + vy * vy), SMALLEST_SPEED)
-    rates = (motion.lateral_acceleration * TURN_DIRECTIONS).take(mode) / speed
-    chord, cosine, sine = half_turns(rates, interval)
-    noise *= motion.acceleration_deviation * interval
-    push_x, push_y = np.moveaxis(noise, -1, 0)
-    # By half of the turn, along the chord, and by the other half.
-    mean_x, mean_y = cosine * vx - sine * vy, sine * vx + cosine * vy
-    half = 0.5 * interval
-    state = np.empty_like(cloud.state)
-    np.add(x, chord * mean_x + half * push_x, out=state[..., 0])
-    np.add(y, chord * mean_y + half * push_y, out=state[..., 1])
-    np.add(cosine * mean_x - sine * mean_y, push_x, out=state[..., 2])
-    np.add(sine * mean_x + cosine * mean_y, push_y, out=state[..., 3])
+    mode, half = begun_turns(cloud.state, cloud.mode, other, motion.lateral_acceleration, interval)
+    scale = motion.acceleration_deviation * interval
+    state = finished_turns(cloud.state, half, noise, scale, interval)
     return ParticleCloud(state, mode, cloud.weight)
 
 
@@ -245,7 +228,7 @@ def resample_cloud(cloud: ParticleCloud, generator: np.random.Generator) -> Part
     drawn = _redrawn(weighed, generator)
     if len(few) == len(cloud):
         return drawn
-    state, mode = cloud.state.copy(), cloud.mode.copy()
+    state, mode, share = cloud.state.copy(), cloud.mode.copy(), share.copy()
     state[few], mode[few], share[few] = drawn.state, drawn.mode, drawn.weight
     return ParticleCloud(state, mode, share)
 
@@ -253,20 +236,17 @@ def resample_cloud(cloud: ParticleCloud, generator: np.random.Generator) -> Part
 def _redrawn(cloud: ParticleCloud, generator: np.random.Generator) -> ParticleCloud:
     """Return clouds drawn by their weights and spread by their kernels."""
     count = cloud.weight.shape[-1]
-    state, mode = np.empty_like(cloud.state), np.empty_like(cloud.mode)
+    drawn, mode = np.empty(cloud.weight.shape, dtype=np.int64), np.empty_like(cloud.mode)
     noise = np.empty_like(cloud.state)
     for row, weight in enumerate(cloud.weight):
-        drawn = systematic_rows(weight, count, generator)
+        drawn[row] = systematic_rows(weight, count, generator)
         generator.standard_normal(out=noise[row])
-        cloud.state[row].take(drawn, axis=0, out=state[row])
-        cloud.mode[row].take(drawn, out=mode[row])
+        cloud.mode[row].take(drawn[row], out=mode[row])
     mean, covariance = cloud.moments()
     width = KERNEL_WIDTH * (4.0 / 6.0) ** (1.0 / 8.0) * count ** (-1.0 / 8.0)
     kernel = width * _root(covariance + np.diag([1e-6, 1e-6, 1e-10, 1e-10]))
-    shrink = np.sqrt(1.0 - width**2)
-    state *= shrink
-    state += ((1.0 - shrink) * mean)[:, None]
-    state += np.matmul(noise, kernel.swapaxes(-1, -2))
+    shrink = float(np.sqrt(1.0 - width**2))
+    state = spread_particles(cloud.state, drawn, noise, (mean, kernel), shrink)
     return ParticleCloud(state, mode, np.full(mode.shape, 1.0 / count))
 
 
