@@ -42,6 +42,7 @@ compiled = [
     )
     for name in (
         "passive.subspaces.compiled_past",
+        "active.baselines.compiled_clusters",
         "active.tracks.compiled_clouds",
         "active.tracks.compiled_gates",
         "active.tracks.compiled_modes",
