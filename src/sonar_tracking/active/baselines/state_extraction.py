@@ -53,9 +53,9 @@ def extract_states(cloud: ParticleCloud, count: int, generator: np.random.Genera
     generator : numpy.random.Generator
         Of the seeding.
     """
-    counts = cloud.weight > SMALLEST_WEIGHT
-    if not counts.all():
-        cloud = _selected(cloud, np.flatnonzero(counts))
+    heavy = cloud.weight > SMALLEST_WEIGHT
+    if not heavy.all():
+        cloud = _selected(cloud, np.flatnonzero(heavy))
     if count <= 0 or not len(cloud.weight):
         return Peaks(np.zeros((0, 4)), np.zeros((0, 4, 4)), np.zeros(0))
     order, counts = weighted_clusters(

@@ -44,7 +44,7 @@ def weighted_clusters(
     weight : ndarray, shape (n,)
         Pure numbers, not negative.
     luck : ndarray, shape (n_clusters,)
-        Random, from 0 to 1: where each of at least one cluster begins.
+        Pure numbers from 0 to 1, at random: where each of at least one cluster begins.
     iterations : int
         Largest number of steps; fewer are made when clusters stay as they are.
 
