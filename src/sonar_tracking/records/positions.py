@@ -210,8 +210,11 @@ class PositionTracks:
         """Fill the columns that were left out and check the others."""
         rows = {key: len(getattr(self, key)) for key in KEYS}
         for name, column in COLUMNS.items():
-            given = getattr(self, name)
-            stored = _filled(name, given, rows[column.key], column)
+            given, own = getattr(self, name), rows[column.key]
+            if given is _NOTHING and own == 0:
+                stored = EMPTY_COLUMNS[name]
+            else:
+                stored = _filled(name, given, own, column)
             if stored is not given:
                 object.__setattr__(self, name, stored)
         if not self.contributor_sensor:
@@ -296,7 +299,9 @@ def _filled(name: str, values: Any, rows: int, column: Column) -> NDArray[Any]:
     if column.fill is not None and len(values) == 0:
         if rows == 0:
             return EMPTY_COLUMNS[name]
-        return np.full((rows, *column.width), column.fill, DATA_TYPES[column.dtype])
+        filled = np.empty((rows, *column.width), DATA_TYPES[column.dtype])
+        filled.fill(column.fill)
+        return filled
     array = np.asarray(values, DATA_TYPES[column.dtype])
     shape = (rows, *column.width)
     if array.shape != shape:

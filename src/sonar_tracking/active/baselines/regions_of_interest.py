@@ -9,13 +9,13 @@ window.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from sonar_tracking.motion import wrap_angle
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import FloatArray, IndexArray
 
 WINDOW = 2
 """Pings before the present one that are looked at."""
@@ -72,19 +72,21 @@ def find_regions(
         for ping in range(len(window))
         for later in range(ping + 1, len(window))
     }
-    taken = [np.zeros(len(contacts.distance), dtype=bool) for contacts in window]
+    taken = [[False] * len(contacts.distance) for contacts in window]
     single = detection_probability * WINDOW < 1.0
     regions = []
     for first, contacts in enumerate(window):
         after = [near[first, later] for later in range(first + 1, len(window))]
-        for start in range(len(contacts.distance)):
-            # Most contacts have none near them.
-            if taken[first][start] or not (single or any(found[start] for found in after)):
+        # Most contacts have none near them.
+        starts = range(len(contacts.distance)) if single else sorted(set().union(*after))
+        for start in starts:
+            if taken[first][start]:
                 continue
             chain = [(first, start)]
             for later in range(first + 1, len(window)):
                 ping, row = chain[-1]
-                free = [found for found in near[ping, later][row] if not taken[later][found]]
+                found = near[ping, later].get(row, ())
+                free = [contact for contact in found if not taken[later][contact]]
                 if free:
                     chain.append((later, free[0]))
             if len(chain) > detection_probability * WINDOW:
@@ -100,18 +102,10 @@ def _near_contacts(
     others: PolarContacts,
     deviations: tuple[float, float],
     limit: float,
-) -> list[list[int]]:
+) -> dict[int, list[int]]:
     """Return the contacts of another ping within the limit of each contact, the nearest first."""
-    near: list[list[int]] = [[] for _ in contacts.distance]
-    order = np.argsort(contacts.distance, kind="stable")
-    others_order = np.argsort(others.distance, kind="stable")
-    distances = others.distance[others_order]
-    reach = 1.001 * np.sqrt(2.0 * limit) * deviations[0]
-    for first in range(0, len(order), CONTACTS_AT_ONCE):
-        rows = order[first : first + CONTACTS_AT_ONCE]
-        low = np.searchsorted(distances, contacts.distance[rows[0]] - reach)
-        high = np.searchsorted(distances, contacts.distance[rows[-1]] + reach)
-        columns = np.sort(others_order[low:high])
+    near: dict[int, list[int]] = {}
+    for rows, columns in _near_in_range(contacts, others, deviations, limit):
         along = (others.distance[columns] - contacts.distance[rows, None]) / deviations[0]
         row, column = np.nonzero(0.5 * along**2 < limit)
         turn = others.azimuth[columns[column]] - contacts.azimuth[rows[row]]
@@ -122,5 +116,26 @@ def _near_contacts(
         nearest = np.lexsort((square, row))
         pairs = zip(rows[row[nearest]].tolist(), columns[column[nearest]].tolist(), strict=True)
         for contact, other in pairs:
-            near[contact].append(other)
+            near.setdefault(contact, []).append(other)
     return near
+
+
+def _near_in_range(
+    contacts: PolarContacts,
+    others: PolarContacts,
+    deviations: tuple[float, float],
+    limit: float,
+) -> Iterator[tuple[IndexArray, IndexArray]]:
+    """Yield some contacts and those of another ping that may be within the limit of them."""
+    if max(len(contacts.distance), len(others.distance)) <= CONTACTS_AT_ONCE:
+        yield np.arange(len(contacts.distance)), np.arange(len(others.distance))
+        return
+    order = np.argsort(contacts.distance, kind="stable")
+    others_order = np.argsort(others.distance, kind="stable")
+    distances = others.distance[others_order]
+    reach = 1.001 * np.sqrt(2.0 * limit) * deviations[0]
+    for first in range(0, len(order), CONTACTS_AT_ONCE):
+        rows = order[first : first + CONTACTS_AT_ONCE]
+        low = np.searchsorted(distances, contacts.distance[rows[0]] - reach)
+        high = np.searchsorted(distances, contacts.distance[rows[-1]] + reach)
+        yield rows, np.sort(others_order[low:high])
