@@ -41,6 +41,7 @@ compiled = [
         optional=True,
     )
     for name in (
+        "passive.sources.compiled_smoothing",
         "passive.subspaces.compiled_past",
         "active.baselines.compiled_clusters",
         "active.tracks.compiled_clouds",

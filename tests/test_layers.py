@@ -22,6 +22,7 @@ ROOMS = (
     "one_thread",
     "resources",
     "lazy_imports",
+    "compiled_modules",
     "method_registry",
     "configuration",
     # what flows between the stages, and the mathematics they share

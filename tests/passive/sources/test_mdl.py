@@ -8,12 +8,12 @@ import pytest
 from sonar_tracking.geometry import line_array, steering_vectors
 from sonar_tracking.passive.sources.mdl import (
     counting_snapshots,
-    forward_backward_smoothed,
     minimum_description_length,
     smoothed_size,
     source_count,
 )
 from sonar_tracking.passive.sources.moving_source_counting import sample_covariance
+from sonar_tracking.passive.sources.spatial_smoothing import forward_backward_smoothed
 from sonar_tracking.passive.subspaces.covariance_summary import summarise_windows
 from tests.passive.block_scene import noise_from_ahead
 from tests.passive.crossing_scene import (

@@ -10,25 +10,16 @@ Discrete Algorithms, 2007.
 
 from __future__ import annotations
 
-import importlib
-from types import ModuleType
-
 import numpy as np
 
+from sonar_tracking.compiled_modules import compiled_module
 from sonar_tracking.records.arrays import FloatArray, IndexArray, IntArray
 
 LEAST_MASS = 1e-300
 """So that nothing is divided by zero."""
 
 
-def _compiled() -> ModuleType | None:
-    try:
-        return importlib.import_module("sonar_tracking.active.baselines.compiled_clusters")
-    except ImportError:
-        return None
-
-
-COMPILED = _compiled()
+COMPILED = compiled_module("active.baselines.compiled_clusters")
 """The compiled function, None where there is none."""
 
 

@@ -6,14 +6,13 @@ the same order in both, and in no library of linear algebra: the bits are the sa
 
 from __future__ import annotations
 
-import importlib
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sonar_tracking.active.tracks.motion_modes import SMALLEST_SPEED, TURN_DIRECTIONS
+from sonar_tracking.compiled_modules import compiled_module
 from sonar_tracking.records.arrays import FloatArray, IntArray
 
 NEXT_MODES = np.array([0, 1, 2, 0, 1])
@@ -22,14 +21,7 @@ NEXT_MODES = np.array([0, 1, 2, 0, 1])
 _UPPER = np.triu_indices(4)
 
 
-def _compiled() -> ModuleType | None:
-    try:
-        return importlib.import_module("sonar_tracking.active.tracks.compiled_clouds")
-    except ImportError:
-        return None
-
-
-COMPILED = _compiled()
+COMPILED = compiled_module("active.tracks.compiled_clouds")
 """The compiled functions, None where there are none."""
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from types import ModuleType
 
 import numpy as np
@@ -12,17 +11,10 @@ from sonar_tracking.active.tracks.contact_gating import SMALLEST_SHARE, GatePair
 from sonar_tracking.active.tracks.pair_limits import CONTACTS_IN_GATE, nearest_in_gates
 from sonar_tracking.active.tracks.scene_rows import SceneRows
 from sonar_tracking.active.tracks.searched_tables import GatedTracks, SearchedContacts
+from sonar_tracking.compiled_modules import compiled_module
 from sonar_tracking.records.arrays import FloatArray, IntArray
 
-
-def _compiled() -> ModuleType | None:
-    try:
-        return importlib.import_module("sonar_tracking.active.tracks.compiled_gates")
-    except ImportError:
-        return None
-
-
-COMPILED = _compiled()
+COMPILED = compiled_module("active.tracks.compiled_gates")
 """The compiled search, None where there is none."""
 
 

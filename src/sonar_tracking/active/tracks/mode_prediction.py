@@ -17,22 +17,12 @@ Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with Applications to Tracki
 
 from __future__ import annotations
 
-import importlib
-from types import ModuleType
-
 import numpy as np
 
+from sonar_tracking.compiled_modules import compiled_module
 from sonar_tracking.records.arrays import FloatArray
 
-
-def _compiled() -> ModuleType | None:
-    try:
-        return importlib.import_module("sonar_tracking.active.tracks.compiled_modes")
-    except ImportError:
-        return None
-
-
-COMPILED = _compiled()
+COMPILED = compiled_module("active.tracks.compiled_modes")
 """The compiled functions, None where there are none."""
 
 

@@ -19,8 +19,9 @@ from sonar_tracking.passive.directions.sources_at_angles import (
     power_ratios,
     unresolved,
 )
-from sonar_tracking.passive.sources.mdl import forward_backward_smoothed, smoothed_size
+from sonar_tracking.passive.sources.mdl import smoothed_size
 from sonar_tracking.passive.sources.music import music_bearings
+from sonar_tracking.passive.sources.spatial_smoothing import forward_backward_smoothed
 from sonar_tracking.records.arrays import BoolArray, ComplexArray, FloatArray
 from sonar_tracking.records.bearings import SubspaceEstimates
 

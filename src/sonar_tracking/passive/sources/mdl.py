@@ -6,8 +6,7 @@ one the number of sources, coherent or not.
 References
 ----------
 M. Wax, T. Kailath, "Detection of signals by information theoretic criteria", IEEE Trans. ASSP
-33(2), 1985, eq. 17; S. U. Pillai, B. H. Kwon, "Forward/backward spatial smoothing techniques for
-coherent signal identification", IEEE Trans. ASSP 37(1), 1989.
+33(2), 1985, eq. 17.
 """
 
 from __future__ import annotations
@@ -20,6 +19,7 @@ from numpy.typing import NDArray
 
 from sonar_tracking.geometry import variance_along
 from sonar_tracking.passive.directions.signal_subspace import whitened_covariance
+from sonar_tracking.passive.sources.spatial_smoothing import forward_backward_smoothed
 from sonar_tracking.records.arrays import ComplexArray, FloatArray, IntArray
 
 LEAST_COUNTING_SNAPSHOTS = 12
@@ -91,34 +91,6 @@ def _penalty(count: int, n_snapshots: int) -> tuple[FloatArray, FloatArray, Floa
     remaining = count - k
     penalty = 0.5 * k * (2 * count - k) * np.log(n_snapshots)
     return remaining, n_snapshots * remaining, penalty
-
-
-def forward_backward_smoothed(covariance: ComplexArray, n_smoothed: int) -> ComplexArray:
-    """Return the spatially smoothed forward-backward covariance of a uniform line array.
-
-    Parameters
-    ----------
-    covariance : ndarray, shape (..., n_elements, n_elements), complex
-        Sample covariance, linear power.
-    n_smoothed : int
-        Elements of each sub-array.
-
-    Returns
-    -------
-    ndarray, shape (..., n_smoothed, n_smoothed), complex
-        (C_s + J conj(C_s) J) / 2 with C_s the mean over the sub-arrays, linear power.
-    """
-    n_elements = covariance.shape[-1]
-    n_arrays = n_elements - n_smoothed + 1
-    # Running sums along the diagonals: entry (i, j) of the sum over the sub-arrays is the
-    # difference of two of them.
-    running = np.array(covariance, dtype=np.complex128)
-    for row in range(1, n_elements):
-        running[..., row, 1:] += running[..., row - 1, :-1]
-    smoothed = running[..., n_arrays - 1 :, n_arrays - 1 :].copy()
-    smoothed[..., 1:, 1:] -= running[..., : n_smoothed - 1, : n_smoothed - 1]
-    smoothed /= n_arrays
-    return np.asarray(0.5 * (smoothed + smoothed[..., ::-1, ::-1].conj()))
 
 
 def smoothed_size(n_elements: int, n_snapshots: int) -> int:

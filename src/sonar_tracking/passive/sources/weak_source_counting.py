@@ -29,10 +29,10 @@ from numpy.typing import NDArray
 from sonar_tracking.geometry import is_uniform_line, variance_along, wavenumber
 from sonar_tracking.passive.directions.signal_subspace import noise_factor, whitened_covariance
 from sonar_tracking.passive.sources.mdl import (
-    forward_backward_smoothed,
     signal_counts,
     smoothed_size,
 )
+from sonar_tracking.passive.sources.spatial_smoothing import forward_backward_smoothed
 from sonar_tracking.records.arrays import ComplexArray, FloatArray, IntArray
 from sonar_tracking.records.bearings import SubspaceEstimates
 from sonar_tracking.records.time import seconds

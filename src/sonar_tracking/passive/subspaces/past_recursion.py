@@ -21,26 +21,18 @@ Letters 7(3), 2000.
 
 from __future__ import annotations
 
-import importlib
 from dataclasses import dataclass
-from types import ModuleType
 
 import numpy as np
 
+from sonar_tracking.compiled_modules import compiled_module
 from sonar_tracking.records.arrays import ComplexArray, FloatArray
 
 _LANES = 4
 """Partial sums of a scalar product over the elements."""
 
 
-def _compiled() -> ModuleType | None:
-    try:
-        return importlib.import_module("sonar_tracking.passive.subspaces.compiled_past")
-    except ImportError:
-        return None
-
-
-COMPILED = _compiled()
+COMPILED = compiled_module("passive.subspaces.compiled_past")
 """The compiled recursion, None where there is none."""
 
 
