@@ -36,6 +36,7 @@ ROOMS = (
     "passive.performance",
     "passive.directions",
     "passive.sources",
+    "passive.array_fit",
     "passive.subspaces",
     "passive.near_field",
     "passive.bearings",

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from sonar_tracking.geometry import is_uniform_line
-from sonar_tracking.passive.subspaces.basis_sampling import BasisSampler, CapturedSubspace
+from sonar_tracking.passive.array_fit.array_fit import ArrayFit
+from sonar_tracking.passive.subspaces.basis_sampling import (
+    BasisSampler,
+    CapturedSubspace,
+    noise_factors,
+)
 from sonar_tracking.passive.subspaces.channel_monitor import ChannelMonitor
 from sonar_tracking.passive.subspaces.covariance_summary import (
     CovarianceSummary,
@@ -59,6 +64,8 @@ class EstimationMemory:
         Open windows, in order of time.
     captured : tuple of CapturedSubspace
         Bases taken for them.
+    fit : ArrayFit
+        What the data have told of the array.
     """
 
     array: ArraySnapshots
@@ -75,11 +82,20 @@ class EstimationMemory:
     next_count: int = 0
     windows: tuple[Window, ...] = ()
     captured: tuple[CapturedSubspace, ...] = ()
+    fit: ArrayFit = field(default_factory=ArrayFit)
 
     @property
     def used_history(self) -> ComplexArray:
         """Snapshots kept of the elements in use, shape (..., n_kept, n_used), linear amplitude."""
         return self.history if self.used.all() else self.history[..., self.used]
+
+    def in_noise(self, covariance: ComplexArray | None) -> EstimationMemory:
+        """Return the memory with another noise covariance, shape (n_used, n_used), pure numbers."""
+        return replace(
+            self,
+            header=replace(self.header, noise_covariance=covariance),
+            whitening=None if covariance is None else noise_factors(covariance)[1],
+        )
 
     def without_windows(self, closed: list[Window]) -> EstimationMemory:
         """Return the memory without some windows, one at least, and what was kept for them."""
@@ -210,7 +226,7 @@ def _summaries(
     counted = configuration.entry.of_covariance and configuration.source_count == 0
     alike: dict[tuple[object, ...], list[int]] = {}
     for row, (memory, end) in enumerate(ends):
-        n_snapshots = _covariance_snapshots(configuration, memory, end).shape[-2]
+        n_snapshots = covariance_snapshots(configuration, memory, end).shape[-2]
         key = (n_snapshots, 0 if counted else memory.n_columns, *_kind(memory))
         alike.setdefault(key, []).append(row)
     summaries = [CovarianceSummary()] * len(ends)
@@ -219,7 +235,7 @@ def _summaries(
         size = first.used_history.shape[-1] * configuration.covariance_snapshots
         most = max(_ENTRIES_AT_ONCE // max(size, 1), 1)
         for part in (rows[begin : begin + most] for begin in range(0, len(rows), most)):
-            windows = [_covariance_snapshots(configuration, *ends[row]) for row in part]
+            windows = [covariance_snapshots(configuration, *ends[row]) for row in part]
             together = summarise_windows(
                 np.stack(windows) if len(windows) > 1 else windows[0][None],
                 0 if counted else first.n_columns,
@@ -233,10 +249,25 @@ def _summaries(
     return summaries
 
 
-def _covariance_snapshots(
+def covariance_snapshots(
     configuration: SubspaceConfiguration, memory: EstimationMemory, end: int
 ) -> ComplexArray:
-    """Return the snapshots of the covariance that ends at a snapshot."""
+    """Return the snapshots of the covariance that ends at a snapshot.
+
+    Parameters
+    ----------
+    configuration : SubspaceConfiguration
+        Parameters of the stage.
+    memory : EstimationMemory
+        With the snapshots kept.
+    end : int
+        Global index of the last snapshot of the covariance.
+
+    Returns
+    -------
+    ndarray, shape (..., n_snapshots, n_used), complex
+        Of the elements in use, linear amplitude.
+    """
     begin_of_history = memory.timing.last_index + 1 - memory.history.shape[-2]
     stop = max(end + 1 - begin_of_history, 0)
     start = max(stop - configuration.covariance_snapshots, 0)

@@ -29,6 +29,7 @@ from sonar_tracking.passive.subspaces.estimation_memory import (
     ready_to_count,
     starting_columns,
 )
+from sonar_tracking.passive.subspaces.fitted_windows import fitted_windows
 from sonar_tracking.passive.subspaces.rehearsal import rehearsed_block
 from sonar_tracking.passive.subspaces.sample_schedule import (
     SampleSchedule,
@@ -335,16 +336,19 @@ def update_together(
         If a block cannot be used; all stages are then as before.
     """
     advanced = [stage._advance(block) for stage, block in zip(stages, blocks, strict=True)]
-    complete = [window for each in advanced for window in each.complete]
-    made = iter(estimates_of_windows(stages[0].configuration, stages[0]._schedule, complete))
+    configuration = stages[0].configuration
+    fitted = fitted_windows(configuration, [(each.memory.fit, each.complete) for each in advanced])
+    complete = [window for run in fitted for window in run.windows]
+    made = iter(estimates_of_windows(configuration, stages[0]._schedule, complete))
     updates = []
-    for stage, each in zip(stages, advanced, strict=True):
+    for stage, each, run in zip(stages, advanced, fitted, strict=True):
         estimates = list(islice(made, len(each.complete)))
         if each.end_of_data:
             estimates[-1] = replace(estimates[-1], next_stamp=END_OF_DATA)
         notices = each.notices
         if any(one.rank >= len(one.element_positions) - 1 for one in estimates):
             notices.append(crowded_notice(len(each.memory.header.element_positions)))
-        stage._memory = each.memory
+        notices += run.fit.notices(each.memory.header.element_positions)
+        stage._memory = replace(each.memory, fit=run.fit)
         updates.append(SubspaceUpdate(tuple(estimates), tuple(notices)))
     return updates

@@ -1,0 +1,190 @@
+"""The colour of the noise that nobody has told: found by a test, followed with slow forgetting.
+
+While the noise is taken to be white, the scores of its model at white noise are summed with slow
+forgetting; in white noise z = g^T V^-1 g is chi-square distributed, V the sum of the informations
+with the squares of the weights. When z is beyond any chance, the model is fitted to the covariance
+at hand by Fisher scoring from several starts, and is taken only if it describes the snapshots, its
+sources with them, much more briefly than white noise and its sources do. From then on each
+covariance takes one scoring step, c <- c + I^-1 g with the information I summed with forgetting,
+until nothing of the colour is left.
+
+A source is a far narrower peak than the model can follow, so that the two do not take each other's
+place: eigenvectors that MDL gives to sources are left out of score and information.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from sonar_tracking.passive.array_fit.noise_evidence import (
+    NoiseEvidence,
+    noise_evidence,
+    solved,
+)
+from sonar_tracking.passive.array_fit.noise_models import NoiseModel
+from sonar_tracking.records.arrays import ComplexArray, FloatArray
+
+FORGETTING = 0.95
+"""Weight of what was known before, per covariance that shares no snapshots."""
+
+SIGNIFICANT = 80.0
+"""Of z, 8 on average in white noise with eight parameters: one chance in 10^13."""
+
+LEAST_GAIN = 25.0
+"""Nats by which coloured noise must shorten the description of one covariance."""
+
+_WHITE_AGAIN = 30.0
+_FIT_STEPS = 8
+_FITTED_AGAIN = 8
+"""Covariances after which the fit is tried from its starts again, then after ever more of them."""
+
+_CROWDED = 3
+"""Of so many elements one source: where there seem to be more, noise may have been taken for them,
+and little is left of it that the test could see."""
+
+_RAREST_TURN = 32
+
+_MOST_SOURCES = 0.5
+"""Of the elements, beside which the colour of the noise can be seen at all."""
+
+_FEWEST_SOURCES = (None, 0, 2)
+"""Starts of the fit: with as many sources as MDL sees in white noise, and with few of them."""
+
+
+@dataclass(frozen=True)
+class NoiseColour:
+    """What is known of the colour of the noise.
+
+    Attributes
+    ----------
+    coloured : bool
+        Whether it is not white.
+    parameters : ndarray, shape (n_parameters,), or empty
+        Of the model; zero = white.
+    score : ndarray, shape (n_parameters,), or empty
+        Sum of the scores at white noise, pure numbers.
+    variance : ndarray, shape (n_parameters, n_parameters), or empty
+        Its variance in white noise, pure numbers.
+    information : ndarray, shape (n_parameters, n_parameters), or empty
+        Of the parameters, pure numbers.
+    n_steps : int
+        Covariances since the colour was found; crowded ones while the noise is white.
+    """
+
+    coloured: bool = False
+    parameters: FloatArray = field(default_factory=lambda: np.empty(0))
+    score: FloatArray = field(default_factory=lambda: np.empty(0))
+    variance: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
+    information: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
+    n_steps: int = 0
+
+    def update(
+        self,
+        covariance: ComplexArray,
+        n_snapshots: int,
+        model: NoiseModel,
+        share: float,
+        white: NoiseEvidence | None = None,
+        row: int = 0,
+    ) -> NoiseColour:
+        """Return the colour after one more covariance.
+
+        Parameters
+        ----------
+        covariance : ndarray, shape (n_elements, n_elements), complex
+            Sample covariance, linear power.
+        n_snapshots : int
+            Snapshots in it.
+        model : NoiseModel
+            Of the same elements.
+        share : float
+            How many of the snapshots are new, 0 to 1.
+        white : NoiseEvidence, optional
+            What it and others say at white noise, and
+        row : int
+            which of them it is; computed here if not given.
+        """
+        if len(self.parameters) != model.n_parameters:
+            return _white(model).update(covariance, n_snapshots, model, share, white, row)
+        if self.coloured:
+            return self._follow(covariance, n_snapshots, model, share)
+        if white is None:
+            white, row = noise_evidence(covariance[None], n_snapshots, model, self.parameters), 0
+        return self._test(covariance, n_snapshots, model, share, white, row)
+
+    def _test(
+        self,
+        covariance: ComplexArray,
+        n_snapshots: int,
+        model: NoiseModel,
+        share: float,
+        white: NoiseEvidence,
+        row: int,
+    ) -> NoiseColour:
+        kept = FORGETTING**share
+        score = kept * self.score + share * white.score[row]
+        variance = kept**2 * self.variance + share * white.information[row]
+        crowded = self.n_steps + int(white.ranks[row] >= len(covariance) / _CROWDED)
+        summed = replace(self, score=score, variance=variance, n_steps=crowded)
+        significant = score @ solved(variance, score) >= SIGNIFICANT
+        if not (significant or (crowded > self.n_steps and _has_a_turn(crowded))):
+            return summed
+        fitted, evidence = _fitted(covariance, n_snapshots, model)
+        too_long = evidence.description[0] > white.description[row] - LEAST_GAIN
+        if too_long or evidence.ranks[0] > _MOST_SOURCES * len(covariance):
+            return replace(_white(model), n_steps=crowded) if significant else summed
+        return replace(
+            _white(model),
+            coloured=True,
+            parameters=fitted,
+            information=evidence.information[0],
+        )
+
+    def _follow(
+        self, covariance: ComplexArray, n_snapshots: int, model: NoiseModel, share: float
+    ) -> NoiseColour:
+        evidence = noise_evidence(covariance[None], n_snapshots, model, self.parameters)
+        information = FORGETTING**share * self.information + share * evidence.information[0]
+        change = solved(information, share * evidence.score[0])
+        parameters = model.bounded(self.parameters + np.clip(change, -0.5, 0.5))
+        followed = replace(
+            self, parameters=parameters, information=information, n_steps=self.n_steps + 1
+        )
+        if parameters @ information @ parameters < _WHITE_AGAIN:
+            return _white(model)
+        turn, rest = divmod(followed.n_steps, _FITTED_AGAIN)
+        if rest or not _has_a_turn(turn):
+            return followed
+        fitted, other = _fitted(covariance, n_snapshots, model)
+        if other.description[0] > evidence.description[0] - LEAST_GAIN:
+            return followed
+        return replace(followed, parameters=fitted, information=other.information[0])
+
+
+def _has_a_turn(number: int) -> bool:
+    """Return whether the fit is tried at the so many-th crowded covariance: less and less often."""
+    return number % _RAREST_TURN == 0 or number & (number - 1) == 0
+
+
+def _white(model: NoiseModel) -> NoiseColour:
+    n = model.n_parameters
+    zero, none = np.zeros(n), np.zeros((n, n))
+    return NoiseColour(parameters=zero, score=zero, variance=none, information=none)
+
+
+def _fitted(
+    covariance: ComplexArray, n_snapshots: int, model: NoiseModel
+) -> tuple[FloatArray, NoiseEvidence]:
+    """Return the parameters that describe one covariance most briefly, and their evidence."""
+    fits = []
+    for most_sources in _FEWEST_SOURCES:
+        parameters, limit = np.zeros(model.n_parameters), most_sources
+        for step in range(_FIT_STEPS):
+            if step == _FIT_STEPS // 2:
+                limit = None
+            evidence = noise_evidence(covariance[None], n_snapshots, model, parameters, limit)
+            parameters = evidence.step(0, model, parameters)
+        fits.append((parameters, noise_evidence(covariance[None], n_snapshots, model, parameters)))
+    return min(fits, key=lambda fit: float(fit[1].description[0]))

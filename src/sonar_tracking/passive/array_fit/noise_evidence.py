@@ -1,0 +1,128 @@
+"""What sample covariances say of a model of the noise: score, information, length of description.
+
+With C_v = L L^H of some parameters c, the eigenpairs (lambda_m, e_m) of L^-1 C L^-H, the first R of
+which belong to sources, and sigma^2 the mean of the others,
+
+    D = L^-H E_n (Lambda_n / sigma^2 - I) E_n^H L^-1,  Q = L^-H E_n E_n^H L^-1,
+    score_k = N tr(D B_k),  information_kl = N [tr(Q B_k Q B_l) - tr(Q B_k) tr(Q B_l) / (M - R)],
+
+B_k the derivatives of C_v: the likelihood of the part that holds no source, whose power is unknown.
+R is the number that gives the shortest description by MDL.
+
+References
+----------
+M. Wax, T. Kailath (1985) for the description; P. Stoica, A. Nehorai (1990) for the likelihood.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sonar_tracking.passive.array_fit.noise_models import NoiseModel
+from sonar_tracking.passive.sources.angle_grid import adjoint
+from sonar_tracking.passive.sources.mdl import signal_counts
+from sonar_tracking.records.arrays import ComplexArray, FloatArray, IntArray
+
+_LEAST_SHARE = 1e-9
+"""Least eigenvalue over the largest one: below it there is no noise to judge."""
+
+
+@dataclass(frozen=True)
+class NoiseEvidence:
+    """What each of several covariances says of the parameters of a noise model.
+
+    Attributes
+    ----------
+    ranks : ndarray of int, shape (n,)
+        R, eigenvectors that belong to sources.
+    score : ndarray, shape (n, n_parameters)
+        Derivative of the log-likelihood, pure numbers.
+    information : ndarray, shape (n, n_parameters, n_parameters)
+        Of the parameters, pure numbers.
+    description : ndarray, shape (n,)
+        Length of the description of the snapshots, nats.
+    """
+
+    ranks: IntArray
+    score: FloatArray
+    information: FloatArray
+    description: FloatArray
+
+    def step(self, row: int, model: NoiseModel, parameters: FloatArray) -> FloatArray:
+        """Return parameters that suit one of the covariances better, shape (n_parameters,)."""
+        change = solved(self.information[row], self.score[row])
+        return model.bounded(parameters + np.clip(change, -_LARGEST_STEP, _LARGEST_STEP))
+
+
+_LARGEST_STEP = 0.5
+
+
+def noise_evidence(
+    covariances: ComplexArray,
+    n_snapshots: int,
+    model: NoiseModel,
+    parameters: FloatArray,
+    most_sources: int | None = None,
+) -> NoiseEvidence:
+    """Return what covariances say of the parameters.
+
+    Parameters
+    ----------
+    covariances : ndarray, shape (n, n_elements, n_elements), complex
+        Sample covariances, linear power.
+    n_snapshots : int
+        N, snapshots in each.
+    model : NoiseModel
+        Of the same elements.
+    parameters : ndarray, shape (n_parameters,)
+        c; zero = white noise.
+    most_sources : int, optional
+        R is not more than this; if not given, what MDL says.
+    """
+    n_elements = covariances.shape[-1]
+    derivatives = model.derivatives(parameters)
+    whitening = np.eye(n_elements, dtype=np.complex128)
+    length = np.zeros(len(covariances))
+    if parameters.any():
+        factor = np.linalg.cholesky(model.covariance(parameters))
+        whitening = np.asarray(np.linalg.inv(factor), dtype=np.complex128)
+        covariances = whitening @ covariances @ adjoint(whitening)
+        length = length + 2.0 * n_snapshots * np.log(np.diagonal(factor).real).sum()
+    values, vectors = np.linalg.eigh(covariances)
+    usable = values[:, 0] > _LEAST_SHARE * values[:, -1]
+    values = np.maximum(values[:, ::-1], _LEAST_SHARE * values[:, -1:] + np.finfo(float).tiny)
+    ranks = np.minimum(signal_counts(values, n_snapshots), n_elements - 2) * usable
+    if most_sources is not None:
+        ranks = np.minimum(ranks, most_sources)
+    noise = np.arange(n_elements) >= ranks[:, None]
+    n_noise = n_elements - ranks
+    power = (values * noise).sum(axis=-1) / n_noise
+    excess = np.where(noise, values / power[:, None] - 1.0, 0.0)
+    across = adjoint(whitening) @ vectors[:, :, ::-1]
+    beyond = (across * excess[:, None, :]) @ adjoint(across)
+    within = (across * noise[:, None, :]) @ adjoint(across)
+    n_parameters = len(derivatives)
+    flat = np.swapaxes(derivatives, -1, -2).reshape(n_parameters, -1)
+    score = n_snapshots * (beyond.reshape(len(values), -1) @ flat.T).real
+    means = (within.reshape(len(values), -1) @ flat.T).real
+    products = within[:, None] @ derivatives
+    transposed = np.swapaxes(products, -1, -2).reshape(len(values), n_parameters, -1)
+    squares = products.reshape(len(values), n_parameters, -1) @ np.swapaxes(transposed, -1, -2)
+    removed = means[:, :, None] * means[:, None, :] / n_noise[:, None, None]
+    logs = np.where(noise, np.log(power)[:, None], np.log(values)).sum(axis=-1)
+    penalty = 0.5 * ranks * (2 * n_elements - ranks) * np.log(n_snapshots)
+    return NoiseEvidence(
+        ranks=ranks,
+        score=score * usable[:, None],
+        information=n_snapshots * (squares.real - removed) * usable[:, None, None],
+        description=length + n_snapshots * logs + penalty,
+    )
+
+
+def solved(information: FloatArray, score: FloatArray) -> FloatArray:
+    """Return information^-1 score, shape (n_parameters,), held back where little is known."""
+    size = len(information)
+    damping = 1e-3 * np.trace(information) / size + np.finfo(float).tiny
+    return np.asarray(np.linalg.solve(information + damping * np.eye(size), score))
