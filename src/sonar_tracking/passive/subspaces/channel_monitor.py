@@ -2,9 +2,10 @@
 
 Far away sources and ambient noise reach all elements of an array about equally loud. So an element
 is silent when it is 30 dB below the median of the elements, and faulty when it is 20 dB above it.
-A clipped element has amplitudes that pile up at full scale: the ratio E|x|^4 / (E|x|^2)^2, 2 for
-Gaussian sound and 1 for a constant amplitude, is less than that of the other elements. One that is
-also 6 dB louder than they are is saturated, its bearings are those of its own amplifier.
+A clipped element has amplitudes that pile up at full scale: they end in a plateau
+(:mod:`sonar_tracking.passive.subspaces.amplitude_plateau`), and the ratio E|x|^4 / (E|x|^2)^2, 2
+for Gaussian sound and 1 for a constant amplitude, is less than that of the other elements. One that
+is also 6 dB louder than they are is saturated, its bearings are those of its own amplifier.
 
 The steering vectors of the remaining elements are as good as before, so that a bad element is left
 out with its position. It is used again when it has been good for a while. When more than half of
@@ -18,6 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sonar_tracking.errors import Notice, Severity
+from sonar_tracking.passive.subspaces.amplitude_plateau import AmplitudePlateau, no_plateau
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 from sonar_tracking.records.bearings import ArraySnapshots
 
@@ -25,7 +27,8 @@ SILENT_RATIO, LOUD_RATIO, _SATURATED_RATIO = 1e-3, 100.0, 4.0
 """Powers over the median of the array."""
 
 _CLIPPED_DIFFERENCE = 0.6
-"""Of the amplitude ratio, below the median of the array: four standard deviations."""
+"""Of the amplitude ratio, below the median of the array: four standard deviations of 200 snapshots
+of Gaussian sound, which happens by chance once in an hour: the plateau decides."""
 
 _POWER_SNAPSHOTS, _AMPLITUDE_SNAPSHOTS = 50, 200
 
@@ -48,6 +51,8 @@ class ChannelMonitor:
         Mean |x|^2 and |x|^4 of some two hundred snapshots, linear power and its square.
     good_for : ndarray of int, shape (n_elements,)
         Snapshots since the element was last found bad.
+    plateau : AmplitudePlateau
+        How often each is at its largest value.
     n_snapshots : int
         Snapshots seen.
     """
@@ -55,6 +60,7 @@ class ChannelMonitor:
     power: FloatArray
     amplitudes: FloatArray
     good_for: IntArray
+    plateau: AmplitudePlateau
     n_snapshots: int = 0
 
     @property
@@ -78,6 +84,8 @@ class ChannelMonitor:
         amplitudes = _averaged(
             self.amplitudes, moments, self.n_snapshots, len(data), _AMPLITUDE_SNAPSHOTS
         )
+        share = _share(self.n_snapshots, len(data), _AMPLITUDE_SNAPSHOTS)
+        plateau = self.plateau.update(data, share)
         seen = self.n_snapshots + len(data)
         silent, loud = moments[0] == 0.0, np.zeros(data.shape[-1], dtype=bool)
         clipped, saturated = loud, loud
@@ -86,13 +94,11 @@ class ChannelMonitor:
             silent = silent | (power < SILENT_RATIO * median)
             loud = power > LOUD_RATIO * median
         if seen >= _AMPLITUDE_SNAPSHOTS:
-            clipped = _clipped(amplitudes) & ~silent
+            clipped = _clipped(amplitudes) & plateau.found & ~silent
             saturated = clipped & (power > _SATURATED_RATIO * _median(power, power > 0.0))
         good_for = np.minimum(self.good_for + len(data), QUARANTINE_SNAPSHOTS)
         good_for = np.where(silent | loud | saturated, 0, good_for)
-        monitor = replace(
-            self, power=power, amplitudes=amplitudes, good_for=good_for, n_snapshots=seen
-        )
+        monitor = ChannelMonitor(power, amplitudes, good_for, plateau, seen)
         used = monitor.used
         notices = [_silent(int(n), used[n]) for n in np.flatnonzero(silent)]
         notices += [_clipping(int(n), used[n]) for n in np.flatnonzero(clipped)]
@@ -103,7 +109,9 @@ class ChannelMonitor:
 def new_monitor(n_elements: int) -> ChannelMonitor:
     """Return the monitor of an array of which nothing has been seen: all elements are used."""
     good_for = np.full(n_elements, QUARANTINE_SNAPSHOTS)
-    return ChannelMonitor(np.zeros(n_elements), np.zeros((2, n_elements)), good_for)
+    return ChannelMonitor(
+        np.zeros(n_elements), np.zeros((2, n_elements)), good_for, no_plateau(n_elements)
+    )
 
 
 def used_elements(block: ArraySnapshots, used: BoolArray) -> ArraySnapshots:
@@ -131,8 +139,13 @@ def _averaged(
     old: FloatArray, new: FloatArray, n_old: int, n_new: int, n_averaged: int
 ) -> FloatArray:
     """Return an exponential mean that begins as a plain one."""
-    share = max(n_new / (n_new + min(n_old, n_averaged)), min(1.0, n_new / n_averaged))
+    share = _share(n_old, n_new, n_averaged)
     return share * new + (1.0 - share) * old
+
+
+def _share(n_old: int, n_new: int, n_averaged: int) -> float:
+    """Return the weight of new snapshots in it."""
+    return max(n_new / (n_new + min(n_old, n_averaged)), min(1.0, n_new / n_averaged))
 
 
 def _clipped(amplitudes: FloatArray) -> BoolArray:

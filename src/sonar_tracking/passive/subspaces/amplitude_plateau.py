@@ -1,0 +1,78 @@
+"""Amplitudes that end in a plateau: what a converter at its limit makes of any sound.
+
+The largest value of a sound occurs once. At full scale it occurs again and again, to the last bit,
+and more often than all values just below it; in the real part, in the imaginary part, or in the
+magnitude, by where the limit is. No sound has that by chance, however few snapshots are looked at.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sonar_tracking.records.arrays import BoolArray, ComplexArray, FloatArray
+
+_SAME = 1e-6
+"""Values that differ by less than this share are the same."""
+
+_BELOW = 0.9
+"""Where the values just below the largest one begin."""
+
+_LEAST_SHARE = 0.1
+"""Of the snapshots at the limit."""
+
+
+@dataclass(frozen=True)
+class AmplitudePlateau:
+    """How often each element is at its largest value, of real part, imaginary part and magnitude.
+
+    Attributes
+    ----------
+    largest : ndarray, shape (3, n_elements)
+        Largest value of late, linear amplitude.
+    at_largest, below : ndarray, shape (3, n_elements)
+        Share of the snapshots at it, and just below it.
+    """
+
+    largest: FloatArray
+    at_largest: FloatArray
+    below: FloatArray
+
+    @property
+    def found(self) -> BoolArray:
+        """Elements whose values end in a plateau, shape (n_elements,)."""
+        flat = (self.at_largest >= _LEAST_SHARE) & (self.at_largest >= self.below)
+        return np.asarray((flat & (self.largest > 0.0)).any(axis=0))
+
+    def update(self, data: ComplexArray, share: float) -> AmplitudePlateau:
+        """Return the plateaus after more snapshots.
+
+        Parameters
+        ----------
+        data : ndarray, shape (n_snapshots, n_elements), complex
+            Linear amplitude.
+        share : float
+            Weight of these snapshots, 0 to 1.
+        """
+        values = np.abs(np.stack([data.real, data.imag, np.abs(data)]))
+        here = values.max(axis=1)
+        # A value that has not been reached again for long was no limit.
+        forgotten = self.at_largest * len(data) < 0.5 * share
+        larger = (here > (1.0 + _SAME) * self.largest) | forgotten
+        largest = np.where(larger, here, self.largest)
+        top = values >= (1.0 - _SAME) * largest[:, None]
+        near = (values >= _BELOW * largest[:, None]) & ~top
+        kept = np.where(larger, 0.0, 1.0 - share)
+        weight = np.where(larger, 1.0, share)
+        return AmplitudePlateau(
+            largest=largest,
+            at_largest=kept * self.at_largest + weight * top.mean(axis=1),
+            below=kept * self.below + weight * near.mean(axis=1),
+        )
+
+
+def no_plateau(n_elements: int) -> AmplitudePlateau:
+    """Return the plateaus of elements of which nothing has been seen."""
+    zero = np.zeros((3, n_elements))
+    return AmplitudePlateau(zero, zero, zero)
