@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from sonar_tracking.errors import Notice, Severity
-from sonar_tracking.records.bearings import ArraySnapshots
+from sonar_tracking.passive.array_fit.array_fit import ArrayFit
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.bearings import ArraySnapshots, SubspaceEstimates
 from sonar_tracking.records.time import NANOSECONDS
 
 
@@ -15,6 +17,25 @@ def gap_notice(missing: int, block: ArraySnapshots) -> Notice:
         f"{missing} snapshots are missing before the block at "
         f"{block.stamp / NANOSECONDS:.3f} s; tracking continues with the subspace from before.",
     )
+
+
+def estimate_notices(
+    estimates: list[SubspaceEstimates], fit: ArrayFit, positions: FloatArray
+) -> list[Notice]:
+    """Return what estimates, and the fit of the array after them, tell a user.
+
+    Parameters
+    ----------
+    estimates : list of SubspaceEstimates
+        Of one block.
+    fit : ArrayFit
+        After them.
+    positions : ndarray, shape (n_elements, 3)
+        Of the elements in use, m.
+    """
+    crowded = any(one.rank >= len(one.element_positions) - 1 for one in estimates)
+    notices = [crowded_notice(len(positions))] if crowded else []
+    return notices + fit.notices(positions)
 
 
 def crowded_notice(n_elements: int) -> Notice:

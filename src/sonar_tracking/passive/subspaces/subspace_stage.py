@@ -43,7 +43,7 @@ from sonar_tracking.passive.subspaces.subspace_configuration import (
 )
 from sonar_tracking.passive.subspaces.subspace_method import SubspaceMethod
 from sonar_tracking.passive.subspaces.subspace_notices import (
-    crowded_notice,
+    estimate_notices,
     gap_notice,
     singular_notice,
 )
@@ -345,10 +345,8 @@ def update_together(
         estimates = list(islice(made, len(each.complete)))
         if each.end_of_data:
             estimates[-1] = replace(estimates[-1], next_stamp=END_OF_DATA)
-        notices = each.notices
-        if any(one.rank >= len(one.element_positions) - 1 for one in estimates):
-            notices.append(crowded_notice(len(each.memory.header.element_positions)))
-        notices += run.fit.notices(each.memory.header.element_positions)
+        positions = each.memory.header.element_positions
+        notices = [*each.notices, *estimate_notices(estimates, run.fit, positions)]
         stage._memory = replace(each.memory, fit=run.fit)
         updates.append(SubspaceUpdate(tuple(estimates), tuple(notices)))
     return updates
