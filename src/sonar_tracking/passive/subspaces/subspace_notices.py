@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from sonar_tracking.errors import Notice, Severity
 from sonar_tracking.passive.array_fit.array_fit import ArrayFit
-from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import ArraySnapshots, SubspaceEstimates
 from sonar_tracking.records.time import NANOSECONDS
 
@@ -20,7 +19,7 @@ def gap_notice(missing: int, block: ArraySnapshots) -> Notice:
 
 
 def estimate_notices(
-    estimates: list[SubspaceEstimates], fit: ArrayFit, positions: FloatArray
+    estimates: list[SubspaceEstimates], fit: ArrayFit, header: ArraySnapshots
 ) -> list[Notice]:
     """Return what estimates, and the fit of the array after them, tell a user.
 
@@ -30,9 +29,10 @@ def estimate_notices(
         Of one block.
     fit : ArrayFit
         After them.
-    positions : ndarray, shape (n_elements, 3)
-        Of the elements in use, m.
+    header : ArraySnapshots
+        Array of the elements in use.
     """
+    positions = header.element_positions
     crowded = any(one.rank >= len(one.element_positions) - 1 for one in estimates)
     notices = [crowded_notice(len(positions))] if crowded else []
     return notices + fit.notices(positions)

@@ -159,15 +159,14 @@ class SubspaceStage:
         before = self._memory
         memory, missing = self._admit(block, before)
         monitor, channel_notices = memory.monitor.update(block)
-        notices = list(channel_notices)
+        notices, complete = list(channel_notices), list[CompleteWindow]()
         memory = self._choose_elements(replace(memory, monitor=monitor))
         memory = self._open_windows(memory, missing)
-        complete: list[CompleteWindow] = []
         if before is not None and missing:
             notices.append(gap_notice(missing, block))
             memory, complete = self._close_lost_windows(memory, before)
         memory, sampling_notices = self._sample_bases(memory, block)
-        notices.extend(sampling_notices)
+        notices += sampling_notices
         end_of_data = block.next_stamp == END_OF_DATA
         memory, completed = self._close_complete_windows(memory, end_of_data)
         complete.extend(completed)
@@ -345,8 +344,7 @@ def update_together(
         estimates = list(islice(made, len(each.complete)))
         if each.end_of_data:
             estimates[-1] = replace(estimates[-1], next_stamp=END_OF_DATA)
-        positions = each.memory.header.element_positions
-        notices = [*each.notices, *estimate_notices(estimates, run.fit, positions)]
+        notices = [*each.notices, *estimate_notices(estimates, run.fit, each.memory.header)]
         stage._memory = replace(each.memory, fit=run.fit)
         updates.append(SubspaceUpdate(tuple(estimates), tuple(notices)))
     return updates
