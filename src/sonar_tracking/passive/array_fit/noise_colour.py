@@ -19,6 +19,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from sonar_tracking.passive.array_fit.noise_evidence import (
+    LARGEST_STEP,
     NoiseEvidence,
     noise_evidence,
     solved,
@@ -62,7 +63,7 @@ class NoiseColour:
     coloured : bool
         Whether it is not white.
     parameters : ndarray, shape (n_parameters,), or empty
-        Of the model; zero = white.
+        Of the model, pure numbers; zero = white.
     score : ndarray, shape (n_parameters,), or empty
         Sum of the scores at white noise, pure numbers.
     variance : ndarray, shape (n_parameters, n_parameters), or empty
@@ -148,7 +149,7 @@ class NoiseColour:
         evidence = noise_evidence(covariance[None], n_snapshots, model, self.parameters)
         information = FORGETTING**share * self.information + share * evidence.information[0]
         change = solved(information, share * evidence.score[0])
-        parameters = model.bounded(self.parameters + np.clip(change, -0.5, 0.5))
+        parameters = model.bounded(self.parameters + np.clip(change, -LARGEST_STEP, LARGEST_STEP))
         followed = replace(
             self, parameters=parameters, information=information, n_steps=self.n_steps + 1
         )

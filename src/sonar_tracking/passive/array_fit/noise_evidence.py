@@ -28,6 +28,9 @@ from sonar_tracking.records.arrays import ComplexArray, FloatArray, IntArray
 _LEAST_SHARE = 1e-9
 """Least eigenvalue over the largest one: below it there is no noise to judge."""
 
+LARGEST_STEP = 0.5
+"""Of a parameter, by one covariance."""
+
 
 @dataclass(frozen=True)
 class NoiseEvidence:
@@ -42,7 +45,7 @@ class NoiseEvidence:
     information : ndarray, shape (n, n_parameters, n_parameters)
         Of the parameters, pure numbers.
     description : ndarray, shape (n,)
-        Length of the description of the snapshots, nats.
+        Length of the description of the snapshots in nats, pure numbers.
     """
 
     ranks: IntArray
@@ -51,12 +54,24 @@ class NoiseEvidence:
     description: FloatArray
 
     def step(self, row: int, model: NoiseModel, parameters: FloatArray) -> FloatArray:
-        """Return parameters that suit one of the covariances better, shape (n_parameters,)."""
+        """Return parameters that suit one of the covariances better.
+
+        Parameters
+        ----------
+        row : int
+            Which of them.
+        model : NoiseModel
+            Of the noise.
+        parameters : ndarray, shape (n_parameters,)
+            Those the evidence was computed at, pure numbers.
+
+        Returns
+        -------
+        ndarray, shape (n_parameters,)
+            Pure numbers.
+        """
         change = solved(self.information[row], self.score[row])
-        return model.bounded(parameters + np.clip(change, -_LARGEST_STEP, _LARGEST_STEP))
-
-
-_LARGEST_STEP = 0.5
+        return model.bounded(parameters + np.clip(change, -LARGEST_STEP, LARGEST_STEP))
 
 
 def noise_evidence(
@@ -77,7 +92,7 @@ def noise_evidence(
     model : NoiseModel
         Of the same elements.
     parameters : ndarray, shape (n_parameters,)
-        c; zero = white noise.
+        c, pure numbers; zero = white noise.
     most_sources : int, optional
         R is not more than this; if not given, what MDL says.
     """
@@ -122,7 +137,20 @@ def noise_evidence(
 
 
 def solved(information: FloatArray, score: FloatArray) -> FloatArray:
-    """Return information^-1 score, shape (n_parameters,), held back where little is known."""
+    """Return information^-1 score, held back where little is known.
+
+    Parameters
+    ----------
+    information : ndarray, shape (n_parameters, n_parameters)
+        Pure numbers.
+    score : ndarray, shape (n_parameters,)
+        Pure numbers.
+
+    Returns
+    -------
+    ndarray, shape (n_parameters,)
+        Pure numbers.
+    """
     size = len(information)
     damping = 1e-3 * np.trace(information) / size + np.finfo(float).tiny
     return np.asarray(np.linalg.solve(information + damping * np.eye(size), score))

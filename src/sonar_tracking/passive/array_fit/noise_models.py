@@ -52,15 +52,33 @@ class NoiseModel(Protocol):
         ...
 
     def covariance(self, parameters: FloatArray) -> ComplexArray:
-        """Return the covariance, shape (n_elements, n_elements)."""
+        """Return the covariance, shape (n_elements, n_elements), pure numbers.
+
+        Parameters
+        ----------
+        parameters : ndarray, shape (n_parameters,)
+            Pure numbers.
+        """
         ...
 
     def derivatives(self, parameters: FloatArray) -> ComplexArray:
-        """Return its derivatives, shape (n_parameters, n_elements, n_elements)."""
+        """Return its derivatives, shape (n_parameters, n_elements, n_elements), pure numbers.
+
+        Parameters
+        ----------
+        parameters : ndarray, shape (n_parameters,)
+            Pure numbers.
+        """
         ...
 
     def bounded(self, parameters: FloatArray) -> FloatArray:
-        """Return the nearest parameters that are allowed, shape (n_parameters,)."""
+        """Return the nearest parameters that are allowed, shape (n_parameters,), pure numbers.
+
+        Parameters
+        ----------
+        parameters : ndarray, shape (n_parameters,)
+            Pure numbers.
+        """
         ...
 
 
@@ -86,7 +104,7 @@ class LineNoise:
 
     @cached_property
     def series(self) -> FloatArray:
-        """Derivatives of ln f by the parameters, shape (n_parameters, n_phases)."""
+        """Derivatives of ln f by the parameters, shape (n_parameters, n_phases), pure numbers."""
         n_phases = 128
         while n_phases < 4 * int(self.lags.max()):
             n_phases *= 2
@@ -95,17 +113,35 @@ class LineNoise:
         return 2.0 * np.concatenate([np.cos(order), np.sin(order)])
 
     def covariance(self, parameters: FloatArray) -> ComplexArray:
-        """Return the covariance, shape (n_elements, n_elements)."""
+        """Return the covariance, shape (n_elements, n_elements), pure numbers.
+
+        Parameters
+        ----------
+        parameters : ndarray, shape (n_parameters,)
+            Pure numbers.
+        """
         return self._toeplitz(self._spectrum(parameters))
 
     def derivatives(self, parameters: FloatArray) -> ComplexArray:
-        """Return its derivatives, shape (n_parameters, n_elements, n_elements)."""
+        """Return its derivatives, shape (n_parameters, n_elements, n_elements), pure numbers.
+
+        Parameters
+        ----------
+        parameters : ndarray, shape (n_parameters,)
+            Pure numbers.
+        """
         spectrum = self._spectrum(parameters)
         mean = (spectrum * self.series).mean(axis=-1, keepdims=True)
         return self._toeplitz(spectrum * (self.series - mean))
 
     def bounded(self, parameters: FloatArray) -> FloatArray:
-        """Return the nearest parameters that are allowed, shape (n_parameters,)."""
+        """Return the nearest parameters that are allowed, shape (n_parameters,), pure numbers.
+
+        Parameters
+        ----------
+        parameters : ndarray, shape (n_parameters,)
+            Pure numbers.
+        """
         return np.clip(parameters, -_LARGEST_HARMONIC, _LARGEST_HARMONIC)
 
     def _spectrum(self, parameters: FloatArray) -> FloatArray:
@@ -134,18 +170,36 @@ class DistanceNoise:
         return len(self.kernels)
 
     def covariance(self, parameters: FloatArray) -> ComplexArray:
-        """Return the covariance, shape (n_elements, n_elements)."""
+        """Return the covariance, shape (n_elements, n_elements), pure numbers.
+
+        Parameters
+        ----------
+        parameters : ndarray, shape (n_parameters,)
+            Pure numbers.
+        """
         identity = np.eye(self.kernels.shape[-1])
         shares = np.tensordot(parameters, self.kernels - identity, 1)
         return np.asarray(identity + shares, dtype=np.complex128)
 
     def derivatives(self, parameters: FloatArray) -> ComplexArray:
-        """Return its derivatives, shape (n_parameters, n_elements, n_elements)."""
+        """Return its derivatives, shape (n_parameters, n_elements, n_elements), pure numbers.
+
+        Parameters
+        ----------
+        parameters : ndarray, shape (n_parameters,)
+            Pure numbers.
+        """
         identity = np.eye(self.kernels.shape[-1])
         return np.asarray(self.kernels - identity, dtype=np.complex128)
 
     def bounded(self, parameters: FloatArray) -> FloatArray:
-        """Return the nearest parameters that are allowed, shape (n_parameters,)."""
+        """Return the nearest parameters that are allowed, shape (n_parameters,), pure numbers.
+
+        Parameters
+        ----------
+        parameters : ndarray, shape (n_parameters,)
+            Pure numbers.
+        """
         shares = np.maximum(parameters, 0.0)
         return np.asarray(shares * min(1.0, _LARGEST_SHARE / max(float(shares.sum()), 1e-9)))
 

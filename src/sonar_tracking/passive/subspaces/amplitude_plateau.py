@@ -32,7 +32,7 @@ class AmplitudePlateau:
     largest : ndarray, shape (3, n_elements)
         Largest value of late, linear amplitude.
     at_largest, below : ndarray, shape (3, n_elements)
-        Share of the snapshots at it, and just below it.
+        Share of the snapshots at it, and just below it, pure numbers.
     """
 
     largest: FloatArray
