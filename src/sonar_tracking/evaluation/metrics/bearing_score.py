@@ -21,11 +21,11 @@ from sonar_tracking.evaluation.metrics.online_score import OnlineScore
 from sonar_tracking.evaluation.metrics.ospa_gospa import assign, gospa, ospa
 from sonar_tracking.evaluation.metrics.score_statistics import (
     Column,
+    NormalisedErrors,
     flat_mapping,
     mean,
     median,
     nees_band,
-    normalised_square_error,
 )
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import IndexArray
@@ -103,7 +103,8 @@ class OnlineBearingScore(OnlineScore[BearingTracks]):
         self._truth = truth or BearingTruth()
         super().__init__(self._truth)
         self._identities = IdentityTally()
-        self._ospa, self._gospa, self._error, self._nees = (Column() for _ in range(4))
+        self._ospa, self._gospa, self._error = (Column() for _ in range(3))
+        self._nees = NormalisedErrors()
 
     def count(self, tracks: BearingTracks, truth: TrueBearings) -> None:
         """Count one list, against what is true at its stamp."""
@@ -121,7 +122,7 @@ class OnlineBearingScore(OnlineScore[BearingTracks]):
         held = rows[pairs[1]]
         rate_error = tracks.arrival_angle_rate[held] - truth.rate[pairs[0]]
         both = np.stack([error[pairs], rate_error], axis=-1)
-        self._nees.add(normalised_square_error(both, tracks.covariance[held]))
+        self._nees.add(both, tracks.covariance[held])
 
     def score(self) -> BearingScore:
         """Return the score of all lists; what waits for truth is counted with what is known."""

@@ -21,6 +21,10 @@ CHI_SQUARE_BAND = {
 all, takes longer to load than a run of a few minutes takes to score."""
 
 
+LISTS_AT_ONCE = 64
+"""Whose errors are normalised together: few enough for the memory of a run without end."""
+
+
 def nees_band(n_dimensions: int) -> tuple[float, float]:
     """Return the chi-square 95 % band of one normalised error squared, per dimension."""
     low, high = CHI_SQUARE_BAND[n_dimensions]
@@ -41,6 +45,35 @@ class Column:
     def values(self) -> FloatArray:
         """All of them, shape (n,), in the unit of the column."""
         return np.array(self._values)
+
+
+class NormalisedErrors:
+    """Normalised square errors; those of several lists are computed at once, which costs less."""
+
+    def __init__(self) -> None:
+        self._squares = Column()
+        self._waiting: list[tuple[FloatArray, FloatArray]] = []
+
+    def add(self, error: FloatArray, covariance: FloatArray) -> None:
+        """Add errors, shape (n, n_dimensions), and covariances, (n, n_dimensions, n_dimensions).
+
+        In any units, as :func:`normalised_square_error` takes them.
+        """
+        self._waiting.append((error, covariance))
+        if len(self._waiting) == LISTS_AT_ONCE:
+            self._compute()
+
+    @property
+    def values(self) -> FloatArray:
+        """All of them whose covariance is proper, shape (n,), pure numbers."""
+        self._compute()
+        return self._squares.values
+
+    def _compute(self) -> None:
+        if self._waiting:
+            columns = map(np.concatenate, zip(*self._waiting, strict=True))
+            self._squares.add(normalised_square_error(*columns))
+            self._waiting.clear()
 
 
 class Periods:

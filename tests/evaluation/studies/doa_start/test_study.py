@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sonar_tracking.evaluation.metrics.bearing_truth import BearingTruth
 from sonar_tracking.evaluation.monte_carlo.batch_runner import RunBatch
 from sonar_tracking.evaluation.offline.offline_bearing_chain import run_offline_chain
 from sonar_tracking.evaluation.studies.doa_start.runs import (
@@ -66,7 +67,7 @@ def test_count_differences_tell_tracks_from_targets(result: StartRuns) -> None:
     assert result.example is not None
     truth, tracks = result.example
     without = [replace(entry, status=np.zeros_like(entry.status)) for entry in tracks]
-    differences = count_differences(truth, without)
+    differences = count_differences(BearingTruth(truth), without)
     assert min(differences) == -5
     assert max(differences) == -3
 

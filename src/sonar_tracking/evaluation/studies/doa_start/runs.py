@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from sonar_tracking.errors import Notice
-from sonar_tracking.evaluation.metrics.bearing_score import BearingScore
+from sonar_tracking.evaluation.metrics.bearing_score import BearingScore, OnlineBearingScore
 from sonar_tracking.evaluation.metrics.bearing_truth import BearingTruth
 from sonar_tracking.evaluation.monte_carlo.batch_runner import RunBatch
 from sonar_tracking.evaluation.monte_carlo.run_synthesis import block_truth, long_blocks
@@ -133,7 +133,8 @@ def start_batch(task: StartBatch) -> StartRuns:
     chains = start_chains(
         task.condition, [int(seed.generate_state(1)[0]) for seed in task.batch.seeds]
     )
-    runs = tuple(_scored(chain) for chain in chains)
+    truth = BearingTruth(chains[0].truth)
+    runs = tuple(_scored(chain.tracks, truth) for chain in chains)
     example = (chains[0].truth, chains[0].tracks) if task.batch.first_run == 0 else None
     return StartRuns(task.condition, runs, example)
 
@@ -182,22 +183,21 @@ def _truth(condition: StartCondition) -> tuple[BearingTracks, ...]:
     return block_truth(condition.scenario(0))
 
 
-def count_differences(
-    truth: Sequence[BearingTracks], tracks: Sequence[BearingTracks]
-) -> tuple[int, ...]:
+def count_differences(truth: BearingTruth, tracks: Sequence[BearingTracks]) -> tuple[int, ...]:
     """Return in each period the number of confirmed tracks minus that of targets."""
-    reference = BearingTruth(truth)
     differences = []
     for entry in tracks:
-        present = reference.at(entry.stamp)
+        present = truth.at(entry.stamp)
         if present is not None:
             confirmed = np.count_nonzero(entry.status == TrackStatus.CONFIRMED)
             differences.append(int(confirmed) - len(present.id))
     return tuple(differences)
 
 
-def _scored(chain: OfflineRun) -> StartRun:
-    differences = np.array(count_differences(chain.truth, chain.tracks))
+def _scored(tracks: Sequence[BearingTracks], truth: BearingTruth) -> StartRun:
+    differences = np.array(count_differences(truth, tracks))
+    online = OnlineBearingScore(truth)
+    online.add_all(tracks)
     return StartRun(
-        chain.score(), float(np.abs(differences).mean()), float((differences == 0).mean())
+        online.score(), float(np.abs(differences).mean()), float((differences == 0).mean())
     )
