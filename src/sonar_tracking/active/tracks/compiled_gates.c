@@ -92,6 +92,20 @@ static int add(Found *found, Row track, Row contact, double square)
     return 0;
 }
 
+/* Drop those of the last pairs whose contact is below the threshold. */
+static void drop_weak(const Search *s, Found *found, Py_ssize_t first)
+{
+    Py_ssize_t kept = first;
+    for (Py_ssize_t i = first; i < found->count; i++) {
+        if (s->amplitude[found->contact[i]] < s->threshold[found->track[i]])
+            continue;
+        found->track[kept] = found->track[i];
+        found->contact[kept] = found->contact[i];
+        found->square[kept++] = found->square[i];
+    }
+    found->count = kept;
+}
+
 /* In a crowd, contacts below the threshold count among the nearest, too. */
 static int search_track(const Search *s, Found *found, Row track, Row begin, Row end)
 {
@@ -111,7 +125,10 @@ static int search_track(const Search *s, Found *found, Row track, Row begin, Row
         if (square < s->gate_square && add(found, track, contact, square) < 0)
             return -1;
     }
-    found->crowded |= boxed > s->crowd && found->count > before;
+    if (found->count - before > s->crowd)
+        found->crowded = 1;
+    else if (boxed > s->crowd)
+        drop_weak(s, found, before);
     return 0;
 }
 
