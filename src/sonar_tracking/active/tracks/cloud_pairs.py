@@ -81,6 +81,7 @@ def weigh_cloud(clouds: ParticleCloud, pairs: CloudPairs, beta: FloatArray) -> P
     relative -= 1.0
     relative *= beta[:, None]
     if len(pairs.cloud):
-        begins = np.flatnonzero(np.diff(pairs.cloud, prepend=-1))
+        others = pairs.cloud[1:] != pairs.cloud[:-1]
+        begins = np.concatenate(([0], others.nonzero()[0] + 1))
         factor[pairs.cloud[begins]] += np.add.reduceat(relative, begins, axis=0)
     return ParticleCloud(clouds.state, clouds.mode, clouds.share * factor)

@@ -6,6 +6,7 @@ the same order in both, and in no library of linear algebra: the bits are the sa
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -126,8 +127,8 @@ def cloud_moments(share: FloatArray, state: FloatArray) -> tuple[FloatArray, Flo
     *clouds, n_particles = share.shape
     mean, covariance = np.zeros((*clouds, 4)), np.zeros((*clouds, 4, 4))
     if COMPILED is not None:
-        count = int(np.prod(clouds))
-        COMPILED.moments((*_contiguous(share, state), mean, covariance), count, n_particles)
+        given = _contiguous(share, state)
+        COMPILED.moments((*given, mean, covariance), math.prod(clouds), n_particles)
         return mean, covariance
     if not n_particles:
         return mean, covariance
@@ -186,4 +187,4 @@ def spread_particles(
 
 
 def _contiguous(*columns: NDArray[Any]) -> tuple[NDArray[Any], ...]:
-    return tuple(np.ascontiguousarray(column) for column in columns)
+    return tuple(map(np.ascontiguousarray, columns))

@@ -93,7 +93,7 @@ class ParticleCloud:
     @cached_property
     def share(self) -> FloatArray:
         """Weights with the sum 1, shape (..., n), pure numbers."""
-        return np.asarray(self.weight / np.sum(self.weight, axis=-1, keepdims=True))
+        return np.asarray(self.weight / self.weight.sum(axis=-1, keepdims=True))
 
     def moments(self) -> tuple[FloatArray, FloatArray]:
         """Return mean and covariance of the particles.
@@ -221,7 +221,7 @@ def resample_cloud(cloud: ParticleCloud, generator: np.random.Generator) -> Part
     """
     count = cloud.weight.shape[-1]
     share = cloud.share
-    few = np.flatnonzero(1.0 / np.sum(share**2, axis=-1) < 0.5 * count)
+    few = (1.0 / (share**2).sum(axis=-1) < 0.5 * count).nonzero()[0]
     if not len(few):
         return ParticleCloud(cloud.state, cloud.mode, share)
     weighed = ParticleCloud(cloud.state[few], cloud.mode[few], share[few])

@@ -11,6 +11,8 @@ identification", IEEE Trans. ASSP 37(1), 1989.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from sonar_tracking.compiled_modules import compiled_module
@@ -40,7 +42,7 @@ def forward_backward_smoothed(covariance: ComplexArray, n_smoothed: int) -> Comp
     *batch, n_elements, _ = covariance.shape
     given = np.ascontiguousarray(covariance, dtype=np.complex128)
     smoothed = np.empty((*batch, n_smoothed, n_smoothed), dtype=np.complex128)
-    COMPILED.smooth(given, smoothed, (int(np.prod(batch)), n_elements, n_smoothed))
+    COMPILED.smooth(given, smoothed, (math.prod(batch), n_elements, n_smoothed))
     return smoothed
 
 
