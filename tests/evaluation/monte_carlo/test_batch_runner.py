@@ -1,6 +1,7 @@
 """Protects: a study's numbers are a function of runs and seed, never of the workers."""
 
 import os
+import time
 
 import numpy as np
 import pytest
@@ -48,6 +49,16 @@ def test_results_keep_the_order_of_the_tasks_and_each_is_reported() -> None:
     results = compute(tasks, Workers(2), lambda: done.append(None))
     assert results == [draw(task.argument) for task in tasks]
     assert len(done) == len(tasks)
+
+
+def now(_: None) -> int:
+    return time.monotonic_ns()
+
+
+def test_tasks_are_begun_in_their_order() -> None:
+    """Long ones first: then no worker waits long for the last of them."""
+    begun = compute([Task(now, None)] * 6, Workers(1), lambda: None)
+    assert begun == sorted(begun)
 
 
 def test_workers_use_one_thread_and_the_caller_keeps_its_own_setting(

@@ -137,7 +137,13 @@ def _compute_locally(tasks: Sequence[Task], count: int, done: Callable[[], None]
     def after_task(*_: Any) -> None:
         done()
 
-    delayed = [dask.delayed(task.function, pure=False)(task.argument) for task in tasks]
+    # Without names dask takes them up in any order, and a long one at the end leaves workers idle;
+    # with these in theirs: of tasks alike it begins with the last name.
+    names = (f"task {len(tasks) - number:06d}" for number in range(len(tasks)))
+    delayed = [
+        dask.delayed(task.function)(task.argument, dask_key_name=name)
+        for task, name in zip(tasks, names, strict=True)
+    ]
     workers = dask.config.set({"multiprocessing.initializer": end_at_once})
     with workers, _one_thread_in_children(), Callback(posttask=after_task):
         return list(dask.compute(*delayed, scheduler="processes", num_workers=count, chunksize=1))

@@ -147,7 +147,10 @@ def test_study_is_known_by_name_and_draws(
     assert STUDIES["multi-target-clutter"] is MULTI_TARGET_CLUTTER
     tasks = MULTI_TARGET_CLUTTER.tasks(21, 1)
     assert sum(len(task.argument.seeds) for task in tasks) == 105
-    assert [task.argument.timed for task in tasks] == [*4 * [True, False], True, False, False]
+    begins = [True, False]
+    assert [task.argument.timed for task in tasks] == [*2 * begins, *begins, False, *2 * begins]
+    trackers = [len(task.argument.systems) for task in tasks]
+    assert trackers == sorted(trackers, reverse=True), "short tasks are the last"
     pictures = MULTI_TARGET_CLUTTER.draw(results, rows, tmp_path)
     assert len(pictures) == 6
     assert all(picture.stat().st_size > 10_000 for picture in pictures)

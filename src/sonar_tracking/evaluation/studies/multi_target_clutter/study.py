@@ -114,13 +114,17 @@ LAYOUTS = (
 
 
 def tasks(runs: int, seed: int) -> tuple[Task, ...]:
-    """Return what the workers compute: a few runs of an environment each."""
+    """Return what the workers compute: a few runs of an environment each.
+
+    Those of most trackers come first: short tasks at the end leave no worker idle.
+    """
+    parts = sorted(enumerate(CONDITIONS), key=lambda part: len(part[1][2]), reverse=True)
     return tuple(
         Task(
             clutter_runs,
             ClutterTask(condition, options, systems, batch.seeds, timed=batch.first_run == 0),
         )
-        for part, (condition, options, systems) in enumerate(CONDITIONS)
+        for part, (condition, options, systems) in parts
         for batch in run_batches(runs, seed, part, RUNS_TOGETHER[options.environment])
     )
 
@@ -129,8 +133,10 @@ def rows(results: Sequence[Sequence[ClutterRun]]) -> tuple[StudyRow, ...]:
     """Turn the results of the tasks into rows."""
     table = []
     every = [run for part in results for run in part]
-    for condition in dict.fromkeys(run.condition for run in every):
+    for condition, *_ in CONDITIONS:
         runs = [run for run in every if run.condition == condition]
+        if not runs:
+            continue
         for name in runs[0].systems:
             table.append(StudyRow(name, condition, system_metrics(runs, name)))
         bound = np.concatenate([run.bound_square_error for run in runs])
