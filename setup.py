@@ -18,6 +18,7 @@ if sys.version_info < (3, 10):  # noqa: UP036  (the pip of an older one names a 
     )
 VERSION = parse("package.xml").findtext("version")
 NODES = (
+    "world_simulator",
     "array_simulator",
     "hydrophone_simulator",
     "bearing_simulator",

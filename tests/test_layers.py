@@ -56,6 +56,7 @@ ROOMS = (
     "scene",
     # the world, and what sensors receive of it
     "simulation.scenarios",
+    "simulation.world",
     "simulation.signals",
     "simulation.sensors",
     "simulation",

@@ -21,6 +21,7 @@ USUAL_DEPTH = NodeConfiguration().flow_depth
 def test_every_node_gets_the_parameters_of_the_scenario() -> None:
     nodes = launched_nodes("pipeline")
     assert list(nodes) == [
+        "world_simulator",
         "array_simulator",
         "subspace_estimator",
         "bearing_tracker",

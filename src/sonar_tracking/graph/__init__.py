@@ -43,6 +43,7 @@ __all__ = [
     "Topic",
     "TopicKind",
     "TopicRole",
+    "WorldSimulator",
     "run_node",
 ]
 
@@ -78,6 +79,7 @@ if TYPE_CHECKING:
     from sonar_tracking.graph.nodes.recorder import Recorder
     from sonar_tracking.graph.nodes.subspace_estimator import SubspaceEstimator
     from sonar_tracking.graph.nodes.tma_tracker import TmaTracker
+    from sonar_tracking.graph.nodes.world_simulator import WorldSimulator
 else:
     __getattr__, __dir__ = lazy_exports(
         __name__,
@@ -113,5 +115,6 @@ else:
             "nodes.recorder": ["Recorder"],
             "nodes.subspace_estimator": ["SubspaceEstimator"],
             "nodes.tma_tracker": ["TmaTracker"],
+            "nodes.world_simulator": ["WorldSimulator"],
         },
     )

@@ -10,6 +10,7 @@ __all__ = [
     "BearingSimulation",
     "SampleSimulation",
     "Scenario",
+    "WorldSimulation",
     "circular_gaussian",
     "load_scenario",
     "scenario_from_mapping",
@@ -32,11 +33,13 @@ if TYPE_CHECKING:
     from sonar_tracking.simulation.sensors.array_simulation import ArraySimulation
     from sonar_tracking.simulation.sensors.bearing_simulation import BearingSimulation
     from sonar_tracking.simulation.sensors.sample_simulation import SampleSimulation
-    from sonar_tracking.simulation.sensors.scene_truth import true_bearings, true_tracks
+    from sonar_tracking.simulation.sensors.scene_truth import true_bearings
     from sonar_tracking.simulation.signals.snapshot_synthesis import (
         circular_gaussian,
         synthesize_snapshots,
     )
+    from sonar_tracking.simulation.world.world_simulation import WorldSimulation
+    from sonar_tracking.simulation.world.world_state import true_tracks
 else:
     __getattr__, __dir__ = lazy_exports(
         __name__,
@@ -52,7 +55,9 @@ else:
             "sensors.array_simulation": ["ArraySimulation"],
             "sensors.bearing_simulation": ["BearingSimulation"],
             "sensors.sample_simulation": ["SampleSimulation"],
-            "sensors.scene_truth": ["true_bearings", "true_tracks"],
+            "sensors.scene_truth": ["true_bearings"],
             "signals.snapshot_synthesis": ["circular_gaussian", "synthesize_snapshots"],
+            "world.world_simulation": ["WorldSimulation"],
+            "world.world_state": ["true_tracks"],
         },
     )

@@ -63,7 +63,51 @@ def scenario(**nodes: dict[str, Any]) -> Scenario:
 
 def test_an_array_starts_the_passive_chain() -> None:
     names = [node.name for node in started_nodes(load_scenario("doa_fusion"), "here")]
-    assert names == ["array_simulator", "subspace_estimator", "bearing_tracker", "scene_publisher"]
+    assert names == [
+        "world_simulator",
+        "array_simulator",
+        "subspace_estimator",
+        "bearing_tracker",
+        "scene_publisher",
+    ]
+
+
+SHARED_WORLD = {
+    "array": {"n_elements": 12, "spacing": 1.0, "center_frequency": 300.0, "bandwidth": 6.0},
+    "hydrophones": {},
+    "active_sonar": {},
+    "bearing_sensors": [{"sensor_id": "buoy", "namespace": "buoy", "platform": "fixed"}],
+    "nodes": {"band_demodulator": {"center_frequency": 300.0}, "tma_tracker": {}},
+}
+
+
+def test_sensors_of_every_kind_share_a_world() -> None:
+    world = scenario_from_mapping(SHARED_WORLD, "harbour.yaml")
+    names = [node.name for node in started_nodes(world, "harbour.yaml")]
+    assert names == [
+        "world_simulator",
+        "hydrophone_simulator",
+        "bearing_simulator",
+        "contact_simulator",
+        "band_demodulator",
+        "subspace_estimator",
+        "bearing_tracker",
+        "line_tracker",
+        "tma_tracker",
+        "hpda_tracker",
+        "scene_publisher",
+    ]
+
+
+def test_a_station_beside_an_array_needs_a_namespace() -> None:
+    stations = [{"sensor_id": "buoy", "platform": "fixed"}]
+    world = scenario_from_mapping({**SHARED_WORLD, "bearing_sensors": stations}, "harbour.yaml")
+    with pytest.raises(
+        ConfigurationError,
+        match="bearing_simulator would publish truth/bearing_tracks a second time; give every "
+        "station under bearing_sensors a namespace",
+    ):
+        started_nodes(world, "harbour.yaml")
 
 
 def test_a_node_without_its_sensor_is_refused() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import signal
-import time
 from itertools import islice
 from pathlib import Path
 
@@ -11,12 +10,7 @@ import numpy as np
 import pytest
 
 from sonar_tracking.graph.catalogue import resumption
-from sonar_tracking.graph.catalogue.topics import (
-    ODOMETRY,
-    SNAPSHOTS,
-    TRUE_BEARING_TRACKS,
-    TRUE_TRACKS,
-)
+from sonar_tracking.graph.catalogue.topics import SNAPSHOTS, TRUE_BEARING_TRACKS
 from sonar_tracking.message_reading.array_reading import snapshots_from_message
 from sonar_tracking.records.time import END_OF_DATA
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
@@ -35,7 +29,7 @@ array: {n_elements: 4, snapshot_rate: 200.0, block_snapshots: 20}
 targets:
   - motion: {kind: linear}
 """
-TOPICS = (SNAPSHOTS, TRUE_BEARING_TRACKS, TRUE_TRACKS, ODOMETRY)
+TOPICS = (SNAPSHOTS, TRUE_BEARING_TRACKS)
 
 
 @pytest.fixture
@@ -70,9 +64,6 @@ def test_everything_due_is_published_once_whatever_the_ticks(
         assert [message.n_snapshots for message in snapshots] == [20] * 10 + [10]
         assert snapshots[-1].next_stamp.sec * SECOND == END_OF_DATA
         assert stamps(heard[TRUE_BEARING_TRACKS.name]) == stamps(snapshots)
-        assert stamps(heard[TRUE_TRACKS.name]) == stamps(snapshots)
-        ends = [EPOCH + number * BLOCK for number in range(11)] + [EPOCH + 105 * SECOND // 100]
-        assert stamps(heard[ODOMETRY.name]) == ends
         announced = [p.count for p in probe.progress if p.topic == "/array/snapshots"]
         assert announced == list(range(1, 12))
         assert process.stop(signal.SIGINT) == 0
@@ -139,16 +130,3 @@ def test_a_malformed_scenario_is_named_and_the_node_ends(tmp_path: Path) -> None
         for part in (f"{NODE}.scenario: ", "bad.yaml", "line 3", "not valid YAML"):
             assert part in process.output
         assert "Traceback" not in process.output
-
-
-def test_without_simulation_time_it_paces_itself(tmp_path: Path, scenario: Path) -> None:
-    """From the present on, whatever the epoch of the scenario."""
-    begin = time.time_ns()
-    probe = Probe()
-    heard = probe.listen(SNAPSHOTS)
-    with node_process(MODULE, tmp_path / "log", scenario=scenario):
-        probe.wait(lambda: heard and heard[-1].next_stamp.sec * SECOND == END_OF_DATA, "the end")
-    first = stamps(heard)[0]
-    assert begin <= first <= time.time_ns()
-    assert stamps(heard) == [first + number * BLOCK for number in range(11)]
-    probe.close()

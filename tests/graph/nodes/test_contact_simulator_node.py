@@ -9,7 +9,7 @@ import pytest
 from sonar_tracking_msgs.msg import Progress
 
 from sonar_tracking.graph.catalogue import run_identity
-from sonar_tracking.graph.catalogue.topics import CONTACTS, ODOMETRY, TIME_TOPIC, TRUE_TRACKS
+from sonar_tracking.graph.catalogue.topics import CONTACTS, TIME_TOPIC
 from sonar_tracking.graph.message_writing.field_writing import time_from_stamp
 from sonar_tracking.graph.node_base import quality_of_service
 from sonar_tracking.message_reading.contact_reading import contacts_from_message
@@ -23,7 +23,6 @@ NODE = "contact_simulator"
 MODULE = f"sonar_tracking.graph.nodes.{NODE}"
 SECOND = 1_000_000_000
 EPOCH = 1_767_225_600 * SECOND
-RECEPTION = 4 * SECOND
 
 SCENARIO = """
 duration: 25.0
@@ -34,7 +33,6 @@ targets:
   - present: [8.0, 18.0]
     motion: {kind: kinematic, position: [-1000.0, 500.0], speed: 5.0}
 """
-TOPICS = (CONTACTS, TRUE_TRACKS, ODOMETRY)
 
 
 @pytest.fixture
@@ -46,10 +44,9 @@ def scenario(tmp_path: Path) -> Path:
 
 def test_a_ping_is_published_once_when_its_last_echo_is_in(tmp_path: Path, scenario: Path) -> None:
     probe = Probe()
-    heard = {topic.name: probe.listen(topic) for topic in TOPICS}
-    contacts = heard[CONTACTS.name]
+    contacts = probe.listen(CONTACTS)
     with node_process(MODULE, tmp_path / "log", use_sim_time=True, scenario=scenario) as process:
-        probe.wait_matched(NODE, "/clock", "/flow/done", *(f"/{topic.name}" for topic in TOPICS))
+        probe.wait_matched(NODE, "/clock", "/flow/done", f"/{CONTACTS.name}")
 
         def served() -> int:
             return sum(each.topic == "/clock" for each in probe.progress)
@@ -66,12 +63,9 @@ def test_a_ping_is_published_once_when_its_last_echo_is_in(tmp_path: Path, scena
         assert "Traceback" not in process.output
     probe.close()
     sent = [EPOCH + 5 * number * SECOND for number in range(5)]
-    assert stamps(contacts) == stamps(heard[TRUE_TRACKS.name]) == sent
-    assert stamps(heard[ODOMETRY.name]) == [s for t in sent for s in (t, t + RECEPTION)]
-    for topic in (CONTACTS, TRUE_TRACKS):
-        following = [stamp_from_time(message.next_stamp) for message in heard[topic.name]]
-        assert following == [*sent[1:], END_OF_DATA]
-    assert [list(m.id) for m in heard[TRUE_TRACKS.name]] == [[1], [1], [1, 2], [1, 2], [1]]
+    assert stamps(contacts) == sent
+    following = [stamp_from_time(message.next_stamp) for message in contacts]
+    assert following == [*sent[1:], END_OF_DATA]
     expected = [ping.contacts for ping in ActiveSonarSimulation(load_scenario(scenario))]
     for message, record in zip(contacts, expected, strict=True):
         assert contacts_from_message(message).range.tolist() == record.range.tolist()
@@ -88,7 +82,7 @@ def test_a_simulator_of_a_run_follows_the_time_of_that_run_alone(
 ) -> None:
     monkeypatch.setenv(run_identity.VARIABLE, "0123")
     probe = Probe()
-    contacts, *_ = [probe.listen(topic) for topic in TOPICS]
+    contacts = probe.listen(CONTACTS)
     time = probe.node.create_publisher(Progress, TIME_TOPIC, quality_of_service.CLOCK)
 
     def tell(who: str, seconds: float) -> None:
@@ -97,7 +91,7 @@ def test_a_simulator_of_a_run_follows_the_time_of_that_run_alone(
         time.publish(told)
 
     with node_process(MODULE, tmp_path / "log", use_sim_time=True, scenario=scenario):
-        probe.wait_matched(NODE, "/clock", f"/{TIME_TOPIC}", *(f"/{each.name}" for each in TOPICS))
+        probe.wait_matched(NODE, "/clock", f"/{TIME_TOPIC}", f"/{CONTACTS.name}")
         probe.tick(EPOCH + 100 * SECOND)
         tell("orchestration", 100.0)
         tell("orchestration@4567", 100.0)

@@ -8,12 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sonar_tracking.graph.catalogue.topics import (
-    ODOMETRY,
-    SAMPLES,
-    TRUE_BEARING_TRACKS,
-    TRUE_TRACKS,
-)
+from sonar_tracking.graph.catalogue.topics import SAMPLES, TRUE_BEARING_TRACKS
 from sonar_tracking.message_reading.sample_reading import samples_from_message
 from sonar_tracking.records.time import END_OF_DATA
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
@@ -34,7 +29,7 @@ targets:
   - lines: [{frequency: 250.0, level_db: 30.0}]
     motion: {kind: kinematic, position: [0.0, 900.0]}
 """
-TOPICS = (SAMPLES, TRUE_BEARING_TRACKS, TRUE_TRACKS, ODOMETRY)
+TOPICS = (SAMPLES, TRUE_BEARING_TRACKS)
 
 
 @pytest.fixture
@@ -73,8 +68,6 @@ def test_blocks_are_those_of_the_simulation_and_come_when_they_are_due(
         assert samples[-1].next_stamp == END_OF_DATA
         starts = [EPOCH + number * BLOCK for number in range(5)]
         assert stamps(heard[TRUE_BEARING_TRACKS.name]) == starts
-        assert stamps(heard[TRUE_TRACKS.name]) == starts
-        assert stamps(heard[ODOMETRY.name]) == [*starts, EPOCH + 11 * SECOND // 10]
         assert process.stop(signal.SIGINT) == 0
         assert "Traceback" not in process.output
     probe.close()

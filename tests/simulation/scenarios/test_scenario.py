@@ -127,6 +127,10 @@ ERRORS: list[tuple[dict[str, Any], str]] = [
         minimal(targets=[{"name": "a", "motion": LINEAR}] * 2),
         r"targets\[1\]\.name a is used twice",
     ),
+    (
+        minimal(bearing_sensors=[{"namespace": "buoy"}]),
+        r"bearing_sensors\[0\]\.sensor_id is 'array' like that of array; give every sensor its own",
+    ),
     (minimal(nodes={"recorder": 3}), r"nodes\.recorder is 3; it must be a mapping"),
     (minimal(nodes={"recorder": {"a": None}}), r"nodes\.recorder\.a is None; it must be a number"),
 ]

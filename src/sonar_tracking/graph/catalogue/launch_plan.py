@@ -30,6 +30,7 @@ from sonar_tracking.graph.catalogue.passive_nodes import (
     SUBSPACE_ESTIMATOR,
 )
 from sonar_tracking.graph.catalogue.scenario_graph import started_nodes, with_published_topics
+from sonar_tracking.graph.catalogue.simulator_nodes import ARRAY_SIMULATOR, HYDROPHONE_SIMULATOR
 from sonar_tracking.graph.catalogue.tma_nodes import TMA_TRACKER
 from sonar_tracking.graph.catalogue.transport_profile import choose_transport
 from sonar_tracking.one_thread import ONE_THREAD
@@ -125,8 +126,9 @@ def nodes_of_scenario(given: Mapping[str, str]) -> list[LaunchedNode]:
     for node in nodes:
         if node.serves_clock:
             parameters.setdefault(node.name, {})["scenario"] = name
+    array_simulators = (ARRAY_SIMULATOR, HYDROPHONE_SIMULATOR)
     environments = {
-        node.name: transport.large_publishers if node.serves_clock else transport.others
+        node.name: transport.large_publishers if node in array_simulators else transport.others
         for node in nodes
     }
     return _launched(nodes, parameters, environments, given, scenario.step)

@@ -14,21 +14,14 @@ from sonar_tracking.graph.catalogue.passive_nodes import (
     LINE_TRACKER,
     SUBSPACE_ESTIMATOR,
 )
-from sonar_tracking.graph.catalogue.simulator_nodes import (
-    ARRAY_SIMULATOR,
-    BEARING_SIMULATOR,
-    CONTACT_SIMULATOR,
-    HYDROPHONE_SIMULATOR,
-)
+from sonar_tracking.graph.catalogue.simulator_nodes import SENSOR_SIMULATORS, WORLD_SIMULATOR
 from sonar_tracking.graph.catalogue.tma_nodes import TMA_TRACKER
 
 NODES = {
     description.name: description
     for description in (
-        ARRAY_SIMULATOR,
-        HYDROPHONE_SIMULATOR,
-        BEARING_SIMULATOR,
-        CONTACT_SIMULATOR,
+        WORLD_SIMULATOR,
+        *SENSOR_SIMULATORS,
         BAND_DEMODULATOR,
         SUBSPACE_ESTIMATOR,
         BEARING_TRACKER,

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from sonar_tracking.configuration import ParameterDescription, describe
-from sonar_tracking.graph.catalogue.topics import Topic
+from sonar_tracking.graph.catalogue.topics import Topic, TopicRole
 
 
 @dataclass(frozen=True)
@@ -28,8 +28,8 @@ class NodeDescription:
     optional_inputs : tuple of Topic
         Data topics it subscribes to, but does without where nobody publishes them.
     section : str
-        Of a source of data: the section of a scenario it simulates. It emits everything due up to
-        ``/clock``.
+        Of a source of data: the section of a scenario it simulates, ``own_ship`` for the world. It
+        emits everything due up to ``/clock``.
     on_request : bool
         Started only if the scenario names it under ``nodes``, not whenever its inputs are there.
     topic_parameters : mapping of str to Topic
@@ -68,3 +68,26 @@ class NodeDescription:
     def parameters(self) -> tuple[ParameterDescription, ...]:
         """Descriptions of all parameters of the node."""
         return tuple(entry for each in self.configurations for entry in describe(each))
+
+    def published(self, namespaces: Mapping[str, tuple[str, ...]]) -> tuple[Topic, ...]:
+        """Return the data topics of the node, with the role that they have as its own.
+
+        What a sensor delivers is an input of the graph, even if another graph computes it; what is
+        computed is an output, even if another sensor delivers it.
+
+        Parameters
+        ----------
+        namespaces : mapping of str to tuple of str
+            Of the stations of a sensor, by its section; absent = one station without a namespace.
+        """
+        stations = [
+            replace(topic, name=f"{namespace}/{topic.name}" if namespace else topic.name)
+            for namespace in namespaces.get(self.section, ("",))
+            for topic in self.station_outputs
+        ]
+        untrue = TopicRole.OUTPUT if self.section else TopicRole.INPUT
+        role = TopicRole.INPUT if self.section else TopicRole.OUTPUT
+        return tuple(
+            replace(topic, role=role) if topic.role is untrue else topic
+            for topic in (*self.outputs, *stations)
+        )

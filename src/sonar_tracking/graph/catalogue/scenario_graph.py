@@ -11,7 +11,7 @@ from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.node_settings import NodeSettings
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
-from sonar_tracking.graph.catalogue.topics import Topic, TopicRole
+from sonar_tracking.graph.catalogue.topics import Topic
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 
 NO_TOPIC = ""
@@ -32,23 +32,25 @@ def started_nodes(scenario: Scenario, where: str) -> tuple[NodeDescription, ...]
     """
     started: list[NodeDescription] = []
     available: set[str] = set()
+    published: set[str] = set()
     for node in NODES.values():
         if node.section:
-            wanted = node.section in scenario.sensors
+            wanted = node.section in scenario.simulated
         elif node.is_display:
             wanted = bool(_heard(node) & available)
         else:
             asked = not node.on_request or node.name in scenario.nodes
-            wanted = asked and not _missing(node, available)
+            wanted = asked and not _missing(node, available, published)
         if wanted:
-            topics = {topic.name for topic in (*node.outputs, *node.station_outputs)}
-            _refuse_doubled(node, topics & available, where)
+            topics = {topic.name for topic in node.published(scenario.namespaces)}
+            _refuse_doubled(node, topics & published, where)
             started.append(node)
-            available |= topics
+            published |= topics
+            available |= {topic.name for topic in (*node.outputs, *node.station_outputs)}
     for name in scenario.nodes:
         node_asked = NODES.get(name)
         if node_asked is not None and node_asked not in started:
-            reason = _missing(node_asked, available)
+            reason = _missing(node_asked, available, published)
             raise ConfigurationError(
                 f"{where}: nodes: {name} has nothing to do in this scenario: "
                 + (
@@ -97,7 +99,7 @@ def with_published_topics(
         Of the stations of a sensor, by its section.
     """
     nodes = tuple(descriptions)
-    published = [topic.name for node in nodes for topic in _outputs(node, namespaces)]
+    published = [topic.name for node in nodes for topic in node.published(namespaces)]
     filled = {name: dict(values) for name, values in given.items()}
     for node in nodes:
         for parameter, topic in node.topic_parameters.items():
@@ -119,33 +121,22 @@ def _planned(
         name=node.name,
         module=node.module,
         subscriptions=(*node.inputs, *node.optional_inputs, *listed),
-        publishers=_outputs(node, namespaces),
+        publishers=node.published(namespaces),
         parameters=parameters,
         gives_identifiers="first_id" in parameters,
         needs_clock=not node.is_display,
     )
 
 
-def _outputs(node: NodeDescription, namespaces: Mapping[str, tuple[str, ...]]) -> tuple[Topic, ...]:
-    stations = [
-        replace(topic, name=f"{namespace}/{topic.name}" if namespace else topic.name)
-        for namespace in namespaces.get(node.section, ("",))
-        for topic in node.station_outputs
-    ]
-    topics = (*node.outputs, *stations)
-    # What a sensor delivers is an input of the graph, even if another graph computes it; what is
-    # computed is an output, even if another sensor delivers it.
-    untrue = TopicRole.OUTPUT if node.section else TopicRole.INPUT
-    role = TopicRole.INPUT if node.section else TopicRole.OUTPUT
-    return tuple(replace(topic, role=role) if topic.role is untrue else topic for topic in topics)
-
-
 def _refuse_doubled(node: NodeDescription, doubled: set[str], where: str) -> None:
-    if doubled:
-        raise ConfigurationError(
-            f"{where}: {node.name} would publish {', '.join(sorted(doubled))} a second time; give "
-            f"the section {node.section} a scenario of its own."
-        )
+    if not doubled:
+        return
+    remedy = f"give the section {node.section} a scenario of its own"
+    if node.station_outputs:
+        remedy = f"give every station under {node.section} a namespace, e.g. station_2"
+    raise ConfigurationError(
+        f"{where}: {node.name} would publish {', '.join(sorted(doubled))} a second time; {remedy}."
+    )
 
 
 def _is_kind(name: str, topic: Topic) -> bool:
@@ -157,7 +148,7 @@ def _heard(node: NodeDescription) -> set[str]:
     return {topic.name for topic in (*node.inputs, *node.optional_inputs, *listed)}
 
 
-def _missing(node: NodeDescription, available: set[str]) -> set[str]:
-    needed = {topic.name for topic in node.inputs}
-    needed |= {topic.name for topic in list(node.topic_parameters.values())[:1]}
-    return needed - available
+def _missing(node: NodeDescription, kinds: set[str], published: set[str]) -> set[str]:
+    """Return the inputs nobody publishes; of a list of topics one of the kind is enough."""
+    needed = {topic.name for topic in list(node.topic_parameters.values())[:1]}
+    return {topic.name for topic in node.inputs} - published | (needed - kinds)

@@ -11,6 +11,9 @@ PROGRESS_TOPIC = "flow/done"
 TIME_TOPIC = "flow/time"
 """The time of a run, for its own sources of data: ``/clock`` is open to whoever publishes it."""
 
+BEGIN_TOPIC = "flow/begin"
+"""When a scenario began, where no simulation time tells it; kept for late readers."""
+
 
 class TopicKind(Enum):
     """How a topic is transported: see :mod:`sonar_tracking.graph.node_base.quality_of_service`."""

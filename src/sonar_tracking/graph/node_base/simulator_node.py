@@ -1,11 +1,11 @@
-"""Base of the nodes that simulate a sensor: they publish whatever is due.
+"""Base of the nodes that simulate the world or a sensor: they publish whatever is due.
 
 With simulation time a simulator emits, at each ``/clock``, everything due up to it, so that
 skipped ticks do no harm, and reports on ``flow/done`` how far it has served the clock. A simulator
 of a run follows the orchestration of that run alone, on ``flow/time``: a ``/clock`` of somebody
 else would make it publish more than its consumers can take. Without simulation time, the scenario
 begins at the present time of the node's clock, when somebody subscribes to its data: a real sensor
-has no other stamps.
+has no other stamps. See :mod:`sonar_tracking.graph.node_base.scenario_begin`.
 """
 
 from __future__ import annotations
@@ -30,7 +30,6 @@ from sonar_tracking.graph.catalogue.resumption import resumes_after
 from sonar_tracking.graph.catalogue.run_identity import CONTROL_NODE, own_identity, signed
 from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC, TIME_TOPIC
 from sonar_tracking.graph.node_base import quality_of_service
-from sonar_tracking.graph.node_base.data_flow import DataOutput
 from sonar_tracking.graph.node_base.sonar_node import SonarNode
 from sonar_tracking.message_reading.field_reading import stamp_from_time
 from sonar_tracking.records.time import nanoseconds
@@ -63,7 +62,7 @@ class SimulatorNode(SonarNode):
     """Publishes the data of a simulation when they are due.
 
     A subclass makes its publishers, calls :meth:`begin`, and overrides :meth:`data`,
-    :meth:`publish` and :attr:`main_output`.
+    :meth:`publish` and :meth:`began`.
 
     Parameters
     ----------
@@ -79,11 +78,7 @@ class SimulatorNode(SonarNode):
         self._kept: deque[Snapshot] = deque(maxlen=2)
         self._data: Iterator[Any] = iter(())
         self._next: Any = None
-
-    @property
-    @abstractmethod
-    def main_output(self) -> DataOutput:
-        """Publisher of the data; without simulation time they start when somebody listens."""
+        self._step = 0
 
     @abstractmethod
     def data(self, scenario: Scenario) -> Iterator[SimulatedDatum]:
@@ -99,6 +94,13 @@ class SimulatorNode(SonarNode):
     def publish(self, datum: Any) -> None:
         """Publish one datum."""
 
+    @abstractmethod
+    def began(self, scenario: Scenario, now: int) -> int | None:
+        """Return when the scenario has begun, ns of a clock without simulation time.
+
+        It is asked again and again, with the present of that clock, until it knows; None = not yet.
+        """
+
     def begin(self) -> None:
         """Read the scenario of the parameters and wait for the clock.
 
@@ -110,7 +112,7 @@ class SimulatorNode(SonarNode):
         configuration = self.configuration(SimulatorConfiguration)
         try:
             scenario = read_scenario(configuration.scenario)
-            if self._section not in scenario.sensors:
+            if self._section not in scenario.simulated:
                 raise ConfigurationError(
                     f"The scenario {scenario.name or configuration.scenario} has no section "
                     f"{self._section} to simulate."
@@ -119,8 +121,6 @@ class SimulatorNode(SonarNode):
         except ConfigurationError as error:
             raise ConfigurationError(f"{self.get_name()}.scenario: {error}") from error
         if self.get_parameter("use_sim_time").value:
-            # What follows of a block is timed from its announcement.
-            self.main_output.is_timed = True
             self._follow_time()
             return
         self._waiting: Scenario | None = scenario
@@ -192,15 +192,18 @@ class SimulatorNode(SonarNode):
         self.progress.report(CLOCK_TOPIC, self._ticks, now)
 
     def _prepare(self, scenario: Scenario) -> None:
+        self._step = nanoseconds(scenario.step)
         self._data = self.data(scenario)
         self._next = next(self._data, None)
 
     def _pace(self) -> None:
         now = self.get_clock().now().nanoseconds
         if self._waiting is not None:
-            if self.main_output.publisher.get_subscription_count() == 0:
+            begun = self.began(self._waiting, now)
+            if begun is None:
                 return
-            self._prepare(replace(self._waiting, epoch=now - nanoseconds(self._waiting.start)))
+            self._prepare(replace(self._waiting, epoch=begun - nanoseconds(self._waiting.start)))
+            self._skip_past(now)
             self._waiting = None
         self.serve(now)
 
@@ -213,7 +216,7 @@ class SimulatorNode(SonarNode):
         repeated = self.node_configuration.flow_depth // 2
         received = resumes_after()
         while self._next is not None:
-            length = self._next.due_stamp - self._next.start_stamp
+            length = max(self._next.due_stamp - self._next.start_stamp, self._step)
             known = received is not None and self._next.start_stamp <= received
             if not known and self._next.due_stamp > now - repeated * length:
                 return

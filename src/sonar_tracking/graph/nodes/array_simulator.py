@@ -1,4 +1,4 @@
-"""Node ``array_simulator``: the snapshots, own ship and truth of a scenario, block by block."""
+"""Node ``array_simulator``: the snapshots of a scenario's array, block by block."""
 
 from __future__ import annotations
 
@@ -7,27 +7,23 @@ from collections.abc import Iterator
 
 from sonar_tracking.graph.catalogue.simulator_nodes import ARRAY_SIMULATOR
 from sonar_tracking.graph.catalogue.topics import (
-    ODOMETRY,
     SNAPSHOTS,
     TRUE_BEARING_TRACKS,
-    TRUE_TRACKS,
 )
 from sonar_tracking.graph.message_writing.simulated_writing import (
     bearing_tracks_to_bytes,
-    own_ship_to_bytes,
     snapshots_to_bytes,
-    truth_tracks_to_bytes,
 )
 from sonar_tracking.graph.node_base.data_flow import DataOutput
 from sonar_tracking.graph.node_base.node_process import run_node
-from sonar_tracking.graph.node_base.simulator_node import SimulatorNode
+from sonar_tracking.graph.node_base.sensor_simulator_node import SensorSimulatorNode
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.sensors.array_simulation import ArraySimulation
 from sonar_tracking.simulation.sensors.simulated_data import SimulatedBlock
 from sonar_tracking.simulation.signals.near_targets import near_target_notices
 
 
-class ArraySimulator(SimulatorNode):
+class ArraySimulator(SensorSimulatorNode):
     """Publishes the blocks of an :class:`ArraySimulation` when they are due.
 
     A block is due when its last snapshot lies in the past.
@@ -37,8 +33,6 @@ class ArraySimulator(SimulatorNode):
         super().__init__(ARRAY_SIMULATOR)
         self._snapshots = self.data_publisher(SNAPSHOTS)
         self._true_bearings = self.data_publisher(TRUE_BEARING_TRACKS)
-        self._true_tracks = self.data_publisher(TRUE_TRACKS)
-        self._odometry = self.data_publisher(ODOMETRY)
         self.begin()
 
     @property
@@ -53,10 +47,7 @@ class ArraySimulator(SimulatorNode):
         return iter(ArraySimulation(scenario).next_block, None)
 
     def publish(self, datum: SimulatedBlock) -> None:
-        """Publish a block: own ship and truth ahead of the data."""
-        for state in datum.own_ship:
-            self._odometry.publish(own_ship_to_bytes(state))
-        self._true_tracks.publish(truth_tracks_to_bytes(datum.truth_tracks))
+        """Publish a block: the true angles ahead of the data."""
         self._true_bearings.publish(bearing_tracks_to_bytes(datum.truth_bearings))
         self._snapshots.publish(snapshots_to_bytes(datum.snapshots))
 

@@ -10,20 +10,16 @@ from sonar_tracking.graph.catalogue.simulator_nodes import BEARING_SIMULATOR
 from sonar_tracking.graph.catalogue.topics import (
     BEARING_TRACKS,
     FREQUENCY_LINES,
-    ODOMETRY,
     TRUE_BEARING_TRACKS,
-    TRUE_TRACKS,
     Topic,
 )
 from sonar_tracking.graph.message_writing.line_writing import frequency_lines_to_message
 from sonar_tracking.graph.message_writing.simulated_writing import (
     bearing_tracks_to_bytes,
-    own_ship_to_bytes,
-    truth_tracks_to_bytes,
 )
 from sonar_tracking.graph.node_base.data_flow import DataOutput
 from sonar_tracking.graph.node_base.node_process import run_node
-from sonar_tracking.graph.node_base.simulator_node import SimulatorNode
+from sonar_tracking.graph.node_base.sensor_simulator_node import SensorSimulatorNode
 from sonar_tracking.simulation.scenarios.scenario import BEARING_SENSORS, Scenario
 from sonar_tracking.simulation.sensors.bearing_simulation import (
     BearingSimulation,
@@ -32,7 +28,7 @@ from sonar_tracking.simulation.sensors.bearing_simulation import (
 )
 
 
-class BearingSimulator(SimulatorNode):
+class BearingSimulator(SensorSimulatorNode):
     """Publishes the frames of a :class:`BearingSimulation` when they are due.
 
     The topics of a station are in its namespace; they are made when the scenario is read.
@@ -40,8 +36,6 @@ class BearingSimulator(SimulatorNode):
 
     def __init__(self) -> None:
         super().__init__(BEARING_SIMULATOR)
-        self._true_tracks = self.data_publisher(TRUE_TRACKS)
-        self._odometry = self.data_publisher(ODOMETRY)
         self._stations: list[dict[Topic, DataOutput]] = []
         self.begin()
 
@@ -60,9 +54,7 @@ class BearingSimulator(SimulatorNode):
         return iter(simulation.next_frame, None)
 
     def publish(self, datum: SimulatedFrame) -> None:
-        """Publish a frame: own ship and truth ahead of the data."""
-        self._odometry.publish(own_ship_to_bytes(datum.own_ship))
-        self._true_tracks.publish(truth_tracks_to_bytes(datum.truth_tracks))
+        """Publish a frame: the true angles ahead of the data."""
         for report in datum.reports:
             self._publish_station(report)
 

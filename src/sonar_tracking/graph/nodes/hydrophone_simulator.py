@@ -1,4 +1,4 @@
-"""Node ``hydrophone_simulator``: element time series, own ship and truth, block by block."""
+"""Node ``hydrophone_simulator``: element time series, and the true angles, block by block."""
 
 from __future__ import annotations
 
@@ -7,26 +7,22 @@ from collections.abc import Iterator
 
 from sonar_tracking.graph.catalogue.simulator_nodes import HYDROPHONE_SIMULATOR
 from sonar_tracking.graph.catalogue.topics import (
-    ODOMETRY,
     SAMPLES,
     TRUE_BEARING_TRACKS,
-    TRUE_TRACKS,
 )
 from sonar_tracking.graph.message_writing.sample_writing import samples_to_message
 from sonar_tracking.graph.message_writing.simulated_writing import (
     bearing_tracks_to_bytes,
-    own_ship_to_bytes,
-    truth_tracks_to_bytes,
 )
 from sonar_tracking.graph.node_base.data_flow import DataOutput
 from sonar_tracking.graph.node_base.node_process import run_node
-from sonar_tracking.graph.node_base.simulator_node import SimulatorNode
+from sonar_tracking.graph.node_base.sensor_simulator_node import SensorSimulatorNode
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.sensors.sample_simulation import SampleSimulation
 from sonar_tracking.simulation.sensors.simulated_data import SimulatedSamples
 
 
-class HydrophoneSimulator(SimulatorNode):
+class HydrophoneSimulator(SensorSimulatorNode):
     """Publishes the blocks of a :class:`SampleSimulation` when they are due.
 
     A block is due when its last sample lies in the past.
@@ -36,8 +32,6 @@ class HydrophoneSimulator(SimulatorNode):
         super().__init__(HYDROPHONE_SIMULATOR)
         self._samples = self.data_publisher(SAMPLES)
         self._true_bearings = self.data_publisher(TRUE_BEARING_TRACKS)
-        self._true_tracks = self.data_publisher(TRUE_TRACKS)
-        self._odometry = self.data_publisher(ODOMETRY)
         self.begin()
 
     @property
@@ -50,10 +44,7 @@ class HydrophoneSimulator(SimulatorNode):
         return iter(SampleSimulation(scenario).next_block, None)
 
     def publish(self, datum: SimulatedSamples) -> None:
-        """Publish a block: own ship and truth ahead of the data."""
-        for state in datum.own_ship:
-            self._odometry.publish(own_ship_to_bytes(state))
-        self._true_tracks.publish(truth_tracks_to_bytes(datum.truth_tracks))
+        """Publish a block: the true angles ahead of the data."""
         self._true_bearings.publish(bearing_tracks_to_bytes(datum.truth_bearings))
         self._samples.publish(samples_to_message(datum.samples))
 

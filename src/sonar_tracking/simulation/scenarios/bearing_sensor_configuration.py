@@ -72,6 +72,10 @@ class BearingSensorConfiguration:
             return own_ship.trajectory()
         return make_trajectory(self.position, self.course_deg, 0.0, ())
 
+    def number_of_frames(self, duration: float) -> int:
+        """Return how many frames begin within a duration, s."""
+        return max(1, int(np.ceil(duration / self.frame_interval - 1e-9)))
+
     @property
     def ambiguous(self) -> bool:
         """Whether it measures a cone."""

@@ -37,11 +37,6 @@ class HydrophoneConfiguration:
         maximum=200.0,
     )
 
-    @property
-    def block_period(self) -> float:
-        """Time between messages, s."""
-        return self.block_samples / self.sample_rate
-
 
 def check_hydrophones(
     hydrophones: HydrophoneConfiguration, targets: Sequence[TargetConfiguration], where: str

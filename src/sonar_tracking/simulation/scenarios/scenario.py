@@ -42,6 +42,9 @@ HYDROPHONES = "hydrophones"
 BEARING_SENSORS = "bearing_sensors"
 """Section of the stations that report bearings and lines directly, a list."""
 
+OWN_SHIP = "own_ship"
+"""Section of own ship, which is part of every world."""
+
 OTHER_SENSORS = (BEARING_SENSORS, "active_sonar")
 """Sections of the sensors beside the narrowband array."""
 
@@ -81,6 +84,11 @@ class Scenario:
         return ((array,) if self.array_given else ()) + others
 
     @property
+    def simulated(self) -> tuple[str, ...]:
+        """Sections that are simulated: own ship in its world, and the sensors."""
+        return (OWN_SHIP, *self.sensors)
+
+    @property
     def namespaces(self) -> dict[str, tuple[str, ...]]:
         """Namespaces of the stations of a sensor, by its section; absent = one without."""
         stations = tuple(sensor.namespace for sensor in self.bearing_sensors)
@@ -90,10 +98,8 @@ class Scenario:
     def step(self) -> float:
         """Shortest time between two data of a sensor, s."""
         steps = []
-        if self.hydrophones is not None:
-            steps.append(self.hydrophones.block_period)
-        elif self.array_given:
-            steps.append(self.array.block_snapshots / self.array.snapshot_rate)
+        if self.array_given:
+            steps.append(self.block_length / self.sample_rate)
         if self.active_sonar is not None:
             steps.append(self.active_sonar.ping_interval)
         steps += [sensor.frame_interval for sensor in self.bearing_sensors]
@@ -102,10 +108,31 @@ class Scenario:
     @property
     def end(self) -> float:
         """Scenario time at which the last datum is complete, s."""
-        if self.sensors not in ((ARRAY,), (HYDROPHONES,)):
-            return self.start + self.duration
-        rate = self.hydrophones.sample_rate if self.hydrophones else self.array.snapshot_rate
-        return self.start + max(1, round(self.duration * rate)) / rate
+        ends = []
+        if self.array_given:
+            ends.append(self.start + self.n_samples / self.sample_rate)
+        if self.bearing_sensors or self.active_sonar is not None:
+            ends.append(self.start + self.duration)
+        return max(ends)
+
+    @property
+    def sample_rate(self) -> float:
+        """Snapshots or samples of the array a second."""
+        return (
+            self.array.snapshot_rate if self.hydrophones is None else self.hydrophones.sample_rate
+        )
+
+    @property
+    def block_length(self) -> int:
+        """Snapshots or samples in one message of the array."""
+        if self.hydrophones is None:
+            return self.array.block_snapshots
+        return self.hydrophones.block_samples
+
+    @property
+    def n_samples(self) -> int:
+        """Snapshots or samples of the array from begin to end."""
+        return max(1, round(self.duration * self.sample_rate))
 
     @property
     def block_bytes(self) -> int:

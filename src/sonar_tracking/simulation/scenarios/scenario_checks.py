@@ -35,6 +35,7 @@ def check_scenario(scenario: Scenario, where: str) -> None:
     if scenario.active_sonar is not None:
         _check_active_sonar(scenario.active_sonar, scenario.duration, where)
     check_bearing_sensors(scenario.bearing_sensors, f"{where}bearing_sensors")
+    _check_sensor_names(scenario, where)
     if scenario.hydrophones is not None:
         check_hydrophones(scenario.hydrophones, scenario.targets, where)
     _check_platform(scenario.own_ship, f"{where}own_ship")
@@ -54,6 +55,23 @@ def _check_active_sonar(sensor: ContactSensorConfiguration, duration: float, whe
         number_of_pings(sensor, duration)
     except ConfigurationError as error:
         raise ConfigurationError(f"{where}active_sonar: {error}") from error
+
+
+def _check_sensor_names(scenario: Scenario, where: str) -> None:
+    """Refuse sensors of different kinds by one name: a track could not tell who heard it."""
+    names = [("array", scenario.array.sensor_id)] if scenario.array_given else []
+    if scenario.active_sonar is not None:
+        names.append(("active_sonar", scenario.active_sonar.sensor_id))
+    for index, station in enumerate(scenario.bearing_sensors):
+        names.append((f"bearing_sensors[{index}]", station.sensor_id))
+    named: dict[str, str] = {}
+    for section, name in names:
+        other = named.setdefault(name, section)
+        if other != section:
+            raise ConfigurationError(
+                f"{where}{section}.sensor_id is {name!r} like that of {other}; give every sensor "
+                "its own."
+            )
 
 
 def _check_array(array: ArrayConfiguration, where: str) -> None:

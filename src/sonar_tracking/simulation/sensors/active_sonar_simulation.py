@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.contacts import Contacts
 from sonar_tracking.records.own_ship import OwnShipState
 from sonar_tracking.records.positions import TruthTracks
@@ -22,6 +21,7 @@ from sonar_tracking.simulation.scenarios.kinematic_motion import KinematicMotion
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.scenarios.target import TargetConfiguration
 from sonar_tracking.simulation.sensors.contact_simulation import ContactSimulation, ContactTarget
+from sonar_tracking.simulation.world.world_state import own_ship_at
 
 RANDOM_STREAM = 100
 """Of the sonar among those of the seed; the array of the same scenario has the first ones."""
@@ -76,11 +76,10 @@ class ActiveSonarSimulation:
         self._scenario = scenario
         self._sensor = scenario.active_sonar
         self._n_pings = number_of_pings(self._sensor, scenario.duration)
-        self._own_ship = scenario.own_ship.trajectory()
         seed = np.random.SeedSequence(scenario.seed, spawn_key=(RANDOM_STREAM,))
         self._simulation = ContactSimulation(
             self._sensor,
-            self._own_ship,
+            scenario.own_ship.trajectory(),
             [
                 part
                 for n, one in enumerate(scenario.targets, 1)
@@ -111,19 +110,12 @@ class ActiveSonarSimulation:
                     velocity=ping.state[:, 2:],
                     next_stamp=next_stamp,
                 ),
-                own_ship=tuple(self._own_ship_state(stamp) for stamp in stamps),
+                own_ship=tuple(
+                    own_ship_at(self._scenario, seconds(stamp - self._scenario.epoch))
+                    for stamp in stamps
+                ),
                 due_stamp=received,
             )
-
-    def _own_ship_state(self, stamp: int) -> OwnShipState:
-        state = self._own_ship.state(seconds(stamp - self._scenario.epoch))
-        return OwnShipState(
-            stamp=stamp,
-            position=(float(state.position[0]), float(state.position[1])),
-            yaw=float(wrap_angle(state.azimuth)),
-            velocity=(self._scenario.own_ship.speed, 0.0),
-            yaw_rate=float(state.turn_rate),
-        )
 
 
 def _contact_targets(number: int, target: TargetConfiguration) -> Iterator[ContactTarget]:

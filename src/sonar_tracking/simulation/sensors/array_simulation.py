@@ -13,7 +13,7 @@ from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import ArraySnapshots, Sensor
 from sonar_tracking.records.time import END_OF_DATA
 from sonar_tracking.simulation.scenarios.scenario import Scenario
-from sonar_tracking.simulation.sensors.scene_truth import own_ship_at, true_bearings, true_tracks
+from sonar_tracking.simulation.sensors.scene_truth import true_bearings
 from sonar_tracking.simulation.sensors.simulated_data import SimulatedBlock
 from sonar_tracking.simulation.signals.snapshot_synthesis import (
     circular_gaussian,
@@ -21,6 +21,7 @@ from sonar_tracking.simulation.signals.snapshot_synthesis import (
     synthesize_snapshots,
 )
 from sonar_tracking.simulation.signals.source_signals import SourceSignals
+from sonar_tracking.simulation.world.world_state import own_ship_at, true_tracks
 
 
 class ArraySimulation:
@@ -37,7 +38,7 @@ class ArraySimulation:
         self._scenario = scenario
         self._receiver = scenario.receiver()
         self._positions = array.element_positions()
-        self._n_snapshots = max(1, round(scenario.duration * array.snapshot_rate))
+        self._n_snapshots = scenario.n_samples
         self._next = 0
         data_seed, phase_seed = np.random.SeedSequence(scenario.seed).spawn(2)
         self._generator = np.random.default_rng(data_seed)

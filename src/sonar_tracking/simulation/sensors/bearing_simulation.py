@@ -14,15 +14,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.bearings import BearingTracks
 from sonar_tracking.records.lines import FrequencyLines
 from sonar_tracking.records.own_ship import OwnShipState
 from sonar_tracking.records.positions import TruthTracks
 from sonar_tracking.records.time import END_OF_DATA, nanoseconds
-from sonar_tracking.simulation.scenarios.kinematic_motion import KinematicMotion
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.sensors.bearing_station import BearingStation
+from sonar_tracking.simulation.world.world_state import own_ship_at, true_tracks
+
+RANDOM_STREAM = 101
+"""Of the stations among those of the seed, beside an array, which has the first ones."""
 
 
 @dataclass(frozen=True)
@@ -84,10 +86,10 @@ class BearingSimulation:
     def __init__(self, scenario: Scenario) -> None:
         sensors = scenario.bearing_sensors
         self._scenario = scenario
-        self._own_ship = scenario.own_ship.trajectory()
         self._step = nanoseconds(min(sensor.frame_interval for sensor in sensors))
         self._end = scenario.stamp(scenario.start + scenario.duration)
-        seeds = np.random.SeedSequence(scenario.seed).spawn(len(sensors))
+        streams = (RANDOM_STREAM,) if scenario.array_given else ()
+        seeds = np.random.SeedSequence(scenario.seed, spawn_key=streams).spawn(len(sensors))
         self._stations = [
             BearingStation(
                 sensor,
@@ -97,10 +99,7 @@ class BearingSimulation:
             )
             for sensor, seed in zip(sensors, seeds, strict=True)
         ]
-        self._frames = [
-            max(1, int(np.ceil(scenario.duration / sensor.frame_interval - 1e-9)))
-            for sensor in sensors
-        ]
+        self._frames = [sensor.number_of_frames(scenario.duration) for sensor in sensors]
         self._next = [0] * len(sensors)
 
     def next_frame(self) -> SimulatedFrame | None:
@@ -117,8 +116,8 @@ class BearingSimulation:
         return SimulatedFrame(
             start_stamp=stamp,
             due_stamp=max(min(stamp + self._step, self._end), stamp + 1),
-            own_ship=self._own_ship_at(stamp, time),
-            truth_tracks=self._truth_tracks(stamp, time),
+            own_ship=own_ship_at(self._scenario, time),
+            truth_tracks=true_tracks(self._scenario, time, self._earliest()),
             reports=tuple(reports),
         )
 
@@ -144,27 +143,3 @@ class BearingSimulation:
         measured = made.measure(time, truth, last=next_stamp == END_OF_DATA)
         bearings, lines = measured if measured is not None else (None, None)
         return StationReport(station, bearings, lines, truth)
-
-    def _own_ship_at(self, stamp: int, time: float) -> OwnShipState:
-        state = self._own_ship.state(time)
-        return OwnShipState(
-            stamp=stamp,
-            position=(float(state.position[0]), float(state.position[1])),
-            yaw=float(wrap_angle(state.azimuth)),
-            velocity=(self._scenario.own_ship.speed, 0.0),
-            yaw_rate=float(state.turn_rate),
-        )
-
-    def _truth_tracks(self, stamp: int, time: float) -> TruthTracks:
-        rows, states = [], []
-        for index, target in enumerate(self._scenario.targets):
-            if isinstance(target.motion, KinematicMotion) and target.is_present(time):
-                rows.append(index + 1)
-                states.append(target.motion.trajectory.state(time))
-        return TruthTracks(
-            stamp=stamp,
-            id=np.array(rows, dtype=np.uint64),
-            position=np.array([state.position for state in states]).reshape(-1, 2),
-            velocity=np.array([state.velocity for state in states]).reshape(-1, 2),
-            next_stamp=self._earliest(),
-        )

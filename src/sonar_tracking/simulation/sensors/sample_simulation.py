@@ -17,13 +17,14 @@ from sonar_tracking.records.samples import ArraySamples
 from sonar_tracking.records.time import END_OF_DATA
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.scenarios.target import TargetConfiguration
-from sonar_tracking.simulation.sensors.scene_truth import own_ship_at, true_bearings, true_tracks
+from sonar_tracking.simulation.sensors.scene_truth import true_bearings
 from sonar_tracking.simulation.sensors.simulated_data import SimulatedSamples
 from sonar_tracking.simulation.signals.broadband_waveform import BroadbandWaveform
 from sonar_tracking.simulation.signals.sample_propagation import (
     element_emission_times,
     plane_wave_emission_times,
 )
+from sonar_tracking.simulation.world.world_state import own_ship_at, true_tracks
 
 
 class SampleSimulation:
@@ -51,7 +52,7 @@ class SampleSimulation:
         self._hydrophones = hydrophones
         self._receiver = scenario.receiver()
         self._positions = scenario.array.element_positions()
-        self._n_samples = max(1, round(scenario.duration * hydrophones.sample_rate))
+        self._n_samples = scenario.n_samples
         self._next = 0
         seeds = np.random.SeedSequence(scenario.seed).spawn(2 + len(scenario.targets))
         generators = [np.random.default_rng(seed) for seed in seeds]

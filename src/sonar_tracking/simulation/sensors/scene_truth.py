@@ -1,7 +1,4 @@
-"""What is known of a simulated scene at one instant: own ship, sensor, targets.
-
-Every simulator of a sensor reports the same truth in the same way.
-"""
+"""What an array hears in truth at one instant: where it is, and the angles of the targets."""
 
 from __future__ import annotations
 
@@ -10,23 +7,8 @@ import numpy as np
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import BearingTracks, Sensor, TrackStatus
-from sonar_tracking.records.own_ship import OwnShipState
-from sonar_tracking.records.positions import TruthTracks
 from sonar_tracking.records.time import UNKNOWN_STAMP
-from sonar_tracking.simulation.scenarios.kinematic_motion import KinematicMotion
 from sonar_tracking.simulation.scenarios.scenario import Scenario
-
-
-def own_ship_at(scenario: Scenario, time: float) -> OwnShipState:
-    """Return the state of own ship at a scenario time, s."""
-    state = scenario.own_ship.trajectory().state(time)
-    return OwnShipState(
-        stamp=scenario.stamp(time),
-        position=(float(state.position[0]), float(state.position[1])),
-        yaw=float(wrap_angle(state.azimuth)),
-        velocity=(scenario.own_ship.speed, 0.0),
-        yaw_rate=float(state.turn_rate),
-    )
 
 
 def array_sensor_at(scenario: Scenario, time: float) -> Sensor:
@@ -80,20 +62,4 @@ def true_bearings(
         ambiguous=np.full(len(rows), scenario.receiver().ambiguous),
         next_stamp=next_stamp,
         sensor=array_sensor_at(scenario, time),
-    )
-
-
-def true_tracks(scenario: Scenario, time: float, next_stamp: int = UNKNOWN_STAMP) -> TruthTracks:
-    """Return the states of the present targets that move in ``map``, at a scenario time, s."""
-    rows, states = [], []
-    for index, target in enumerate(scenario.targets):
-        if isinstance(target.motion, KinematicMotion) and target.is_present(time):
-            rows.append(index + 1)
-            states.append(target.motion.trajectory.state(time))
-    return TruthTracks(
-        stamp=scenario.stamp(time),
-        id=np.array(rows, dtype=np.uint64),
-        position=np.array([state.position for state in states]).reshape(-1, 2),
-        velocity=np.array([state.velocity for state in states]).reshape(-1, 2),
-        next_stamp=next_stamp,
     )
