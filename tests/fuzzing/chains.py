@@ -13,7 +13,7 @@ class Chain(NamedTuple):
     scenario : str
         Its name.
     in_front : tuple of str
-        Nodes that make the messages, the simulator first.
+        Nodes that make the messages, the simulators first.
     length : float
         Of the stream before it begins again, s.
     """
@@ -32,7 +32,7 @@ CHAINS = {
         ("hydrophone_simulator", "band_demodulator", "subspace_estimator", "bearing_tracker"),
         12.0,
     ),
-    "tma_tracker": Chain("tma", ("bearing_simulator",), 300.0),
-    "hpda_tracker": Chain("active", ("contact_simulator",), 600.0),
+    "tma_tracker": Chain("tma", ("world_simulator", "bearing_simulator"), 300.0),
+    "hpda_tracker": Chain("active", ("world_simulator", "contact_simulator"), 600.0),
 }
 """By the name of the node."""

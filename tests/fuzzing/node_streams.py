@@ -84,12 +84,10 @@ def good_messages(
     node: NodeInProcess, in_front: list[NodeInProcess], length: float
 ) -> list[Message]:
     """Return what a node gets during the first seconds of the scenario, in order."""
-    simulator, *others = in_front
-    assert isinstance(simulator.node, SimulatorNode)
-    first = simulator.node._next.start_stamp
-    simulator.node.serve(first + nanoseconds(length))
-    messages = list(simulator.outputs)
-    for each in others:
+    messages: list[Message] = []
+    for each in in_front:
+        if isinstance(each.node, SimulatorNode):
+            each.node.serve(each.node._next.start_stamp + nanoseconds(length))
         for topic, message in list(messages):
             each.feed(topic, message)
         messages += each.outputs

@@ -26,7 +26,8 @@ def test_the_active_scenario_runs_and_replays_identically(tmp_path: Path) -> Non
     assert done.returncode == 0, done.stdout
     assert "warning" not in done.stdout
     live = report_of(tmp_path / "run.json")
-    assert live["nodes"]["contact_simulator"]["messages_out"] == 4 * PINGS
+    assert live["nodes"]["contact_simulator"]["messages_out"] == PINGS
+    assert live["nodes"]["world_simulator"]["messages_out"] == 3 * PINGS
     assert all(live["topics"][name]["messages"] == PINGS for name in OUTPUTS)
 
     done = run_command(tmp_path, "replay", bag, "--rate", "max", "--json", tmp_path / "replay.json")

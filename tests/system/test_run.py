@@ -61,6 +61,7 @@ def test_summary_and_report(recorded_run: RecordedRun) -> None:
     assert report["scenario"] == "doa_fusion"
     assert report["data_seconds"] == pytest.approx(41.1)
     assert set(report["nodes"]) == {
+        "world_simulator",
         "array_simulator",
         "subspace_estimator",
         "bearing_tracker",

@@ -150,7 +150,7 @@ def test_two_runs_share_a_domain_each_with_its_own_clock(
         assert command.wait() == 130, command.output  # ended by Ctrl-C
         report = report_of(tmp_path / ship / "run.json")
         assert not report["failures"] and not report["warnings"]
-        assert set(report["nodes"]) == {"contact_simulator", "hpda_tracker"}
+        assert set(report["nodes"]) == {"world_simulator", "contact_simulator", "hpda_tracker"}
         assert report["topics"][f"/{ship}/active/tracks"]["messages"] > 0
 
 

@@ -16,7 +16,7 @@ from sonar_tracking.graph.catalogue.topics import BEARING_TRACKS
 def test_a_run_is_measured_from_its_command_on(tmp_path: Path) -> None:
     arguments = ["run", "doa_fusion", "--duration", "6", "--rate", "2"]
     run = measured_run(arguments, BEARING_TRACKS, tmp_path)
-    nodes = {"array_simulator", "subspace_estimator", "bearing_tracker"}
+    nodes = {"world_simulator", "array_simulator", "subspace_estimator", "bearing_tracker"}
     assert set(run.cpu_seconds) == {*nodes, ORCHESTRATION}
     assert 0.0 < run.spawned < run.data_flow < run.first_track
     for name, seconds in run.cpu_seconds.items():

@@ -21,6 +21,7 @@ NODE_MODULES = {node.name: node.module for node in NODES.values()}
 NODE_MODULES["recorder"] = "sonar_tracking.graph.nodes.recorder"
 
 STAGES = {
+    "world_simulator": "sonar_tracking.simulation.world",
     "array_simulator": "sonar_tracking.simulation",
     "hydrophone_simulator": "sonar_tracking.simulation",
     "bearing_simulator": "sonar_tracking.simulation",

@@ -23,7 +23,8 @@ def test_a_source_goes_on_behind_what_all_that_live_have_received(tmp_path: Path
         finished.finished("orchestration", topic, 30)
     assert VARIABLE not in environment(source), "the tracker may have nothing"
     assert environment(source, ("hpda_tracker",))[VARIABLE] == "30"
-    for topic, stamp in (("/active/contacts", 20), ("/own_ship/odometry", 40)):
+    for topic, stamp in (("/active/contacts", 20), ("/own_ship/odometry", 10)):
         finished.finished("hpda_tracker", topic, stamp)
     assert environment(source)[VARIABLE] == "20"
+    assert environment("world_simulator")[VARIABLE] == "10"
     assert VARIABLE not in environment("hpda_tracker")
