@@ -131,6 +131,10 @@ ERRORS: list[tuple[dict[str, Any], str]] = [
         minimal(bearing_sensors=[{"namespace": "buoy"}]),
         r"bearing_sensors\[0\]\.sensor_id is 'array' like that of array; give every sensor its own",
     ),
+    (
+        target(name="ghost", heard=False, echoes=False),
+        r"targets\[0\]: heard and echoes are both false, so that nothing receives ghost",
+    ),
     (minimal(nodes={"recorder": 3}), r"nodes\.recorder is 3; it must be a mapping"),
     (minimal(nodes={"recorder": {"a": None}}), r"nodes\.recorder\.a is None; it must be a number"),
 ]

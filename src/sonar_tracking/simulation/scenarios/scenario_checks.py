@@ -111,6 +111,11 @@ def _check_platform(platform: OwnShipConfiguration | KinematicMotion, where: str
 
 def _check_target(target: TargetConfiguration, where: str) -> None:
     _check_schedule(target.present, f"{where}.present")
+    if not target.heard and not target.echoes:
+        raise ConfigurationError(
+            f"{where}: heard and echoes are both false, so that nothing receives {target.name}; "
+            "leave one of them out."
+        )
     for number, line in enumerate(target.lines):
         _check_schedule(line.present, f"{where}.lines[{number}].present")
     motion = target.motion

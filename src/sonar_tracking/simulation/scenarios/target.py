@@ -59,8 +59,10 @@ class TargetConfiguration:
         0.0, "signal power over noise power per element", unit="dB", minimum=-100.0, maximum=100.0
     )
     present: tuple[float, ...] = parameter(
-        (), "times from, to, from, to, ... between which it is heard; empty = always", unit="s"
+        (), "times from, to, from, to, ... between which it is there; empty = always", unit="s"
     )
+    heard: bool = parameter(True, "it makes sound; otherwise it gives echoes at the most")
+    echoes: bool = parameter(True, "an active sonar sees it; otherwise it is heard at the most")
     echo_level_db: float = parameter(
         0.0,
         "echo over that of a target of the active sonar's signal_to_noise_ratio_db",
@@ -81,8 +83,12 @@ class TargetConfiguration:
     motion: TargetMotion = field(default_factory=ArctangentMotion, metadata=SECTION)
 
     def is_present(self, times: ArrayLike) -> BoolArray:
-        """Return at which times of reception, shape (...), s, it is heard."""
+        """Return at which times, shape (...), s, it is there."""
         return within(self.present, times)
+
+    def is_heard(self, times: ArrayLike) -> BoolArray:
+        """Return at which times of reception, shape (...), s, it is heard."""
+        return self.is_present(times) & self.heard
 
 
 def within(schedule: tuple[float, ...], times: ArrayLike) -> BoolArray:

@@ -21,7 +21,7 @@ from sonar_tracking.simulation.scenarios.kinematic_motion import KinematicMotion
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.scenarios.target import TargetConfiguration
 from sonar_tracking.simulation.sensors.contact_simulation import ContactSimulation, ContactTarget
-from sonar_tracking.simulation.world.world_state import own_ship_at
+from sonar_tracking.simulation.world.world_state import own_ship_at, true_tracks
 
 RANDOM_STREAM = 100
 """Of the sonar among those of the seed; the array of the same scenario has the first ones."""
@@ -84,6 +84,7 @@ class ActiveSonarSimulation:
                 part
                 for n, one in enumerate(scenario.targets, 1)
                 for part in _contact_targets(n, one)
+                if one.echoes
             ],
             np.random.default_rng(seed),
             scenario.epoch,
@@ -103,13 +104,7 @@ class ActiveSonarSimulation:
             told = received
             yield ReceivedPing(
                 contacts=replace(ping.contacts, next_stamp=next_stamp),
-                truth_tracks=TruthTracks(
-                    stamp=ping.contacts.stamp,
-                    id=ping.target_id.astype(np.uint64),
-                    position=ping.state[:, :2],
-                    velocity=ping.state[:, 2:],
-                    next_stamp=next_stamp,
-                ),
+                truth_tracks=true_tracks(self._scenario, sent, next_stamp),
                 own_ship=tuple(
                     own_ship_at(self._scenario, seconds(stamp - self._scenario.epoch))
                     for stamp in stamps

@@ -72,7 +72,7 @@ class BearingStation:
 
     def truth(self, time: float, stamp: int, next_stamp: int) -> BearingTracks:
         """Return the true angles of the targets present, identified by their numbers from 1."""
-        rows = [n for n, target in enumerate(self._targets) if target.is_present(time)]
+        rows = [n for n, target in enumerate(self._targets) if target.is_heard(time)]
         angles, rates = self._angles(rows, time)
         count = len(rows)
         return self._tracks(

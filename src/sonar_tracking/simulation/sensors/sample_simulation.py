@@ -63,6 +63,7 @@ class SampleSimulation:
         self._sources = [
             _Source(target, hydrophones.sample_rate, generator)
             for target, generator in zip(scenario.targets, target_generators, strict=True)
+            if target.heard
         ]
         covariance = scenario.noise.covariance(len(self._positions))
         self._noise_factor = None if covariance is None else np.linalg.cholesky(covariance)

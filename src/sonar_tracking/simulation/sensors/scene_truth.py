@@ -44,7 +44,7 @@ def true_bearings(
         Watermark, ns.
     """
     targets = scenario.targets
-    rows = [index for index, target in enumerate(targets) if target.is_present(time)]
+    rows = [index for index, target in enumerate(targets) if target.is_heard(time)]
     levels = np.array([10.0 ** (targets[index].level_db / 10.0) for index in rows])
     unknown = np.full(len(rows), np.nan)
     return BearingTracks(

@@ -30,7 +30,7 @@ def near_target_notices(scenario: Scenario) -> tuple[Notice, ...]:
     own = scenario.own_ship.trajectory().state(times).position
     notices = []
     for index, target in enumerate(scenario.targets, start=1):
-        present = target.is_present(times)
+        present = target.is_heard(times)
         if not isinstance(target.motion, KinematicMotion) or not present.any():
             continue
         separation = target.motion.trajectory.state(times).position - own

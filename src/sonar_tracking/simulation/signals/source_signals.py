@@ -55,7 +55,7 @@ class SourceSignals:
         """
         factors = np.empty((len(times), len(self._targets)), dtype=np.complex128)
         for index, target in enumerate(self._targets):
-            factor = self._amplitudes[index] * target.is_present(times)
+            factor = self._amplitudes[index] * target.is_heard(times)
             if target.coherent_group:
                 factor = factor * np.exp(1j * self._phase(index, target, times))
             factors[:, index] = factor
