@@ -24,6 +24,7 @@ from sonar_tracking.active.particle_tracks import (
 )
 from sonar_tracking.active.ping_gating import PingGating, PlacedPing, gate_ping, place_ping
 from sonar_tracking.active.scene_memory import AdmittedPing, SceneMemory
+from sonar_tracking.active.tracks.measured_positions import measured_positions
 from sonar_tracking.active.tracks.motion_model import MotionModel
 from sonar_tracking.active.tracks.pair_updates import mix_updates
 from sonar_tracking.active.tracks.scene_rows import SceneRows, joined, joined_tables
@@ -162,7 +163,18 @@ def _update_at_once(
     banks = _banks_of_scenes(listed, tracks, candidates, new)
     for number, scene in enumerate(scenes):
         scene.remember(banks[number], next_ids[number], lasting[number], received[number])
-    return _reports(method, scenes, listed, tracks, gating, known)
+    rows = listed_rows(listed, method.configuration.tentative_probability)
+    shown = list_tracks(listed, rows, method.modes.static_mode)
+    if not particles[0].used:
+        pairs = gating.pairs
+        found = association.bank.contact_probabilities(pairs.track, association.weights)
+        measured = measured_positions(predicted, ping.placed, pairs, found, rows)
+        shown = replace(shown, measured=measured)
+    parts = tracks.of(rows).parts(shown)
+    return [
+        scene.report(own, applied.published, ping.notices)
+        for scene, own, applied, ping in zip(scenes, parts, gating.thresholds, known, strict=True)
+    ]
 
 
 def _update_states(
@@ -302,18 +314,3 @@ def _banks_of_scenes(
     counts = [old + begun for old, begun in zip(left.counts, new.counts, strict=True)]
     return SceneRows(tuple(counts)).parts(listed.bank.append(candidates).select(rows))
 
-
-def _reports(
-    method: TrackingMethod,
-    scenes: Sequence[SceneMemory],
-    listed: ListedTracks,
-    tracks: SceneRows,
-    gating: PingGating,
-    pings: Sequence[AdmittedPing],
-) -> list[ContactTrackerUpdate]:
-    rows = listed_rows(listed, method.configuration.tentative_probability)
-    shown = tracks.of(rows).parts(list_tracks(listed, rows, method.modes.static_mode))
-    return [
-        scene.report(own, applied.published, ping.notices)
-        for scene, own, applied, ping in zip(scenes, shown, gating.thresholds, pings, strict=True)
-    ]

@@ -82,6 +82,8 @@ COLUMNS: dict[str, Column] = {
     "hypothesis": Column("uint8", fill=0),
     "hypothesis_probability": Column(),
     "bearing_track_id": Column("uint64", fill=0),
+    "measurement": Column(width=(2,)),
+    "measurement_covariance": Column(width=(2, 2)),
     "line_track": Column("uint32", fill=None, key="line_track"),
     "line_id": Column("uint64", fill=0, key="line_track"),
     "line_frequency": Column(key="line_track"),
@@ -144,6 +146,11 @@ class PositionTracks:
         A probability; NaN = not estimated.
     bearing_track_id : ndarray of uint64, shape (n,)
         Bearing track the row was made from; 0 = none.
+    measurement : ndarray, shape (n, 2)
+        What the last update measured, as one position at the stamp, m; NaN = it measured none, or
+        it is not told.
+    measurement_covariance : ndarray, shape (n, 2, 2)
+        Of the measurement, m^2.
     line_track : ndarray of uint32, shape (n_lines,)
         Row of the track the line belongs to.
     line_id : ndarray of uint64, shape (n_lines,)
@@ -195,6 +202,8 @@ class PositionTracks:
     hypothesis: CodeArray = field(default_factory=_left_out)
     hypothesis_probability: FloatArray = field(default_factory=_left_out)
     bearing_track_id: IdArray = field(default_factory=_left_out)
+    measurement: FloatArray = field(default_factory=_left_out)
+    measurement_covariance: FloatArray = field(default_factory=_left_out)
     line_track: RowArray = field(default_factory=_left_out)
     line_id: IdArray = field(default_factory=_left_out)
     line_frequency: FloatArray = field(default_factory=_left_out)

@@ -32,6 +32,8 @@ class ContactTrackRows:
         Stamps of the first and the last contact, ns.
     static : ndarray of bool, shape (n,), optional
         Which are of something that is fixed; None = not estimated.
+    measured : tuple of two ndarray, shape (n, 2) and (n, 2, 2), optional
+        What the last update measured, m and m^2; None = not told.
     """
 
     id: IntArray
@@ -42,6 +44,7 @@ class ContactTrackRows:
     initiated: IntArray
     updated: IntArray
     static: BoolArray | None = None
+    measured: tuple[FloatArray, FloatArray] | None = None
 
     def select(self, rows: slice) -> ContactTrackRows:
         """Return some of the tracks, next to each other."""
@@ -54,6 +57,7 @@ class ContactTrackRows:
             self.initiated[rows],
             self.updated[rows],
             None if self.static is None else self.static[rows],
+            None if self.measured is None else (self.measured[0][rows], self.measured[1][rows]),
         )
 
 
@@ -70,6 +74,9 @@ def shown_tracks(rows: ContactTrackRows, stamp: int, next_stamp: int) -> Positio
     source = np.full(len(rows.id), int(TrackSource.ACTIVE), np.uint8)
     if rows.static is not None:
         source[rows.static] = int(TrackSource.STATIC)
+    told = {}
+    if rows.measured is not None:
+        told = dict(zip(("measurement", "measurement_covariance"), rows.measured, strict=True))
     return PositionTracks(
         stamp=stamp,
         id=rows.id.astype(np.uint64),
@@ -82,6 +89,7 @@ def shown_tracks(rows: ContactTrackRows, stamp: int, next_stamp: int) -> Positio
         updated=_seconds(rows.updated),
         hypothesis_probability=np.ones(len(rows.id)),
         next_stamp=next_stamp,
+        **told,
     )
 
 

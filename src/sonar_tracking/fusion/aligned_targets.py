@@ -1,0 +1,350 @@
+"""Targets with the misalignment of the arrays that hear them: one Gaussian mixture a target.
+
+A target's state is x, y, vx, vy and one angle for each array that may be misaligned: by how much
+the array is really turned anticlockwise from what its data tell. The arrays are common to all
+targets, but given their misalignments the targets are independent of one another, so each target
+keeps the joint distribution of its own motion and of the misalignments that its own measurements
+tell (:mod:`sonar_tracking.fusion.shared_alignment` puts these together).
+
+The motion is nearly straight, with white accelerations of one of several strengths: interacting
+multiple models, in which the strength is drawn anew at a constant rate.
+
+References
+----------
+Blom, Bar-Shalom (1988); Bar-Shalom, Li, Kirubarajan (2001), sections 6.2.2, 11.6.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sonar_tracking.filtering.kalman import symmetrised
+from sonar_tracking.motion import wrap_angle
+from sonar_tracking.records.arrays import FloatArray, IndexArray
+
+MOTION = 4
+"""Components of the state that are motion: x, y, vx, vy."""
+
+NEAREST = 1.0
+"""A target is taken to be at least so far from a station, m."""
+
+
+@dataclass(frozen=True)
+class MotionStrengths:
+    """How targets accelerate.
+
+    Attributes
+    ----------
+    density : ndarray, shape (n_modes,)
+        Of the white acceleration in each mode, m^2/s^3.
+    share : ndarray, shape (n_modes,)
+        Of the time that is spent in each mode; a pure number.
+    duration : float
+        After which the mode is drawn anew, in the mean, s.
+    """
+
+    density: FloatArray
+    share: FloatArray
+    duration: float
+
+    def transition(self, interval: float) -> FloatArray:
+        """Return the probabilities of each mode (column) an interval (s) after each (row)."""
+        kept = np.exp(-interval / self.duration)
+        return np.asarray(kept * np.eye(len(self.share)) + (1.0 - kept) * self.share)
+
+
+@dataclass(frozen=True)
+class AlignedTargets:
+    """Targets, one row each; d = 4 + number of arrays.
+
+    Attributes
+    ----------
+    mean : ndarray, shape (n, n_modes, d)
+        x, y, vx, vy and the misalignments, m, m/s and rad.
+    covariance : ndarray, shape (n, n_modes, d, d)
+        In these units squared.
+    mode : ndarray, shape (n, n_modes)
+        Probabilities.
+    """
+
+    mean: FloatArray
+    covariance: FloatArray
+    mode: FloatArray
+
+    def __len__(self) -> int:
+        """Return the number of targets."""
+        return len(self.mean)
+
+    @property
+    def n_arrays(self) -> int:
+        """How many arrays may be misaligned."""
+        return int(self.mean.shape[-1]) - MOTION
+
+    def rows(self, rows: IndexArray) -> AlignedTargets:
+        """Return some of the targets, in the order given; shape (n_chosen,)."""
+        return AlignedTargets(self.mean[rows], self.covariance[rows], self.mode[rows])
+
+    def collapsed(self) -> tuple[FloatArray, FloatArray]:
+        """Return the mean and covariance over the modes.
+
+        Returns
+        -------
+        mean : ndarray, shape (n, d)
+            m, m/s and rad.
+        covariance : ndarray, shape (n, d, d)
+            In these units squared.
+        """
+        return _mixed(self.mode[:, None, :], self.mean, self.covariance, first=True)
+
+    def expected(
+        self, station: FloatArray, array: int, propagation_speed: float
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the azimuths that a station will tell, as in :func:`expected_azimuths`."""
+        return expected_azimuths(*self.collapsed(), station, array, propagation_speed)
+
+
+def begun(
+    state: FloatArray, covariance: FloatArray, strengths: MotionStrengths, prior: FloatArray
+) -> AlignedTargets:
+    """Return new targets, of whose arrays nothing is known but the prior.
+
+    Parameters
+    ----------
+    state : ndarray, shape (n, 4)
+        x, y, vx, vy, m and m/s.
+    covariance : ndarray, shape (n, 4, 4)
+        In these units squared.
+    strengths : MotionStrengths
+        How targets accelerate.
+    prior : ndarray, shape (n_arrays,)
+        Variance of each misalignment, rad^2.
+    """
+    n_modes, width = len(strengths.share), MOTION + len(prior)
+    mean = np.zeros((len(state), n_modes, width))
+    mean[..., :MOTION] = state[:, None]
+    spread = np.zeros((len(state), n_modes, width, width))
+    spread[..., :MOTION, :MOTION] = covariance[:, None]
+    arrays = np.arange(MOTION, width)
+    spread[..., arrays, arrays] = prior
+    return AlignedTargets(mean, spread, np.tile(strengths.share, (len(state), 1)))
+
+
+def joined(first: AlignedTargets, second: AlignedTargets) -> AlignedTargets:
+    """Return the targets of both."""
+    return AlignedTargets(
+        np.concatenate([first.mean, second.mean]),
+        np.concatenate([first.covariance, second.covariance]),
+        np.concatenate([first.mode, second.mode]),
+    )
+
+
+def replaced(targets: AlignedTargets, rows: IndexArray, others: AlignedTargets) -> AlignedTargets:
+    """Return targets of which some, shape (n_others,), are replaced by others."""
+    mean, covariance = targets.mean.copy(), targets.covariance.copy()
+    mode = targets.mode.copy()
+    mean[rows], covariance[rows], mode[rows] = others.mean, others.covariance, others.mode
+    return AlignedTargets(mean, covariance, mode)
+
+
+def with_array(targets: AlignedTargets, variance: float) -> AlignedTargets:
+    """Return targets with one array more, of prior variance (rad^2) about what its data tell."""
+    n, n_modes, width = targets.mean.shape
+    mean = np.zeros((n, n_modes, width + 1))
+    mean[..., :width] = targets.mean
+    covariance = np.zeros((n, n_modes, width + 1, width + 1))
+    covariance[..., :width, :width] = targets.covariance
+    covariance[..., width, width] = variance
+    return AlignedTargets(mean, covariance, targets.mode)
+
+
+def predicted(
+    targets: AlignedTargets, interval: float, strengths: MotionStrengths
+) -> AlignedTargets:
+    """Return the targets an interval (s) later; arrays stay as they are."""
+    if interval <= 0.0 or not len(targets):
+        return targets
+    transition = strengths.transition(interval)
+    after = targets.mode @ transition
+    mixing = (targets.mode[:, :, None] * transition / after[:, None, :]).swapaxes(1, 2)
+    mean, covariance = _mixed(mixing, targets.mean, targets.covariance)
+    mean[..., :2] += interval * mean[..., 2:MOTION]
+    covariance[..., :2, :] += interval * covariance[..., 2:MOTION, :]
+    covariance[..., :, :2] += interval * covariance[..., :, 2:MOTION]
+    block = np.array([[interval**3 / 3.0, interval**2 / 2.0], [interval**2 / 2.0, interval]])
+    noise = np.kron(block, np.eye(2))
+    covariance[..., :MOTION, :MOTION] += strengths.density[:, None, None] * noise
+    return AlignedTargets(mean, symmetrised(covariance), after)
+
+
+def _mixed(
+    weights: FloatArray, mean: FloatArray, covariance: FloatArray, first: bool = False
+) -> tuple[FloatArray, FloatArray]:
+    """Return the moments of mixtures; weights have shape (n, n_mixtures, n_modes)."""
+    combined = weights @ mean
+    apart = mean[:, None] - combined[:, :, None]
+    spread = np.einsum("nab,nbij->naij", weights, covariance)
+    spread += np.einsum("nab,nabi,nabj->naij", weights, apart, apart)
+    return (combined[:, 0], spread[:, 0]) if first else (combined, spread)
+
+
+@dataclass(frozen=True)
+class Bearings:
+    """Azimuths that one station measured at one instant, one a target.
+
+    Attributes
+    ----------
+    azimuth, variance : ndarray, shape (n,)
+        In ``map``, as the data of the station tell, rad and rad^2.
+    station : ndarray, shape (2,)
+        Where it is, m.
+    array : int
+        Which misalignment it has.
+    propagation_speed : float
+        Of sound, m/s; inf = targets are heard where they are.
+    """
+
+    azimuth: FloatArray
+    variance: FloatArray
+    station: FloatArray
+    array: int
+    propagation_speed: float = np.inf
+
+    def linearised(self, mean: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return innovations and their derivatives by the state.
+
+        Parameters
+        ----------
+        mean : ndarray, shape (n, ..., d)
+            m, m/s and rad.
+
+        Returns
+        -------
+        innovation : ndarray, shape (n, ...)
+            rad.
+        derivative : ndarray, shape (n, ..., d)
+            Of the prediction, rad/m, rad s/m and pure numbers.
+        """
+        offset = mean[..., :2] - self.station
+        delay = np.hypot(offset[..., 0], offset[..., 1]) / self.propagation_speed
+        seen = offset - delay[..., None] * mean[..., 2:MOTION]
+        square = np.maximum(np.sum(seen**2, axis=-1), NEAREST**2)
+        across = np.stack([-seen[..., 1], seen[..., 0]], axis=-1) / square[..., None]
+        derivative = np.zeros(mean.shape)
+        derivative[..., :2] = across
+        derivative[..., 2:MOTION] = -delay[..., None] * across
+        derivative[..., MOTION + self.array] = -1.0
+        azimuth = self.azimuth.reshape(-1, *(1,) * (mean.ndim - 2))
+        expected = np.arctan2(seen[..., 1], seen[..., 0]) - mean[..., MOTION + self.array]
+        return np.asarray(wrap_angle(azimuth - expected)), derivative
+
+
+def expected_azimuths(
+    mean: FloatArray,
+    covariance: FloatArray,
+    station: FloatArray,
+    array: int,
+    propagation_speed: float,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the azimuths that a station will tell of targets, and their variances.
+
+    Parameters
+    ----------
+    mean, covariance : ndarray, shapes (n, d) and (n, d, d)
+        Of the targets, m, m/s and rad, and in these units squared.
+    station : ndarray, shape (2,)
+        Where it is, m.
+    array : int
+        Which misalignment it has.
+    propagation_speed : float
+        Of sound, m/s.
+
+    Returns
+    -------
+    azimuth, variance : ndarray, shape (n,)
+        rad and rad^2.
+    """
+    nothing = np.zeros(len(mean))
+    bearings = Bearings(nothing, nothing, station, array, propagation_speed)
+    innovation, derivative = bearings.linearised(mean)
+    variance = np.einsum("ni,nij,nj->n", derivative, covariance, derivative)
+    return -innovation, variance
+
+
+def updated_by_bearings(
+    targets: AlignedTargets, bearings: Bearings
+) -> tuple[AlignedTargets, FloatArray]:
+    """Return targets with one bearing each, and how likely each was.
+
+    Parameters
+    ----------
+    targets : AlignedTargets
+        Predicted to the instant of the bearings.
+    bearings : Bearings
+        One a target.
+
+    Returns
+    -------
+    targets : AlignedTargets
+        Updated.
+    log_likelihood : ndarray, shape (n,)
+        Log of the density, 1/rad.
+    """
+    innovation, derivative = bearings.linearised(targets.mean)
+    noise = bearings.variance[:, None]
+    cross = np.einsum("nmij,nmj->nmi", targets.covariance, derivative)
+    spread = np.einsum("nmi,nmi->nm", derivative, cross) + noise
+    gain = cross / spread[..., None]
+    mean = targets.mean + gain * innovation[..., None]
+    remaining = np.eye(targets.mean.shape[-1]) - gain[..., None] * derivative[..., None, :]
+    covariance = remaining @ targets.covariance @ remaining.swapaxes(-1, -2)
+    covariance += noise[..., None, None] * gain[..., None] * gain[..., None, :]
+    log_density = -0.5 * (innovation**2 / spread + np.log(2.0 * np.pi * spread))
+    return _weighed(replace(targets, mean=mean, covariance=covariance), log_density)
+
+
+def updated_by_positions(
+    targets: AlignedTargets, position: FloatArray, noise: FloatArray
+) -> tuple[AlignedTargets, FloatArray]:
+    """Return targets with one measured position each, and how likely each was.
+
+    Parameters
+    ----------
+    targets : AlignedTargets
+        Predicted to the instant of the positions.
+    position : ndarray, shape (n, 2)
+        m.
+    noise : ndarray, shape (n, 2, 2)
+        m^2.
+
+    Returns
+    -------
+    targets : AlignedTargets
+        Updated.
+    log_likelihood : ndarray, shape (n,)
+        Log of the density, 1/m^2.
+    """
+    innovation = position[:, None] - targets.mean[..., :2]
+    cross = targets.covariance[..., :2]
+    spread = cross[..., :2, :] + noise[:, None]
+    gain = np.linalg.solve(spread, cross.swapaxes(-1, -2)).swapaxes(-1, -2)
+    mean = targets.mean + np.einsum("nmij,nmj->nmi", gain, innovation)
+    remaining = np.tile(np.eye(targets.mean.shape[-1]), (*targets.mode.shape, 1, 1))
+    remaining[..., :2] -= gain
+    covariance = remaining @ targets.covariance @ remaining.swapaxes(-1, -2)
+    covariance += gain @ noise[:, None] @ gain.swapaxes(-1, -2)
+    solved = np.linalg.solve(spread, innovation[..., None])[..., 0]
+    square = np.sum(innovation * solved, axis=-1)
+    log_density = -0.5 * (square + np.linalg.slogdet(spread)[1]) - np.log(2.0 * np.pi)
+    return _weighed(replace(targets, mean=mean, covariance=covariance), log_density)
+
+
+def _weighed(targets: AlignedTargets, log_density: FloatArray) -> tuple[AlignedTargets, FloatArray]:
+    """Return targets with their modes weighed by densities of shape (n, n_modes), and the sums."""
+    best = np.max(log_density, axis=-1, keepdims=True)
+    weight = targets.mode * np.exp(log_density - best)
+    total = np.sum(weight, axis=-1, keepdims=True)
+    likelihood = np.log(total[:, 0]) + best[:, 0]
+    covariance = symmetrised(targets.covariance)
+    return AlignedTargets(targets.mean, covariance, weight / total), likelihood

@@ -1,0 +1,234 @@
+"""Finds out which bearing track is of which target: by trying it.
+
+A trial takes a copy of the target and gives it the bearings of one bearing track; of the two sides
+of a line array, that which is nearer. The evidence that both are one is
+
+    log p(bearings | target) - log p(bearings | anywhere, with a rate of their own),
+
+summed innovation by innovation. A trial wins once it beats chance and every rival, that is every
+other trial of the same bearing track or of the same target with the same station, by the stated
+odds, divided among all targets there are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sonar_tracking.fusion.aligned_targets import (
+    MOTION,
+    AlignedTargets,
+    Bearings,
+    MotionStrengths,
+    joined,
+    predicted,
+    replaced,
+    updated_by_bearings,
+    updated_by_positions,
+    with_array,
+)
+from sonar_tracking.fusion.fused_target import FusedTarget
+from sonar_tracking.fusion.fusion_records import BearingKey, HeardBearing
+from sonar_tracking.fusion.lone_bearings import (
+    guarded,
+    heard,
+    joined_bearings,
+    predicted_bearings,
+    unheard,
+)
+from sonar_tracking.fusion.shared_alignment import AlignmentInformation, told_alignment
+from sonar_tracking.records.arrays import FloatArray, IndexArray
+
+GATE = 4.0
+"""Standard deviations within which a bearing may be of a target."""
+
+
+@dataclass(eq=False)
+class Trial:
+    """A target and a bearing track that may be of it.
+
+    Attributes
+    ----------
+    target : FusedTarget
+        The target.
+    key : BearingKey
+        The bearing track.
+    evidence : float
+        That they are one; log.
+    """
+
+    target: FusedTarget
+    key: BearingKey
+    evidence: float = 0.0
+
+
+class BearingTrials:
+    """All trials under way.
+
+    Parameters
+    ----------
+    targets : AlignedTargets
+        None yet: tells the number of modes and arrays.
+    """
+
+    def __init__(self, targets: AlignedTargets) -> None:
+        self.trials: list[Trial] = []
+        self.targets = targets
+        self._lone = unheard(0)
+
+    def predict(self, interval: float, strengths: MotionStrengths) -> None:
+        """Go on by an interval, s."""
+        self.targets = predicted(self.targets, interval, strengths)
+        self._lone = predicted_bearings(self._lone, interval)
+
+    def add_array(self, variance: float) -> None:
+        """Let there be one array more, of prior variance (rad^2)."""
+        self.targets = with_array(self.targets, variance)
+
+    def begin(self, trials: Sequence[Trial], copies: AlignedTargets) -> None:
+        """Begin trials, from copies of their targets."""
+        self.trials += trials
+        self.targets = joined(self.targets, copies)
+        self._lone = joined_bearings(self._lone, unheard(len(trials)))
+
+    def keep(self, kept: Sequence[int]) -> None:
+        """Go on with some of the trials only."""
+        rows = np.array(kept, np.intp)
+        self.trials = [self.trials[row] for row in rows]
+        self.targets, self._lone = self.targets.rows(rows), self._lone.rows(rows)
+
+    def end(self, targets: set[FusedTarget], keys: set[BearingKey]) -> None:
+        """Forget the trials of some targets and of some bearing tracks."""
+        ended = [one.target in targets or one.key in keys for one in self.trials]
+        if any(ended):
+            self.keep([row for row, over in enumerate(ended) if not over])
+
+    def drop_rivals(self, winner: Trial) -> None:
+        """End the trials of the target of a winner with other bearing tracks of that station."""
+        ended = [one.target is winner.target and one.key[0] == winner.key[0] for one in self.trials]
+        self.keep([row for row, over in enumerate(ended) if not over])
+
+    def rows_of(self, target: FusedTarget) -> IndexArray:
+        """Return the rows of the trials of a target, shape (n_trials,)."""
+        return np.array([n for n, one in enumerate(self.trials) if one.target is target], np.intp)
+
+    def take_positions(self, rows: IndexArray, position: FloatArray, noise: FloatArray) -> None:
+        """Let trials take the measured positions of their targets in, one each, m and m^2."""
+        updated, _ = updated_by_positions(self.targets.rows(rows), position, noise)
+        self.targets = replaced(self.targets, rows, updated)
+
+    def take_known(self, rows: IndexArray, bearings: Bearings) -> None:
+        """Let trials take in bearings that are known to be of their targets, one each."""
+        updated, _ = updated_by_bearings(self.targets.rows(rows), bearings)
+        self.targets = replaced(self.targets, rows, updated)
+
+    def take_tried(
+        self,
+        found: Sequence[HeardBearing],
+        others: dict[FusedTarget, AlignmentInformation],
+        prior: FloatArray,
+        propagation_speed: float,
+    ) -> None:
+        """Let trials take in the bearings that are tried, and weigh them.
+
+        Parameters
+        ----------
+        found : sequence of HeardBearing
+            What one station measured at one instant.
+        others : dict of FusedTarget to AlignmentInformation
+            What all other targets tell of the misalignments.
+        prior : ndarray, shape (n_arrays,)
+            Variances of the misalignments, rad^2.
+        propagation_speed : float
+            Of sound, m/s.
+        """
+        by_key = {one.key: one for one in found}
+        rows = np.array([n for n, one in enumerate(self.trials) if one.key in by_key], np.intp)
+        if not rows.size:
+            return
+        tried = [self.trials[row] for row in rows]
+        own = [by_key[one.key] for one in tried]
+        targets = self.targets.rows(rows)
+        expected, _ = targets.expected(own[0].station, own[0].array, propagation_speed)
+        bearings = Bearings(
+            azimuth=np.array(
+                [one.nearest(float(near)) for near, one in zip(expected, own, strict=True)]
+            ),
+            variance=np.array([one.variance for one in own]),
+            station=own[0].station,
+            array=own[0].array,
+            propagation_speed=propagation_speed,
+        )
+        together = log_likelihood(targets, bearings, [others[one.target] for one in tried], prior)
+        lone, apart = heard(self._lone.rows(rows), bearings.azimuth, bearings.variance)
+        self._lone.mean[rows], self._lone.covariance[rows] = lone.mean, lone.covariance
+        gained = guarded(together) - guarded(apart)
+        for trial, gain in zip(tried, gained, strict=True):
+            trial.evidence += float(gain)
+        updated, _ = updated_by_bearings(targets, bearings)
+        self.targets = replaced(self.targets, rows, updated)
+
+    def winners(self, odds: float, n_targets: int) -> list[int]:
+        """Return the rows of the trials that have won."""
+        needed = np.log(odds)
+        won = []
+        for row, trial in enumerate(self.trials):
+            if trial.evidence < needed + np.log(max(n_targets, 1)):
+                continue
+            rivals = [one.evidence for one in self.trials if _are_rivals(one, trial)]
+            if trial.evidence - max(rivals, default=-np.inf) >= needed:
+                won.append(row)
+        return won
+
+    def give_up(self, odds: float) -> list[Trial]:
+        """End the trials that have fallen behind, and return them."""
+        lost = [one.evidence < -np.log(odds) for one in self.trials]
+        ended = [one for one, behind in zip(self.trials, lost, strict=True) if behind]
+        if ended:
+            self.keep([row for row, behind in enumerate(lost) if not behind])
+        return ended
+
+
+def log_likelihood(
+    targets: AlignedTargets,
+    bearings: Bearings,
+    others: Sequence[AlignmentInformation],
+    prior: FloatArray,
+) -> FloatArray:
+    """Return how likely bearings are, with what other targets tell of the misalignments.
+
+    Parameters
+    ----------
+    targets : AlignedTargets
+        Predicted to the instant of the bearings.
+    bearings : Bearings
+        One a target.
+    others : sequence of AlignmentInformation
+        For each target, what all others tell.
+    prior : ndarray, shape (n_arrays,)
+        Variances of the misalignments, rad^2.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Logs of densities, 1/rad.
+    """
+    mean, covariance = targets.collapsed()
+    own = np.linalg.inv(covariance[:, MOTION:, MOTION:])
+    vector = np.einsum("nij,nj->ni", own, mean[:, MOTION:])
+    common = np.linalg.inv(own + np.array([one.matrix for one in others]))
+    total = vector + np.array([one.vector for one in others])
+    misalignment = np.einsum("nij,nj->ni", common, total)
+    mean, covariance = told_alignment(mean, covariance, misalignment, common)
+    innovation, derivative = bearings.linearised(mean)
+    spread = np.einsum("ni,nij,nj->n", derivative, covariance, derivative) + bearings.variance
+    return np.asarray(-0.5 * (innovation**2 / spread + np.log(2.0 * np.pi * spread)))
+
+
+def _are_rivals(one: Trial, other: Trial) -> bool:
+    if one is other:
+        return False
+    same_track = one.key == other.key
+    return same_track or (one.target is other.target and one.key[0] == other.key[0])

@@ -1,0 +1,96 @@
+"""Rows of other lists that are shown as they are."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from sonar_tracking.filtering.constant_velocity import process_noise_matrix, transition_matrix
+from sonar_tracking.filtering.kalman import KalmanState, predict
+from sonar_tracking.fusion.fused_rows import FusedRow, row_of_copy
+from sonar_tracking.fusion.fused_target import CopiedRow
+from sonar_tracking.fusion.fusion_records import ArrayAlignment, BearingKey
+from sonar_tracking.fusion.rotation import rotated
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.records.positions import PositionTracks, TrackHypothesis, TrackSource
+from sonar_tracking.records.time import seconds
+
+DRIFT = 1e-4
+"""Density of the white acceleration between two lists, m^2/s^3."""
+
+
+def copied_row(tracks: PositionTracks, row: int, topic: str, number: int) -> CopiedRow:
+    """Return one row of a list as it is to be shown.
+
+    Parameters
+    ----------
+    tracks : PositionTracks
+        The list.
+    row : int
+        Which.
+    topic : str
+        Where the list comes from.
+    number : int
+        Identifier in the fused list.
+    """
+    return CopiedRow(
+        id=number,
+        key=(topic, int(tracks.id[row])),
+        source=TrackSource(tracks.source[row]),
+        status=TrackStatus(tracks.status[row]),
+        state=tracks.state[row],
+        covariance=tracks.covariance[row],
+        stamp=tracks.stamp,
+        existence=float(tracks.existence_probability[row]),
+        initiated=float(tracks.initiated[row]),
+        updated=float(tracks.updated[row]),
+        observability=float(tracks.observability[row]),
+        hypothesis=TrackHypothesis(tracks.hypothesis[row]),
+        hypothesis_probability=float(tracks.hypothesis_probability[row]),
+        heard=bearing_keys(tracks, row),
+    )
+
+
+def moved_copy(
+    copy: CopiedRow,
+    stamp: int,
+    stations: Mapping[str, FloatArray],
+    alignments: Mapping[str, ArrayAlignment],
+) -> FusedRow:
+    """Return the row of a copy at a stamp, its array being aligned as others tell.
+
+    Parameters
+    ----------
+    copy : CopiedRow
+        What its list tells.
+    stamp : int
+        Not before that of its list, ns.
+    stations : mapping of str to ndarray, shape (2,)
+        Where each array is, m.
+    alignments : mapping of str to ArrayAlignment
+        What is known of each.
+    """
+    interval = seconds(stamp - copy.stamp)
+    state = KalmanState(copy.state, copy.covariance)
+    if interval > 0.0:
+        transition = np.kron(transition_matrix(interval), np.eye(2))
+        noise = np.kron(process_noise_matrix(DRIFT, interval), np.eye(2))
+        state = predict(state, transition, noise)
+    for sensor in {key[0] for key in copy.heard}:
+        known = alignments.get(sensor)
+        if known is not None and known.is_estimated and len(copy.heard) == 1:
+            variance = known.deviation**2
+            state = rotated(state, stations[sensor], known.misalignment, variance)
+    return row_of_copy(copy, state.mean, state.covariance)
+
+
+def bearing_keys(tracks: PositionTracks, row: int) -> tuple[BearingKey, ...]:
+    """Return the bearing tracks that a row of a list is made of."""
+    own = np.flatnonzero(tracks.contributor_track == row)
+    return tuple(
+        (tracks.contributor_sensor[one], int(tracks.contributor_id[one]))
+        for one in own
+        if tracks.contributor_source[one] == TrackSource.TMA
+    )

@@ -1,0 +1,55 @@
+"""Whose a new track with echoes is: of a target whose echoes were lost, or of a new one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from sonar_tracking.fusion.fused_target import FusedTarget
+from sonar_tracking.fusion.target_filters import TargetFilters
+from sonar_tracking.fusion.track_fusion_configuration import TrackFusionConfiguration
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.tma.targets.station_association import FREE, associate
+
+ANY_SPEED = 10.0
+"""Deviation of each component of the velocity of a target of which nothing is known, m/s."""
+
+
+def known_targets(
+    state: FloatArray,
+    covariance: FloatArray,
+    lost: Sequence[FusedTarget],
+    filters: TargetFilters,
+    configuration: TrackFusionConfiguration,
+) -> list[FusedTarget | None]:
+    """Return the target of each new track; None = it is a new one.
+
+    Parameters
+    ----------
+    state, covariance : ndarray, shapes (n, 4) and (n, 4, 4)
+        Of the new tracks, m and m/s; m^2, m^2/s, m^2/s^2.
+    lost : sequence of FusedTarget
+        Targets without a track in this list.
+    filters : TargetFilters
+        Of all targets.
+    configuration : TrackFusionConfiguration
+        Odds and the area in which tracks begin.
+    """
+    if not lost:
+        return [None] * len(state)
+    seen = filters.picture()
+    rows = [filters.targets.index(one) for one in lost]
+    apart = state[None] - seen.mean[rows, None, :4]
+    spread = covariance[None] + seen.covariance[rows, None, :4, :4]
+    solved = np.linalg.solve(spread, apart[..., None])[..., 0]
+    square = np.sum(apart * solved, axis=-1)
+    together = -0.5 * (square + np.linalg.slogdet(spread)[1]) - 2.0 * np.log(2.0 * np.pi)
+    velocity = covariance[:, 2:, 2:] + ANY_SPEED**2 * np.eye(2)
+    solved = np.linalg.solve(velocity, state[:, 2:, None])[..., 0]
+    square = np.sum(state[:, 2:] * solved, axis=-1)
+    alone = -0.5 * (square + np.linalg.slogdet(velocity)[1]) - np.log(2.0 * np.pi)
+    evidence = together - (alone - np.log(configuration.clutter_area))
+    needed = np.log(configuration.association_odds * len(lost))
+    chosen = associate(evidence - needed, 1.0)
+    return [None if row == FREE else lost[row] for row in chosen]

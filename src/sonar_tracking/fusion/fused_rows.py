@@ -1,0 +1,165 @@
+"""The fused track list: one row a target."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from sonar_tracking.filtering.kalman import KalmanState
+from sonar_tracking.fusion.fused_target import CopiedRow, FusedTarget
+from sonar_tracking.fusion.rotation import rotated
+from sonar_tracking.motion import KinematicState
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.records.positions import PositionTracks, TrackHypothesis, TrackSource
+
+
+@dataclass(frozen=True)
+class FusedRow:
+    """One row.
+
+    Attributes
+    ----------
+    id : int
+        Of the row.
+    status : TrackStatus
+        Its status.
+    source : TrackSource
+        FUSED, or STATIC of what is fixed.
+    state, covariance : ndarray, shapes (4,) and (4, 4)
+        m and m/s; m^2, m^2/s, m^2/s^2.
+    existence, initiated, updated, observability, hypothesis_probability : float
+        As in :class:`PositionTracks`.
+    hypothesis : TrackHypothesis
+        Side of a line array.
+    bearing_track_id : int
+        A bearing track it is made of; 0 = none.
+    contributors : tuple of (TrackSource, str, int)
+        Who made each track it is made of, its sensor or list, its identifier there.
+    """
+
+    id: int
+    status: TrackStatus
+    source: TrackSource
+    state: FloatArray
+    covariance: FloatArray
+    existence: float
+    initiated: float
+    updated: float
+    observability: float = np.nan
+    hypothesis: TrackHypothesis = TrackHypothesis.SINGLE
+    hypothesis_probability: float = np.nan
+    bearing_track_id: int = 0
+    contributors: tuple[tuple[TrackSource, str, int], ...] = ()
+
+
+def row_of_target(target: FusedTarget, state: FloatArray, covariance: FloatArray) -> FusedRow:
+    """Return the row of a target of known motion.
+
+    Parameters
+    ----------
+    target : FusedTarget
+        The target.
+    state, covariance : ndarray, shapes (4,) and (4, 4)
+        At the stamp of the list, m and m/s; m^2, m^2/s, m^2/s^2.
+    """
+    echoes = [(TrackSource.ACTIVE, *key) for key in target.echoes]
+    heard = [(TrackSource.TMA, *key) for key in target.heard]
+    return FusedRow(
+        id=target.id,
+        status=target.status,
+        source=TrackSource.FUSED,
+        state=state,
+        covariance=covariance,
+        existence=target.existence,
+        initiated=target.initiated,
+        updated=target.updated,
+        bearing_track_id=next((key[1] for key in target.heard), 0),
+        contributors=(*echoes, *heard),
+    )
+
+
+def row_of_copy(copy: CopiedRow, state: FloatArray, covariance: FloatArray) -> FusedRow:
+    """Return the row of what one list alone tells.
+
+    Parameters
+    ----------
+    copy : CopiedRow
+        What it tells.
+    state, covariance : ndarray, shapes (4,) and (4, 4)
+        At the stamp of the list, m and m/s; m^2, m^2/s, m^2/s^2.
+    """
+    heard = tuple((TrackSource.TMA, *key) for key in copy.heard)
+    return FusedRow(
+        id=copy.id,
+        status=copy.status,
+        source=TrackSource.STATIC if copy.source == TrackSource.STATIC else TrackSource.FUSED,
+        state=state,
+        covariance=covariance,
+        existence=copy.existence,
+        initiated=copy.initiated,
+        updated=copy.updated,
+        observability=copy.observability,
+        hypothesis=copy.hypothesis,
+        hypothesis_probability=copy.hypothesis_probability,
+        bearing_track_id=next((key[1] for key in copy.heard), 0),
+        contributors=heard or ((copy.source, *copy.key),),
+    )
+
+
+def turned_by_heading(row: FusedRow, own_ship: KinematicState | None, variance: float) -> FusedRow:
+    """Return a row whose covariance has room for an error of own ship's heading.
+
+    Parameters
+    ----------
+    row : FusedRow
+        As the sensors tell.
+    own_ship : KinematicState or None
+        At the stamp of the list; None = nothing is aboard.
+    variance : float
+        rad^2.
+    """
+    if own_ship is None or variance <= 0.0 or not np.all(np.isfinite(row.covariance)):
+        return row
+    turned = rotated(KalmanState(row.state, row.covariance), own_ship.position, 0.0, variance)
+    return replace(row, covariance=turned.covariance)
+
+
+def fused_list(rows: Sequence[FusedRow], stamp: int, next_stamp: int) -> PositionTracks:
+    """Return the complete picture.
+
+    Parameters
+    ----------
+    rows : sequence of FusedRow
+        In the order of the list.
+    stamp, next_stamp : int
+        Of the list, ns.
+    """
+    contributors = [(index, *one) for index, row in enumerate(rows) for one in row.contributors]
+
+    def column(name: str, dtype: str = "float64") -> Any:
+        return np.array([getattr(row, name) for row in rows], dtype)
+
+    return PositionTracks(
+        stamp=stamp,
+        id=column("id", "uint64"),
+        status=column("status", "uint8"),
+        source=column("source", "uint8"),
+        state=column("state").reshape(-1, 4),
+        covariance=column("covariance").reshape(-1, 4, 4),
+        existence_probability=column("existence"),
+        initiated=column("initiated"),
+        updated=column("updated"),
+        observability=column("observability"),
+        hypothesis=column("hypothesis", "uint8"),
+        hypothesis_probability=column("hypothesis_probability"),
+        bearing_track_id=column("bearing_track_id", "uint64"),
+        contributor_track=np.array([one[0] for one in contributors], np.uint32),
+        contributor_source=np.array([one[1] for one in contributors], np.uint8),
+        contributor_sensor=tuple(one[2] for one in contributors),
+        contributor_id=np.array([one[3] for one in contributors], np.uint64),
+        next_stamp=next_stamp,
+    )

@@ -1,0 +1,121 @@
+"""One target of the fused picture: the tracks it is made of, what it is called."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from sonar_tracking.fusion.fusion_records import BearingKey, ListKey
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.records.positions import TrackHypothesis, TrackSource
+
+ALIVE = (TrackStatus.CONFIRMED, TrackStatus.COASTED)
+
+
+@dataclass(eq=False)
+class Contributor:
+    """A track that a target is made of.
+
+    Attributes
+    ----------
+    status : TrackStatus
+        What its list says.
+    existence : float
+        A probability; NaN = not estimated.
+    updated : float
+        Stamp time of its last measurement, s.
+    """
+
+    status: TrackStatus
+    existence: float
+    updated: float
+
+
+@dataclass(eq=False)
+class FusedTarget:
+    """One target.
+
+    Attributes
+    ----------
+    id : int
+        Of its row.
+    initiated : float
+        Stamp time of the first track it is made of, s.
+    echoes : dict of ListKey to Contributor
+        Tracks of what returns echoes.
+    heard : dict of BearingKey to Contributor
+        Bearing tracks of it.
+    orphaned : float
+        Stamp time at which the last of them ended, s; NaN = there are some.
+    updated : float
+        Stamp time of the last measurement of any of them, s.
+    """
+
+    id: int
+    initiated: float
+    echoes: dict[ListKey, Contributor] = field(default_factory=dict)
+    heard: dict[BearingKey, Contributor] = field(default_factory=dict)
+    orphaned: float = np.nan
+    updated: float = np.nan
+
+    @property
+    def contributors(self) -> list[Contributor]:
+        """All tracks it is made of."""
+        return [*self.echoes.values(), *self.heard.values()]
+
+    @property
+    def status(self) -> TrackStatus:
+        """Confirmed as long as one of its tracks is."""
+        if any(one.status == TrackStatus.CONFIRMED for one in self.contributors):
+            return TrackStatus.CONFIRMED
+        return TrackStatus.COASTED
+
+    @property
+    def existence(self) -> float:
+        """Probability that not all its tracks are false."""
+        known = [one.existence for one in self.contributors if not np.isnan(one.existence)]
+        return 1.0 - float(np.prod([1.0 - one for one in known])) if known else np.nan
+
+
+@dataclass(frozen=True)
+class CopiedRow:
+    """A row of another list that nothing else tells of: shown as it is.
+
+    Attributes
+    ----------
+    id : int
+        In the fused list.
+    key : ListKey
+        Where it comes from.
+    source : TrackSource
+        Who made it.
+    status : TrackStatus
+        As there.
+    state, covariance : ndarray, shapes (4,) and (4, 4)
+        m and m/s; m^2, m^2/s, m^2/s^2.
+    stamp : int
+        Of the list, ns.
+    existence, initiated, updated, observability, hypothesis_probability : float
+        As there.
+    hypothesis : TrackHypothesis
+        As there.
+    heard : tuple of BearingKey
+        Bearing tracks it is made of.
+    """
+
+    id: int
+    key: ListKey
+    source: TrackSource
+    status: TrackStatus
+    state: FloatArray
+    covariance: FloatArray
+    stamp: int
+    existence: float
+    initiated: float
+    updated: float
+    observability: float
+    hypothesis: TrackHypothesis
+    hypothesis_probability: float
+    heard: tuple[BearingKey, ...]

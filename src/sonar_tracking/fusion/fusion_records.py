@@ -1,0 +1,112 @@
+"""What track fusion takes at one instant, and what it gives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from sonar_tracking.errors import Notice
+from sonar_tracking.motion import KinematicState, wrap_angle
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.bearings import BearingTracks
+from sonar_tracking.records.positions import PositionTracks
+
+BearingKey = tuple[str, int]
+"""Station and its bearing track."""
+
+ListKey = tuple[str, int]
+"""Track list and the identifier of a row in it."""
+
+
+@dataclass(frozen=True)
+class FusionFrame:
+    """Everything that others found at one instant.
+
+    Attributes
+    ----------
+    stamp : int
+        ns; later than that of the frame before.
+    active : mapping of str to PositionTracks
+        By their topic: tracks of what returns echoes, with what each update measured.
+    bearings : tuple of BearingTracks
+        Of each station that reports now.
+    passive : mapping of str to PositionTracks
+        By their topic: positions from bearings and lines.
+    own_ship : KinematicState or None
+        At the stamp; None = not known.
+    """
+
+    stamp: int
+    active: dict[str, PositionTracks] = field(default_factory=dict)
+    bearings: tuple[BearingTracks, ...] = ()
+    passive: dict[str, PositionTracks] = field(default_factory=dict)
+    own_ship: KinematicState | None = None
+
+
+@dataclass(frozen=True)
+class ArrayAlignment:
+    """What is known of the alignment of one array.
+
+    Attributes
+    ----------
+    sensor_id : str
+        The array.
+    misalignment : float
+        By how much it is turned anticlockwise from what its data tell, rad.
+    deviation : float
+        Standard deviation of that, rad.
+    is_estimated : bool
+        Whether measurements have told more than was known before.
+    """
+
+    sensor_id: str
+    misalignment: float
+    deviation: float
+    is_estimated: bool
+
+
+@dataclass(frozen=True)
+class FusionUpdate:
+    """What follows from a frame.
+
+    Attributes
+    ----------
+    tracks : PositionTracks
+        The complete picture at the stamp of the frame.
+    alignments : tuple of ArrayAlignment
+        Of each array that has been heard of.
+    notices : tuple of Notice
+        What the user should know of the frame.
+    """
+
+    tracks: PositionTracks
+    alignments: tuple[ArrayAlignment, ...]
+    notices: tuple[Notice, ...]
+
+
+@dataclass(frozen=True)
+class HeardBearing:
+    """One bearing of one bearing track, in ``map``.
+
+    Attributes
+    ----------
+    key : BearingKey
+        Whose.
+    azimuths : tuple of float
+        One, or left and right of a line array, rad.
+    variance : float
+        rad^2.
+    station : ndarray, shape (2,)
+        Where it was measured, m.
+    array : int
+        Which misalignment it has.
+    """
+
+    key: BearingKey
+    azimuths: tuple[float, ...]
+    variance: float
+    station: FloatArray
+    array: int
+
+    def nearest(self, expected: float) -> float:
+        """Return the azimuth nearest to one that is expected, rad; own ship's turns swap sides."""
+        return min(self.azimuths, key=lambda one: abs(float(wrap_angle(one - expected))))

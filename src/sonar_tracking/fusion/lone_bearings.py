@@ -1,0 +1,112 @@
+"""Bearing tracks as they would go on if nothing else were known of their targets.
+
+A trial that a bearing track and a position are of one target is weighed against this: an angle that
+may be anywhere, a rate as targets have them, both learnt from the same bearings.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sonar_tracking.motion import wrap_angle
+from sonar_tracking.records.arrays import FloatArray, IndexArray
+
+RATE_DEVIATION = float(np.radians(0.15))
+"""Of the rate of a bearing of which nothing is known, rad/s: 8 m/s across at 3 km."""
+
+ANGULAR_ACCELERATION = 2e-9
+"""Density of the white angular acceleration, rad^2/s^3."""
+
+ANYWHERE = 1.0 / (2.0 * np.pi)
+"""Density of a first bearing, 1/rad."""
+
+
+WILD_SHARE = 0.01
+"""Of the bearings may be from anywhere: one outlier decides nothing."""
+
+
+@dataclass(frozen=True)
+class LoneBearings:
+    """One row a bearing track.
+
+    Attributes
+    ----------
+    mean : ndarray, shape (n, 2)
+        Angle and rate, rad and rad/s; NaN = no bearing so far.
+    covariance : ndarray, shape (n, 2, 2)
+        rad^2, rad^2/s, rad^2/s^2.
+    """
+
+    mean: FloatArray
+    covariance: FloatArray
+
+    def __len__(self) -> int:
+        """Return the number of bearing tracks."""
+        return len(self.mean)
+
+    def rows(self, rows: IndexArray) -> LoneBearings:
+        """Return some of them, in the order given; shape (n_chosen,)."""
+        return LoneBearings(self.mean[rows], self.covariance[rows])
+
+
+def unheard(count: int) -> LoneBearings:
+    """Return bearing tracks without a bearing so far."""
+    return LoneBearings(np.full((count, 2), np.nan), np.full((count, 2, 2), np.nan))
+
+
+def joined_bearings(first: LoneBearings, second: LoneBearings) -> LoneBearings:
+    """Return the bearing tracks of both."""
+    return LoneBearings(
+        np.concatenate([first.mean, second.mean]),
+        np.concatenate([first.covariance, second.covariance]),
+    )
+
+
+def predicted_bearings(bearings: LoneBearings, interval: float) -> LoneBearings:
+    """Return bearing tracks an interval (s) later."""
+    transition = np.array([[1.0, interval], [0.0, 1.0]])
+    noise = np.array([[interval**3 / 3.0, interval**2 / 2.0], [interval**2 / 2.0, interval]])
+    covariance = transition @ bearings.covariance @ transition.T + ANGULAR_ACCELERATION * noise
+    return LoneBearings(bearings.mean @ transition.T, covariance)
+
+
+def heard(
+    bearings: LoneBearings, azimuth: FloatArray, variance: FloatArray
+) -> tuple[LoneBearings, FloatArray]:
+    """Return bearing tracks with one bearing more each, and how likely it was.
+
+    Parameters
+    ----------
+    bearings : LoneBearings
+        Predicted to the instant of the bearings.
+    azimuth, variance : ndarray, shape (n,)
+        rad and rad^2.
+
+    Returns
+    -------
+    bearings : LoneBearings
+        Updated.
+    log_likelihood : ndarray, shape (n,)
+        Log of the density, 1/rad.
+    """
+    new = np.isnan(bearings.mean[:, 0])
+    innovation = np.where(new, 0.0, wrap_angle(azimuth - bearings.mean[:, 0]))
+    spread = bearings.covariance[:, 0, 0] + variance
+    gain = bearings.covariance[:, :, 0] / spread[:, None]
+    mean = bearings.mean + gain * innovation[:, None]
+    reduction = gain[:, :, None] * gain[:, None, :] * spread[:, None, None]
+    covariance = bearings.covariance - reduction
+    mean[new] = np.stack([azimuth[new], np.zeros(np.sum(new))], axis=-1)
+    covariance[new] = 0.0
+    covariance[new, 0, 0] = variance[new]
+    covariance[new, 1, 1] = RATE_DEVIATION**2
+    density = -0.5 * (innovation**2 / spread + np.log(2.0 * np.pi * spread))
+    return LoneBearings(mean, covariance), np.where(new, np.log(ANYWHERE), density)
+
+
+def guarded(log_density: FloatArray) -> FloatArray:
+    """Return logs of densities (1/rad) in which some bearings may be from anywhere."""
+    likely = np.log1p(-WILD_SHARE) + log_density
+    return np.asarray(np.logaddexp(likely, np.log(WILD_SHARE * ANYWHERE)))

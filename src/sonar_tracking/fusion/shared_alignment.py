@@ -1,0 +1,147 @@
+"""What all targets together tell of the misalignment of the arrays, and of each other by it.
+
+Given the misalignments b the targets are independent, so that with the same prior p(b) in each
+
+    p(b | all) is proportional to p(b) prod_i p(b | data of i) / p(b),
+
+information adds up: Y = Y_0 + sum_i (Y_i - Y_0). A target's motion follows b by its own regression
+on it.
+
+References
+----------
+Bar-Shalom, Li, Kirubarajan (2001), section 8.2 (fusion in information form).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sonar_tracking.filtering.kalman import symmetrised
+from sonar_tracking.fusion.aligned_targets import MOTION, AlignedTargets
+from sonar_tracking.records.arrays import FloatArray
+
+
+@dataclass(frozen=True)
+class AlignmentInformation:
+    """What is known of the misalignments beyond their prior, which has mean zero.
+
+    Attributes
+    ----------
+    matrix : ndarray, shape (n_arrays, n_arrays)
+        Y - Y_0, 1/rad^2.
+    vector : ndarray, shape (n_arrays,)
+        Y times the mean, 1/rad.
+    """
+
+    matrix: FloatArray
+    vector: FloatArray
+
+    def plus(self, other: AlignmentInformation) -> AlignmentInformation:
+        """Return what two independent sources tell together."""
+        return AlignmentInformation(self.matrix + other.matrix, self.vector + other.vector)
+
+    def with_array(self) -> AlignmentInformation:
+        """Return the same beside one array more, of which nothing is known yet."""
+        return AlignmentInformation(np.pad(self.matrix, (0, 1)), np.pad(self.vector, (0, 1)))
+
+
+def no_information(n_arrays: int) -> AlignmentInformation:
+    """Return that nothing is known beyond the prior."""
+    return AlignmentInformation(np.zeros((n_arrays, n_arrays)), np.zeros(n_arrays))
+
+
+def information_of(
+    mean: FloatArray, covariance: FloatArray, prior: FloatArray
+) -> AlignmentInformation:
+    """Return what some targets tell together of the misalignments.
+
+    Parameters
+    ----------
+    mean : ndarray, shape (n, d)
+        Of each, over its modes; m, m/s and rad.
+    covariance : ndarray, shape (n, d, d)
+        In these units squared.
+    prior : ndarray, shape (n_arrays,)
+        Variances they began with, rad^2.
+    """
+    own = np.linalg.inv(covariance[:, MOTION:, MOTION:])
+    vector = np.einsum("nij,nj->i", own, mean[:, MOTION:])
+    gained = symmetrised(own) - np.diag(1.0 / prior)
+    return AlignmentInformation(np.sum(gained, axis=0), vector)
+
+
+@dataclass(frozen=True)
+class SharedAlignment:
+    """The misalignments, and the targets as seen with them.
+
+    Attributes
+    ----------
+    misalignment : ndarray, shape (n_arrays,)
+        By how much each array is turned anticlockwise from what its data tell, rad.
+    misalignment_covariance : ndarray, shape (n_arrays, n_arrays)
+        rad^2.
+    mean : ndarray, shape (n, d)
+        Of each target, m, m/s and rad.
+    covariance : ndarray, shape (n, d, d)
+        In these units squared.
+    """
+
+    misalignment: FloatArray
+    misalignment_covariance: FloatArray
+    mean: FloatArray
+    covariance: FloatArray
+
+
+def shared_alignment(
+    targets: AlignedTargets, ended: AlignmentInformation, prior: FloatArray
+) -> SharedAlignment:
+    """Return what all targets tell together.
+
+    Parameters
+    ----------
+    targets : AlignedTargets
+        No two of them with the same measurements.
+    ended : AlignmentInformation
+        What targets that are no more have told.
+    prior : ndarray, shape (n_arrays,)
+        Variances of the misalignments before any measurement, rad^2.
+    """
+    mean, covariance = targets.collapsed()
+    known = ended.plus(information_of(mean, covariance, prior))
+    common = symmetrised(np.linalg.inv(known.matrix + np.diag(1.0 / prior)))
+    misalignment = common @ known.vector
+    aligned_mean, aligned_covariance = told_alignment(mean, covariance, misalignment, common)
+    return SharedAlignment(misalignment, common, aligned_mean, aligned_covariance)
+
+
+def told_alignment(
+    mean: FloatArray, covariance: FloatArray, misalignment: FloatArray, common: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return targets in whose joint distribution the misalignments are replaced by better ones.
+
+    Parameters
+    ----------
+    mean : ndarray, shape (n, d)
+        m, m/s and rad.
+    covariance : ndarray, shape (n, d, d)
+        In these units squared.
+    misalignment : ndarray, shape (n_arrays,)
+        rad.
+    common : ndarray, shape (n_arrays, n_arrays)
+        Its covariance, rad^2.
+
+    Returns
+    -------
+    mean : ndarray, shape (n, d)
+        m, m/s and rad.
+    covariance : ndarray, shape (n, d, d)
+        In these units squared.
+    """
+    own = covariance[:, MOTION:, MOTION:]
+    regression = np.linalg.solve(own, covariance[:, MOTION:, :]).swapaxes(-1, -2)
+    change = misalignment - mean[:, MOTION:]
+    better = mean + np.einsum("nij,nj->ni", regression, change)
+    spread = covariance + regression @ (common - own) @ regression.swapaxes(-1, -2)
+    return better, symmetrised(spread)

@@ -1,0 +1,94 @@
+"""The bearings of one station at one instant: checked, in ``map``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sonar_tracking.errors import InputError, Notice, Severity
+from sonar_tracking.fusion.fused_target import Contributor
+from sonar_tracking.fusion.fusion_records import BearingKey, HeardBearing
+from sonar_tracking.fusion.track_fusion_configuration import TrackFusionConfiguration
+from sonar_tracking.motion import KinematicState
+from sonar_tracking.records.bearings import BearingTracks, TrackStatus
+from sonar_tracking.records.time import NANOSECONDS
+from sonar_tracking.tma.targets.bearing_observations import left_out, observation_of
+from sonar_tracking.tma.targets.station_view import station_view
+from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
+
+
+@dataclass(frozen=True)
+class StationBearings:
+    """What a station heard.
+
+    Attributes
+    ----------
+    alive : dict of BearingKey to Contributor
+        All bearing tracks that go on.
+    found : tuple of HeardBearing
+        What was measured now.
+    notices : tuple of Notice
+        What could not be used.
+    """
+
+    alive: dict[BearingKey, Contributor]
+    found: tuple[HeardBearing, ...]
+    notices: tuple[Notice, ...] = ()
+
+
+def station_bearings(
+    bearings: BearingTracks,
+    own_ship: KinematicState | None,
+    array: int,
+    configuration: TrackFusionConfiguration,
+) -> StationBearings:
+    """Return what a station heard.
+
+    Parameters
+    ----------
+    bearings : BearingTracks
+        Its list.
+    own_ship : KinematicState or None
+        At the stamp; None = not known.
+    array : int
+        Number of its misalignment.
+    configuration : TrackFusionConfiguration
+        Floors, and where an array is whose data do not tell.
+    """
+    sensor = bearings.sensor.sensor_id
+    stamp = bearings.stamp / NANOSECONDS
+    alive: dict[BearingKey, Contributor] = {}
+    for row in np.flatnonzero(bearings.status != TrackStatus.TERMINATED):
+        existence = float(bearings.existence_probability[row])
+        status = TrackStatus(bearings.status[row])
+        alive[sensor, int(bearings.id[row])] = Contributor(status, existence, np.nan)
+    settings = _settings(configuration)
+    try:
+        view = station_view(bearings.sensor, own_ship, settings)
+    except InputError as error:
+        problem = Notice(Severity.ERROR, f"data of {sensor}", str(error))
+        return StationBearings(alive, (), (problem,))
+    found, notices = [], []
+    for row in np.flatnonzero(bearings.status != TrackStatus.TERMINATED):
+        observation, wrong = observation_of(bearings, int(row), view, settings)
+        key = (sensor, int(bearings.id[row]))
+        if wrong:
+            notices.append(left_out(sensor, wrong))
+        if observation.azimuths:
+            alive[key].updated = stamp
+            station = np.array(view.position)
+            variance = float(observation.azimuth_variance)
+            found.append(HeardBearing(key, observation.azimuths, variance, station, array))
+    return StationBearings(alive, tuple(found), tuple(notices))
+
+
+def _settings(configuration: TrackFusionConfiguration) -> TmaTrackerConfiguration:
+    return TmaTrackerConfiguration(
+        sound_speed=configuration.sound_speed,
+        travel_time=configuration.travel_time,
+        minimum_azimuth_deviation_deg=configuration.minimum_azimuth_deviation_deg,
+        mounting_x=configuration.mounting_x,
+        mounting_y=configuration.mounting_y,
+        mounting_yaw_deg=configuration.mounting_yaw_deg,
+    )

@@ -1,0 +1,246 @@
+"""The filters of all targets of known position, and what they tell together of the arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from sonar_tracking.fusion.aligned_targets import (
+    Bearings,
+    MotionStrengths,
+    begun,
+    expected_azimuths,
+    joined,
+    predicted,
+    replaced,
+    updated_by_bearings,
+    updated_by_positions,
+    with_array,
+)
+from sonar_tracking.fusion.bearing_trials import BearingTrials, Trial
+from sonar_tracking.fusion.fused_target import FusedTarget
+from sonar_tracking.fusion.fusion_records import HeardBearing
+from sonar_tracking.fusion.shared_alignment import (
+    AlignmentInformation,
+    SharedAlignment,
+    information_of,
+    no_information,
+    shared_alignment,
+)
+from sonar_tracking.records.arrays import FloatArray, IndexArray
+
+SMALLEST_VARIANCE = 1e-12
+"""Of a misalignment that is taken to be none, rad^2."""
+
+
+class TargetFilters:
+    """One filter a target, and one more for every bearing track that may be of it.
+
+    Parameters
+    ----------
+    strengths : MotionStrengths
+        How targets accelerate.
+    alignment_variance : float
+        Of an array of which nothing is known, rad^2.
+    propagation_speed : float
+        Of sound, m/s; inf = targets are heard where they are.
+    """
+
+    def __init__(
+        self, strengths: MotionStrengths, alignment_variance: float, propagation_speed: float
+    ) -> None:
+        self._strengths = strengths
+        self._variance = max(alignment_variance, SMALLEST_VARIANCE)
+        self._speed = propagation_speed
+        self._ended = no_information(0)
+        self.arrays: dict[str, int] = {}
+        self.targets: list[FusedTarget] = []
+        self._aligned = begun(np.empty((0, 4)), np.empty((0, 4, 4)), strengths, np.empty(0))
+        self.trials = BearingTrials(self._aligned)
+
+    @property
+    def prior(self) -> FloatArray:
+        """Variance of each misalignment, shape (n_arrays,), rad^2."""
+        return np.full(len(self.arrays), self._variance)
+
+    def array_of(self, sensor_id: str) -> int:
+        """Return the number of an array, which is new if it has not been heard of."""
+        if sensor_id not in self.arrays:
+            self.arrays[sensor_id] = len(self.arrays)
+            self._ended = self._ended.with_array()
+            self._aligned = with_array(self._aligned, self._variance)
+            self.trials.add_array(self._variance)
+        return self.arrays[sensor_id]
+
+    def predict(self, interval: float) -> None:
+        """Go on by an interval, s."""
+        self._aligned = predicted(self._aligned, interval, self._strengths)
+        self.trials.predict(interval, self._strengths)
+
+    def begin(self, target: FusedTarget, state: FloatArray, covariance: FloatArray) -> None:
+        """Follow a new target.
+
+        Parameters
+        ----------
+        target : FusedTarget
+            Which.
+        state, covariance : ndarray, shapes (4,) and (4, 4)
+            x, y, vx, vy; m and m/s; m^2, m^2/s, m^2/s^2.
+        """
+        new = begun(state[None], covariance[None], self._strengths, self.prior)
+        self.targets.append(target)
+        self._aligned = joined(self._aligned, new)
+
+    def begin_again(self, target: FusedTarget, state: FloatArray, covariance: FloatArray) -> None:
+        """Forget what was measured of a target: what the bearings of another one told is wrong."""
+        new = begun(state[None], covariance[None], self._strengths, self.prior)
+        self._aligned = replaced(self._aligned, self._rows([target]), new)
+        self.trials.end({target}, set())
+
+    def end(self, targets: Sequence[FusedTarget]) -> None:
+        """Follow some targets no more; what they told of the arrays stays."""
+        if not targets:
+            return
+        rows = self._rows(targets)
+        mean, covariance = self._aligned.rows(rows).collapsed()
+        self._ended = self._ended.plus(information_of(mean, covariance, self.prior))
+        kept = np.setdiff1d(np.arange(len(self.targets)), rows)
+        self.targets = [self.targets[row] for row in kept]
+        self._aligned = self._aligned.rows(kept)
+        self.trials.end(set(targets), set())
+
+    def take_positions(
+        self, targets: Sequence[FusedTarget], position: FloatArray, noise: FloatArray
+    ) -> None:
+        """Let targets take in a measured position each.
+
+        Parameters
+        ----------
+        targets : sequence of FusedTarget
+            Each once.
+        position : ndarray, shape (n, 2)
+            m.
+        noise : ndarray, shape (n, 2, 2)
+            m^2.
+        """
+        if not targets:
+            return
+        rows = self._rows(targets)
+        updated, _ = updated_by_positions(self._aligned.rows(rows), position, noise)
+        self._aligned = replaced(self._aligned, rows, updated)
+        trials, owner = self._trials_of(targets)
+        if trials.size:
+            self.trials.take_positions(trials, position[owner], noise[owner])
+
+    def take_bearings(
+        self, targets: Sequence[FusedTarget], found: Sequence[HeardBearing]
+    ) -> tuple[FloatArray, FloatArray]:
+        """Let targets take in a bearing each, of one station.
+
+        Parameters
+        ----------
+        targets : sequence of FusedTarget
+            Each once.
+        found : sequence of HeardBearing
+            One a target.
+
+        Returns
+        -------
+        azimuth : ndarray, shape (n,)
+            Those of the sides they are on, rad.
+        log_likelihood : ndarray, shape (n,)
+            How likely each was, log of a density, 1/rad.
+        """
+        rows = self._rows(targets)
+        aligned = self._aligned.rows(rows)
+        expected, _ = aligned.expected(found[0].station, found[0].array, self._speed)
+        azimuth = np.array(
+            [one.nearest(float(near)) for near, one in zip(expected, found, strict=True)]
+        )
+        variance = np.array([one.variance for one in found])
+        bearings = Bearings(azimuth, variance, found[0].station, found[0].array, self._speed)
+        updated, likelihood = updated_by_bearings(aligned, bearings)
+        self._aligned = replaced(self._aligned, rows, updated)
+        trials, owner = self._trials_of(targets)
+        if trials.size:
+            own = Bearings(
+                azimuth[owner], variance[owner], bearings.station, bearings.array, self._speed
+            )
+            self.trials.take_known(trials, own)
+        return azimuth, likelihood
+
+    def try_bearings(self, found: Sequence[HeardBearing]) -> None:
+        """Let the trials of bearing tracks of one station take in what it measured."""
+        if self.trials.trials:
+            self.trials.take_tried(found, self._others(), self.prior, self._speed)
+
+    def begin_trials(self, trials: Sequence[Trial]) -> None:
+        """Try whether bearing tracks are of targets."""
+        if trials:
+            rows = self._rows([one.target for one in trials])
+            self.trials.begin(trials, self._aligned.rows(rows))
+
+    def accept(self, row: int) -> Trial:
+        """Let a trial have won: its target goes on with what the trial has taken in."""
+        trial = self.trials.trials[row]
+        won = self.trials.targets.rows(np.array([row]))
+        self._aligned = replaced(self._aligned, self._rows([trial.target]), won)
+        self.trials.end(set(), {trial.key})
+        self.trials.drop_rivals(trial)
+        rest = self.trials.rows_of(trial.target)
+        self.trials.targets = replaced(
+            self.trials.targets, rest, won.rows(np.zeros(len(rest), int))
+        )
+        return trial
+
+    def picture(self) -> SharedAlignment:
+        """Return what all targets tell together."""
+        return shared_alignment(self._aligned, self._ended, self.prior)
+
+    def expected(self, array: int, station: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the azimuths that a station will tell of all targets, and their variances.
+
+        Parameters
+        ----------
+        array : int
+            Which array.
+        station : ndarray, shape (2,)
+            Where it is, m.
+
+        Returns
+        -------
+        azimuth, variance : ndarray, shape (n_targets,)
+            rad and rad^2.
+        """
+        seen = self.picture()
+        return expected_azimuths(seen.mean, seen.covariance, station, array, self._speed)
+
+    def _others(self) -> dict[FusedTarget, AlignmentInformation]:
+        """Return for each target what all others tell of the misalignments."""
+        mean, covariance = self._aligned.collapsed()
+        each = [
+            information_of(mean[row, None], covariance[row, None], self.prior)
+            for row in range(len(self.targets))
+        ]
+        matrix = self._ended.matrix + sum(one.matrix for one in each)
+        vector = self._ended.vector + sum(one.vector for one in each)
+        return {
+            target: AlignmentInformation(matrix - one.matrix, vector - one.vector)
+            for target, one in zip(self.targets, each, strict=True)
+        }
+
+    def _rows(self, targets: Sequence[FusedTarget]) -> IndexArray:
+        place = {target: row for row, target in enumerate(self.targets)}
+        return np.array([place[target] for target in targets], np.intp)
+
+    def _trials_of(self, targets: Sequence[FusedTarget]) -> tuple[IndexArray, IndexArray]:
+        """Return the rows of the trials of targets, and the place of each one's target."""
+        place = {target: number for number, target in enumerate(targets)}
+        found = [
+            (row, place[trial.target])
+            for row, trial in enumerate(self.trials.trials)
+            if trial.target in place
+        ]
+        rows = np.array(found, np.intp).reshape(-1, 2)
+        return rows[:, 0], rows[:, 1]

@@ -1,0 +1,78 @@
+"""Parameters of the stage that makes one track list of all others."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sonar_tracking.configuration import parameter
+from sonar_tracking.fusion.aligned_targets import MotionStrengths
+
+STRENGTHS = MotionStrengths(
+    density=np.array([1e-5, 0.05, 3.0]), share=np.array([0.97, 0.025, 0.005]), duration=120.0
+)
+"""Of ships: nearly straight, gentle turns of some hundredths of m/s^2, hard ones."""
+
+
+@dataclass(frozen=True)
+class TrackFusionConfiguration:
+    """Parameters of track fusion: arrays, association, its track list."""
+
+    alignment_deviation_deg: float = parameter(
+        2.0,
+        "of the misalignment of an array, before anything is measured; it is estimated. 0 = none",
+        unit="deg",
+        minimum=0.0,
+        maximum=45.0,
+    )
+    heading_standard_deviation_deg: float = parameter(
+        0.2,
+        "of own ship's heading: turns all that it hears alike, cannot be observed, and is added to "
+        "the covariance of positions",
+        unit="deg",
+        minimum=0.0,
+        maximum=45.0,
+    )
+    association_odds: float = parameter(
+        100.0, "to one, for taking a bearing track and a position to be of one target", minimum=1.0
+    )
+    clutter_area: float = parameter(
+        1e9,
+        "in which a new track may be anywhere, if it is not of a known target",
+        unit="m^2",
+        minimum=1.0,
+    )
+    sound_speed: float = parameter(1500.0, "in the water", unit="m/s", minimum=1.0, maximum=1e5)
+    travel_time: bool = parameter(
+        True, "sound takes time: a target has moved on since it was heard; false = heard at once"
+    )
+    minimum_azimuth_deviation_deg: float = parameter(
+        0.05, "no bearing is taken to be better", unit="deg", minimum=0.0, maximum=90.0
+    )
+    mounting_x: float = parameter(
+        0.0, "array origin ahead of own ship's reference, if data do not tell their pose", unit="m"
+    )
+    mounting_y: float = parameter(0.0, "array origin to port of it", unit="m")
+    mounting_yaw_deg: float = parameter(
+        0.0, "direction of the array axis, anticlockwise from the bow", unit="deg"
+    )
+    coast_duration: float = parameter(
+        30.0, "how long a target outlives the last track it is made of", unit="s", minimum=0.0
+    )
+    first_id: int = parameter(1, "first track identifier", minimum=1)
+
+    @property
+    def alignment_variance(self) -> float:
+        """In rad^2."""
+        return float(np.radians(self.alignment_deviation_deg) ** 2)
+
+    @property
+    def heading_variance(self) -> float:
+        """In rad^2."""
+        return float(np.radians(self.heading_standard_deviation_deg) ** 2)
+
+    @property
+    def propagation_speed(self) -> float:
+        """Of what is heard, m/s; inf = at once."""
+        return self.sound_speed if self.travel_time else np.inf

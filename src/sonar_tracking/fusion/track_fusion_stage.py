@@ -1,0 +1,361 @@
+"""The stage that makes one picture of all others: one row a target, whatever hears it.
+
+Targets that return echoes are followed by filters that take in what each update of their tracks
+measured, and the bearings of the bearing tracks that are found to be of them. Finished tracks are
+not taken in as if they were measurements: they tell the same again and again. Targets that are only
+heard are shown as target motion analysis finds them, until an echo tells which they are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from sonar_tracking.errors import InputError, Notice
+from sonar_tracking.fusion.bearing_links import BearingLinks
+from sonar_tracking.fusion.bearing_trials import GATE, Trial
+from sonar_tracking.fusion.copied_rows import bearing_keys, copied_row, moved_copy
+from sonar_tracking.fusion.echo_association import known_targets
+from sonar_tracking.fusion.fused_rows import (
+    FusedRow,
+    fused_list,
+    row_of_target,
+    turned_by_heading,
+)
+from sonar_tracking.fusion.fused_target import Contributor, FusedTarget
+from sonar_tracking.fusion.fusion_records import (
+    ArrayAlignment,
+    BearingKey,
+    FusionFrame,
+    FusionUpdate,
+    HeardBearing,
+    ListKey,
+)
+from sonar_tracking.fusion.station_bearings import StationBearings, station_bearings
+from sonar_tracking.fusion.target_filters import TargetFilters
+from sonar_tracking.fusion.track_fusion_configuration import STRENGTHS, TrackFusionConfiguration
+from sonar_tracking.motion import KinematicState, wrap_angle
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.bearings import BearingTracks, TrackStatus
+from sonar_tracking.records.positions import PositionTracks, TrackSource
+from sonar_tracking.records.time import NANOSECONDS, UNKNOWN_STAMP, nanoseconds, seconds
+
+PAUSE = 60.0
+"""After which a trial that failed is begun again, s: bearing tracks may change their targets."""
+
+ESTIMATED = 0.5
+"""An alignment is estimated once its deviation is this part of what it was before."""
+
+
+class TrackFusionStage:
+    """Keeps one target for whatever other lists tell of it.
+
+    Parameters
+    ----------
+    configuration : TrackFusionConfiguration
+        Its parameters.
+    """
+
+    def __init__(self, configuration: TrackFusionConfiguration | None = None) -> None:
+        self.configuration = configuration or TrackFusionConfiguration()
+        self._next_id = self.configuration.first_id
+        self.reset()
+
+    def continue_from(self, first_id: int) -> None:
+        """Let new tracks have identifiers from one on, if those so far are below it."""
+        self._next_id = max(self._next_id, first_id)
+
+    def reset(self) -> None:
+        """Forget all targets; identifiers go on."""
+        settings = self.configuration
+        self._stamp = UNKNOWN_STAMP
+        self._filters = TargetFilters(
+            STRENGTHS, settings.alignment_variance, settings.propagation_speed
+        )
+        self._links = BearingLinks()
+        self._target_of: dict[ListKey, FusedTarget] = {}
+        self._alive: dict[str, dict[BearingKey, Contributor]] = {}
+        self._stations: dict[str, FloatArray] = {}
+        self._lists: dict[str, PositionTracks] = {}
+        self._names: dict[ListKey, int] = {}
+        self._paused: dict[tuple[FusedTarget, BearingKey], int] = {}
+        self._stale: set[FusedTarget] = set()
+        self._shown: dict[int, FusedRow] = {}
+        self._own_ship: KinematicState | None = None
+
+    def update(self, frame: FusionFrame) -> FusionUpdate:
+        """Take in everything of one instant.
+
+        Parameters
+        ----------
+        frame : FusionFrame
+            Later than the one before.
+
+        Raises
+        ------
+        InputError
+            If the frame is not later; nothing has changed then.
+        """
+        if frame.stamp <= self._stamp:
+            raise InputError(
+                f"The frame at {frame.stamp} ns is not later than the one before it, at "
+                f"{self._stamp} ns; send frames in order."
+            )
+        if self._stamp != UNKNOWN_STAMP:
+            interval = seconds(frame.stamp - self._stamp)
+            self._filters.predict(interval)
+            self._links.predict(interval)
+        self._stamp, self._own_ship = frame.stamp, frame.own_ship
+        notices: list[Notice] = []
+        for topic, tracks in frame.active.items():
+            self._take_echoes(topic, tracks)
+        for bearings in frame.bearings:
+            notices += self._take_bearings(bearings, frame.own_ship)
+        for topic, tracks in frame.passive.items():
+            self._lists[topic] = tracks
+        self._decide()
+        self._end_orphans()
+        return FusionUpdate(self.picture(), self.alignments(), tuple(notices))
+
+    def _take_echoes(self, topic: str, tracks: PositionTracks) -> None:
+        self._lists[topic] = tracks
+        going_on = {
+            (topic, int(number)): row
+            for row, number in enumerate(tracks.id)
+            if tracks.status[row] != TrackStatus.TERMINATED
+        }
+        for key in [key for key in self._target_of if key[0] == topic and key not in going_on]:
+            del self._target_of.pop(key).echoes[key]
+        measured = []
+        for key, row in going_on.items():
+            target = self._target_of.get(key)
+            if target is None:
+                continue
+            _note(target, key, tracks, row)
+            if target in self._stale:
+                self._stale.discard(target)
+                self._filters.begin_again(target, tracks.state[row], tracks.covariance[row])
+            elif np.isfinite(tracks.measurement[row, 0]):
+                measured.append((target, row))
+        rows = [row for _, row in measured]
+        self._filters.take_positions(
+            [target for target, _ in measured],
+            tracks.measurement[rows],
+            tracks.measurement_covariance[rows],
+        )
+        new = {
+            key: row
+            for key, row in going_on.items()
+            if key not in self._target_of and _is_moving_target(tracks, row)
+        }
+        self._meet(topic, tracks, new)
+
+    def _meet(self, topic: str, tracks: PositionTracks, new: dict[ListKey, int]) -> None:
+        """Find out whose new confirmed tracks are: of a target whose echoes were lost, or new."""
+        if not new:
+            return
+        rows = list(new.values())
+        lost = [one for one in self._filters.targets if all(key[0] != topic for key in one.echoes)]
+        known = known_targets(
+            tracks.state[rows], tracks.covariance[rows], lost, self._filters, self.configuration
+        )
+        for (key, row), target in zip(new.items(), known, strict=True):
+            if target is None:
+                target = FusedTarget(self._name(key), float(tracks.initiated[row]))
+                self._filters.begin(target, tracks.state[row], tracks.covariance[row])
+            elif np.isfinite(tracks.measurement[row, 0]):
+                one = slice(row, row + 1)
+                self._filters.take_positions(
+                    [target], tracks.measurement[one], tracks.measurement_covariance[one]
+                )
+            self._target_of[key] = target
+            _note(target, key, tracks, row)
+
+    def _take_bearings(
+        self, bearings: BearingTracks, own_ship: KinematicState | None
+    ) -> tuple[Notice, ...]:
+        sensor = bearings.sensor.sensor_id
+        array = self._filters.array_of(sensor)
+        told = station_bearings(bearings, own_ship, array, self.configuration)
+        self._alive[sensor] = told.alive
+        for key in [key for key in self._links.of_station(sensor) if key not in told.alive]:
+            self._unlink(key)
+        tried = {one.key for one in self._filters.trials.trials if one.key[0] == sensor}
+        self._filters.trials.end(set(), tried - set(told.alive))
+        if told.found:
+            self._stations[sensor] = told.found[0].station
+            self._take_linked([one for one in told.found if self._links.target_of(one.key)])
+            free = [one for one in told.found if self._may_be_tried(one.key, told)]
+            self._begin_trials(free)
+            self._filters.try_bearings(free)
+        return told.notices
+
+    def _take_linked(self, found: list[HeardBearing]) -> None:
+        if not found:
+            return
+        targets = [self._links.target_of(one.key) for one in found]
+        owners = [one for one in targets if one is not None]
+        self._links.weigh(found, *self._filters.take_bearings(owners, found))
+        for target, one in zip(owners, found, strict=True):
+            target.heard[one.key] = self._alive[one.key[0]][one.key]
+            target.updated = self._stamp / NANOSECONDS
+
+    def _may_be_tried(self, key: BearingKey, told: StationBearings) -> bool:
+        """Return whether it is open of which target a bearing track is."""
+        target = self._links.target_of(key)
+        if target is not None and target.echoes:
+            return False
+        return told.alive[key].status == TrackStatus.CONFIRMED
+
+    def _begin_trials(self, found: list[HeardBearing]) -> None:
+        """Try bearing tracks with all targets that may be heard there."""
+        if not found or not self._filters.targets:
+            return
+        expected, variance = self._filters.expected(found[0].array, found[0].station)
+        sensor = found[0].key[0]
+        under_way = {(one.target, one.key) for one in self._filters.trials.trials}
+        begun = []
+        for one in found:
+            azimuth = np.array([one.nearest(float(near)) for near in expected])
+            near = wrap_angle(azimuth - expected) ** 2 <= GATE**2 * (variance + one.variance)
+            for row in np.flatnonzero(near):
+                pair = self._filters.targets[row], one.key
+                if not pair[0].echoes or any(key[0] == sensor for key in pair[0].heard):
+                    continue
+                if pair not in under_way and self._paused.get(pair, 0) <= self._stamp:
+                    begun.append(Trial(*pair))
+        self._filters.begin_trials(begun)
+
+    def _decide(self) -> None:
+        odds = self.configuration.association_odds
+        trials = self._filters.trials
+        for trial in trials.give_up(odds):
+            self._paused[trial.target, trial.key] = self._stamp + nanoseconds(PAUSE)
+        while rows := trials.winners(odds, len(self._filters.targets)):
+            best = max(rows, key=lambda row: trials.trials[row].evidence)
+            self._accept(self._filters.accept(best))
+        for key in self._links.broken(odds):
+            target = self._links.target_of(key)
+            self._unlink(key)
+            if target is not None and target.echoes:
+                self._stale.add(target)
+
+    def _accept(self, trial: Trial) -> None:
+        """Let a bearing track be of a target: what was shown for it becomes the same target."""
+        target, key = trial.target, trial.key
+        before = self._links.target_of(key)
+        if before is not None:
+            self._unlink(key)
+            self._rename(target, before.id, before.initiated)
+            if not before.contributors:
+                self._filters.end([before])
+                self._forget(before)
+        for topic, tracks in self._lists.items():
+            for row in range(len(tracks)):
+                known = self._names.get((topic, int(tracks.id[row])))
+                if known is None or key not in bearing_keys(tracks, row):
+                    continue
+                if tracks.status[row] == TrackStatus.CONFIRMED:
+                    self._rename(target, known, float(tracks.initiated[row]))
+        target.heard[key] = self._alive[key[0]][key]
+        self._links.add(key, target, trial.evidence)
+
+    def _rename(self, target: FusedTarget, number: int, initiated: float) -> None:
+        """Let a target have the name of the older one of two that are one."""
+        if initiated < target.initiated:
+            target.id, target.initiated = number, initiated
+
+    def _unlink(self, key: BearingKey) -> None:
+        target = self._links.target_of(key)
+        self._links.remove(key)
+        if target is not None:
+            target.heard.pop(key, None)
+
+    def _end_orphans(self) -> None:
+        """End targets without tracks some time after the last one, and forget old names."""
+        now = self._stamp / NANOSECONDS
+        over = []
+        for target in self._filters.targets:
+            if target.contributors:
+                target.orphaned = np.nan
+            elif np.isnan(target.orphaned):
+                target.orphaned = now
+            if now - target.orphaned >= self.configuration.coast_duration:
+                over.append(target)
+        self._filters.end(over)
+        for target in over:
+            self._forget(target)
+
+    def _forget(self, target: FusedTarget) -> None:
+        self._stale.discard(target)
+        self._paused = {
+            place: until for place, until in self._paused.items() if place[0] is not target
+        }
+
+    def _name(self, key: ListKey) -> int:
+        if key not in self._names:
+            self._names[key] = self._next_id
+            self._next_id += 1
+        return self._names[key]
+
+    def picture(self) -> PositionTracks:
+        """Return the complete picture at the stamp of the last frame; an ended row appears once."""
+        seen = self._filters.picture()
+        rows = [
+            row_of_target(target, state, covariance)
+            for target, state, covariance in zip(
+                self._filters.targets, seen.mean[:, :4], seen.covariance[:, :4, :4], strict=True
+            )
+        ]
+        rows += self._copies()
+        heading = self.configuration.heading_variance
+        rows = [turned_by_heading(row, self._own_ship, heading) for row in rows]
+        ended = [
+            row for number, row in self._shown.items() if number not in {one.id for one in rows}
+        ]
+        self._shown = {row.id: row for row in rows}
+        rows += [replace(row, status=TrackStatus.TERMINATED) for row in ended]
+        return fused_list(rows, self._stamp, UNKNOWN_STAMP)
+
+    def _copies(self) -> list[FusedRow]:
+        """Return the rows of other lists that no target with echoes stands for."""
+        alignments = {one.sensor_id: one for one in self.alignments()}
+        rows = []
+        for topic, tracks in self._lists.items():
+            for row in np.flatnonzero(tracks.status != TrackStatus.TERMINATED):
+                key = topic, int(tracks.id[row])
+                heard = bearing_keys(tracks, int(row))
+                if key in self._target_of or any(self._links.target_of(one) for one in heard):
+                    continue
+                copy = copied_row(tracks, int(row), topic, self._name(key))
+                rows.append(moved_copy(copy, self._stamp, self._stations, alignments))
+        return rows
+
+    def alignments(self) -> tuple[ArrayAlignment, ...]:
+        """Return what is known of the alignment of each array."""
+        seen = self._filters.picture()
+        deviation = np.sqrt(np.diagonal(seen.misalignment_covariance))
+        estimated = deviation < ESTIMATED * np.sqrt(self._filters.prior)
+        return tuple(
+            ArrayAlignment(
+                sensor,
+                float(seen.misalignment[place]),
+                float(deviation[place]),
+                bool(estimated[place]),
+            )
+            for sensor, place in self._filters.arrays.items()
+        )
+
+
+def _note(target: FusedTarget, key: ListKey, tracks: PositionTracks, row: int) -> None:
+    """Let a track with echoes be one of those a target is made of."""
+    status = TrackStatus(tracks.status[row])
+    updated = float(tracks.updated[row])
+    target.echoes[key] = Contributor(status, float(tracks.existence_probability[row]), updated)
+    target.updated = float(np.fmax(target.updated, updated))
+
+
+def _is_moving_target(tracks: PositionTracks, row: int) -> bool:
+    moving = tracks.source[row] != TrackSource.STATIC
+    return bool(moving and tracks.status[row] == TrackStatus.CONFIRMED)
