@@ -53,6 +53,8 @@ ROOMS = (
     "active.association",
     "active.baselines",
     "active",
+    # what all stages found, in one picture
+    "fusion",
     "scene",
     # the world, and what sensors receive of it
     "simulation.scenarios",

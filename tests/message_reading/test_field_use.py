@@ -17,6 +17,7 @@ from sonar_tracking_msgs import msg
 from sonar_tracking.errors import InputError
 from sonar_tracking.graph.node_base.stamp_check import Verdict
 from sonar_tracking.graph.node_base.stamp_guard import StampGuard
+from sonar_tracking.message_reading.alignment_reading import alignments_from_message
 from sonar_tracking.message_reading.array_reading import (
     directions_from_message,
     measured_directions_from_message,
@@ -44,11 +45,13 @@ READ: dict[str, Callable[[Any], Any]] = {
     "Contacts": contacts_from_message,
     "DetectionThreshold": thresholds_from_message,
     "Tracks": position_tracks_from_message,
+    "ArrayAlignments": alignments_from_message,
     "Odometry": own_ship_from_message,
 }
 ROWS = {"BearingTracks": "id", "FrequencyLines": "line_id", "Contacts": "range", "Tracks": "id"}
-ROWS |= {"DetectionThreshold": "track_id"}
+ROWS |= {"DetectionThreshold": "track_id", "ArrayAlignments": "sensor_id"}
 WIDE = {"covariance": {"Tracks": 16, "BearingTracks": 4}, "gate_covariance": {"": 4}}
+WIDE |= {"measurement": {"Tracks": 2}, "measurement_covariance": {"Tracks": 4}}
 LISTS_OF_THEIR_OWN = ("line_", "contributor_")
 FIELDS = [(name, field) for name, uses in FIELD_USES.items() for field in uses]
 
@@ -83,7 +86,8 @@ def filled(name: str) -> Any:
     if name in ROWS:
         for field in columns_of(name):
             width = 2 * WIDE.get(field, {}).get(name, 4 if field == "gate_covariance" else 1)
-            setattr(message, field, [True] * 2 if field == "ambiguous" else [1] * width)
+            values = {"ambiguous": [True] * 2, "sensor_id": ["array", "buoy"]}.get(field)
+            setattr(message, field, values or [1] * width)
         if name == "BearingTracks":
             message.angle_kind = 1
         return message
@@ -209,7 +213,7 @@ def test_a_cone_whose_sides_nobody_tells_has_two() -> None:
 )
 def test_a_zero_that_is_meant_stays(name: str, field: str) -> None:
     message = without(name, field)
-    if field in ("id", "line_id", "range", "track_id") and field == ROWS.get(name):
+    if field == ROWS.get(name):
         message = CLASSES[name]()
     if field in ("n_subspaces", "n_columns", "time_offsets", "basis"):
         message.n_subspaces, message.time_offsets, message.basis = 0, [], []

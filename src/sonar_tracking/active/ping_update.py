@@ -313,4 +313,3 @@ def _banks_of_scenes(
     rows = np.concatenate([rows, len(listed.bank) + np.arange(len(candidates))])[order]
     counts = [old + begun for old, begun in zip(left.counts, new.counts, strict=True)]
     return SceneRows(tuple(counts)).parts(listed.bank.append(candidates).select(rows))
-

@@ -20,13 +20,10 @@ import numpy as np
 from sonar_tracking.fusion.aligned_targets import (
     MOTION,
     AlignedTargets,
-    Bearings,
     MotionStrengths,
     joined,
     predicted,
     replaced,
-    updated_by_bearings,
-    updated_by_positions,
     with_array,
 )
 from sonar_tracking.fusion.fused_target import FusedTarget
@@ -39,6 +36,12 @@ from sonar_tracking.fusion.lone_bearings import (
     unheard,
 )
 from sonar_tracking.fusion.shared_alignment import AlignmentInformation, told_alignment
+from sonar_tracking.fusion.target_updates import (
+    Bearings,
+    expected_azimuths,
+    updated_by_bearings,
+    updated_by_positions,
+)
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 
 GATE = 4.0
@@ -115,12 +118,20 @@ class BearingTrials:
         return np.array([n for n, one in enumerate(self.trials) if one.target is target], np.intp)
 
     def take_positions(self, rows: IndexArray, position: FloatArray, noise: FloatArray) -> None:
-        """Let trials take the measured positions of their targets in, one each, m and m^2."""
+        """Let trials take in what was measured of their targets.
+
+        Parameters
+        ----------
+        rows : ndarray of int, shape (n,)
+            Which trials.
+        position, noise : ndarray, shapes (n, 2) and (n, 2, 2)
+            m and m^2.
+        """
         updated, _ = updated_by_positions(self.targets.rows(rows), position, noise)
         self.targets = replaced(self.targets, rows, updated)
 
     def take_known(self, rows: IndexArray, bearings: Bearings) -> None:
-        """Let trials take in bearings that are known to be of their targets, one each."""
+        """Let trials, by their rows, shape (n,), take in bearings known to be of their targets."""
         updated, _ = updated_by_bearings(self.targets.rows(rows), bearings)
         self.targets = replaced(self.targets, rows, updated)
 
@@ -151,7 +162,9 @@ class BearingTrials:
         tried = [self.trials[row] for row in rows]
         own = [by_key[one.key] for one in tried]
         targets = self.targets.rows(rows)
-        expected, _ = targets.expected(own[0].station, own[0].array, propagation_speed)
+        mean, covariance = targets.collapsed()
+        station, array = own[0].station, own[0].array
+        expected, _ = expected_azimuths(mean, covariance, station, array, propagation_speed)
         bearings = Bearings(
             azimuth=np.array(
                 [one.nearest(float(near)) for near, one in zip(expected, own, strict=True)]

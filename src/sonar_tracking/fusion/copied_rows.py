@@ -10,7 +10,7 @@ from sonar_tracking.filtering.constant_velocity import process_noise_matrix, tra
 from sonar_tracking.filtering.kalman import KalmanState, predict
 from sonar_tracking.fusion.fused_rows import FusedRow, row_of_copy
 from sonar_tracking.fusion.fused_target import CopiedRow
-from sonar_tracking.fusion.fusion_records import ArrayAlignment, BearingKey
+from sonar_tracking.fusion.fusion_records import BearingKey
 from sonar_tracking.fusion.rotation import rotated
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import TrackStatus
@@ -57,7 +57,7 @@ def moved_copy(
     copy: CopiedRow,
     stamp: int,
     stations: Mapping[str, FloatArray],
-    alignments: Mapping[str, ArrayAlignment],
+    alignments: Mapping[str, tuple[float, float]],
 ) -> FusedRow:
     """Return the row of a copy at a stamp, its array being aligned as others tell.
 
@@ -69,20 +69,18 @@ def moved_copy(
         Not before that of its list, ns.
     stations : mapping of str to ndarray, shape (2,)
         Where each array is, m.
-    alignments : mapping of str to ArrayAlignment
-        What is known of each.
+    alignments : mapping of str to tuple of two float
+        The misalignment of those of which it has been measured, rad, and its variance, rad^2.
     """
     interval = seconds(stamp - copy.stamp)
     state = KalmanState(copy.state, copy.covariance)
     if interval > 0.0:
-        transition = np.kron(transition_matrix(interval), np.eye(2))
-        noise = np.kron(process_noise_matrix(DRIFT, interval), np.eye(2))
+        transition = np.asarray(np.kron(transition_matrix(interval), np.eye(2)))
+        noise = np.asarray(np.kron(process_noise_matrix(DRIFT, interval), np.eye(2)))
         state = predict(state, transition, noise)
     for sensor in {key[0] for key in copy.heard}:
-        known = alignments.get(sensor)
-        if known is not None and known.is_estimated and len(copy.heard) == 1:
-            variance = known.deviation**2
-            state = rotated(state, stations[sensor], known.misalignment, variance)
+        if sensor in alignments and len(copy.heard) == 1:
+            state = rotated(state, stations[sensor], *alignments[sensor])
     return row_of_copy(copy, state.mean, state.covariance)
 
 

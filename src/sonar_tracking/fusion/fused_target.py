@@ -9,9 +9,7 @@ import numpy as np
 from sonar_tracking.fusion.fusion_records import BearingKey, ListKey
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import TrackStatus
-from sonar_tracking.records.positions import TrackHypothesis, TrackSource
-
-ALIVE = (TrackStatus.CONFIRMED, TrackStatus.COASTED)
+from sonar_tracking.records.positions import PositionTracks, TrackHypothesis, TrackSource
 
 
 @dataclass(eq=False)
@@ -59,6 +57,12 @@ class FusedTarget:
     heard: dict[BearingKey, Contributor] = field(default_factory=dict)
     orphaned: float = np.nan
     updated: float = np.nan
+
+    def note(self, key: ListKey, tracks: PositionTracks, row: int) -> None:
+        """Let a row of a list of echoes be one of the tracks it is made of."""
+        status, updated = TrackStatus(tracks.status[row]), float(tracks.updated[row])
+        self.echoes[key] = Contributor(status, float(tracks.existence_probability[row]), updated)
+        self.updated = float(np.fmax(self.updated, updated))
 
     @property
     def contributors(self) -> list[Contributor]:
@@ -119,3 +123,9 @@ class CopiedRow:
     hypothesis: TrackHypothesis
     hypothesis_probability: float
     heard: tuple[BearingKey, ...]
+
+
+def moves(tracks: PositionTracks, row: int) -> bool:
+    """Return whether a row of a list is a confirmed target that moves."""
+    fixed = tracks.source[row] == TrackSource.STATIC
+    return bool(not fixed and tracks.status[row] == TrackStatus.CONFIRMED)

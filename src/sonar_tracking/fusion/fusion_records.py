@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from sonar_tracking.errors import Notice
 from sonar_tracking.motion import KinematicState, wrap_angle
+from sonar_tracking.records.alignments import ArrayAlignments
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import BearingTracks
 from sonar_tracking.records.positions import PositionTracks
@@ -43,28 +44,6 @@ class FusionFrame:
 
 
 @dataclass(frozen=True)
-class ArrayAlignment:
-    """What is known of the alignment of one array.
-
-    Attributes
-    ----------
-    sensor_id : str
-        The array.
-    misalignment : float
-        By how much it is turned anticlockwise from what its data tell, rad.
-    deviation : float
-        Standard deviation of that, rad.
-    is_estimated : bool
-        Whether measurements have told more than was known before.
-    """
-
-    sensor_id: str
-    misalignment: float
-    deviation: float
-    is_estimated: bool
-
-
-@dataclass(frozen=True)
 class FusionUpdate:
     """What follows from a frame.
 
@@ -72,14 +51,14 @@ class FusionUpdate:
     ----------
     tracks : PositionTracks
         The complete picture at the stamp of the frame.
-    alignments : tuple of ArrayAlignment
-        Of each array that has been heard of.
+    alignments : ArrayAlignments
+        Of all arrays that have been heard of.
     notices : tuple of Notice
         What the user should know of the frame.
     """
 
     tracks: PositionTracks
-    alignments: tuple[ArrayAlignment, ...]
+    alignments: ArrayAlignments
     notices: tuple[Notice, ...]
 
 

@@ -107,6 +107,17 @@ def heard(
 
 
 def guarded(log_density: FloatArray) -> FloatArray:
-    """Return logs of densities (1/rad) in which some bearings may be from anywhere."""
+    """Return logs of densities in which some bearings may be from anywhere.
+
+    Parameters
+    ----------
+    log_density : ndarray, shape (n,)
+        Of bearings that are not, 1/rad.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        1/rad.
+    """
     likely = np.log1p(-WILD_SHARE) + log_density
     return np.asarray(np.logaddexp(likely, np.log(WILD_SHARE * ANYWHERE)))

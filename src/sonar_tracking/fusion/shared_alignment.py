@@ -68,7 +68,7 @@ def information_of(
     """
     own = np.linalg.inv(covariance[:, MOTION:, MOTION:])
     vector = np.einsum("nij,nj->i", own, mean[:, MOTION:])
-    gained = symmetrised(own) - np.diag(1.0 / prior)
+    gained = symmetrised(np.asarray(own)) - np.diag(1.0 / prior)
     return AlignmentInformation(np.sum(gained, axis=0), vector)
 
 
@@ -110,7 +110,7 @@ def shared_alignment(
     """
     mean, covariance = targets.collapsed()
     known = ended.plus(information_of(mean, covariance, prior))
-    common = symmetrised(np.linalg.inv(known.matrix + np.diag(1.0 / prior)))
+    common = symmetrised(np.asarray(np.linalg.inv(known.matrix + np.diag(1.0 / prior))))
     misalignment = common @ known.vector
     aligned_mean, aligned_covariance = told_alignment(mean, covariance, misalignment, common)
     return SharedAlignment(misalignment, common, aligned_mean, aligned_covariance)

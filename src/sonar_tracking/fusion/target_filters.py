@@ -7,15 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from sonar_tracking.fusion.aligned_targets import (
-    Bearings,
     MotionStrengths,
     begun,
-    expected_azimuths,
     joined,
     predicted,
     replaced,
-    updated_by_bearings,
-    updated_by_positions,
     with_array,
 )
 from sonar_tracking.fusion.bearing_trials import BearingTrials, Trial
@@ -28,10 +24,21 @@ from sonar_tracking.fusion.shared_alignment import (
     no_information,
     shared_alignment,
 )
+from sonar_tracking.fusion.target_updates import (
+    Bearings,
+    expected_azimuths,
+    updated_by_bearings,
+    updated_by_positions,
+)
+from sonar_tracking.records.alignments import ArrayAlignments
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 
 SMALLEST_VARIANCE = 1e-12
 """Of a misalignment that is taken to be none, rad^2."""
+
+
+MEASURED = 0.5
+"""An alignment has been measured once its deviation is this part of what it was before."""
 
 
 class TargetFilters:
@@ -93,7 +100,15 @@ class TargetFilters:
         self._aligned = joined(self._aligned, new)
 
     def begin_again(self, target: FusedTarget, state: FloatArray, covariance: FloatArray) -> None:
-        """Forget what was measured of a target: what the bearings of another one told is wrong."""
+        """Forget what was measured of a target: what the bearings of another one told is wrong.
+
+        Parameters
+        ----------
+        target : FusedTarget
+            Which.
+        state, covariance : ndarray, shapes (4,) and (4, 4)
+            x, y, vx, vy; m and m/s; m^2, m^2/s, m^2/s^2.
+        """
         new = begun(state[None], covariance[None], self._strengths, self.prior)
         self._aligned = replaced(self._aligned, self._rows([target]), new)
         self.trials.end({target}, set())
@@ -154,7 +169,9 @@ class TargetFilters:
         """
         rows = self._rows(targets)
         aligned = self._aligned.rows(rows)
-        expected, _ = aligned.expected(found[0].station, found[0].array, self._speed)
+        mean, covariance = aligned.collapsed()
+        station, array = found[0].station, found[0].array
+        expected, _ = expected_azimuths(mean, covariance, station, array, self._speed)
         azimuth = np.array(
             [one.nearest(float(near)) for near, one in zip(expected, found, strict=True)]
         )
@@ -197,6 +214,27 @@ class TargetFilters:
     def picture(self) -> SharedAlignment:
         """Return what all targets tell together."""
         return shared_alignment(self._aligned, self._ended, self.prior)
+
+    def alignments(self, stamp: int, next_stamp: int) -> ArrayAlignments:
+        """Return what is known of the alignment of each array, with a stamp and watermark, ns."""
+        seen = self.picture()
+        return ArrayAlignments(
+            stamp=stamp,
+            sensor_id=tuple(self.arrays),
+            misalignment=seen.misalignment,
+            misalignment_standard_deviation=np.sqrt(np.diagonal(seen.misalignment_covariance)),
+            next_stamp=next_stamp,
+        )
+
+    def measured_alignments(self) -> dict[str, tuple[float, float]]:
+        """Return the misalignments (rad) of which more is known than before, and variances."""
+        seen = self.picture()
+        variance = np.diagonal(seen.misalignment_covariance)
+        return {
+            sensor: (float(seen.misalignment[place]), float(variance[place]))
+            for sensor, place in self.arrays.items()
+            if variance[place] < MEASURED**2 * self._variance
+        }
 
     def expected(self, array: int, station: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the azimuths that a station will tell of all targets, and their variances.

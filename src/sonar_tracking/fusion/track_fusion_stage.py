@@ -15,7 +15,7 @@ import numpy as np
 from sonar_tracking.errors import InputError, Notice
 from sonar_tracking.fusion.bearing_links import BearingLinks
 from sonar_tracking.fusion.bearing_trials import GATE, Trial
-from sonar_tracking.fusion.copied_rows import bearing_keys, copied_row, moved_copy
+from sonar_tracking.fusion.copied_lists import CopiedLists
 from sonar_tracking.fusion.echo_association import known_targets
 from sonar_tracking.fusion.fused_rows import (
     FusedRow,
@@ -23,9 +23,8 @@ from sonar_tracking.fusion.fused_rows import (
     row_of_target,
     turned_by_heading,
 )
-from sonar_tracking.fusion.fused_target import Contributor, FusedTarget
+from sonar_tracking.fusion.fused_target import Contributor, FusedTarget, moves
 from sonar_tracking.fusion.fusion_records import (
-    ArrayAlignment,
     BearingKey,
     FusionFrame,
     FusionUpdate,
@@ -38,14 +37,11 @@ from sonar_tracking.fusion.track_fusion_configuration import STRENGTHS, TrackFus
 from sonar_tracking.motion import KinematicState, wrap_angle
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
-from sonar_tracking.records.positions import PositionTracks, TrackSource
+from sonar_tracking.records.positions import PositionTracks
 from sonar_tracking.records.time import NANOSECONDS, UNKNOWN_STAMP, nanoseconds, seconds
 
 PAUSE = 60.0
 """After which a trial that failed is begun again, s: bearing tracks may change their targets."""
-
-ESTIMATED = 0.5
-"""An alignment is estimated once its deviation is this part of what it was before."""
 
 
 class TrackFusionStage:
@@ -55,10 +51,15 @@ class TrackFusionStage:
     ----------
     configuration : TrackFusionConfiguration
         Its parameters.
+    n_sources : int
+        Track lists and stations that report.
     """
 
-    def __init__(self, configuration: TrackFusionConfiguration | None = None) -> None:
+    def __init__(
+        self, configuration: TrackFusionConfiguration | None = None, n_sources: int = 1
+    ) -> None:
         self.configuration = configuration or TrackFusionConfiguration()
+        self._n_sources = n_sources
         self._next_id = self.configuration.first_id
         self.reset()
 
@@ -77,12 +78,12 @@ class TrackFusionStage:
         self._target_of: dict[ListKey, FusedTarget] = {}
         self._alive: dict[str, dict[BearingKey, Contributor]] = {}
         self._stations: dict[str, FloatArray] = {}
-        self._lists: dict[str, PositionTracks] = {}
-        self._names: dict[ListKey, int] = {}
+        self._copies = CopiedLists(self._new_id)
         self._paused: dict[tuple[FusedTarget, BearingKey], int] = {}
         self._stale: set[FusedTarget] = set()
         self._shown: dict[int, FusedRow] = {}
         self._own_ship: KinematicState | None = None
+        self._watermarks: dict[str, int] = {}
 
     def update(self, frame: FusionFrame) -> FusionUpdate:
         """Take in everything of one instant.
@@ -109,17 +110,21 @@ class TrackFusionStage:
         self._stamp, self._own_ship = frame.stamp, frame.own_ship
         notices: list[Notice] = []
         for topic, tracks in frame.active.items():
+            self._watermarks[topic] = tracks.next_stamp
             self._take_echoes(topic, tracks)
         for bearings in frame.bearings:
+            self._watermarks[f"bearings of {bearings.sensor.sensor_id}"] = bearings.next_stamp
             notices += self._take_bearings(bearings, frame.own_ship)
         for topic, tracks in frame.passive.items():
-            self._lists[topic] = tracks
+            self._watermarks[topic] = tracks.next_stamp
+            self._copies.take(topic, tracks)
         self._decide()
         self._end_orphans()
-        return FusionUpdate(self.picture(), self.alignments(), tuple(notices))
+        alignments = self._filters.alignments(self._stamp, self._watermark())
+        return FusionUpdate(self.picture(), alignments, tuple(notices))
 
     def _take_echoes(self, topic: str, tracks: PositionTracks) -> None:
-        self._lists[topic] = tracks
+        self._copies.take(topic, tracks)
         going_on = {
             (topic, int(number)): row
             for row, number in enumerate(tracks.id)
@@ -132,7 +137,7 @@ class TrackFusionStage:
             target = self._target_of.get(key)
             if target is None:
                 continue
-            _note(target, key, tracks, row)
+            target.note(key, tracks, row)
             if target in self._stale:
                 self._stale.discard(target)
                 self._filters.begin_again(target, tracks.state[row], tracks.covariance[row])
@@ -147,7 +152,7 @@ class TrackFusionStage:
         new = {
             key: row
             for key, row in going_on.items()
-            if key not in self._target_of and _is_moving_target(tracks, row)
+            if key not in self._target_of and moves(tracks, row)
         }
         self._meet(topic, tracks, new)
 
@@ -162,7 +167,7 @@ class TrackFusionStage:
         )
         for (key, row), target in zip(new.items(), known, strict=True):
             if target is None:
-                target = FusedTarget(self._name(key), float(tracks.initiated[row]))
+                target = FusedTarget(self._copies.name(key), float(tracks.initiated[row]))
                 self._filters.begin(target, tracks.state[row], tracks.covariance[row])
             elif np.isfinite(tracks.measurement[row, 0]):
                 one = slice(row, row + 1)
@@ -170,7 +175,7 @@ class TrackFusionStage:
                     [target], tracks.measurement[one], tracks.measurement_covariance[one]
                 )
             self._target_of[key] = target
-            _note(target, key, tracks, row)
+            target.note(key, tracks, row)
 
     def _take_bearings(
         self, bearings: BearingTracks, own_ship: KinematicState | None
@@ -251,13 +256,8 @@ class TrackFusionStage:
             if not before.contributors:
                 self._filters.end([before])
                 self._forget(before)
-        for topic, tracks in self._lists.items():
-            for row in range(len(tracks)):
-                known = self._names.get((topic, int(tracks.id[row])))
-                if known is None or key not in bearing_keys(tracks, row):
-                    continue
-                if tracks.status[row] == TrackStatus.CONFIRMED:
-                    self._rename(target, known, float(tracks.initiated[row]))
+        for name, initiated in self._copies.confirmed_names(key):
+            self._rename(target, name, initiated)
         target.heard[key] = self._alive[key[0]][key]
         self._links.add(key, target, trial.evidence)
 
@@ -293,11 +293,9 @@ class TrackFusionStage:
             place: until for place, until in self._paused.items() if place[0] is not target
         }
 
-    def _name(self, key: ListKey) -> int:
-        if key not in self._names:
-            self._names[key] = self._next_id
-            self._next_id += 1
-        return self._names[key]
+    def _new_id(self) -> int:
+        self._next_id += 1
+        return self._next_id - 1
 
     def picture(self) -> PositionTracks:
         """Return the complete picture at the stamp of the last frame; an ended row appears once."""
@@ -308,7 +306,8 @@ class TrackFusionStage:
                 self._filters.targets, seen.mean[:, :4], seen.covariance[:, :4, :4], strict=True
             )
         ]
-        rows += self._copies()
+        alignments = self._filters.measured_alignments()
+        rows += self._copies.rows(self._stamp, self._stands_for, self._stations, alignments)
         heading = self.configuration.heading_variance
         rows = [turned_by_heading(row, self._own_ship, heading) for row in rows]
         ended = [
@@ -316,46 +315,14 @@ class TrackFusionStage:
         ]
         self._shown = {row.id: row for row in rows}
         rows += [replace(row, status=TrackStatus.TERMINATED) for row in ended]
-        return fused_list(rows, self._stamp, UNKNOWN_STAMP)
+        return fused_list(rows, self._stamp, self._watermark())
 
-    def _copies(self) -> list[FusedRow]:
-        """Return the rows of other lists that no target with echoes stands for."""
-        alignments = {one.sensor_id: one for one in self.alignments()}
-        rows = []
-        for topic, tracks in self._lists.items():
-            for row in np.flatnonzero(tracks.status != TrackStatus.TERMINATED):
-                key = topic, int(tracks.id[row])
-                heard = bearing_keys(tracks, int(row))
-                if key in self._target_of or any(self._links.target_of(one) for one in heard):
-                    continue
-                copy = copied_row(tracks, int(row), topic, self._name(key))
-                rows.append(moved_copy(copy, self._stamp, self._stations, alignments))
-        return rows
+    def _watermark(self) -> int:
+        """Nothing earlier than this follows; unknown until every source has reported."""
+        least = min(self._watermarks.values(), default=UNKNOWN_STAMP)
+        complete = len(self._watermarks) >= self._n_sources
+        return least if complete and least > self._stamp else UNKNOWN_STAMP
 
-    def alignments(self) -> tuple[ArrayAlignment, ...]:
-        """Return what is known of the alignment of each array."""
-        seen = self._filters.picture()
-        deviation = np.sqrt(np.diagonal(seen.misalignment_covariance))
-        estimated = deviation < ESTIMATED * np.sqrt(self._filters.prior)
-        return tuple(
-            ArrayAlignment(
-                sensor,
-                float(seen.misalignment[place]),
-                float(deviation[place]),
-                bool(estimated[place]),
-            )
-            for sensor, place in self._filters.arrays.items()
-        )
-
-
-def _note(target: FusedTarget, key: ListKey, tracks: PositionTracks, row: int) -> None:
-    """Let a track with echoes be one of those a target is made of."""
-    status = TrackStatus(tracks.status[row])
-    updated = float(tracks.updated[row])
-    target.echoes[key] = Contributor(status, float(tracks.existence_probability[row]), updated)
-    target.updated = float(np.fmax(target.updated, updated))
-
-
-def _is_moving_target(tracks: PositionTracks, row: int) -> bool:
-    moving = tracks.source[row] != TrackSource.STATIC
-    return bool(moving and tracks.status[row] == TrackStatus.CONFIRMED)
+    def _stands_for(self, key: ListKey, heard: tuple[BearingKey, ...]) -> bool:
+        """Return whether a target with echoes stands for a row of another list."""
+        return key in self._target_of or any(self._links.target_of(one) for one in heard)

@@ -185,6 +185,12 @@ FIELD_USES: Mapping[str, Mapping[str, FieldUse]] = {
         "signal_to_noise_ratio": unknown(),
         "method": value("not named"),
     },
+    "ArrayAlignments": _HEAD
+    | {
+        "sensor_id": value("no arrays"),
+        "misalignment": column(),
+        "misalignment_standard_deviation": column(),
+    },
     "Tracks": _HEAD
     | {
         "id": value("no tracks; number them from 1"),
@@ -204,6 +210,8 @@ FIELD_USES: Mapping[str, Mapping[str, FieldUse]] = {
         "hypothesis": value("SINGLE"),
         "hypothesis_probability": column(),
         "bearing_track_id": value("none"),
+        "measurement": column(),
+        "measurement_covariance": column(),
         "line_track": value("no lines"),
         "line_id": value("none"),
         "line_frequency": unknown(),

@@ -147,8 +147,8 @@ class PositionTracks:
     bearing_track_id : ndarray of uint64, shape (n,)
         Bearing track the row was made from; 0 = none.
     measurement : ndarray, shape (n, 2)
-        What the last update measured, as one position at the stamp, m; NaN = it measured none, or
-        it is not told.
+        What the last update measured, as one position at the stamp, m; NaN = it measured
+        none, or unknown.
     measurement_covariance : ndarray, shape (n, 2, 2)
         Of the measurement, m^2.
     line_track : ndarray of uint32, shape (n_lines,)

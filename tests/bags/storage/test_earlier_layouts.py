@@ -23,12 +23,12 @@ from sonar_tracking.records.positions import COLUMNS
 from tests.bags.bag_fixtures import EPOCH, SECOND
 from tests.bags.position_fixtures import POSITIONS
 
-ADDED = ("z", "z_standard_deviation")
+ADDED = ("z", "z_standard_deviation", "measurement", "measurement_covariance")
 """Columns of tracks that earlier versions did not have."""
 
 
 def earlier_definition() -> MessageDefinition:
-    """Return the definition of track lists as they were without heights."""
+    """Return the definition of track lists as they were without heights and measurements."""
     now = installed_definition(POSITIONS)
     added = tuple(f"float64[] {name} " for name in ADDED)
     kept = [line for line in now.text.splitlines() if not line.startswith(added)]

@@ -33,7 +33,7 @@ class ContactTrackRows:
     static : ndarray of bool, shape (n,), optional
         Which are of something that is fixed; None = not estimated.
     measured : tuple of two ndarray, shape (n, 2) and (n, 2, 2), optional
-        What the last update measured, m and m^2; None = not told.
+        What the last update measured, m and m^2; None = unknown.
     """
 
     id: IntArray
@@ -74,9 +74,7 @@ def shown_tracks(rows: ContactTrackRows, stamp: int, next_stamp: int) -> Positio
     source = np.full(len(rows.id), int(TrackSource.ACTIVE), np.uint8)
     if rows.static is not None:
         source[rows.static] = int(TrackSource.STATIC)
-    told = {}
-    if rows.measured is not None:
-        told = dict(zip(("measurement", "measurement_covariance"), rows.measured, strict=True))
+    measurement, noise = rows.measured or (np.empty(0), np.empty(0))
     return PositionTracks(
         stamp=stamp,
         id=rows.id.astype(np.uint64),
@@ -89,7 +87,8 @@ def shown_tracks(rows: ContactTrackRows, stamp: int, next_stamp: int) -> Positio
         updated=_seconds(rows.updated),
         hypothesis_probability=np.ones(len(rows.id)),
         next_stamp=next_stamp,
-        **told,
+        measurement=measurement,
+        measurement_covariance=noise,
     )
 
 

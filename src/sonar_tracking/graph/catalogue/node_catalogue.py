@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from sonar_tracking.graph.catalogue.active_nodes import HPDA_TRACKER
 from sonar_tracking.graph.catalogue.display_nodes import SCENE_PUBLISHER
+from sonar_tracking.graph.catalogue.fusion_nodes import TRACK_FUSION
 from sonar_tracking.graph.catalogue.passive_nodes import (
     BAND_DEMODULATOR,
     BEARING_TRACKER,
@@ -28,6 +29,7 @@ NODES = {
         LINE_TRACKER,
         TMA_TRACKER,
         HPDA_TRACKER,
+        TRACK_FUSION,
         SCENE_PUBLISHER,
     )
 }

@@ -42,6 +42,21 @@ class TmaInputConfiguration:
 
 
 @dataclass(frozen=True)
+class FusionInputConfiguration:
+    """What the node ``track_fusion`` listens to; an empty name stands for none."""
+
+    active_topics: tuple[str, ...] = parameter(
+        ("active/tracks",), "tracks of what returns echoes, one topic per sonar"
+    )
+    bearing_topics: tuple[str, ...] = parameter(
+        ("passive/bearing_tracks",), "bearing tracks, one topic per station"
+    )
+    passive_topics: tuple[str, ...] = parameter(
+        ("passive/tracks",), "positions from bearings and lines, one topic per tracker"
+    )
+
+
+@dataclass(frozen=True)
 class SimulatorConfiguration:
     """Parameters of every node that simulates a sensor."""
 

@@ -132,6 +132,20 @@ PASSIVE_TRACKS = Topic(
     TopicRole.OUTPUT,
     "positions of the targets heard, with both sides of an ambiguous bearing",
 )
+ALIGNMENTS = Topic(
+    "passive/alignment",
+    "sonar_tracking_msgs/msg/ArrayAlignments",
+    TopicKind.TRACKS,
+    TopicRole.OUTPUT,
+    "how the arrays are turned from what their data tell",
+)
+FUSED_TRACKS = Topic(
+    "tracks",
+    "sonar_tracking_msgs/msg/Tracks",
+    TopicKind.TRACKS,
+    TopicRole.OUTPUT,
+    "one row a target, whatever hears it",
+)
 PASSIVE_MARKERS = Topic(
     "passive/markers",
     "visualization_msgs/msg/MarkerArray",

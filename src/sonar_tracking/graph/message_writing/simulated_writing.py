@@ -29,7 +29,7 @@ _BEARING_COLUMNS = (
     "existence_probability",
 )
 """Of BearingTracks between status and ambiguous, in the order of the message."""
-_TRACKS_REST = 17
+_TRACKS_REST = 19
 """Columns of Tracks that truth has nothing to say in."""
 
 

@@ -1,0 +1,80 @@
+"""Track lists whose rows are shown as they are where no target with echoes stands for them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+
+import numpy as np
+
+from sonar_tracking.fusion.copied_rows import bearing_keys, copied_row, moved_copy
+from sonar_tracking.fusion.fused_rows import FusedRow
+from sonar_tracking.fusion.fusion_records import BearingKey, ListKey
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.records.positions import PositionTracks
+
+
+class CopiedLists:
+    """The last list of each topic, and the names of its rows in the fused list.
+
+    Parameters
+    ----------
+    next_id : callable
+        Returns a new identifier.
+    """
+
+    def __init__(self, next_id: Callable[[], int]) -> None:
+        self._next_id = next_id
+        self._lists: dict[str, PositionTracks] = {}
+        self._names: dict[ListKey, int] = {}
+
+    def take(self, topic: str, tracks: PositionTracks) -> None:
+        """Let a list be the last one of its topic."""
+        self._lists[topic] = tracks
+        alive = set(tracks.id[tracks.status != TrackStatus.TERMINATED].tolist())
+        self._names = {
+            key: name for key, name in self._names.items() if key[0] != topic or key[1] in alive
+        }
+
+    def name(self, key: ListKey) -> int:
+        """Return the identifier of a row, which is new if the row has not been shown."""
+        if key not in self._names:
+            self._names[key] = self._next_id()
+        return self._names[key]
+
+    def confirmed_names(self, heard: BearingKey) -> Iterator[tuple[int, float]]:
+        """Yield names and beginnings (s) of confirmed rows that are made of a bearing track."""
+        for topic, tracks in self._lists.items():
+            for row in np.flatnonzero(tracks.status == TrackStatus.CONFIRMED):
+                name = self._names.get((topic, int(tracks.id[row])))
+                if name is not None and heard in bearing_keys(tracks, int(row)):
+                    yield name, float(tracks.initiated[row])
+
+    def rows(
+        self,
+        stamp: int,
+        is_known: Callable[[ListKey, tuple[BearingKey, ...]], bool],
+        stations: Mapping[str, FloatArray],
+        alignments: Mapping[str, tuple[float, float]],
+    ) -> list[FusedRow]:
+        """Return the rows that nothing else stands for.
+
+        Parameters
+        ----------
+        stamp : int
+            Of the fused list, ns.
+        is_known : callable
+            Tells whether a target stands for a row, by its key and its bearing tracks.
+        stations : mapping of str to ndarray, shape (2,)
+            Where each array is, m.
+        alignments : mapping of str to tuple of two float
+            Measured misalignments, rad, and their variances, rad^2.
+        """
+        rows = []
+        for topic, tracks in self._lists.items():
+            for row in np.flatnonzero(tracks.status != TrackStatus.TERMINATED):
+                key = topic, int(tracks.id[row])
+                if not is_known(key, bearing_keys(tracks, int(row))):
+                    copy = copied_row(tracks, int(row), topic, self.name(key))
+                    rows.append(moved_copy(copy, stamp, stations, alignments))
+        return rows

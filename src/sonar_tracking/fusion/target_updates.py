@@ -1,0 +1,181 @@
+"""What bearings and positions tell of targets, and of the arrays that measured them.
+
+References
+----------
+Bar-Shalom, Li, Kirubarajan (2001), sections 10.3 (extended Kalman filter), 11.6 (its modes).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sonar_tracking.filtering.kalman import symmetrised
+from sonar_tracking.fusion.aligned_targets import MOTION, AlignedTargets
+from sonar_tracking.motion import wrap_angle
+from sonar_tracking.records.arrays import FloatArray
+
+NEAREST = 1.0
+"""A target is taken to be at least so far from a station, m."""
+
+
+@dataclass(frozen=True)
+class Bearings:
+    """Azimuths that one station measured at one instant, one a target.
+
+    Attributes
+    ----------
+    azimuth, variance : ndarray, shape (n,)
+        In ``map``, as the data of the station tell, rad and rad^2.
+    station : ndarray, shape (2,)
+        Where it is, m.
+    array : int
+        Which misalignment it has.
+    propagation_speed : float
+        Of sound, m/s; inf = targets are heard where they are.
+    """
+
+    azimuth: FloatArray
+    variance: FloatArray
+    station: FloatArray
+    array: int
+    propagation_speed: float = np.inf
+
+    def linearised(self, mean: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return innovations and their derivatives by the state.
+
+        Parameters
+        ----------
+        mean : ndarray, shape (n, ..., d)
+            m, m/s and rad.
+
+        Returns
+        -------
+        innovation : ndarray, shape (n, ...)
+            rad.
+        derivative : ndarray, shape (n, ..., d)
+            Of the prediction, rad/m, rad s/m and pure numbers.
+        """
+        offset = mean[..., :2] - self.station
+        delay = np.hypot(offset[..., 0], offset[..., 1]) / self.propagation_speed
+        seen = offset - delay[..., None] * mean[..., 2:MOTION]
+        square = np.maximum(np.sum(seen**2, axis=-1), NEAREST**2)
+        across = np.stack([-seen[..., 1], seen[..., 0]], axis=-1) / square[..., None]
+        derivative = np.zeros(mean.shape)
+        derivative[..., :2] = across
+        derivative[..., 2:MOTION] = -delay[..., None] * across
+        derivative[..., MOTION + self.array] = -1.0
+        azimuth = self.azimuth.reshape(-1, *(1,) * (mean.ndim - 2))
+        expected = np.arctan2(seen[..., 1], seen[..., 0]) - mean[..., MOTION + self.array]
+        return np.asarray(wrap_angle(azimuth - expected)), derivative
+
+
+def expected_azimuths(
+    mean: FloatArray,
+    covariance: FloatArray,
+    station: FloatArray,
+    array: int,
+    propagation_speed: float,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the azimuths that a station will tell of targets, and their variances.
+
+    Parameters
+    ----------
+    mean, covariance : ndarray, shapes (n, d) and (n, d, d)
+        Of the targets, m, m/s and rad, and in these units squared.
+    station : ndarray, shape (2,)
+        Where it is, m.
+    array : int
+        Which misalignment it has.
+    propagation_speed : float
+        Of sound, m/s.
+
+    Returns
+    -------
+    azimuth, variance : ndarray, shape (n,)
+        rad and rad^2.
+    """
+    nothing = np.zeros(len(mean))
+    bearings = Bearings(nothing, nothing, station, array, propagation_speed)
+    innovation, derivative = bearings.linearised(mean)
+    variance = np.einsum("ni,nij,nj->n", derivative, covariance, derivative)
+    return -innovation, variance
+
+
+def updated_by_bearings(
+    targets: AlignedTargets, bearings: Bearings
+) -> tuple[AlignedTargets, FloatArray]:
+    """Return targets with one bearing each, and how likely each was.
+
+    Parameters
+    ----------
+    targets : AlignedTargets
+        Predicted to the instant of the bearings.
+    bearings : Bearings
+        One a target.
+
+    Returns
+    -------
+    targets : AlignedTargets
+        Updated.
+    log_likelihood : ndarray, shape (n,)
+        Log of the density, 1/rad.
+    """
+    innovation, derivative = bearings.linearised(targets.mean)
+    noise = bearings.variance[:, None]
+    cross = np.einsum("nmij,nmj->nmi", targets.covariance, derivative)
+    spread = np.einsum("nmi,nmi->nm", derivative, cross) + noise
+    gain = cross / spread[..., None]
+    mean = targets.mean + gain * innovation[..., None]
+    remaining = np.eye(targets.mean.shape[-1]) - gain[..., None] * derivative[..., None, :]
+    covariance = remaining @ targets.covariance @ remaining.swapaxes(-1, -2)
+    covariance += noise[..., None, None] * gain[..., None] * gain[..., None, :]
+    log_density = -0.5 * (innovation**2 / spread + np.log(2.0 * np.pi * spread))
+    return _weighed(replace(targets, mean=mean, covariance=covariance), log_density)
+
+
+def updated_by_positions(
+    targets: AlignedTargets, position: FloatArray, noise: FloatArray
+) -> tuple[AlignedTargets, FloatArray]:
+    """Return targets with one measured position each, and how likely each was.
+
+    Parameters
+    ----------
+    targets : AlignedTargets
+        Predicted to the instant of the positions.
+    position : ndarray, shape (n, 2)
+        m.
+    noise : ndarray, shape (n, 2, 2)
+        m^2.
+
+    Returns
+    -------
+    targets : AlignedTargets
+        Updated.
+    log_likelihood : ndarray, shape (n,)
+        Log of the density, 1/m^2.
+    """
+    innovation = position[:, None] - targets.mean[..., :2]
+    cross = targets.covariance[..., :2]
+    spread = cross[..., :2, :] + noise[:, None]
+    gain = np.linalg.solve(spread, cross.swapaxes(-1, -2)).swapaxes(-1, -2)
+    mean = targets.mean + np.einsum("nmij,nmj->nmi", gain, innovation)
+    remaining = np.tile(np.eye(targets.mean.shape[-1]), (*targets.mode.shape, 1, 1))
+    remaining[..., :2] -= gain
+    covariance = remaining @ targets.covariance @ remaining.swapaxes(-1, -2)
+    covariance += gain @ noise[:, None] @ gain.swapaxes(-1, -2)
+    solved = np.linalg.solve(spread, innovation[..., None])[..., 0]
+    square = np.sum(innovation * solved, axis=-1)
+    log_density = -0.5 * (square + np.linalg.slogdet(spread)[1]) - np.log(2.0 * np.pi)
+    return _weighed(replace(targets, mean=mean, covariance=covariance), log_density)
+
+
+def _weighed(targets: AlignedTargets, log_density: FloatArray) -> tuple[AlignedTargets, FloatArray]:
+    """Return targets with their modes weighed by densities of shape (n, n_modes), and the sums."""
+    best = np.max(log_density, axis=-1, keepdims=True)
+    weight = targets.mode * np.exp(log_density - best)
+    total = np.sum(weight, axis=-1, keepdims=True)
+    likelihood = np.log(total[:, 0]) + best[:, 0]
+    covariance = symmetrised(targets.covariance)
+    return AlignedTargets(targets.mean, covariance, weight / total), likelihood
