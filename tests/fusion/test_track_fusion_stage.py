@@ -1,0 +1,220 @@
+"""Protects the fused picture: one row a target, honest, under one name, whatever is lost."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sonar_tracking.errors import InputError
+from sonar_tracking.fusion.fusion_records import FusionFrame, FusionUpdate
+from sonar_tracking.fusion.track_fusion_configuration import TrackFusionConfiguration
+from sonar_tracking.fusion.track_fusion_stage import TrackFusionStage
+from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.records.positions import PositionTracks, TrackHypothesis, TrackSource
+from tests.fusion.fusion_scene import (
+    ARRAY,
+    ECHOES,
+    EPOCH,
+    FOUR,
+    POSITIONS,
+    Moment,
+    Ships,
+    moments,
+    stamp_of,
+    with_bearing_tracks,
+)
+
+AT_ONCE = TrackFusionConfiguration(travel_time=False, heading_standard_deviation_deg=0.0)
+"""The ships of these scenes are heard where they are, and own ship knows its heading."""
+
+
+def run(scene: Ships, duration: float = 600.0) -> list[tuple[Moment, FusionUpdate]]:
+    stage = TrackFusionStage(AT_ONCE)
+    return [(one, stage.update(one.frame)) for one in moments(scene, duration)]
+
+
+def errors(moment: Moment, update: FusionUpdate) -> tuple[np.ndarray, np.ndarray]:
+    """Return the state errors of all rows, each against the nearest ship, and covariances."""
+    tracks = update.tracks
+    apart = tracks.state[:, None, :2] - moment.truth[None, :, :2]
+    nearest = np.argmin(np.hypot(apart[..., 0], apart[..., 1]), axis=1)
+    return tracks.state - moment.truth[nearest], tracks.covariance
+
+
+def test_every_ship_has_one_row_under_one_name() -> None:
+    results = run(Ships(FOUR))
+    names = {tuple(sorted(update.tracks.id)) for _, update in results[30:]}
+    assert len(names) == 1 and len(names.pop()) == 4
+    contributors = results[-1][1].tracks
+    assert list(contributors.contributor_source).count(TrackSource.TMA) == 4
+    assert set(contributors.contributor_sensor) == {ARRAY, ECHOES}
+
+
+@pytest.mark.parametrize("degrees", [0.0, 1.0, -3.0])
+def test_the_misalignment_is_found_within_what_is_claimed(degrees: float) -> None:
+    scores = []
+    for seed in range(8):
+        scene = Ships(FOUR, misalignment=np.radians(degrees), seed=seed)
+        known = run(scene, 300.0)[-1][1].alignments
+        assert known.sensor_id == (ARRAY,)
+        assert known.misalignment_standard_deviation[0] < np.radians(0.3)
+        error = known.misalignment[0] - np.radians(degrees)
+        scores.append((error / known.misalignment_standard_deviation[0]) ** 2)
+    assert np.mean(scores) < 2.5  # of chi-square with 8 degrees of freedom: 99 %
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("degrees", [0.0, 1.0])
+def test_the_covariance_is_honest_and_bearings_help(degrees: float) -> None:
+    squares, nees, alone = [], [], []
+    for seed in range(8):
+        scene = Ships(FOUR, np.radians(degrees), acceleration=2.5e-3, seed=seed)
+        for moment, update in run(scene)[50::5]:
+            error, covariance = errors(moment, update)
+            squares.append(np.mean(np.sum(error[:, :2] ** 2, axis=1)))
+            solved = np.linalg.solve(covariance, error[..., None])[..., 0]
+            nees.append(np.mean(np.sum(error * solved, axis=1)) / 4.0)
+            if moment.frame.active:
+                apart = moment.frame.active[ECHOES].state - moment.truth
+                alone.append(np.mean(np.sum(apart[:, :2] ** 2, axis=1)))
+    assert 0.6 < np.mean(nees) < 1.5
+    assert np.mean(squares) < 0.5 * np.mean(alone)
+
+
+@pytest.mark.parametrize("lost", ["silent_sonar", "silent_array"])
+def test_one_name_through_the_loss_of_either_source(lost: str) -> None:
+    span = {lost: (200.0, 500.0)}
+    results = run(replace(Ships(FOUR), **span))
+    names = {int(name) for _, update in results[30:] for name in update.tracks.id}
+    assert len(names) == 4
+    for moment, update in results[100:250]:
+        error, _ = errors(moment, update)
+        assert np.all(np.hypot(error[:, 0], error[:, 1]) < 300.0)
+
+
+def test_the_side_of_the_array_follows_own_ship_s_turns() -> None:
+    """A ship abeam to starboard is to port after a turn: no bearing is taken for its mirror's."""
+    for moment, update in run(Ships(FOUR))[80:]:
+        error, _ = errors(moment, update)
+        assert np.all(np.hypot(error[:, 0], error[:, 1]) < 150.0)
+
+
+def test_bearing_tracks_that_change_their_sources_are_given_back() -> None:
+    stage, scene = TrackFusionStage(AT_ONCE), Ships(FOUR)
+    for moment in moments(scene, 500.0):
+        frame = moment.frame
+        if moment.time >= 300.0:
+            frame = with_bearing_tracks(frame, [1, 0, 2, 3])
+        update = stage.update(frame)
+    tracks = update.tracks
+    error, _ = errors(moment, update)
+    assert len(tracks) == 4 and np.all(np.hypot(error[:, 0], error[:, 1]) < 100.0)
+    heard = {
+        int(track): int(number)
+        for track, number, source in zip(
+            tracks.contributor_track,
+            tracks.contributor_id,
+            tracks.contributor_source,
+            strict=True,
+        )
+        if source == TrackSource.TMA
+    }
+    apart = tracks.state[:, None, :2] - moment.truth[None, :, :2]
+    ship = np.argmin(np.hypot(apart[..., 0], apart[..., 1]), axis=1)
+    of_ship = {int(ship[track]): number for track, number in heard.items()}
+    assert of_ship[0] == 202 and of_ship[1] == 201
+
+
+def both_sides(moment: Moment, number: int) -> PositionTracks:
+    """Return what target motion analysis tells of one bearing track: both sides, confirmed left."""
+    ship = moment.truth[number]
+    heading = float(moment.own_ship.azimuth)
+    along = np.array([np.cos(heading), np.sin(heading)])
+    offset = ship[:2] - moment.own_ship.position
+    mirror = moment.own_ship.position + 2.0 * along * (along @ offset) - offset
+    return PositionTracks(
+        stamp=moment.frame.stamp,
+        id=np.array([11, 12], np.uint64),
+        status=np.array([TrackStatus.CONFIRMED, TrackStatus.TENTATIVE], np.uint8),
+        source=np.full(2, TrackSource.TMA, np.uint8),
+        state=np.array([[*ship[:2], 0.0, 0.0], [*mirror, 0.0, 0.0]]),
+        covariance=np.tile(np.diag([1e4, 1e4, 4.0, 4.0]), (2, 1, 1)),
+        initiated=np.full(2, EPOCH * 1e-9 - 100.0),
+        hypothesis=np.array([TrackHypothesis.LEFT, TrackHypothesis.RIGHT], np.uint8),
+        bearing_track_id=np.full(2, 201 + number, np.uint64),
+        contributor_track=np.array([0, 1], np.uint32),
+        contributor_source=np.full(2, TrackSource.TMA, np.uint8),
+        contributor_sensor=(ARRAY, ARRAY),
+        contributor_id=np.full(2, 201 + number, np.uint64),
+    )
+
+
+def test_echoes_settle_the_side_and_the_older_name_stays() -> None:
+    stage = TrackFusionStage(AT_ONCE)
+    names = set()
+    for moment in moments(Ships(FOUR, silent_sonar=(0.0, 60.0)), 200.0):
+        told = replace(moment.frame, passive={POSITIONS: both_sides(moment, 0)})
+        tracks = stage.update(told).tracks
+        if moment.time == 50.0:
+            assert sorted(tracks.hypothesis) == [TrackHypothesis.LEFT, TrackHypothesis.RIGHT]
+            names = set(tracks.id[tracks.status == TrackStatus.CONFIRMED].tolist())
+    established = tracks.selected(tracks.status == TrackStatus.CONFIRMED)
+    assert len(tracks) == 4 and np.all(tracks.hypothesis == TrackHypothesis.SINGLE)
+    assert names <= set(established.id.tolist())
+
+
+def test_a_row_that_ends_is_told_once() -> None:
+    stage = TrackFusionStage(replace(AT_ONCE, coast_duration=0.0))
+    frames = [one.frame for one in moments(Ships(FOUR[:1]), 40.0)]
+    for frame in frames[:11]:
+        stage.update(replace(frame, bearings=()))
+    gone = stage.update(FusionFrame(stamp_of(30.0), {ECHOES: frames[0].active[ECHOES].selected([False])}))
+    assert list(gone.tracks.status) == [TrackStatus.TERMINATED]
+    assert len(stage.update(FusionFrame(stamp_of(32.0))).tracks) == 0
+
+
+def test_frames_out_of_order_change_nothing() -> None:
+    stage = TrackFusionStage(AT_ONCE)
+    stage.update(FusionFrame(stamp_of(10.0)))
+    with pytest.raises(InputError, match="send frames in order"):
+        stage.update(FusionFrame(stamp_of(10.0)))
+    assert len(stage.update(FusionFrame(stamp_of(12.0))).tracks) == 0
+
+
+def test_a_station_that_does_not_tell_where_it_is_is_named() -> None:
+    stage = TrackFusionStage(AT_ONCE)
+    (moment, *_) = moments(Ships(FOUR), 2.0)
+    (bearings,) = moment.frame.bearings
+    lost = replace(bearings, sensor=replace(bearings.sensor, position=(np.nan,) * 3))
+    update = stage.update(FusionFrame(moment.frame.stamp, moment.frame.active, (lost,)))
+    assert len(update.tracks) == 4
+    assert ARRAY in update.notices[0].text and "own_ship/odometry" in update.notices[0].text
+
+
+def test_numbers_that_are_none_do_no_harm() -> None:
+    stage = TrackFusionStage(AT_ONCE)
+    for moment in moments(Ships(FOUR), 100.0):
+        frame = moment.frame
+        if frame.active and moment.time > 20.0:
+            tracks = frame.active[ECHOES]
+            broken = tracks.state.copy()
+            broken[0] = np.nan
+            measured = tracks.measurement.copy()
+            measured[1] = np.inf
+            noise = tracks.measurement_covariance.copy()
+            noise[2] = -np.eye(2)
+            frame = replace(
+                frame,
+                active={
+                    ECHOES: replace(
+                        tracks,
+                        state=broken,
+                        measurement=measured,
+                        measurement_covariance=noise,
+                    )
+                },
+            )
+        update = stage.update(frame)
+    assert np.all(np.isfinite(update.tracks.state))
