@@ -74,7 +74,8 @@ def moments(scene: Ships, duration: float) -> Iterator[Moment]:
             shocks = generator.standard_normal(truth.shape)
             truth = truth @ step.T + shocks @ root.T
         own_ship = own_ship_at(time)
-        active, bearings = {}, ()
+        active: dict[str, PositionTracks] = {}
+        bearings: tuple[BearingTracks, ...] = ()
         if time % PING == 0.0:
             filters, tracks = _ping(scene, filters, truth, own_ship, time, generator)
             if not _within(time, scene.silent_sonar):
@@ -118,8 +119,9 @@ def _ping(
     generator: np.random.Generator,
 ) -> tuple[list[KalmanState], PositionTracks]:
     """Return the filters of a tracker of echoes after a ping, and its list."""
-    step = np.kron(transition_matrix(PING), np.eye(2))
-    noise = np.kron(process_noise_matrix(max(scene.acceleration, 1e-5), PING), np.eye(2))
+    step = np.asarray(np.kron(transition_matrix(PING), np.eye(2)))
+    density = max(scene.acceleration, 1e-5)
+    noise = np.asarray(np.kron(process_noise_matrix(density, PING), np.eye(2)))
     measured, covariance, after = [], [], []
     for number, ship in enumerate(truth):
         offset = ship[:2] - own_ship.position

@@ -2,8 +2,8 @@
 
     P^-1 = A^-1 + B^-1 - (w A + (1 - w) B)^-1
 
-with w that minimises the trace of P. It claims no more than is true whatever information both
-have in common, and less is lost than by covariance intersection.
+with w that minimises the determinant of P, whatever the units. It claims no more than is true,
+whatever information both have in common, and less is lost than by covariance intersection.
 
 References
 ----------
@@ -16,10 +16,9 @@ from __future__ import annotations
 import numpy as np
 
 from sonar_tracking.filtering.kalman import KalmanState, symmetrised
-from sonar_tracking.records.arrays import FloatArray
 
 WEIGHTS = np.linspace(0.0, 1.0, 33)
-"""Of the first estimate; the trace is flat about its minimum."""
+"""Of the first estimate; the determinant is flat about its minimum."""
 
 
 def inverse_covariance_intersection(first: KalmanState, second: KalmanState) -> KalmanState:
@@ -34,13 +33,7 @@ def inverse_covariance_intersection(first: KalmanState, second: KalmanState) -> 
     w = WEIGHTS[:, None, None]
     shared = np.linalg.inv(w * first.covariance + (1.0 - w) * second.covariance)
     fused = symmetrised(np.linalg.inv(a + b - shared))
-    best = int(np.argmin(np.trace(_scaled(fused, first.covariance), axis1=-2, axis2=-1)))
+    best = int(np.argmin(np.linalg.slogdet(fused)[1]))
     weight, covariance, common = WEIGHTS[best], fused[best], shared[best]
     information = (a - weight * common) @ first.mean + (b - (1.0 - weight) * common) @ second.mean
     return KalmanState(covariance @ information, covariance)
-
-
-def _scaled(covariance: FloatArray, unit: FloatArray) -> FloatArray:
-    """Return covariances in which m and m/s count by what the first estimate knows of them."""
-    scale = 1.0 / np.sqrt(np.diagonal(unit))
-    return np.asarray(covariance * scale[:, None] * scale)

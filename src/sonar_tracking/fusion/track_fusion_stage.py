@@ -13,10 +13,12 @@ from dataclasses import replace
 import numpy as np
 
 from sonar_tracking.errors import InputError, Notice
+from sonar_tracking.fusion.alignment_notices import beyond_prior
 from sonar_tracking.fusion.bearing_links import BearingLinks
 from sonar_tracking.fusion.bearing_trials import GATE, Trial
 from sonar_tracking.fusion.copied_lists import CopiedLists
 from sonar_tracking.fusion.echo_association import known_targets
+from sonar_tracking.fusion.echo_checks import unusable_rows, usable_measurements, usable_states
 from sonar_tracking.fusion.fused_rows import (
     FusedRow,
     fused_list,
@@ -111,6 +113,7 @@ class TrackFusionStage:
         notices: list[Notice] = []
         for topic, tracks in frame.active.items():
             self._watermarks[topic] = tracks.next_stamp
+            notices += unusable_rows(tracks, topic)
             self._take_echoes(topic, tracks)
         for bearings in frame.bearings:
             self._watermarks[f"bearings of {bearings.sensor.sensor_id}"] = bearings.next_stamp
@@ -121,6 +124,7 @@ class TrackFusionStage:
         self._decide()
         self._end_orphans()
         alignments = self._filters.alignments(self._stamp, self._watermark())
+        notices += beyond_prior(alignments, self.configuration.alignment_deviation_deg)
         return FusionUpdate(self.picture(), alignments, tuple(notices))
 
     def _take_echoes(self, topic: str, tracks: PositionTracks) -> None:
@@ -132,16 +136,17 @@ class TrackFusionStage:
         }
         for key in [key for key in self._target_of if key[0] == topic and key not in going_on]:
             del self._target_of.pop(key).echoes[key]
+        sound, told = usable_states(tracks), usable_measurements(tracks)
         measured = []
         for key, row in going_on.items():
             target = self._target_of.get(key)
             if target is None:
                 continue
             target.note(key, tracks, row)
-            if target in self._stale:
+            if target in self._stale and sound[row]:
                 self._stale.discard(target)
                 self._filters.begin_again(target, tracks.state[row], tracks.covariance[row])
-            elif np.isfinite(tracks.measurement[row, 0]):
+            elif told[row]:
                 measured.append((target, row))
         rows = [row for _, row in measured]
         self._filters.take_positions(
@@ -152,7 +157,7 @@ class TrackFusionStage:
         new = {
             key: row
             for key, row in going_on.items()
-            if key not in self._target_of and moves(tracks, row)
+            if key not in self._target_of and sound[row] and moves(tracks, row)
         }
         self._meet(topic, tracks, new)
 
@@ -169,7 +174,7 @@ class TrackFusionStage:
             if target is None:
                 target = FusedTarget(self._copies.name(key), float(tracks.initiated[row]))
                 self._filters.begin(target, tracks.state[row], tracks.covariance[row])
-            elif np.isfinite(tracks.measurement[row, 0]):
+            elif usable_measurements(tracks)[row]:
                 one = slice(row, row + 1)
                 self._filters.take_positions(
                     [target], tracks.measurement[one], tracks.measurement_covariance[one]

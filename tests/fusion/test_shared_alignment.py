@@ -1,0 +1,141 @@
+"""Protects the exact split of one large filter into one filter a target."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sonar_tracking.filtering.kalman import KalmanState, predict, update
+from sonar_tracking.fusion.aligned_targets import (
+    MOTION,
+    MotionStrengths,
+    begun,
+    joined,
+    predicted,
+    with_array,
+)
+from sonar_tracking.fusion.shared_alignment import (
+    information_of,
+    no_information,
+    shared_alignment,
+)
+from sonar_tracking.fusion.target_updates import (
+    Bearings,
+    updated_by_bearings,
+    updated_by_positions,
+)
+from sonar_tracking.records.arrays import FloatArray
+
+STRAIGHT = MotionStrengths(np.array([1e-4]), np.ones(1), 60.0)
+PRIOR = np.array([np.radians(2.0) ** 2])
+STATES = np.array([[3000.0, 0.0, 2.0, 1.0], [0.0, 4000.0, -3.0, 0.5]])
+SPREAD = np.tile(np.diag([900.0, 900.0, 4.0, 4.0]), (2, 1, 1))
+
+
+def dense() -> KalmanState:
+    """Return both targets and their one array in a single filter."""
+    covariance = np.zeros((9, 9))
+    covariance[:4, :4], covariance[4:8, 4:8], covariance[8, 8] = *SPREAD, PRIOR[0]
+    return KalmanState(np.concatenate([*STATES, [0.0]]), covariance)
+
+
+def dense_bearings(state: KalmanState, azimuth: FloatArray, variance: float) -> KalmanState:
+    """Let the single filter take in a bearing of each target, linearised like the others."""
+    rows = np.zeros((2, 9))
+    expected = np.zeros(2)
+    for number in (0, 1):
+        x, y = state.mean[4 * number : 4 * number + 2]
+        rows[number, 4 * number : 4 * number + 2] = np.array([-y, x]) / (x * x + y * y)
+        rows[number, 8] = -1.0
+        expected[number] = np.arctan2(y, x) - state.mean[8]
+    linear = azimuth - expected + rows @ state.mean
+    return update(state, linear, rows, variance * np.eye(2)).state
+
+
+def test_targets_apart_know_what_one_large_filter_knows() -> None:
+    """Bearings far better than the alignment: all that matters is what the targets share."""
+    targets, large = begun(STATES, SPREAD, STRAIGHT, PRIOR), dense()
+    station, variance = np.zeros(2), np.radians(0.05) ** 2
+    azimuth = np.arctan2(STATES[:, 1], STATES[:, 0]) - np.radians(0.3)
+    targets, _ = updated_by_bearings(
+        targets, Bearings(azimuth, np.full(2, variance), station, array=0)
+    )
+    large = dense_bearings(large, azimuth, variance)
+    step = np.eye(9)
+    noise = np.zeros((9, 9))
+    for number in (0, 1):
+        at = 4 * number
+        step[at, at + 2] = step[at + 1, at + 3] = 5.0
+        block = np.array([[125.0 / 3.0, 12.5], [12.5, 5.0]])
+        noise[at : at + 4, at : at + 4] = 1e-4 * np.kron(block, np.eye(2))
+    targets, large = predicted(targets, 5.0, STRAIGHT), predict(large, step, noise)
+    position = STATES[:, :2] + 5.0 * STATES[:, 2:] + np.array([[20.0, -10.0], [5.0, 30.0]])
+    targets, _ = updated_by_positions(targets, position, np.tile(400.0 * np.eye(2), (2, 1, 1)))
+    matrix = np.zeros((4, 9))
+    matrix[0, 0] = matrix[1, 1] = matrix[2, 4] = matrix[3, 5] = 1.0
+    large = update(large, position.ravel(), matrix, 400.0 * np.eye(4)).state
+    seen = shared_alignment(targets, no_information(1), PRIOR)
+    assert seen.misalignment[0] == pytest.approx(large.mean[8], rel=1e-6)
+    assert seen.misalignment_covariance[0, 0] == pytest.approx(large.covariance[8, 8], rel=1e-6)
+    for number in (0, 1):
+        own = slice(4 * number, 4 * number + 4)
+        np.testing.assert_allclose(seen.mean[number, :MOTION], large.mean[own], rtol=1e-6)
+        np.testing.assert_allclose(
+            seen.covariance[number, :MOTION, :MOTION],
+            large.covariance[own, own],
+            rtol=1e-6,
+            atol=1e-9,
+        )
+
+
+def test_what_an_ended_target_told_stays() -> None:
+    targets = begun(STATES, SPREAD, STRAIGHT, PRIOR)
+    azimuth = np.arctan2(STATES[:, 1], STATES[:, 0]) - np.radians(1.0)
+    heard = Bearings(azimuth, np.full(2, 1e-6), np.zeros(2), array=0)
+    targets, _ = updated_by_bearings(targets, heard)
+    both = shared_alignment(targets, no_information(1), PRIOR)
+    mean, covariance = targets.rows(np.array([1])).collapsed()
+    ended = information_of(mean, covariance, PRIOR)
+    left = shared_alignment(targets.rows(np.array([0])), ended, PRIOR)
+    np.testing.assert_allclose(left.misalignment, both.misalignment, rtol=1e-9)
+    np.testing.assert_allclose(left.mean[0], both.mean[0], rtol=1e-9)
+
+
+def test_an_array_that_nobody_has_heard_of_changes_nothing() -> None:
+    targets = begun(STATES, SPREAD, STRAIGHT, PRIOR)
+    azimuth = np.arctan2(STATES[:, 1], STATES[:, 0]) + 0.01
+    heard = Bearings(azimuth, np.full(2, 1e-5), np.zeros(2), array=0)
+    targets, _ = updated_by_bearings(targets, heard)
+    more = with_array(targets, PRIOR[0])
+    one = shared_alignment(targets, no_information(1), PRIOR)
+    two = shared_alignment(more, no_information(2), np.tile(PRIOR, 2))
+    np.testing.assert_allclose(two.misalignment, [one.misalignment[0], 0.0], atol=1e-12)
+    np.testing.assert_allclose(two.mean[:, :5], one.mean, rtol=1e-12)
+
+
+def test_modes_keep_the_moments_of_their_mixture() -> None:
+    """Mixed with their own shares, modes alike stay alike: one step is that of a single mode."""
+    strengths = MotionStrengths(np.array([1e-3, 1e-3]), np.array([0.8, 0.2]), 30.0)
+    two = predicted(begun(STATES, SPREAD, strengths, PRIOR), 7.0, strengths)
+    alone = MotionStrengths(np.array([1e-3]), np.ones(1), 30.0)
+    one = predicted(begun(STATES, SPREAD, alone, PRIOR), 7.0, alone)
+    np.testing.assert_allclose(two.collapsed()[0], one.collapsed()[0], rtol=1e-12)
+    np.testing.assert_allclose(two.collapsed()[1], one.collapsed()[1], rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(two.mode, [[0.8, 0.2]] * 2)
+
+
+def test_the_mode_follows_what_targets_do() -> None:
+    strengths = MotionStrengths(np.array([1e-6, 1.0]), np.array([0.95, 0.05]), 60.0)
+    targets = joined(
+        begun(STATES[:1], SPREAD[:1], strengths, PRIOR),
+        begun(STATES[1:], SPREAD[1:], strengths, PRIOR),
+    )
+    truth = STATES.copy()
+    for number in range(12):
+        targets = predicted(targets, 5.0, strengths)
+        truth[:, :2] += 5.0 * truth[:, 2:]
+        if number >= 6:
+            truth[1, 2] += 4.0
+        noise = np.tile(25.0 * np.eye(2), (2, 1, 1))
+        targets, _ = updated_by_positions(targets, truth[:, :2], noise)
+    assert targets.mode[0, 0] > 0.9 and targets.mode[1, 1] > 0.9
