@@ -7,7 +7,9 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
+from sonar_tracking.active.contacts.contact_positions import place_contacts
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.contacts.shared_places import SharedPlaces
 from sonar_tracking.active.multi_target_tracker import (
     MultiTargetTracker,
     hpda_kalman_tracker,
@@ -107,3 +109,33 @@ def test_a_ping_that_cannot_be_used_changes_no_scene() -> None:
         updates = update_together(together, pings)
         for tracker, contacts, update in zip(alone, pings, updates, strict=True):
             assert_same(tracker.update(contacts), update)
+
+
+def test_contacts_placed_for_another_tracker_give_the_same_tracks() -> None:
+    """Also where one tracker believes other errors of the contacts than the first one."""
+    runs = scenes()
+    runs[0] = [replace(ping, azimuth_standard_deviation=np.radians(20.0)) for ping in runs[0]]
+    told = replace(CONFIGURATION, motion="turning", detection_probability=0.9)
+    kinds = [trackers(each, len(runs)) for each in (CONFIGURATION, told)]
+    alone = [trackers(each, len(runs)) for each in (CONFIGURATION, told)]
+    places = SharedPlaces()
+    for pings in zip(*runs, strict=True):
+        for together, by_themselves in zip(kinds, alone, strict=True):
+            updates = update_together(together, pings, places)
+            for one, other in zip(updates, update_together(by_themselves, pings), strict=True):
+                assert_same(one, other)
+
+
+def test_places_are_those_of_the_very_pings_and_of_the_first_who_asked() -> None:
+    places, (early, late, *_) = SharedPlaces(), scenes()[0]
+    placed, others = place_contacts(early, 0.0), place_contacts(late, 0.0)
+    places.keep([early], 0.0, placed)
+    assert places.find([early], 0.0) is placed
+    assert places.find([early], 1500.0) is None
+    assert places.find([replace(early)], 0.0) is None
+    assert places.find([early, late], 0.0) is None
+    places.keep([replace(early)], 0.0, others)
+    assert places.find([early], 0.0) is placed
+    places.keep([late], 0.0, others)
+    assert places.find([late], 0.0) is others
+    assert places.find([early], 0.0) is None

@@ -32,6 +32,7 @@ from sonar_tracking.active.contacts.contact_tracker_configuration import (
     ContactTrackerConfiguration,
     check_configuration,
 )
+from sonar_tracking.active.contacts.shared_places import SharedPlaces
 from sonar_tracking.active.detection.detection_levels import mean_probability
 from sonar_tracking.active.ping_update import TrackingMethod, predict_scenes, update_scenes
 from sonar_tracking.active.scene_memory import SceneMemory
@@ -132,7 +133,9 @@ class MultiTargetTracker:
 
 
 def update_together(
-    trackers: Sequence[MultiTargetTracker], pings: Sequence[Contacts]
+    trackers: Sequence[MultiTargetTracker],
+    pings: Sequence[Contacts],
+    places: SharedPlaces | None = None,
 ) -> list[ContactTrackerUpdate]:
     """Return the tracks of several independent scenes after one ping, as each tracker would.
 
@@ -142,13 +145,15 @@ def update_together(
         One a scene, all of the same method and configuration.
     pings : sequence of Contacts
         One a scene.
+    places : SharedPlaces, optional
+        Of other trackers that are given the same pings, too.
 
     Raises
     ------
     InputError
         If a ping cannot be used; all states are then unchanged.
     """
-    return update_scenes(trackers[0].method, [each._scene for each in trackers], pings)
+    return update_scenes(trackers[0].method, [each._scene for each in trackers], pings, places)
 
 
 def motion_model(configuration: ContactTrackerConfiguration, rule: AssociationRule) -> MotionModel:

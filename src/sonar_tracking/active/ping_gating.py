@@ -11,6 +11,7 @@ from sonar_tracking.active.association.association_rule import GatedPing
 from sonar_tracking.active.association.lm_ipda import PairEvidence
 from sonar_tracking.active.contacts.contact_positions import PlacedContacts, place_contacts
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.contacts.shared_places import SharedPlaces
 from sonar_tracking.active.detection.detection_model import DetectionModel, amplitude_ratios
 from sonar_tracking.active.particle_tracks import GatedClouds, ParticleTracks, pair_densities
 from sonar_tracking.active.tracks.contact_gating import (
@@ -125,6 +126,7 @@ def place_ping(
     models: Sequence[DetectionModel],
     sound_speed: float,
     reaches: Sequence[float],
+    places: SharedPlaces | None = None,
 ) -> PlacedPing:
     """Bring the contacts of a ping into ``map``.
 
@@ -138,11 +140,18 @@ def place_ping(
         m/s; 0 = the ping takes no time.
     reaches : sequence of float
         Beyond which a track is out of range, m.
+    places : SharedPlaces, optional
+        Of trackers that are given the same pings.
     """
+    placed = None if places is None else places.find(pings, sound_speed)
+    if placed is None:
+        placed = joined_tables([place_contacts(contacts, sound_speed) for contacts in pings])
+        if places is not None:
+            places.keep(pings, sound_speed, placed)
     return PlacedPing(
         stamp=pings[0].stamp,
         next_stamp=pings[0].next_stamp,
-        placed=joined_tables([place_contacts(contacts, sound_speed) for contacts in pings]),
+        placed=placed,
         amplitudes=joined([_amplitudes(contacts) for contacts in pings]),
         contact_rows=SceneRows(tuple(len(contacts.range) for contacts in pings)),
         models=models,

@@ -14,6 +14,7 @@ import numpy as np
 from sonar_tracking.active.association.association_rule import AssociationRule
 from sonar_tracking.active.association.lm_ipda import BankAssociation
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.contacts.shared_places import SharedPlaces
 from sonar_tracking.active.detection.detection_levels import forget, mean_probability, weigh
 from sonar_tracking.active.detection.detection_model import amplitude_ratios
 from sonar_tracking.active.lasting_error import monitors_after
@@ -65,7 +66,10 @@ class TrackingMethod:
 
 
 def update_scenes(
-    method: TrackingMethod, scenes: Sequence[SceneMemory], pings: Sequence[Contacts]
+    method: TrackingMethod,
+    scenes: Sequence[SceneMemory],
+    pings: Sequence[Contacts],
+    places: SharedPlaces | None = None,
 ) -> list[ContactTrackerUpdate]:
     """Return the tracks of several scenes after one ping.
 
@@ -79,6 +83,8 @@ def update_scenes(
         What is remembered of each; changed.
     pings : sequence of Contacts
         One a scene.
+    places : SharedPlaces, optional
+        Of trackers that are given the same pings.
 
     Raises
     ------
@@ -90,7 +96,7 @@ def update_scenes(
         scene.admit(contacts, configuration) for scene, contacts in zip(scenes, pings, strict=True)
     ]
     if len(scenes) == 1 or _alike(scenes, admitted):
-        return _update_at_once(method, scenes, admitted)
+        return _update_at_once(method, scenes, admitted, places)
     return [
         update
         for scene, ping in zip(scenes, admitted, strict=True)
@@ -133,7 +139,10 @@ def _alike(scenes: Sequence[SceneMemory], pings: Sequence[AdmittedPing]) -> bool
 
 
 def _update_at_once(
-    method: TrackingMethod, scenes: Sequence[SceneMemory], admitted: Sequence[AdmittedPing]
+    method: TrackingMethod,
+    scenes: Sequence[SceneMemory],
+    admitted: Sequence[AdmittedPing],
+    places: SharedPlaces | None = None,
 ) -> list[ContactTrackerUpdate]:
     configuration = method.configuration
     known = [scene.learn(ping) for scene, ping in zip(scenes, admitted, strict=True)]
@@ -142,6 +151,7 @@ def _update_at_once(
         [each.model for each in known],
         configuration.sound_speed,
         [each.reach for each in known],
+        places,
     )
     tracks = SceneRows(tuple(len(scene.bank) for scene in scenes))
     predicted = predict_scenes(method, scenes, ping.stamp)

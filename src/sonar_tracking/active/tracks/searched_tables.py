@@ -11,6 +11,8 @@ from sonar_tracking.active.tracks.contact_gating import TrackGates
 from sonar_tracking.active.tracks.scene_rows import SceneRows, joined
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
 
+_BY_X = "_by_x"
+
 
 @dataclass(frozen=True)
 class GatedTracks:
@@ -91,6 +93,13 @@ class SearchedContacts:
         x, y : ndarray, shape (n,)
             Positions in this order, m.
         """
+        kept = vars(self.placed).get(_BY_X)
+        if kept is None or kept[0] != self.scenes.counts:
+            # With the contacts: they are searched more than once.
+            kept = vars(self.placed)[_BY_X] = self.scenes.counts, self._sorted()
+        return kept[1]
+
+    def _sorted(self) -> tuple[IndexArray, FloatArray, FloatArray]:
         x = self.placed.position[:, 0]
         xs = zip(self.scenes.starts.tolist(), self.scenes.split(x), strict=True)
         order = joined([first + ascending_rows(own) for first, own in xs])

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.active.contact_tracker import make_contact_tracker
+from sonar_tracking.active.contact_tracker import ContactTracker, make_contact_tracker
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.contacts.shared_places import SharedPlaces
 from sonar_tracking.active.multi_target_tracker import MultiTargetTracker, update_together
 from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
 
@@ -31,34 +32,49 @@ class TrackedRuns:
 
 
 def track_runs(
-    configuration: ContactTrackerConfiguration,
+    configurations: Sequence[ContactTrackerConfiguration],
     runs: Sequence[Sequence[Contacts]],
     timed: bool,
-) -> TrackedRuns:
-    """Track the contacts of all runs, each by a tracker of its own.
+) -> list[TrackedRuns]:
+    """Track the contacts of all runs, each by trackers of its own.
 
     Parameters
     ----------
-    configuration : ContactTrackerConfiguration
-        Of all trackers.
+    configurations : sequence of ContactTrackerConfiguration
+        Of each kind of tracker.
     runs : sequence of sequence of Contacts
         Pings of each run; equally many, at the same times.
     timed : bool
         Whether the first run is tracked once more, by itself, to measure the time.
+
+    Returns
+    -------
+    list of TrackedRuns
+        One a kind of tracker.
     """
-    seconds = _seconds_alone(configuration, runs[0]) if timed else np.nan
-    trackers = [make_contact_tracker(configuration) for _ in runs]
-    together = [tracker for tracker in trackers if isinstance(tracker, MultiTargetTracker)]
-    if len(together) == len(runs):
-        pings = zip(*runs, strict=True)
-        updates = zip(*[update_together(together, contacts) for contacts in pings], strict=True)
-        return TrackedRuns(tuple(updates), seconds)
-    return TrackedRuns(
-        tuple(
-            tuple(tracker.update(contacts) for contacts in run)
-            for tracker, run in zip(trackers, runs, strict=True)
-        ),
-        seconds,
+    seconds = [_seconds_alone(each, runs[0]) if timed else np.nan for each in configurations]
+    kinds = [[make_contact_tracker(each) for _ in runs] for each in configurations]
+    together = [
+        [tracker for tracker in kind if isinstance(tracker, MultiTargetTracker)] for kind in kinds
+    ]
+    of_pings: list[list[list[ContactTrackerUpdate]]] = [[] for _ in kinds]
+    places = SharedPlaces()
+    for contacts in zip(*runs, strict=True):
+        for trackers, found in zip(together, of_pings, strict=True):
+            if trackers:
+                found.append(update_together(trackers, contacts, places))
+    return [
+        TrackedRuns(tuple(zip(*found, strict=True)) if found else _one_by_one(kind, runs), each)
+        for kind, found, each in zip(kinds, of_pings, seconds, strict=True)
+    ]
+
+
+def _one_by_one(
+    trackers: Sequence[ContactTracker], runs: Sequence[Sequence[Contacts]]
+) -> tuple[tuple[ContactTrackerUpdate, ...], ...]:
+    return tuple(
+        tuple(tracker.update(contacts) for contacts in run)
+        for tracker, run in zip(trackers, runs, strict=True)
     )
 
 

@@ -94,7 +94,7 @@ def _tracked(
     cutoff_m: float,
     timed: bool,
 ) -> list[dict[str, float]]:
-    tracked = track_runs(configuration, runs, timed)
+    (tracked,) = track_runs([configuration], runs, timed)
     metrics = []
     for scene, truth, updates in zip(scenes, truths, tracked.updates, strict=True):
         tracks = [update.tracks for update in updates]
