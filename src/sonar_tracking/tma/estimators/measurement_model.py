@@ -27,6 +27,9 @@ from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import BoolArray, FloatArray
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, TmaMeasurement
 
+AZIMUTH, ELEVATION, FIRST_LINE = 0, 1, 2
+"""Rows of a measurement."""
+
 MINIMUM_RANGE = 1.0
 """Below it directions are numerically meaningless; ranges are kept above, m."""
 

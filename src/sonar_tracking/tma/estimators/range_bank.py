@@ -229,7 +229,9 @@ def _count_refused(
     count = np.where(accepted[:, 0], 0, batch.refused + refused[:, 0])
     count = np.where(begun, REFUSED_AZIMUTHS - REFUSED_AT_START, count)
     worth = np.clip(batch.interval / ELEVATION_INTERVAL, 1.0, MOST_A_TIME)
-    contradicted = batch.contradicted + worth * refused[:, ROW_ELEVATION]
+    # Where the azimuth is of something else so is the elevation: it contradicts nothing.
+    contradicting = refused[:, ROW_ELEVATION] & ~refused[:, 0]
+    contradicted = batch.contradicted + worth * contradicting
     return count, np.where(accepted[:, ROW_ELEVATION], 0.0, contradicted)
 
 

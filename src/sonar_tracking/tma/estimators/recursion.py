@@ -15,6 +15,8 @@ from sonar_tracking.tma.estimators.hypothesis_bank import (
     update_bank,
 )
 from sonar_tracking.tma.estimators.measurement_model import (
+    AZIMUTH,
+    ELEVATION,
     LinearisedRows,
     keep_rows,
     linearise,
@@ -53,7 +55,8 @@ def gate_rows(
     """Leave out what lies beyond the gate of its component.
 
     A row left out counts with the likelihood at the edge of the gate: a component must not gain
-    weight by refusing what it cannot explain.
+    weight by refusing what it cannot explain. The elevation of a direction whose azimuth is left
+    out is that of something else, and is left out, too.
 
     Parameters
     ----------
@@ -72,6 +75,7 @@ def gate_rows(
         Log likelihood of those without.
     """
     outside = rows.present & (rows.innovation**2 > gate**2 * variance)
+    outside[..., ELEVATION] |= outside[..., AZIMUTH] & rows.present[..., ELEVATION]
     edge = -0.5 * (gate**2 + np.log(2.0 * np.pi * variance))
     return keep_rows(rows, rows.present & ~outside), np.sum(np.where(outside, edge, 0.0), axis=-1)
 

@@ -7,11 +7,16 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from sonar_tracking.records.bearings import TrackStatus
-from sonar_tracking.records.time import NANOSECONDS
+from sonar_tracking.records.time import NANOSECONDS, nanoseconds
 from sonar_tracking.tma.estimators.range_bank_state import REFUSED_AZIMUTHS
 from sonar_tracking.tma.targets.array_sides import SIDE_PROBABILITY
 from sonar_tracking.tma.targets.baseline_solver import BaselineSolver
-from sonar_tracking.tma.targets.systematic_errors import Sight, systematic_covariance
+from sonar_tracking.tma.targets.lasting_residuals import LastingResiduals, direction_residuals
+from sonar_tracking.tma.targets.systematic_errors import (
+    Sight,
+    SystematicErrors,
+    systematic_covariance,
+)
 from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
 from sonar_tracking.tma.targets.target_solver import TargetSolver
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
@@ -22,8 +27,13 @@ DOUBTFUL = 2.0
 RECENT = 300
 """A station that has not observed a target for longer does not fix its position any more, s."""
 
+INCONSISTENT = 10.0
+"""Lasting errors whose variance is larger than told by more than this are no errors of directions:
+the target is elsewhere, or not one."""
+
 SILENCE = 60.0
-"""A confirmed target whose bearing tracks went on to something else is predicted so long, s."""
+"""A confirmed target whose bearing tracks went on to something else is predicted so long, s; and so
+long what contradicted it is not confirmed instead: it may be a disturbance that passes."""
 
 
 @dataclass(eq=False)
@@ -50,6 +60,10 @@ class FollowedTarget:
         Whether the solution is good enough.
     sights : dict of str to Sight
         From where each station has observed it last.
+    residuals : LastingResiduals
+        How far the stations go on to differ from the solution.
+    doubted : int
+        Stamp before which it is not confirmed, since something that was contradicts it, ns.
     misfits : dict of str to int
         Azimuths in a row of each station that no hypothesis explains.
     forsaken : bool
@@ -66,6 +80,8 @@ class FollowedTarget:
     row_of: dict[str, int] = field(default_factory=dict)
     confirmed: bool = False
     sights: dict[str, Sight] = field(default_factory=dict)
+    residuals: LastingResiduals = field(default_factory=LastingResiduals)
+    doubted: int = 0
     misfits: dict[str, int] = field(default_factory=dict)
     forsaken: bool = False
 
@@ -93,22 +109,41 @@ class FollowedTarget:
         if observation.azimuths:
             elevated = bool(np.isfinite(observation.elevation))
             self.sights[observation.sensor_id] = Sight(
-                observation.position, observation.height, elevated, observation.stamp
+                observation.position, 0.0, observation.height, elevated, observation.stamp
             )
         return solutions
+
+    def compare(
+        self,
+        observation: TargetObservation,
+        solutions: tuple[TargetSolution, ...],
+        configuration: TmaTrackerConfiguration,
+    ) -> None:
+        """Compare directions with the solution after them, if it has accepted them."""
+        if not solutions or not observation.azimuths or self.solver.refused:
+            return
+        best = max(solutions, key=lambda one: one.probability)
+        found = direction_residuals(observation, best, configuration.systematic_errors)
+        for kind, residual in found.items():
+            self.residuals.add(observation.sensor_id, kind, residual, observation.stamp)
 
     def take(
         self, solutions: tuple[TargetSolution, ...], configuration: TmaTrackerConfiguration
     ) -> None:
         """Let solutions of the solver stand, with what constant errors of the stations add."""
-        deviation = configuration.systematic_deviation
+        errors = configuration.systematic_errors
         if solutions is self.solutions or not configuration.entry.weighs_hypotheses:
             self.solutions = solutions
             return
-        newest = max((one.stamp for one in self.sights.values()), default=0)
-        recent = newest - RECENT * NANOSECONDS
+        recent = self._recent()
         sights = [one for one in self.sights.values() if one.stamp >= recent]
-        self.solutions = tuple(_with_errors(one, sights, deviation) for one in solutions)
+        factor = self.residuals.factor(2, recent)
+        self.solutions = tuple(_with_errors(one, sights, errors, factor) for one in solutions)
+
+    def _recent(self) -> int:
+        """Return the stamp before which a station's last observation does not count, ns."""
+        newest = max((one.stamp for one in self.sights.values()), default=0)
+        return newest - RECENT * NANOSECONDS
 
     @property
     def misled(self) -> bool:
@@ -146,14 +181,27 @@ class FollowedTarget:
             return
         best = self.best
         if best.observability < configuration.confirm_observability:
+            if self.confirmed:
+                self._doubt(best.stamp)
+            self.confirmed = False
+            return
+        factor = self.residuals.factor(2, self._recent())
+        if best.stamp < self.doubted or factor > INCONSISTENT:
             self.confirmed = False
             return
         distance = self._distance(best)
+        # The size of the target is no error of the solution.
         variance = float(np.linalg.eigvalsh(best.covariance[:2, :2])[-1])
+        variance -= configuration.target_size**2
         limit = configuration.confirm_relative_deviation * distance
         if self.confirmed:
             limit *= DOUBTFUL
         self.confirmed = bool(variance <= limit**2)
+
+    def _doubt(self, stamp: int) -> None:
+        """Begin anew after measurements that contradicted what was confirmed."""
+        self.doubted = stamp + nanoseconds(SILENCE)
+        self.residuals = LastingResiduals()
 
     def _distance(self, solution: TargetSolution) -> float:
         """Return the range of a solution from the station that is farthest from it, m."""
@@ -161,12 +209,14 @@ class FollowedTarget:
         return float(np.max(np.hypot(*(solution.mean[:2] - places).T)))
 
 
-def _with_errors(solution: TargetSolution, sights: list[Sight], deviation: float) -> TargetSolution:
-    """Return a solution with the covariance of constant errors of directions, rad."""
-    if not sights or deviation == 0.0:
+def _with_errors(
+    solution: TargetSolution, sights: list[Sight], errors: SystematicErrors, factor: float
+) -> TargetSolution:
+    """Return a solution with the covariance of lasting errors, whose variance has a factor."""
+    if not sights:
         return solution
     covariance = solution.covariance.copy()
-    covariance[:2, :2] += systematic_covariance(solution.mean[:2], sights, deviation)
+    covariance[:2, :2] += systematic_covariance(solution.mean[:2], sights, errors, factor)
     return replace(solution, covariance=covariance)
 
 

@@ -1,15 +1,24 @@
-"""What a constant error of the directions of each station does to a position.
+"""What errors of the directions of each station that never average out do to a position.
 
 An array is never aligned exactly, and its position not known exactly: its directions have an error
-that stays, that no residual of one station shows and no filter averages out. With derivatives J of
-the directions by the position, and an error of deviation s of each station and direction, the
-position that they fix has the covariance
+that stays, that no residual of one station shows and no filter averages out. Nor is the speed of
+sound the same along the path: with a relative difference b of it between target and station rays
+are arcs, and an elevation e errs by (Snell's law; half of the bend between the ends of the ray)
 
-    s^2 (sum J^T J)^-1
+    b / (2 sqrt(tan(e)^2 + b)),
 
-beside its own. Where the stations do not fix a direction at one instant, since there is but one
-and it measures azimuths alone, the range comes from motion: a constant error turns the whole scene
-about the station, and only what is across the line of sight counts.
+where b below the root says that no ray is bent by more than one that just leaves the horizontal.
+
+With derivatives J of the directions by the position and errors of deviations s of each station and
+direction, a position that weighs all directions alike has the covariance
+
+    G J^T diag(s^2) J G,   G = (J^T J)^-1,
+
+beside its own. A position that is compared with another, of an antenna say, is off by where on the
+target what is heard comes from: its variance is added, too. Where the stations do not fix a
+direction at one instant, since there is but one and it measures azimuths alone, the range comes
+from motion: a constant error turns the whole scene about the station, and only what is across the
+line of sight counts.
 """
 
 from __future__ import annotations
@@ -36,8 +45,10 @@ class Sight:
     ----------
     position : tuple of float
         Of the station, m.
+    z : float
+        Height of the station in ``map``, m.
     height : float
-        Of the target above it, m.
+        Of the target above it where that is known, m.
     elevated : bool
         Whether it measures elevations, too.
     stamp : int
@@ -45,41 +56,80 @@ class Sight:
     """
 
     position: tuple[float, float]
+    z: float
     height: float
     elevated: bool
     stamp: int
 
 
+@dataclass(frozen=True)
+class SystematicErrors:
+    """How large the errors are that never average out.
+
+    Attributes
+    ----------
+    deviation : float
+        Of each direction of a station, rad.
+    bending : float
+        Of the speed of sound between target and station, relative: a pure number.
+    size : float
+        Of where on the target what is heard comes from, m.
+    """
+
+    deviation: float
+    bending: float = 0.0
+    size: float = 0.0
+
+    def of_elevation(self, slope: float) -> float:
+        """Return the deviation of an elevation, rad, whose tangent is given."""
+        bent = 0.5 * self.bending / np.sqrt(slope**2 + self.bending) if self.bending else 0.0
+        return float(np.hypot(self.deviation, bent))
+
+
 def systematic_covariance(
-    position: FloatArray, sights: Sequence[Sight], deviation: float
+    position: FloatArray, sights: Sequence[Sight], errors: SystematicErrors, factor: float = 1.0
 ) -> FloatArray:
-    """Return the covariance that constant errors add to that of a position.
+    """Return the covariance that lasting errors add to that of a position.
 
     Parameters
     ----------
-    position : ndarray, shape (2,)
-        Of the target, m.
+    position : ndarray, shape (2,) or (3,)
+        Of the target, m; with z if its height is estimated.
     sights : sequence of Sight
         Of the stations that observe it; at least one.
-    deviation : float
-        Of the error of each direction, rad.
+    errors : SystematicErrors
+        Their deviations.
+    factor : float
+        By which the variance of errors of directions is larger than told.
 
     Returns
     -------
-    ndarray, shape (2, 2)
+    ndarray, shape (2, 2) or (3, 3)
         m^2.
     """
-    information = np.zeros((2, 2))
+    rows, deviations = [], []
     for sight in sights:
-        offset = position - np.array(sight.position)
+        offset = position[:2] - sight.position
         distance = max(float(np.hypot(*offset)), NEAREST)
         direction = offset / distance
-        across = np.array([-direction[1], direction[0]]) / distance
-        information += np.outer(across, across)
+        estimated = len(position) == 3
+        height = position[2] - sight.z if estimated else sight.height
+        slant = np.hypot(distance, height) if sight.elevated else distance
+        # An error across the line of sight: overhead the azimuth itself errs by more.
+        rows.append(_padded(np.array([-direction[1], direction[0]]) / slant, position))
+        deviations.append(errors.deviation)
         if sight.elevated:
-            rise = direction * sight.height / (distance**2 + sight.height**2)
-            information += np.outer(rise, rise)
-    values, vectors = np.linalg.eigh(information)
+            rise = _padded(-direction * height / slant**2, position)
+            rise[2:] = distance / slant**2
+            rows.append(rise)
+            deviations.append(errors.of_elevation(abs(height) / distance))
+    derivative = np.array(rows)
+    values, vectors = np.linalg.eigh(derivative.T @ derivative)
     fixed = values > FIXED * values[-1]
-    scaled = np.where(fixed, 1.0 / np.where(fixed, values, 1.0), 0.0)
-    return np.asarray(deviation**2 * (vectors * scaled) @ vectors.T)
+    inverse = (vectors * np.where(fixed, 1.0 / np.where(fixed, values, 1.0), 0.0)) @ vectors.T
+    moved = inverse @ derivative.T * np.array(deviations)
+    return np.asarray(factor * moved @ moved.T + errors.size**2 * np.eye(len(position)))
+
+
+def _padded(row: FloatArray, position: FloatArray) -> FloatArray:
+    return np.concatenate([row, np.zeros(len(position) - len(row))])

@@ -9,6 +9,7 @@ import numpy as np
 from sonar_tracking.configuration import parameter
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
+from sonar_tracking.tma.targets.systematic_errors import SystematicErrors
 from sonar_tracking.tma.targets.tma_method_registry import TMA_METHODS, TmaMethodEntry
 
 
@@ -45,6 +46,21 @@ class TmaTrackerConfiguration(RangeBankConfiguration):
         unit="deg",
         minimum=0.0,
         maximum=90.0,
+    )
+    target_size: float = parameter(
+        10.0,
+        "standard deviation of where on a target what is heard comes from, which is added to the "
+        "covariance of positions; 0 = a point",
+        unit="m",
+        minimum=0.0,
+    )
+    sound_speed_variation: float = parameter(
+        25.0,
+        "standard deviation of the difference of the speed of sound between target and station, "
+        "which bends rays: elevations err by more the flatter they are; 0 = straight rays",
+        unit="m/s",
+        minimum=0.0,
+        maximum=1e3,
     )
     mounting_x: float = parameter(
         0.0, "array origin ahead of own ship's reference, if data do not tell their pose", unit="m"
@@ -112,9 +128,13 @@ class TmaTrackerConfiguration(RangeBankConfiguration):
         return float(np.radians(self.azimuth_deviation_deg))
 
     @property
-    def systematic_deviation(self) -> float:
-        """In rad."""
-        return float(np.radians(self.systematic_deviation_deg))
+    def systematic_errors(self) -> SystematicErrors:
+        """Errors of directions that never average out."""
+        return SystematicErrors(
+            float(np.radians(self.systematic_deviation_deg)),
+            self.sound_speed_variation / self.sound_speed,
+            self.target_size,
+        )
 
     @property
     def mounting_yaw(self) -> float:

@@ -25,7 +25,7 @@ from sonar_tracking.tma.targets.bearing_observations import (
     observation_of,
     with_lines,
 )
-from sonar_tracking.tma.targets.followed_target import FollowedTarget, new_solver
+from sonar_tracking.tma.targets.followed_target import SILENCE, FollowedTarget, new_solver
 from sonar_tracking.tma.targets.joint_observation import observe_together
 from sonar_tracking.tma.targets.line_attribution import LineAttribution
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame, TmaUpdate
@@ -85,6 +85,7 @@ class TmaTrackerStage:
         self._stamp = UNKNOWN_STAMP
         self._stations: dict[str, StationRecord] = {}
         self._target_of: dict[TrackKey, FollowedTarget] = {}
+        self._doubted: dict[TrackKey, int] = {}
         self._targets: list[FollowedTarget] = []
         self._ended: list[TrackRow] = []
         self._attribution = LineAttribution(self.configuration.attribution_gate)
@@ -221,11 +222,12 @@ class TmaTrackerStage:
                 self._begin(key)
         targets = [(self._target_of[key], one) for key, one in seen]
         outcomes = observe_together(targets, self._pairing)
-        for (key, _), (target, _), outcome in zip(seen, targets, outcomes, strict=True):
+        for (key, observation), (target, _), outcome in zip(seen, targets, outcomes, strict=True):
             try:
                 if isinstance(outcome, Exception):
                     raise outcome
                 confirmed = target.confirmed
+                target.compare(observation, outcome, self.configuration)
                 self._replace(target, outcome)
                 target.judge(self.configuration)
                 if confirmed and not target.confirmed:
@@ -244,6 +246,7 @@ class TmaTrackerStage:
             initiated=self._stamp,
             updated=self._stamp,
             bearing_track_id=key[1],
+            doubted=self._doubted.get(key, 0),
         )
         if self.configuration.entry.weighs_hypotheses:
             self._pairing.begin(target, self._targets)
@@ -310,12 +313,15 @@ class TmaTrackerStage:
 
         What these were taken for instead ends when they jump again: they may have come back.
         """
+        self._doubted = {key: end for key, end in self._doubted.items() if end > self._stamp}
         waiting = any(one.forsaken for one in self._targets)
         for target in [one for one in self._targets if one.misled]:
             if not target.confirmed and not waiting:
                 continue
             for key in target.members.items():
                 del self._target_of[key]
+                if target.confirmed:
+                    self._doubted[key] = self._stamp + nanoseconds(SILENCE)
             if target.confirmed:
                 notices.append(misled(target))
                 target.forsake()
