@@ -256,6 +256,8 @@ def _measurement_of_rows(
         elevation=column([one.elevation for one in measurements]),
         elevation_variance=column([one.elevation_variance for one in measurements]),
         height=first.height,
+        height_deviation=first.height_deviation,
+        sensor_z=first.sensor_z,
         sound_speed=first.sound_speed,
         propagation_speed=first.propagation_speed,
     )

@@ -20,6 +20,7 @@ import numpy as np
 from sonar_tracking.records.arrays import BoolArray, FloatArray
 from sonar_tracking.tma.estimators.measurement_model import LinearisedRows, doppler_factor
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, TmaMeasurement
+from sonar_tracking.tma.estimators.vertical_prediction import predict_vertical
 
 SOURCE_FREQUENCY_SPREAD = 50.0 / 300.0
 """Standard deviation of a new source frequency relative to the received one: diffuse."""
@@ -31,9 +32,10 @@ class HypothesisBank:
 
     Attributes
     ----------
-    mean : ndarray, shape (..., n_components, 4 + n_lines)
-        Component means, m, m/s and Hz; the frequency of a line never heard is 0.
-    covariance : ndarray, shape (..., n_components, 4 + n_lines, 4 + n_lines)
+    mean : ndarray, shape (..., n_components, 4 + n_lines) or two more
+        Component means, m, m/s and Hz; the frequency of a line never heard is 0. Two more states
+        where the height is estimated: height and its rate, m and m/s.
+    covariance : ndarray, shape (..., n_components, 4 + n_lines, 4 + n_lines) or two more
         Component covariances, in the same units squared.
     log_weight : ndarray, shape (..., n_components)
         Logs of probabilities, normalised.
@@ -45,6 +47,21 @@ class HypothesisBank:
     covariance: FloatArray
     log_weight: FloatArray
     known: BoolArray
+
+    @property
+    def height(self) -> int:
+        """Place of the height in the state, behind the lines."""
+        return KINEMATIC + self.known.shape[-1]
+
+    @property
+    def lines(self) -> slice:
+        """Places of the source frequencies in the state."""
+        return slice(KINEMATIC, self.height)
+
+    @property
+    def vertical(self) -> bool:
+        """Whether the state has a height."""
+        return self.mean.shape[-1] > self.height
 
 
 def start_bank(
@@ -117,6 +134,8 @@ def predict_bank(
         covariance[..., axis, 2 + axis] += between
         covariance[..., 2 + axis, axis] += between
         covariance[..., 2 + axis, 2 + axis] += density * elapsed
+    if bank.vertical:
+        mean, covariance = predict_vertical(mean, covariance, elapsed)
     return replace(bank, mean=mean, covariance=covariance)
 
 
@@ -143,8 +162,10 @@ def seed_lines(
     received = np.where(which, measurement.frequency, 0.0)[..., None, :]
     mean, covariance = bank.mean.copy(), bank.covariance.copy()
     new = which[..., None, :]
-    mean[..., KINEMATIC:] = np.where(new, received / factor[..., None], mean[..., KINEMATIC:])
-    old = np.concatenate([np.ones((*which.shape[:-1], KINEMATIC), dtype=bool), ~which], axis=-1)
+    received_at_rest = received / factor[..., None]
+    mean[..., bank.lines] = np.where(new, received_at_rest, mean[..., bank.lines])
+    old = np.ones((*which.shape[:-1], mean.shape[-1]), dtype=bool)
+    old[..., bank.lines] = ~which
     covariance *= (old[..., :, None] & old[..., None, :])[..., None, :, :]
     lines = KINEMATIC + np.arange(which.shape[-1])
     covariance[..., lines, lines] += (SOURCE_FREQUENCY_SPREAD * received) ** 2

@@ -2,7 +2,7 @@
 
 With p and w the target's position and velocity relative to the sensor, r = |p|, u = p / r:
 
-    azimuth = atan2(p_y, p_x),   elevation = atan(height / r),
+    azimuth = atan2(p_y, p_x),   elevation = atan((z - z_sensor) / r),
     f_i = f_S,i (1 - rdot / c),  rdot = p . w / r.
 
 Sound takes time: what is received now left the target a travel time ago, when it was elsewhere.
@@ -125,15 +125,22 @@ def linearise(
     derivative[..., 0, 0], derivative[..., 0, 1] = -y / distance, x / distance
     variance[..., 0] = measurement.azimuth_variance[..., None]
 
+    place = KINEMATIC + n_lines
+    vertical = mean.shape[-1] > place
     height = measurement.height
+    if vertical:
+        height = mean[..., place] - delay * mean[..., place + 1] - measurement.sensor_z
     innovation[..., 1] = measurement.elevation[..., None] - np.arctan2(height, distance)
     slope = -height / (distance**2 + height**2)
     derivative[..., 1, :2] = slope[..., None] * direction
+    if vertical:
+        rise = distance / (distance**2 + height**2)
+        derivative[..., 1, place], derivative[..., 1, place + 1] = rise, -delay * rise
     variance[..., 1] = measurement.elevation_variance[..., None]
     if n_lines:
         rate = np.sum(direction * relative, axis=-1)
         factor = _factor(mean, direction, relative, measurement)
-        source = mean[..., KINEMATIC:]
+        source = mean[..., KINEMATIC:place]
         innovation[..., 2:] = measurement.frequency[..., None, :] - source * factor[..., None]
         across = (relative - rate[..., None] * direction) / distance[..., None]
         gradient = np.concatenate([across, direction], axis=-1) / -measurement.sound_speed

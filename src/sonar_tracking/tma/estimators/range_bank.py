@@ -63,6 +63,7 @@ from sonar_tracking.tma.estimators.recursion import (
     rows_of,
 )
 from sonar_tracking.tma.estimators.sensor_frame import TmaEstimate, TmaMeasurement
+from sonar_tracking.tma.estimators.vertical_motion import seed_height, with_vertical
 
 LIKELY = 0.5
 """Probability of a manoeuvre from which on it is said that there is one."""
@@ -140,7 +141,10 @@ def update_range_banks(
     """
     alike: dict[tuple[float, ...], list[int]] = {}
     for index, one in enumerate(measurements):
-        kind = (one.stamp, one.n_lines, one.height, one.sound_speed, one.propagation_speed)
+        kind = (
+            *(one.stamp, one.n_lines, one.sound_speed, one.propagation_speed),
+            *(one.height, one.height_deviation, one.sensor_z, _has_height(states[index], one)),
+        )
         alike.setdefault(kind, []).append(index)
     updates: dict[int, RangeBankUpdate] = {}
     for group in alike.values():
@@ -161,6 +165,8 @@ def _update_alike(
     ready, restarted, begun = [], [], []
     for state, measurement in zip(states, measurements, strict=True):
         present = start_range_bank(measurement, configuration) if state is None else state
+        if _has_height(state, measurement):
+            present = replace(present, bank=with_vertical(present.bank))
         lost = is_lost(present, measurement)
         if lost.any():
             present = restart_lost(present, measurement, lost, configuration)
@@ -180,6 +186,11 @@ def _update_alike(
     return updates
 
 
+def _has_height(state: RangeBankState | None, measurement: TmaMeasurement) -> bool:
+    """Return whether the height is a state, before or from now on."""
+    return measurement.estimates_height or (state is not None and state.bank.vertical)
+
+
 def _advance(
     batch: BankBatch, begun: BoolArray, configuration: RangeBankConfiguration
 ) -> tuple[BankBatch, Changes]:
@@ -191,6 +202,9 @@ def _advance(
     if configuration.learn_errors:
         factor = variance_factor(errors, measured.stamp)
         measured = _with_learnt_errors(batch, factor)
+    if predicted.vertical:
+        predicted, seeded = seed_height(predicted, measured)
+        measured = replace(measured, elevation=np.where(seeded, np.nan, measured.elevation))
     rows = rows_of(predicted, measured)
     variance = innovation_variance(predicted, rows)
     windows, changes = _watch(batch, predicted, rows, variance)

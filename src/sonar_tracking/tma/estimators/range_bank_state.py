@@ -19,6 +19,7 @@ from sonar_tracking.tma.estimators.innovation_monitor import (
 from sonar_tracking.tma.estimators.motion_modes import MANOEUVRING, MODES, with_modes
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
+from sonar_tracking.tma.estimators.vertical_motion import with_vertical
 
 REFUSED_AZIMUTHS = 5
 """So many azimuths in a row outside every gate: the filter is elsewhere than the target."""
@@ -134,6 +135,8 @@ def restart_lost(
         Of the estimator.
     """
     fresh = start_range_bank(measurement, configuration)
+    if state.bank.vertical:
+        fresh = replace(fresh, bank=with_vertical(fresh.bank))
     if fresh.bank.log_weight.shape != state.bank.log_weight.shape:
         return fresh  # a single run whose array now has another number of sides
     everything = Changes(np.zeros(state.bank.known.shape, dtype=bool), lost)

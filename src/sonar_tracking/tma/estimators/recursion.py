@@ -75,7 +75,8 @@ def gate_rows(
         Log likelihood of those without.
     """
     outside = rows.present & (rows.innovation**2 > gate**2 * variance)
-    outside[..., ELEVATION] |= outside[..., AZIMUTH] & rows.present[..., ELEVATION]
+    if outside.shape[-1] > ELEVATION:
+        outside[..., ELEVATION] |= outside[..., AZIMUTH] & rows.present[..., ELEVATION]
     edge = -0.5 * (gate**2 + np.log(2.0 * np.pi * variance))
     return keep_rows(rows, rows.present & ~outside), np.sum(np.where(outside, edge, 0.0), axis=-1)
 
@@ -149,7 +150,7 @@ def estimate_of(
         stamp=measurement.stamp,
         mean=mean[..., :KINEMATIC],
         covariance=covariance[..., :KINEMATIC, :KINEMATIC],
-        source_frequency=np.where(bank.known, mean[..., KINEMATIC:], np.nan),
+        source_frequency=np.where(bank.known, mean[..., bank.lines], np.nan),
         source_frequency_deviation=np.where(bank.known, deviation, np.nan),
         reborn=np.zeros(bank.known.shape, dtype=bool) if reborn is None else reborn,
         manoeuvre=np.zeros(batch, dtype=bool) if manoeuvre is None else manoeuvre,

@@ -11,6 +11,9 @@ from sonar_tracking.records.arrays import BoolArray, FloatArray
 KINEMATIC = 4
 """Length of the kinematic state [x, y, vx, vy]."""
 
+VERTICAL = 2
+"""Length of the vertical state [z, vz], which follows the lines where the height is estimated."""
+
 
 def _none() -> FloatArray:
     return np.array(np.nan)
@@ -39,8 +42,11 @@ class TmaMeasurement:
         line is absent.
     elevation, elevation_variance : ndarray, shape (...)
         Above the horizontal, rad and rad^2. NaN = none.
-    height : float
-        Known height of the target above the sensor, m; used with elevations only.
+    height, height_deviation : float
+        Height of the target above the sensor and its standard deviation, m, before elevations are
+        taken in; 0 = it is known. Used with elevations only.
+    sensor_z : float
+        Height of the sensor in ``map``, m.
     sound_speed : float
         m/s.
     propagation_speed : float
@@ -58,6 +64,8 @@ class TmaMeasurement:
     elevation: FloatArray = field(default_factory=_none)
     elevation_variance: FloatArray = field(default_factory=_none)
     height: float = 0.0
+    height_deviation: float = 0.0
+    sensor_z: float = 0.0
     sound_speed: float = 1500.0
     propagation_speed: float = np.inf
 
@@ -65,6 +73,11 @@ class TmaMeasurement:
     def n_lines(self) -> int:
         """Columns of lines."""
         return self.frequency.shape[-1]
+
+    @property
+    def estimates_height(self) -> bool:
+        """Whether it tells of a height that is not known."""
+        return self.height_deviation > 0.0 and bool(np.isfinite(self.elevation).any())
 
     @property
     def heard(self) -> BoolArray:

@@ -47,6 +47,9 @@ def bare_observation(
         velocity=view.velocity,
         azimuths=(),
         azimuth_variance=np.nan,
+        height=configuration.target_height,
+        height_deviation=configuration.height_deviation,
+        sensor_z=view.z,
         sound_speed=configuration.sound_speed,
         propagation_speed=configuration.propagation_speed,
     )
@@ -79,7 +82,6 @@ def observation_of(
         Why a measurement cannot be used; empty = nothing is wrong.
     """
     empty = bare_observation(bearings.stamp, view, configuration)
-    empty = replace(empty, height=configuration.target_height)
     angle, variance = float(bearings.measurement[row]), float(bearings.measurement_variance[row])
     if math.isnan(variance) and configuration.azimuth_deviation > 0.0:
         variance = configuration.azimuth_deviation**2
@@ -88,7 +90,7 @@ def observation_of(
         return empty, problem
     variance = max(variance, configuration.minimum_azimuth_deviation**2)
     variance += (view.turn_rate * configuration.array_lag) ** 2
-    elevation, elevation_variance = _elevation(bearings, row, configuration)
+    elevation, elevation_variance = _elevation(bearings, row)
     azimuths = view.azimuths(angle, bearings.angle_kind, bool(bearings.ambiguous[row]))
     observation = replace(
         empty,
@@ -180,10 +182,8 @@ def left_out(sensor_id: str, what: str) -> Notice:
     )
 
 
-def _elevation(
-    bearings: BearingTracks, row: int, configuration: TmaTrackerConfiguration
-) -> tuple[float, float]:
-    if not configuration.target_height or not bearings.elevation_variance.size:
+def _elevation(bearings: BearingTracks, row: int) -> tuple[float, float]:
+    if not bearings.elevation_variance.size:
         return np.nan, np.nan
     value, variance = float(bearings.elevation[row]), float(bearings.elevation_variance[row])
     usable = math.isfinite(value) and _positive(variance)

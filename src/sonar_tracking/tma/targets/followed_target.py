@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.time import NANOSECONDS, nanoseconds
 from sonar_tracking.tma.estimators.range_bank_state import REFUSED_AZIMUTHS
@@ -30,6 +31,9 @@ RECENT = 300
 INCONSISTENT = 10.0
 """Lasting errors whose variance is larger than told by more than this are no errors of directions:
 the target is elsewhere, or not one."""
+
+PLACE = (0, 1, 4)
+"""Position in a state of x, y, vx, vy, z, vz."""
 
 SILENCE = 60.0
 """A confirmed target whose bearing tracks went on to something else is predicted so long, s; and so
@@ -60,6 +64,8 @@ class FollowedTarget:
         Whether the solution is good enough.
     sights : dict of str to Sight
         From where each station has observed it last.
+    assumed_z : float
+        Height in ``map`` where that of targets is known, m; NaN = it is not.
     residuals : LastingResiduals
         How far the stations go on to differ from the solution.
     doubted : int
@@ -80,6 +86,7 @@ class FollowedTarget:
     row_of: dict[str, int] = field(default_factory=dict)
     confirmed: bool = False
     sights: dict[str, Sight] = field(default_factory=dict)
+    assumed_z: float = np.nan
     residuals: LastingResiduals = field(default_factory=LastingResiduals)
     doubted: int = 0
     misfits: dict[str, int] = field(default_factory=dict)
@@ -109,8 +116,15 @@ class FollowedTarget:
         if observation.azimuths:
             elevated = bool(np.isfinite(observation.elevation))
             self.sights[observation.sensor_id] = Sight(
-                observation.position, 0.0, observation.height, elevated, observation.stamp
+                observation.position,
+                observation.sensor_z,
+                observation.height,
+                elevated,
+                observation.stamp,
             )
+            known = observation.height_deviation == 0.0
+            self.assumed_z = observation.sensor_z + observation.height if known else np.nan
+
         return solutions
 
     def compare(
@@ -137,7 +151,7 @@ class FollowedTarget:
             return
         recent = self._recent()
         sights = [one for one in self.sights.values() if one.stamp >= recent]
-        factor = self.residuals.factor(2, recent)
+        factor = self.residuals.factor(_coordinates(solutions), recent)
         self.solutions = tuple(_with_errors(one, sights, errors, factor) for one in solutions)
 
     def _recent(self) -> int:
@@ -185,7 +199,7 @@ class FollowedTarget:
                 self._doubt(best.stamp)
             self.confirmed = False
             return
-        factor = self.residuals.factor(2, self._recent())
+        factor = self.residuals.factor(_coordinates(self.solutions), self._recent())
         if best.stamp < self.doubted or factor > INCONSISTENT:
             self.confirmed = False
             return
@@ -209,15 +223,26 @@ class FollowedTarget:
         return float(np.max(np.hypot(*(solution.mean[:2] - places).T)))
 
 
+def _coordinates(solutions: tuple[TargetSolution, ...]) -> int:
+    """Return how many coordinates of a position are found."""
+    return 3 if any(one.spatial is not None for one in solutions) else 2
+
+
 def _with_errors(
     solution: TargetSolution, sights: list[Sight], errors: SystematicErrors, factor: float
 ) -> TargetSolution:
     """Return a solution with the covariance of lasting errors, whose variance has a factor."""
     if not sights:
         return solution
-    covariance = solution.covariance.copy()
-    covariance[:2, :2] += systematic_covariance(solution.mean[:2], sights, errors, factor)
-    return replace(solution, covariance=covariance)
+    covariance, spatial = solution.covariance.copy(), solution.spatial
+    position = solution.mean[:2] if spatial is None else spatial.mean[list(PLACE)]
+    added = systematic_covariance(position, sights, errors, factor)
+    covariance[:2, :2] += added[:2, :2]
+    if spatial is not None:
+        widened = spatial.covariance.copy()
+        widened[np.ix_(PLACE, PLACE)] += added
+        spatial = KalmanState(spatial.mean, widened)
+    return replace(solution, covariance=covariance, spatial=spatial)
 
 
 def new_solver(configuration: TmaTrackerConfiguration) -> TargetSolver | BaselineSolver:

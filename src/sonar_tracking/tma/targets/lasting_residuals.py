@@ -141,7 +141,10 @@ def direction_residuals(
     across = np.array([-along[1], along[0]])
     covariance = solution.covariance[:2, :2]
     elevated = bool(np.isfinite(observation.elevation))
-    slant = float(np.hypot(distance, observation.height)) if elevated else distance
+    height, spatial = observation.height, solution.spatial
+    if spatial is not None:
+        height = float(spatial.mean[4]) - observation.sensor_z
+    slant = float(np.hypot(distance, height)) if elevated else distance
     expected = np.arctan2(offset[1], offset[0])
     apart = wrap_angle(np.array(observation.azimuths) - expected)
     value = float(apart[np.argmin(np.abs(apart))])
@@ -155,12 +158,16 @@ def direction_residuals(
         )
     }
     if elevated:
-        height = observation.height
-        slope = height / slant**2
+        derivative = np.array([*(-along * height), distance]) / slant**2
+        if spatial is not None:
+            own = np.ix_((0, 1, 4), (0, 1, 4))
+            variance = derivative @ spatial.covariance[own] @ derivative
+        else:
+            variance = derivative[:2] @ covariance @ derivative[:2]
         found["elevation"] = DirectionResidual(
             observation.elevation - float(np.arctan2(height, distance)),
             observation.elevation_variance,
-            float(along @ covariance @ along) * slope**2,
+            float(variance),
             errors.of_elevation(abs(height) / distance),
         )
     return found

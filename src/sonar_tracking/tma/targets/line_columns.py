@@ -101,10 +101,13 @@ def with_columns(state: RangeBankState, count: int, freed: tuple[int, ...]) -> R
     if not added and not freed:
         return state
     n_components, size = bank.mean.shape
+    # The height, if there is one, stays behind the lines.
+    place = np.arange(size)
+    place[bank.height :] += added
     mean = np.zeros((n_components, size + added))
-    mean[:, :size] = bank.mean
+    mean[:, place] = bank.mean
     covariance = np.zeros((n_components, size + added, size + added))
-    covariance[:, :size, :size] = bank.covariance
+    covariance[:, place[:, None], place] = bank.covariance
     known = np.zeros(count, dtype=bool)
     known[: count - added] = bank.known
     lines = np.zeros((count, windows.lines.shape[1]))

@@ -76,7 +76,8 @@ class MeasurementLog:
         row[TIME] = seconds(measurement.stamp - self._first_stamp)
         row[POSITION], row[VELOCITY] = measurement.position, measurement.velocity
         row[AZIMUTH] = _information_of(measurement.azimuth[0], measurement.azimuth_variance)
-        row[ELEVATION] = _information_of(measurement.elevation, measurement.elevation_variance)
+        if measurement.height_deviation == 0.0:
+            row[ELEVATION] = _information_of(measurement.elevation, measurement.elevation_variance)
         row[HEIGHT] = measurement.height
         if n_lines:
             variance = measurement.frequency_deviation**2

@@ -35,6 +35,8 @@ class StationView:
         Who it is, and the frame its angles are in.
     position, velocity : tuple of float
         In ``map``, m and m/s.
+    z : float
+        Height in ``map``, m; 0 if its data do not tell it.
     axis : float
         Azimuth of the x axis of its frame, rad.
     turn_rate : float
@@ -47,6 +49,7 @@ class StationView:
     velocity: tuple[float, float]
     axis: float
     turn_rate: float
+    z: float = 0.0
 
     def azimuths(self, angle: float, kind: AngleKind, ambiguous: bool) -> tuple[float, ...]:
         """Return the azimuths in ``map`` of a measured angle: one, or left and right.
@@ -202,6 +205,7 @@ def station_view(
         velocity=(float(velocity[0]), float(velocity[1])),
         axis=axis,
         turn_rate=turn_rate,
+        z=float(sensor.position[2]) if math.isfinite(sensor.position[2]) else 0.0,
     )
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sonar_tracking.errors import InputError, shown
+from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 
@@ -34,7 +35,7 @@ class TargetObservation:
         Identifiers of the lines heard, each once.
     frequencies, frequency_deviations : tuple of float
         Of each line, Hz.
-    elevation, elevation_variance, height : float
+    elevation, elevation_variance, height, height_deviation, sensor_z : float
         As in :class:`TmaMeasurement`; NaN = none.
     sound_speed, propagation_speed : float
         m/s, as in :class:`TmaMeasurement`.
@@ -52,6 +53,8 @@ class TargetObservation:
     elevation: float = np.nan
     elevation_variance: float = np.nan
     height: float = 0.0
+    height_deviation: float = 0.0
+    sensor_z: float = 0.0
     sound_speed: float = 1500.0
     propagation_speed: float = np.inf
 
@@ -82,6 +85,8 @@ class TargetSolution:
         Hz.
     manoeuvre : bool
         The target began to manoeuvre, says the detector, at this stamp.
+    spatial : KalmanState or None
+        x, y, vx, vy, z, vz, m and m/s, where the height is estimated.
     """
 
     stamp: int
@@ -95,6 +100,7 @@ class TargetSolution:
     source_frequency: FloatArray
     source_frequency_deviation: FloatArray
     manoeuvre: bool
+    spatial: KalmanState | None = None
 
     def range_from(self, position: tuple[float, float]) -> tuple[float, float]:
         """Return the range of the target from a place and its standard deviation, m.
@@ -174,6 +180,8 @@ def measurement_of(
         elevation=np.array(observation.elevation),
         elevation_variance=np.array(observation.elevation_variance),
         height=observation.height,
+        height_deviation=observation.height_deviation,
+        sensor_z=observation.sensor_z,
         sound_speed=observation.sound_speed,
         propagation_speed=observation.propagation_speed,
     )

@@ -13,7 +13,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from sonar_tracking.errors import InputError, shown
+from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.motion import wrap_angle
+from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.tma.estimators.bank_splitting import split_bank, without_unlikely
 from sonar_tracking.tma.estimators.error_models import (
     ErrorEvidence,
@@ -26,7 +28,7 @@ from sonar_tracking.tma.estimators.motion_modes import MODES
 from sonar_tracking.tma.estimators.range_bank import RangeBankUpdate, update_range_banks
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.range_bank_state import RangeBankState
-from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, TmaMeasurement
+from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, VERTICAL, TmaMeasurement
 from sonar_tracking.tma.targets.array_sides import (
     LEFT,
     RIGHT,
@@ -237,8 +239,8 @@ class TargetSolver:
     def _solution(self, state: RangeBankState, index: int, probability: float) -> TargetSolution:
         sides = self._progress.sides
         mean, covariance = mixture_moments(side_of(state.bank, index, len(sides)))
-        lines = np.arange(KINEMATIC, len(mean))
-        figure = self._log.observability(mean, int(sides[index] == RIGHT))
+        lines = np.arange(KINEMATIC, state.bank.height)
+        figure = self._log.observability(mean[: state.bank.height], int(sides[index] == RIGHT))
         return TargetSolution(
             stamp=state.stamp,
             side=sides[index],
@@ -248,9 +250,10 @@ class TargetSolver:
             observability=figure,
             observable=figure >= OBSERVABLE,
             line_ids=self._progress.columns.lines,
-            source_frequency=mean[KINEMATIC:],
+            source_frequency=mean[lines],
             source_frequency_deviation=np.sqrt(covariance[lines, lines]),
             manoeuvre=self._progress.manoeuvre,
+            spatial=_spatial(state.bank, mean, covariance),
         )
 
     def _prepare(
@@ -325,6 +328,14 @@ def update_solvers(tasks: Sequence[Task]) -> list[Problem | None]:
         for (solver, observation, measurement), update in zip(own, done, strict=True):
             solver._conclude(observation, measurement, update)
     return problems
+
+
+def _spatial(bank: HypothesisBank, mean: FloatArray, covariance: FloatArray) -> KalmanState | None:
+    """Return the motion with the height; None = it is not estimated, or there was no elevation."""
+    if not bank.vertical or covariance[bank.height, bank.height] <= 0.0:
+        return None
+    own = np.r_[:KINEMATIC, bank.height : bank.height + VERTICAL]
+    return KalmanState(mean[own], covariance[np.ix_(own, own)])
 
 
 def _course(observation: TargetObservation) -> float:

@@ -12,6 +12,9 @@ from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConf
 from sonar_tracking.tma.targets.systematic_errors import SystematicErrors
 from sonar_tracking.tma.targets.tma_method_registry import TMA_METHODS, TmaMethodEntry
 
+UNKNOWN_HEIGHT = 1000.0
+"""Standard deviation of the height of a target of which nothing is known, m."""
+
 
 @dataclass(frozen=True)
 class TmaTrackerConfiguration(RangeBankConfiguration):
@@ -27,7 +30,16 @@ class TmaTrackerConfiguration(RangeBankConfiguration):
         True, "sound takes time: a target has moved on since; false = seen at once, as in the paper"
     )
     target_height: float = parameter(
-        0.0, "of targets above the sensor; elevations are used if it is not 0", unit="m"
+        0.0,
+        "of targets above the sensor, where it is known; 0 = it is estimated from elevations",
+        unit="m",
+    )
+    target_height_standard_deviation: float = parameter(
+        0.0,
+        "how well that is known before elevations are taken in; 0 = exactly, or to 1000 m where "
+        "target_height is 0",
+        unit="m",
+        minimum=0.0,
     )
     minimum_azimuth_deviation_deg: float = parameter(
         0.05, "no bearing is taken to be better", unit="deg", minimum=0.0, maximum=90.0
@@ -106,6 +118,13 @@ class TmaTrackerConfiguration(RangeBankConfiguration):
         changeable=True,
     )
     first_id: int = parameter(1, "first track identifier", minimum=1)
+
+    @property
+    def height_deviation(self) -> float:
+        """Standard deviation of the height of targets above the sensor, m; 0 = it is known."""
+        if self.target_height_standard_deviation > 0.0 or self.target_height != 0.0:
+            return self.target_height_standard_deviation
+        return UNKNOWN_HEIGHT
 
     @property
     def entry(self) -> TmaMethodEntry:

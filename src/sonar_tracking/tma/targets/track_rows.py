@@ -12,7 +12,8 @@ from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks, TrackHypothesis, TrackSource
 from sonar_tracking.records.time import NANOSECONDS
-from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
+from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, VERTICAL
+from sonar_tracking.tma.estimators.vertical_prediction import predict_vertical
 from sonar_tracking.tma.targets.array_sides import LEFT, RIGHT, SINGLE
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
 from sonar_tracking.tma.targets.target_records import TargetSolution
@@ -36,6 +37,8 @@ class TrackRow:
         Its status.
     state, covariance : ndarray, shapes (4,) and (4, 4)
         At the stamp of the list, m and m/s; m^2, m^2/s, m^2/s^2.
+    z, z_standard_deviation : float
+        Then, m; NaN = unknown, and not estimated.
     solution : TargetSolution
         What it shows.
     target : FollowedTarget
@@ -48,6 +51,8 @@ class TrackRow:
     status: TrackStatus
     state: FloatArray
     covariance: FloatArray
+    z: float
+    z_standard_deviation: float
     solution: TargetSolution
     target: FollowedTarget
     members: tuple[tuple[str, int], ...]
@@ -62,11 +67,14 @@ def track_row(
 ) -> TrackRow:
     """Return the row of a solution at the stamp of the list."""
     state, covariance = _predict(solution, stamp, acceleration)
+    z, deviation = _height(target, solution, stamp)
     return TrackRow(
         id=target.row_of[solution.side],
         status=status,
         state=state,
         covariance=covariance,
+        z=z,
+        z_standard_deviation=deviation,
         solution=solution,
         target=target,
         members=tuple(target.members.items()),
@@ -90,6 +98,8 @@ def track_list(rows: Sequence[TrackRow], stamp: int, next_stamp: int) -> Positio
         source=np.full(len(rows), TrackSource.TMA, np.uint8),
         state=np.array([row.state for row in rows]).reshape(-1, 4),
         covariance=np.array([row.covariance for row in rows]).reshape(-1, 4, 4),
+        z=np.array([row.z for row in rows]),
+        z_standard_deviation=np.array([row.z_standard_deviation for row in rows]),
         next_stamp=next_stamp,
         **_target_columns([row.target for row in rows]),
         **_solution_columns([row.solution for row in rows]),
@@ -144,6 +154,15 @@ def _contributor_columns(rows: Sequence[TrackRow]) -> dict[str, Any]:
         "contributor_id": np.array([one[2] for one in contributors], np.uint64),
         "contributor_sensor": tuple(one[1] for one in contributors),
     }
+
+
+def _height(target: FollowedTarget, solution: TargetSolution, stamp: int) -> tuple[float, float]:
+    """Return the height at a stamp and its standard deviation; what is assumed has none."""
+    if solution.spatial is None:
+        return target.assumed_z, np.nan
+    elapsed = np.array((stamp - solution.stamp) / NANOSECONDS)
+    mean, covariance = predict_vertical(solution.spatial.mean, solution.spatial.covariance, elapsed)
+    return float(mean[-VERTICAL]), float(np.sqrt(covariance[-VERTICAL, -VERTICAL]))
 
 
 def _predict(

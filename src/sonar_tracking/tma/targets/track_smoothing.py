@@ -193,7 +193,8 @@ def _history(
         velocity=place[:, 2:],
         azimuth=measured[:, :2],
         azimuth_deviation=np.sqrt(measured[:, 2]),
-        elevation=measured[:, 3],
+        # Where heights are estimated elevations say nothing of the path on the plane.
+        elevation=np.where(tracker.height_deviation == 0.0, measured[:, 3], np.nan),
         elevation_deviation=np.sqrt(measured[:, 4]),
         height=tracker.target_height,
         frequency=frequency,
