@@ -137,3 +137,14 @@ def test_an_estimate_names_the_frequencies_that_are_known() -> None:
 
 def test_intervals_are_seconds() -> None:
     assert elapsed(1_000_000_000, 3_500_000_000) == 2.5
+
+
+def test_the_elevation_of_something_else_is_left_out_with_its_azimuth() -> None:
+    """Not the other way round: a reflection has the azimuth of what is reflected."""
+    innovation = np.array([[[9.0, 1.0, 1.0], [1.0, 9.0, 1.0]]])
+    everything = np.ones(innovation.shape, dtype=bool)
+    rows = LinearisedRows(
+        innovation, np.ones((*innovation.shape, 5)), np.ones(innovation.shape), everything
+    )
+    within, _ = gate_rows(rows, np.ones(innovation.shape), 4.0)
+    assert within.present.tolist() == [[[False, False, True], [True, False, True]]]

@@ -110,13 +110,13 @@ def test_up_to_a_full_turn_is_a_legal_way_to_write_an_angle() -> None:
     ("height", "elevation", "variance", "used"),
     [
         (100.0, 0.2, 1e-4, True),
-        (0.0, 0.2, 1e-4, False),  # without a height an elevation says nothing of the range
+        (0.0, 0.2, 1e-4, True),  # without a height it is estimated
         (100.0, np.nan, 1e-4, False),
         (100.0, 0.2, 0.0, False),
         (100.0, 0.2, np.inf, False),
     ],
 )
-def test_an_elevation_is_used_if_the_height_is_known(
+def test_an_elevation_is_used_if_it_can_be(
     height: float, elevation: float, variance: float, used: bool
 ) -> None:
     tracks = replace(
@@ -126,6 +126,8 @@ def test_an_elevation_is_used_if_the_height_is_known(
     expected = (elevation, variance) if used else (np.nan, np.nan)
     told = (observation.elevation, observation.elevation_variance)
     np.testing.assert_array_equal(told, expected)
+    assert observation.height == height
+    assert observation.height_deviation == (0.0 if height else 1000.0)
 
 
 def frequency_lines(

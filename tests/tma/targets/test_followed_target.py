@@ -21,7 +21,11 @@ from sonar_tracking.tma.targets.track_rows import track_list, track_row
 
 SECOND = 1_000_000_000
 CONFIGURATION = TmaTrackerConfiguration(
-    confirm_observability=0.5, confirm_relative_deviation=0.1, coasted_after=10.0
+    confirm_observability=0.5,
+    confirm_relative_deviation=0.1,
+    coasted_after=10.0,
+    sound_speed_variation=0.0,
+    target_size=0.0,
 )
 
 
@@ -57,7 +61,7 @@ def target(*solutions: TargetSolution, **changes: Any) -> FollowedTarget:
 
 
 def sight(position: tuple[float, float], second: int = 20) -> Sight:
-    return Sight(position, 0.0, elevated=False, stamp=second * SECOND)
+    return Sight(position, 0.0, 0.0, elevated=False, stamp=second * SECOND)
 
 
 def test_the_best_solution_is_the_most_probable() -> None:

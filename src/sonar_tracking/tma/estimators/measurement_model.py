@@ -127,7 +127,7 @@ def linearise(
 
     place = KINEMATIC + n_lines
     vertical = mean.shape[-1] > place
-    height = measurement.height
+    height: FloatArray | float = measurement.height
     if vertical:
         height = mean[..., place] - delay * mean[..., place + 1] - measurement.sensor_z
     innovation[..., 1] = measurement.elevation[..., None] - np.arctan2(height, distance)

@@ -22,7 +22,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from sonar_tracking.records.arrays import BoolArray, FloatArray
+from sonar_tracking.records.arrays import BoolArray
 from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank
 from sonar_tracking.tma.estimators.measurement_model import MINIMUM_RANGE, offset_seen
 from sonar_tracking.tma.estimators.sensor_frame import VERTICAL, TmaMeasurement
@@ -68,15 +68,14 @@ def seed_height(
     if not new.any():
         return bank, new
     seeded = _seeded(bank, measurement)
-    chosen = [
-        np.where(new.reshape(*new.shape, *(1,) * (now.ndim - new.ndim)), then, now)
-        for then, now in (
-            (seeded.mean, bank.mean),
-            (seeded.covariance, bank.covariance),
-            (seeded.log_weight, bank.log_weight),
-        )
-    ]
-    return HypothesisBank(*chosen, bank.known), new
+    run = new[..., None]
+    taken = HypothesisBank(
+        np.where(run[..., None], seeded.mean, bank.mean),
+        np.where(run[..., None, None], seeded.covariance, bank.covariance),
+        np.where(run, seeded.log_weight, bank.log_weight),
+        bank.known,
+    )
+    return taken, new
 
 
 def _seeded(bank: HypothesisBank, measurement: TmaMeasurement) -> HypothesisBank:
@@ -117,8 +116,3 @@ def _with_prior(bank: HypothesisBank, expected: float, deviation: float) -> Hypo
         covariance=bank.covariance - gain[..., :, None] * cross[..., None, :],
         log_weight=bank.log_weight + weight,
     )
-
-
-def height_moments(mean: FloatArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return mean and covariance of height and rate, the last two states, m and m/s."""
-    return mean[..., -VERTICAL:], covariance[..., -VERTICAL:, -VERTICAL:]

@@ -232,7 +232,7 @@ def _with_errors(
     solution: TargetSolution, sights: list[Sight], errors: SystematicErrors, factor: float
 ) -> TargetSolution:
     """Return a solution with the covariance of lasting errors, whose variance has a factor."""
-    if not sights:
+    if not sights or errors.none:
         return solution
     covariance, spatial = solution.covariance.copy(), solution.spatial
     position = solution.mean[:2] if spatial is None else spatial.mean[list(PLACE)]

@@ -80,6 +80,11 @@ class SystematicErrors:
     bending: float = 0.0
     size: float = 0.0
 
+    @property
+    def none(self) -> bool:
+        """Whether there are no such errors."""
+        return not (self.deviation or self.bending or self.size)
+
     def of_elevation(self, slope: float) -> float:
         """Return the deviation of an elevation, rad, whose tangent is given."""
         bent = 0.5 * self.bending / np.sqrt(slope**2 + self.bending) if self.bending else 0.0
