@@ -134,7 +134,8 @@ class FollowedTarget:
         configuration: TmaTrackerConfiguration,
     ) -> None:
         """Compare directions with the solution after them, if it has accepted them."""
-        if not solutions or not observation.azimuths or self.solver.refused:
+        usable = observation.azimuths and not self.solver.refused
+        if not solutions or not usable or not configuration.entry.weighs_hypotheses:
             return
         best = max(solutions, key=lambda one: one.probability)
         found = direction_residuals(observation, best, configuration.systematic_errors)
@@ -195,7 +196,7 @@ class FollowedTarget:
             return
         best = self.best
         if best.observability < configuration.confirm_observability:
-            if self.confirmed:
+            if self.confirmed and configuration.entry.weighs_hypotheses:
                 self._doubt(best.stamp)
             self.confirmed = False
             return
@@ -204,9 +205,10 @@ class FollowedTarget:
             self.confirmed = False
             return
         distance = self._distance(best)
-        # The size of the target is no error of the solution.
         variance = float(np.linalg.eigvalsh(best.covariance[:2, :2])[-1])
-        variance -= configuration.target_size**2
+        if configuration.entry.weighs_hypotheses:
+            # The size of the target, which was added, is no error of the solution.
+            variance -= configuration.target_size**2
         limit = configuration.confirm_relative_deviation * distance
         if self.confirmed:
             limit *= DOUBTFUL
