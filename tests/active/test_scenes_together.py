@@ -9,7 +9,6 @@ import pytest
 
 from sonar_tracking.active.contacts.contact_positions import place_contacts
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
-from sonar_tracking.active.contacts.shared_places import SharedPlaces
 from sonar_tracking.active.multi_target_tracker import (
     MultiTargetTracker,
     hpda_kalman_tracker,
@@ -17,6 +16,8 @@ from sonar_tracking.active.multi_target_tracker import (
     integrated_tracker,
     update_together,
 )
+from sonar_tracking.active.tracks.scene_rows import joined_tables
+from sonar_tracking.active.tracks.shared_places import SharedPlaces
 from sonar_tracking.errors import InputError
 from sonar_tracking.evaluation.studies.multi_target_clutter.scene import (
     SceneOptions,
@@ -126,16 +127,17 @@ def test_contacts_placed_for_another_tracker_give_the_same_tracks() -> None:
                 assert_same(one, other)
 
 
-def test_places_are_those_of_the_very_pings_and_of_the_first_who_asked() -> None:
+def test_only_pings_that_differ_are_placed_anew() -> None:
     places, (early, late, *_) = SharedPlaces(), scenes()[0]
-    placed, others = place_contacts(early, 0.0), place_contacts(late, 0.0)
-    places.keep([early], 0.0, placed)
-    assert places.find([early], 0.0) is placed
-    assert places.find([early], 1500.0) is None
-    assert places.find([replace(early)], 0.0) is None
-    assert places.find([early, late], 0.0) is None
-    places.keep([replace(early)], 0.0, others)
-    assert places.find([early], 0.0) is placed
-    places.keep([late], 0.0, others)
-    assert places.find([late], 0.0) is others
-    assert places.find([early], 0.0) is None
+    first = places.place([early, late], 0.0)
+    assert places.place([early, late], 0.0) is first
+    wider = replace(late, range_standard_deviation=300.0)
+    again = places.place([early, wider], 0.0)
+    both = joined_tables([place_contacts(early, 0.0), place_contacts(wider, 0.0)])
+    for field in fields(both):
+        assert np.array_equal(getattr(again, field.name), getattr(both, field.name))
+    assert places.place([early, late], 0.0) is first
+    slow = replace(early, sensor_velocity=(1.0, 0.0))
+    expected = place_contacts(slow, 1500.0)
+    assert np.array_equal(places.place([slow], 1500.0).position, expected.position)
+    assert np.array_equal(places.place([late], 0.0).distance, place_contacts(late, 0.0).distance)

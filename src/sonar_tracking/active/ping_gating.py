@@ -9,9 +9,8 @@ import numpy as np
 
 from sonar_tracking.active.association.association_rule import GatedPing
 from sonar_tracking.active.association.lm_ipda import PairEvidence
-from sonar_tracking.active.contacts.contact_positions import PlacedContacts, place_contacts
+from sonar_tracking.active.contacts.contact_positions import PlacedContacts
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
-from sonar_tracking.active.contacts.shared_places import SharedPlaces
 from sonar_tracking.active.detection.detection_model import DetectionModel, amplitude_ratios
 from sonar_tracking.active.particle_tracks import GatedClouds, ParticleTracks, pair_densities
 from sonar_tracking.active.tracks.contact_gating import (
@@ -26,7 +25,8 @@ from sonar_tracking.active.tracks.gate_thresholds import AppliedThresholds, appl
 from sonar_tracking.active.tracks.motion_model import MotionModel
 from sonar_tracking.active.tracks.pair_search import find_pairs
 from sonar_tracking.active.tracks.pair_updates import PairUpdates, update_pairs
-from sonar_tracking.active.tracks.scene_rows import SceneRows, joined, joined_tables
+from sonar_tracking.active.tracks.scene_rows import SceneRows, joined
+from sonar_tracking.active.tracks.shared_places import SharedPlaces
 from sonar_tracking.active.tracks.track_bank import TrackBank
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.contacts import Contacts
@@ -143,15 +143,11 @@ def place_ping(
     places : SharedPlaces, optional
         Of trackers that are given the same pings.
     """
-    placed = None if places is None else places.find(pings, sound_speed)
-    if placed is None:
-        placed = joined_tables([place_contacts(contacts, sound_speed) for contacts in pings])
-        if places is not None:
-            places.keep(pings, sound_speed, placed)
+    places = SharedPlaces() if places is None else places
     return PlacedPing(
         stamp=pings[0].stamp,
         next_stamp=pings[0].next_stamp,
-        placed=placed,
+        placed=places.place(pings, sound_speed),
         amplitudes=joined([_amplitudes(contacts) for contacts in pings]),
         contact_rows=SceneRows(tuple(len(contacts.range) for contacts in pings)),
         models=models,

@@ -14,7 +14,6 @@ import numpy as np
 from sonar_tracking.active.association.association_rule import AssociationRule
 from sonar_tracking.active.association.lm_ipda import BankAssociation
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
-from sonar_tracking.active.contacts.shared_places import SharedPlaces
 from sonar_tracking.active.detection.detection_levels import forget, mean_probability, weigh
 from sonar_tracking.active.detection.detection_model import amplitude_ratios
 from sonar_tracking.active.lasting_error import monitors_after
@@ -29,6 +28,7 @@ from sonar_tracking.active.tracks.measured_positions import measured_positions
 from sonar_tracking.active.tracks.motion_model import MotionModel
 from sonar_tracking.active.tracks.pair_updates import mix_updates
 from sonar_tracking.active.tracks.scene_rows import SceneRows, joined, joined_tables
+from sonar_tracking.active.tracks.shared_places import SharedPlaces
 from sonar_tracking.active.tracks.track_bank import TrackBank, new_target_modes, predict_bank
 from sonar_tracking.active.tracks.track_management import (
     ListedTracks,

@@ -10,8 +10,8 @@ import numpy as np
 
 from sonar_tracking.active.contact_tracker import ContactTracker, make_contact_tracker
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
-from sonar_tracking.active.contacts.shared_places import SharedPlaces
 from sonar_tracking.active.multi_target_tracker import MultiTargetTracker, update_together
+from sonar_tracking.active.tracks.shared_places import SharedPlaces
 from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
 
 
