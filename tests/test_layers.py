@@ -82,6 +82,7 @@ ROOMS = (
     "evaluation.studies.scenario_seeds",
     "evaluation.studies.ship_bearings",
     "evaluation.studies.tma_frequency_fusion",
+    "evaluation.studies.track_fusion",
     "evaluation.studies.mismatch_positions",
     "evaluation.studies.mismatch_bearings",
     "evaluation.studies",

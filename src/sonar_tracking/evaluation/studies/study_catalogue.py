@@ -29,6 +29,7 @@ from sonar_tracking.evaluation.studies.room_array.study import ROOM_ARRAY, room_
 from sonar_tracking.evaluation.studies.scenario_seeds.study import SCENARIO_SEEDS
 from sonar_tracking.evaluation.studies.ship_bearings.study import SHIP_BEARINGS, ship_bearings
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.study import TMA_FREQUENCY_FUSION
+from sonar_tracking.evaluation.studies.track_fusion.study import TRACK_FUSION
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -45,6 +46,7 @@ STUDIES = {
         MISMATCH_BEARINGS,
         MISMATCH_CONTACTS,
         MISMATCH_POSITIONS,
+        TRACK_FUSION,
         SCENARIO_SEEDS,
     )
 }

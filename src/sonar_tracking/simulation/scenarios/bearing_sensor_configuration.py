@@ -34,6 +34,13 @@ class BearingSensorConfiguration:
     mounting_yaw_deg: float = parameter(
         0.0, "direction of the array axis, anticlockwise from the heading", unit="deg"
     )
+    misalignment_deg: float = parameter(
+        0.0,
+        "by how much the array is really turned anticlockwise from what its data tell",
+        unit="deg",
+        minimum=-180.0,
+        maximum=180.0,
+    )
     angle_kind: str = parameter(
         "cone",
         "cone: a line array, which cannot tell its two sides apart; azimuth: true directions",
@@ -85,6 +92,11 @@ class BearingSensorConfiguration:
     def mounting_yaw(self) -> float:
         """In rad."""
         return float(np.radians(self.mounting_yaw_deg))
+
+    @property
+    def misalignment(self) -> float:
+        """In rad."""
+        return float(np.radians(self.misalignment_deg))
 
     @property
     def angle_deviation(self) -> float:

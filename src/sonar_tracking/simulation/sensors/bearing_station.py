@@ -114,8 +114,9 @@ class BearingStation:
         limit = 0.5 * np.pi if station.ambiguous else np.pi
         wild = uniform[0, present] < station.outlier_share
         angles = np.where(wild, limit * (2.0 * uniform[1, present] - 1.0), angles)
-        angles = _folded(angles) if station.ambiguous else wrap_angle(angles)
-        bearings = self._bearings(time, truth, present, angles)
+        # A cone is told with the axis, which is where the misalignment stands then.
+        told = _folded(angles) if station.ambiguous else wrap_angle(angles - station.misalignment)
+        bearings = self._bearings(time, truth, present, told)
         of_lines = normal[n_targets:].reshape(2, n_lines)
         lines = self._lines(time, truth, of_lines, uniform[:, n_targets:])
         return bearings, lines
@@ -244,7 +245,8 @@ class BearingStation:
     def _sensor(self, time: float) -> Sensor:
         station = self._configuration
         state = self._trajectory.state(time)
-        half_yaw = 0.5 * float(wrap_angle(state.azimuth + station.mounting_yaw))
+        yaw = state.azimuth + station.mounting_yaw - station.misalignment
+        half_yaw = 0.5 * float(wrap_angle(yaw))
         frame = "map"
         if station.ambiguous:
             frame = f"{'own_ship' if station.platform == OWN_SHIP else station.sensor_id}/array"

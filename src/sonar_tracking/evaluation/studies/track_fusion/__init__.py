@@ -1,0 +1,1 @@
+"""Study track-fusion: one picture of echoes and bearings, beside other rules and the bound."""

@@ -1,0 +1,224 @@
+"""Runs under one condition: the same measurements for every system, and what it made of them."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from sonar_tracking.evaluation.offline.offline_fusion_chain import (
+    ECHOES,
+    POSITIONS,
+    FusedMoment,
+    fused_moments,
+    make_track_fusion,
+)
+from sonar_tracking.evaluation.studies.track_fusion.central_filter import CentralFilter
+from sonar_tracking.evaluation.studies.track_fusion.conditions import CONDITIONS, Condition
+from sonar_tracking.evaluation.studies.track_fusion.list_rules import RULES
+from sonar_tracking.filtering.kalman import KalmanState
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.bearings import established
+from sonar_tracking.records.positions import PositionTracks, TruthTracks
+from sonar_tracking.records.time import seconds
+
+FUSED, CENTRAL, BOUND = "track_fusion", "central filter, told whose all is", "bound"
+ECHOES_ALONE, BEARINGS_ALONE = "echoes alone", "bearings alone"
+SYSTEMS = (CENTRAL, FUSED, *RULES, ECHOES_ALONE, BEARINGS_ALONE, BOUND)
+
+SETTLED = 100.0
+"""Rows count from here on, s."""
+
+NEAR = 300.0
+"""A row within this distance of a ship is the ship's, m."""
+
+DOUBLE_AFTER = 60.0
+"""So long after the later of two confirmed rows of one ship began they should be one, s."""
+
+
+@dataclass(frozen=True)
+class FusionTask:
+    """Runs that are computed together.
+
+    Attributes
+    ----------
+    condition : str
+        Name of the condition.
+    seeds : tuple of numpy.random.SeedSequence
+        One a run.
+    """
+
+    condition: str
+    seeds: tuple[np.random.SeedSequence, ...]
+
+
+@dataclass
+class FusionRun:
+    """What the systems did in one run.
+
+    Attributes
+    ----------
+    condition : str
+        Name of the condition.
+    squares, nees, claimed : dict of str to list of float
+        Of each system: squared position errors, m^2; normalised errors of the state, per
+        dimension; claimed variances of the position, m^2.
+    doubled : bool
+        Whether a ship had two confirmed rows of the fused list for too long.
+    names : int
+        Identifiers that the ships had in the fused list, beyond one each.
+    missing, rows : int
+        Ships without a row, and ships, over all pings.
+    alignment_error, alignment_deviation : float
+        Of the array on own ship at the end, rad.
+    """
+
+    condition: str
+    squares: dict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
+    nees: dict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
+    claimed: dict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
+    doubled: bool = False
+    names: int = 0
+    missing: int = 0
+    rows: int = 0
+    alignment_error: float = np.nan
+    alignment_deviation: float = np.nan
+
+    def count(self, system: str, truth: FloatArray, mean: FloatArray, spread: FloatArray) -> None:
+        """Count an estimate of a ship: true state, mean, shapes (4,), covariance, shape (4, 4)."""
+        error = mean - truth
+        self.squares[system].append(float(error[:2] @ error[:2]))
+        self.nees[system].append(float(error @ np.linalg.solve(spread, error)) / len(error))
+        self.claimed[system].append(float(np.trace(spread[:2, :2])))
+
+
+def fusion_runs(task: FusionTask) -> tuple[FusionRun, ...]:
+    """Simulate runs, fuse them in every way, and score them."""
+    return tuple(fusion_run(task.condition, seed) for seed in task.seeds)
+
+
+def fusion_run(name: str, seed: np.random.SeedSequence) -> FusionRun:
+    """Simulate one run, fuse it in every way, and score it.
+
+    Parameters
+    ----------
+    name : str
+        Of the condition.
+    seed : numpy.random.SeedSequence
+        Of the run.
+    """
+    condition = CONDITIONS[name]
+    scenario = condition.scenario(seed)
+    stage = make_track_fusion(scenario)
+    central = CentralFilter(stage.configuration)
+    bound = CentralFilter(stage.configuration, exact=True)
+    run = FusionRun(name)
+    begun: dict[int, float] = {}
+    names: dict[int, set[int]] = defaultdict(set)
+    latest: PositionTracks | None = None
+    for moment in fused_moments(scenario):
+        heard = _without_lost(moment, condition, seconds(moment.frame.stamp - scenario.epoch))
+        if not (heard.frame.active or heard.frame.bearings):
+            continue
+        update = stage.update(heard.frame)
+        central.update(heard)
+        bound.update(heard)
+        latest = heard.frame.passive.get(POSITIONS, latest)
+        time = seconds(moment.frame.stamp - scenario.epoch)
+        if moment.contacts is None:
+            continue
+        seen = _count_fused(run, update.tracks, heard.truth, time, begun, names)
+        if time >= SETTLED:
+            true = _true_states(heard.truth)
+            for system, filters in ((CENTRAL, central), (BOUND, bound)):
+                states = filters.states()
+                for ship in seen & set(states):
+                    run.count(system, true[ship], *states[ship])
+            _count_lists(run, heard, latest)
+    run.names = sum(len(own) - 1 for own in names.values())
+    known = update.alignments
+    place = known.sensor_id.index("array")
+    turned = np.radians(condition.misalignment_deg)
+    run.alignment_error = float(known.misalignment[place] - turned)
+    run.alignment_deviation = float(known.misalignment_standard_deviation[place])
+    return run
+
+
+def _without_lost(moment: FusedMoment, condition: Condition, time: float) -> FusedMoment:
+    """Return a moment without the source that is lost then."""
+    frame = moment.frame
+    if condition.silent_sonar[0] <= time < condition.silent_sonar[1]:
+        frame = replace(frame, active={})
+    if condition.silent_array[0] <= time < condition.silent_array[1]:
+        frame = replace(frame, bearings=(), passive={})
+    return replace(moment, frame=frame)
+
+
+def _true_states(truth: TruthTracks) -> dict[int, FloatArray]:
+    states = np.concatenate([truth.position, truth.velocity], axis=1)
+    return dict(zip(truth.id.tolist(), states, strict=True))
+
+
+def _count_fused(
+    run: FusionRun,
+    tracks: PositionTracks,
+    truth: TruthTracks,
+    time: float,
+    begun: dict[int, float],
+    names: dict[int, set[int]],
+) -> set[int]:
+    """Count the established rows of the fused list, and return the ships that have one."""
+    rows: dict[int, list[int]] = defaultdict(list)
+    for row in np.flatnonzero(established(tracks.status)):
+        begun.setdefault(int(tracks.id[row]), time)
+        ship = _nearest(tracks.state[row], truth)
+        if ship is not None:
+            rows[ship].append(int(row))
+    states = _true_states(truth)
+    for ship, own in rows.items():
+        since = sorted(begun[int(tracks.id[row])] for row in own)
+        if len(own) > 1 and time - since[1] > DOUBLE_AFTER:
+            run.doubled = True
+        if time >= SETTLED:
+            names[ship].update(int(tracks.id[row]) for row in own)
+            for each in own:
+                run.count(FUSED, states[ship], tracks.state[each], tracks.covariance[each])
+    if time >= SETTLED:
+        run.rows += len(truth.id)
+        run.missing += len(truth.id) - len(rows)
+    return set(rows)
+
+
+def _count_lists(run: FusionRun, moment: FusedMoment, passive: PositionTracks | None) -> None:
+    """Count the finished tracks of both lists, and what rules make of two of one ship."""
+    states = _true_states(moment.truth)
+    active = moment.frame.active.get(ECHOES)
+    echoes: dict[int, KalmanState] = {}
+    if active is not None:
+        for row in np.flatnonzero(established(active.status)):
+            ship = _nearest(active.state[row], moment.truth)
+            if ship is not None:
+                echoes[ship] = KalmanState(active.state[row], active.covariance[row])
+    heard: dict[int, KalmanState] = {}
+    if passive is not None and passive.stamp == moment.frame.stamp:
+        for row in np.flatnonzero(established(passive.status)):
+            ship = int(passive.bearing_track_id[row])
+            heard[ship] = KalmanState(passive.state[row], passive.covariance[row])
+    for ship, true in states.items():
+        for system, own in ((ECHOES_ALONE, echoes), (BEARINGS_ALONE, heard)):
+            if ship in own:
+                run.count(system, true, own[ship].mean, own[ship].covariance)
+        if ship not in echoes:
+            continue
+        for system, rule in RULES.items():
+            fused = rule(echoes[ship], heard[ship]) if ship in heard else echoes[ship]
+            run.count(system, true, fused.mean, fused.covariance)
+
+
+def _nearest(state: FloatArray, truth: TruthTracks) -> int | None:
+    """Return the number of the ship that a state is of."""
+    apart = truth.position - state[:2]
+    distance = np.hypot(apart[:, 0], apart[:, 1])
+    nearest = int(np.argmin(distance))
+    return int(truth.id[nearest]) if distance[nearest] < NEAR else None
