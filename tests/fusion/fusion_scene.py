@@ -155,6 +155,7 @@ def _ping(
         updated=np.full(count, stamp_of(time) / NANOSECONDS),
         measurement=np.array(measured),
         measurement_covariance=np.array(covariance),
+        next_stamp=stamp_of(time + PING),
     )
     return after, tracks
 
@@ -197,6 +198,7 @@ def _bearings(
         ambiguous=np.ones(count, bool),
         sensor=sensor,
         angle_kind=AngleKind.CONE,
+        next_stamp=stamp_of(time + FRAME),
     )
 
 

@@ -10,9 +10,11 @@ from sonar_tracking.configuration import parameter
 from sonar_tracking.fusion.aligned_targets import MotionStrengths
 
 STRENGTHS = MotionStrengths(
-    density=np.array([1e-5, 0.05, 3.0]), share=np.array([0.97, 0.025, 0.005]), duration=120.0
+    density=np.array([3e-5, 4e-3, 0.2, 5.0]),
+    share=np.array([0.45, 0.5, 0.045, 0.005]),
+    duration=1000.0,
 )
-"""Of ships: nearly straight, gentle turns of some hundredths of m/s^2, hard ones."""
+"""Of ships: on their courses, as the sea lets them, turning by some hundredths of m/s^2, hard."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +37,7 @@ class TrackFusionConfiguration:
         maximum=45.0,
     )
     association_odds: float = parameter(
-        100.0, "to one, for taking a bearing track and a position to be of one target", minimum=1.0
+        20.0, "to one, for taking a bearing track and a position to be of one target", minimum=1.0
     )
     clutter_area: float = parameter(
         1e9,

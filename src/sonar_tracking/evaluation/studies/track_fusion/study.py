@@ -2,8 +2,8 @@
 
 Four ships that do not hold their courses, a sonar that pings every ten seconds, a line array that
 hears them all. Fused with the defaults (but the heading, which is exact here, and told), beside one
-filter that is told whose each measurement is and how ships move, at the same ships and pings; rules that fuse the finished
-tracks; each source alone; and the posterior Cramer-Rao bound.
+filter that is told whose each measurement is and how ships move, at the same ships and pings; rules
+that fuse the finished tracks; each source alone; and the posterior Cramer-Rao bound.
 """
 
 from __future__ import annotations
