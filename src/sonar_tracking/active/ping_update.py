@@ -29,7 +29,12 @@ from sonar_tracking.active.tracks.motion_model import MotionModel
 from sonar_tracking.active.tracks.pair_updates import mix_updates
 from sonar_tracking.active.tracks.scene_rows import SceneRows, joined, joined_tables
 from sonar_tracking.active.tracks.shared_places import SharedPlaces
-from sonar_tracking.active.tracks.track_bank import TrackBank, new_target_modes, predict_bank
+from sonar_tracking.active.tracks.track_bank import (
+    TrackBank,
+    new_target_modes,
+    predict_bank,
+    scene_changes,
+)
 from sonar_tracking.active.tracks.track_management import (
     ListedTracks,
     duplicates,
@@ -121,7 +126,8 @@ def predict_scenes(method: TrackingMethod, scenes: Sequence[SceneMemory], stamp:
     survival = method.configuration.survival_probability(interval)
     tracks = SceneRows(tuple(len(scene.bank) for scene in scenes))
     bank = joined_tables([scene.bank for scene in scenes])
-    bank = predict_bank(bank, method.modes, interval, survival)
+    pooled = tracks.spread([scene_changes(scene.bank) for scene in scenes])
+    bank = predict_bank(bank, method.modes, interval, survival, pooled)
     levels = tracks.spread([scene.new_detection for scene in scenes])
     bank = replace(bank, detection_weight=forget(bank.detection_weight, levels))
     particles = [scene.particles for scene in scenes]

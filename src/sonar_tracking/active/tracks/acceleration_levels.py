@@ -6,8 +6,9 @@ times larger from one mode to the next, up to 0.3 g. What a target does shows in
 probabilities, and the covariance of the mixture follows. Changes of mode come at rates per second,
 so that the interval between pings does not matter.
 
-What leaves its course gently, by wind, current or the helm, keeps its speed better than its course:
-there the acceleration is mostly across the velocity, as far as that is known.
+What leaves its course by wind, current or the helm keeps its speed better than its course: there
+the acceleration is mostly across the velocity, as far as that is known. How often targets begin to
+turn is learnt, of each and of all in the scene: where none ever has, a turn is a surprise.
 
 A turn changes a velocity by no more than twice the speed: the change in the agile mode is limited
 by that of the target, and a slow ship does not jump to the contacts around it.
@@ -32,11 +33,12 @@ ACCELERATIONS = (0.0006, 0.012, 0.2, 3.0)
 """Of the moving modes, m/s^2: straight on, curving gently, turning as ships do, agile as boats are
 (0.3 g)."""
 
-ALONG_SHARE = 0.2
-"""Of the acceleration of what curves gently, along its velocity relative to across."""
+ALONG_SHARE, TURNING_ALONG_SHARE = 0.2, 0.5
+"""Of the acceleration of what curves gently, and of what turns as ships do, along its velocity
+relative to across."""
 
 COURSE_SPEED = 0.5
-"""From about this speed on what curves gently has a course, m/s."""
+"""From about this speed on what curves has a course, m/s."""
 
 LARGEST_CHANGE = 15.0
 """Of a velocity per axis, standard deviation, m/s."""
@@ -50,19 +52,19 @@ FIXED_SPEED = 0.02
 FIXED_DRIFT = 0.02
 """Of the place of what is fixed, m/s^0.5."""
 
-STRAIGHT_SPEED_SHARE = 0.55
-"""Speed of new targets that go straight on, relative to that of all: most are slow."""
+SPEED_SHARE = (0.55, 0.75, 0.75, 1.0)
+"""Speed of new targets in the moving modes, relative to that of the fastest: most are slow."""
 
-PRIOR = (0.4, 0.4, 0.05, 0.1, 0.05)
+PRIOR = (0.4, 0.43, 0.05, 0.08, 0.04)
 """Of a new target: fixed, then the moving modes."""
 
-ENDING_RATES = np.array([1 / 3000.0, 1 / 2000.0, 1 / 500.0, 1 / 3000.0, 1 / 100.0])
+ENDING_RATES = np.array([1 / 1600.0, 1 / 2000.0, 1 / 500.0, 1 / 3000.0, 1 / 100.0])
 """At which a mode ends by itself, 1/s. They are low: what flows back into the straight mode brings
 the uncertain velocity of the others with it."""
 
 ENDS_IN = np.array(
     [
-        [0.0, 0.6, 0.2, 0.2, 0.0],
+        [0.0, 0.32, 0.1, 0.1, 0.48],
         [0.0, 0.0, 1.0, 0.0, 0.0],
         [0.01, 0.99, 0.0, 0.0, 0.0],
         [0.01, 0.5, 0.49, 0.0, 0.0],
@@ -74,6 +76,9 @@ ENDS_IN = np.array(
 STATIC = 0
 """Mode of what is fixed."""
 
+STRAIGHT = 1
+"""Mode of what goes straight on."""
+
 FLOW = ENDING_RATES[:, None] * ENDS_IN
 """From mode to mode, 1/s."""
 
@@ -83,10 +88,13 @@ GENTLE = 2
 TURNING, AGILE = 3, 4
 """Modes into which a target changes at a rate of its own."""
 
-EXPECTED_CHANGES = np.array([0.05, 0.1])
-EXPECTED_TIME = 300.0
-"""Prior of these rates, into turning and agile: as if so many changes had been seen in so many
-seconds (a Gamma distribution). A target that has turned is soon believed to turn again."""
+EXPECTED_CHANGES = np.array([0.15, 0.2])
+EXPECTED_TIME = 1000.0
+"""Prior of these rates in a scene, into turning and agile: as if so many changes had been seen in
+so many seconds (a Gamma distribution). Where targets have turned, others are soon believed to."""
+
+COMPANY = 3000.0
+"""Time that the rates in the scene count as much as, beside what the target itself has done, s."""
 
 
 @dataclass(frozen=True)
@@ -116,7 +124,7 @@ class AccelerationLevels:
         """Return the speed per axis of a new target in each mode, shape (n_modes,), m/s."""
         speed = np.full(self.n_modes, self.initial_speed_deviation)
         speed[0] = min(FIXED_SPEED, self.initial_speed_deviation)
-        speed[1] *= STRAIGHT_SPEED_SHARE
+        speed[1:] *= SPEED_SHARE
         return speed
 
     @property
@@ -129,7 +137,9 @@ class AccelerationLevels:
         """Return the agile mode."""
         return AGILE
 
-    def transition(self, interval: float, entered: FloatArray, age: FloatArray) -> FloatArray:
+    def transition(
+        self, interval: float, entered: FloatArray, calm: FloatArray, pooled: FloatArray
+    ) -> FloatArray:
         """Return Pi of each target over an interval, row = mode before.
 
         Parameters
@@ -137,20 +147,23 @@ class AccelerationLevels:
         interval : float
             s.
         entered : ndarray, shape (n, n_modes)
-            How often each mode has been entered, expected, pure numbers.
-        age : ndarray, shape (n,)
-            How long the targets have been observed, s.
+            How often each mode or a harder one has been entered, pure numbers.
+        calm : ndarray, shape (n, n_modes)
+            Time spent in moving modes calmer than each, s.
+        pooled : ndarray, shape (2, n_modes) or (n, 2, n_modes)
+            Both, of all confirmed targets of the scene together.
 
         Returns
         -------
         ndarray, shape (n, n_modes, n_modes)
             Probabilities.
         """
-        changes = EXPECTED_CHANGES + entered[:, TURNING:]
-        rates = changes / (EXPECTED_TIME + age[:, None])
-        flow = np.ones((len(age), 1, 1)) * FLOW
-        flow[:, :TURNING, TURNING] += rates[:, :1]
-        flow[:, :AGILE, AGILE] += rates[:, 1:]
+        changes, time = pooled[..., 0, TURNING:], pooled[..., 1, TURNING:]
+        usual = (EXPECTED_CHANGES + changes) / (EXPECTED_TIME + time)
+        rates = (COMPANY * usual + entered[:, TURNING:]) / (COMPANY + calm[:, TURNING:])
+        flow = np.ones((len(calm), 1, 1)) * FLOW
+        flow[:, STRAIGHT:TURNING, TURNING] += rates[:, :1]
+        flow[:, STRAIGHT:AGILE, AGILE] += rates[:, 1:]
         leaving = sum_of_few(flow, axis=-1)
         leaves = -np.expm1(-interval * leaving)
         transition = flow * (leaves / leaving)[..., None]
@@ -194,8 +207,9 @@ class AccelerationLevels:
         largest = LARGEST_CHANGE_AT_REST + np.hypot(agile[..., 0], agile[..., 1])
         share = np.minimum(largest / _changes(interval)[-1], 1.0) ** 2
         noise[..., AGILE, :, :] *= share[..., None, None]
-        across = np.kron(_ramp(interval), _mostly_across(velocity[..., GENTLE, :]))
-        noise[..., GENTLE, :, :] = _changes(interval)[GENTLE - 1] ** 2 * across
+        for mode, along in ((GENTLE, ALONG_SHARE), (TURNING, TURNING_ALONG_SHARE)):
+            across = np.kron(_ramp(interval), _mostly_across(velocity[..., mode, :], along))
+            noise[..., mode, :, :] = _changes(interval)[mode - 1] ** 2 * across
         return noise
 
 
@@ -223,11 +237,11 @@ def _ramp(interval: float) -> FloatArray:
     return np.outer(gain, gain)
 
 
-def _mostly_across(velocity: FloatArray) -> FloatArray:
+def _mostly_across(velocity: FloatArray, along_share: float) -> FloatArray:
     """Return the covariance of accelerations by course, relative, shape (..., 2, 2)."""
     along = velocity[..., :, None] * velocity[..., None, :]
     known = COURSE_SPEED**2 + (velocity**2).sum(axis=-1)[..., None, None]
-    return np.asarray(np.eye(2) - (1.0 - ALONG_SHARE**2) * along / known)
+    return np.asarray(np.eye(2) - (1.0 - along_share**2) * along / known)
 
 
 def _kept(array: FloatArray) -> FloatArray:

@@ -30,7 +30,9 @@ class MotionModel(Protocol):
     def widest_mode(self) -> int | None:
         """Return the mode of the hardest manoeuvres; None if there are none to be looked for."""
 
-    def transition(self, interval: float, entered: FloatArray, age: FloatArray) -> FloatArray:
+    def transition(
+        self, interval: float, entered: FloatArray, calm: FloatArray, pooled: FloatArray
+    ) -> FloatArray:
         """Return Pi of each target over an interval, row = mode before.
 
         Parameters
@@ -38,9 +40,11 @@ class MotionModel(Protocol):
         interval : float
             s.
         entered : ndarray, shape (n, n_modes)
-            How often each mode has been entered, expected, pure numbers.
-        age : ndarray, shape (n,)
-            How long the targets have been observed, s.
+            How often each mode or a harder one has been entered, pure numbers.
+        calm : ndarray, shape (n, n_modes)
+            Time spent in moving modes calmer than each, s.
+        pooled : ndarray, shape (2, n_modes) or (n, 2, n_modes)
+            Both, of all confirmed targets of the scene together.
 
         Returns
         -------

@@ -67,17 +67,19 @@ class MotionModes:
         """Return that there is none: gates are those of the mixture, as published."""
         return None
 
-    def transition(self, interval: float, entered: FloatArray, age: FloatArray) -> FloatArray:
+    def transition(
+        self, interval: float, entered: FloatArray, calm: FloatArray, pooled: FloatArray
+    ) -> FloatArray:
         """Return Pi, row = mode before: the same for all targets, pings and intervals.
 
         Parameters
         ----------
         interval : float
             s.
-        entered : ndarray, shape (n, n_modes)
-            Pure numbers.
-        age : ndarray, shape (n,)
-            s.
+        entered, calm : ndarray, shape (n, n_modes)
+            Pure numbers and s.
+        pooled : ndarray, shape (2, n_modes) or (n, 2, n_modes)
+            Pure numbers and s.
 
         Returns
         -------

@@ -17,6 +17,7 @@ from functools import cached_property
 import numpy as np
 
 from sonar_tracking.active.detection.detection_levels import LEVELS, averaged
+from sonar_tracking.active.tracks.mode_changes import changes_after, pooled_changes
 from sonar_tracking.active.tracks.mode_prediction import mixed_states, moved_states
 from sonar_tracking.active.tracks.motion_model import MotionModel
 from sonar_tracking.filtering.few_terms import sum_of_few
@@ -49,12 +50,11 @@ class TrackBank:
     detection_weight : ndarray, shape (n, n_levels)
         Probabilities of the levels of P_D in
         :mod:`sonar_tracking.active.detection.detection_levels`, sum 1.
-    age : ndarray, shape (n,)
-        Since the first contact, s.
-    entered : ndarray, shape (n, n_modes)
-        How often each mode has been entered before the last ping, expected, pure numbers.
-    fresh : ndarray, shape (n, n_modes)
-        Of each mode, the probability that it was entered at the last ping.
+    entered, calm : ndarray, shape (n, n_modes)
+        How often each mode or a harder one has been entered before the last ping, pure numbers,
+        and time in calmer ones, s; see :mod:`sonar_tracking.active.tracks.mode_changes`.
+    shown : ndarray of bool, shape (n, n_modes)
+        Whether the target was in that mode or a harder one.
     """
 
     id: IntArray
@@ -66,9 +66,9 @@ class TrackBank:
     covariance: FloatArray
     mode_probability: FloatArray
     detection_weight: FloatArray
-    age: FloatArray
     entered: FloatArray
-    fresh: FloatArray
+    calm: FloatArray
+    shown: BoolArray
 
     def __len__(self) -> int:
         return len(self.id)
@@ -166,7 +166,8 @@ class TrackBank:
             covariance=self.covariance[:, only],
             mode_probability=np.ones((len(self), 1)),
             entered=self.entered[:, only],
-            fresh=self.fresh[:, only],
+            calm=self.calm[:, only],
+            shown=self.shown[:, only],
         )
 
     @cached_property
@@ -229,14 +230,18 @@ def empty_bank(n_modes: int) -> TrackBank:
         covariance=np.zeros((0, n_modes, 4, 4)),
         mode_probability=np.zeros((0, n_modes)),
         detection_weight=np.zeros((0, len(LEVELS))),
-        age=np.zeros(0),
         entered=np.zeros((0, n_modes)),
-        fresh=np.zeros((0, n_modes)),
+        calm=np.zeros((0, n_modes)),
+        shown=np.zeros((0, n_modes), dtype=bool),
     )
 
 
 def predict_bank(
-    bank: TrackBank, modes: MotionModel, interval: float, survival_probability: float
+    bank: TrackBank,
+    modes: MotionModel,
+    interval: float,
+    survival_probability: float,
+    pooled: FloatArray | None = None,
 ) -> TrackBank:
     """Return all tracks after an interval: modes mixed, each predicted by its own model.
 
@@ -250,12 +255,16 @@ def predict_bank(
         s.
     survival_probability : float
         Pi_11 of the existence recursion.
+    pooled : ndarray, shape (2, n_modes) or (n, 2, n_modes), or None
+        Changes of mode in the scene of each track; None = the bank is that of one scene.
     """
-    entered = bank.entered + bank.fresh * bank.mode_probability
-    age = bank.age + interval
-    transition = modes.transition(interval, entered, age)
+    if pooled is None:
+        pooled = scene_changes(bank)
+    entered, calm, shown = changes_after(
+        bank.mode_probability, bank.entered, bank.calm, bank.shown, interval, modes.static_mode
+    )
+    transition = modes.transition(interval, entered, calm, pooled)
     mixed, spread, probability = _mix(bank, transition)
-    stayed = bank.mode_probability * np.einsum("...ii->...i", transition)
     velocity = mixed[..., 2:]
     mean, covariance = moved_states(modes.matrices(velocity, interval), mixed, spread)
     covariance += modes.noise(velocity, interval)
@@ -265,10 +274,26 @@ def predict_bank(
         mean=mean,
         covariance=covariance,
         mode_probability=probability,
-        age=age,
         entered=entered,
-        fresh=1.0 - stayed / probability,
+        calm=calm,
+        shown=shown,
     )
+
+
+def scene_changes(bank: TrackBank) -> FloatArray:
+    """Return how often the targets of one scene have begun to manoeuvre, and in which time.
+
+    Parameters
+    ----------
+    bank : TrackBank
+        All tracks of the scene.
+
+    Returns
+    -------
+    ndarray, shape (2, n_modes)
+        Pure numbers and s; see :mod:`sonar_tracking.active.tracks.mode_changes`.
+    """
+    return pooled_changes(bank.entered, bank.calm, bank.confirmed)
 
 
 def new_target_modes(bank: TrackBank, modes: MotionModel) -> FloatArray:

@@ -169,9 +169,10 @@ def start_candidates(
         covariance=covariance,
         mode_probability=np.ones((count, 1)) * mode_prior,
         detection_weight=np.ones((count, 1)) * detection_weight,
-        age=np.zeros(count),
         entered=np.zeros((count, n_modes)),
-        fresh=np.zeros((count, n_modes)),
+        calm=np.zeros((count, n_modes)),
+        # A target that is new may be in the middle of a turn: that is none that began.
+        shown=np.ones((count, n_modes), dtype=bool),
     )
 
 
