@@ -23,9 +23,9 @@ def bank_of(positions: list[list[float]], n_modes: int = 1) -> TrackBank:
         mean=np.repeat(mean[:, None], n_modes, axis=1),
         covariance=np.tile(COVARIANCE, (count, n_modes, 1, 1)),
         mode_probability=np.full((count, n_modes), 1.0 / n_modes),
-        age=np.zeros(count),
         entered=np.zeros((count, n_modes)),
-        fresh=np.zeros((count, n_modes)),
+        calm=np.zeros((count, n_modes)),
+        shown=np.ones((count, n_modes), dtype=bool),
         detection_weight=np.tile(LEVELS == 0.95, (count, 1)).astype(float),
     )
 

@@ -5,10 +5,12 @@ import pytest
 
 from sonar_tracking.active.tracks.acceleration_levels import (
     ACCELERATIONS,
-    AGILE,
+    COMPANY,
     EXPECTED_CHANGES,
     EXPECTED_TIME,
     GENTLE,
+    STATIC,
+    STRAIGHT,
     TURNING,
     AccelerationLevels,
 )
@@ -16,9 +18,10 @@ from sonar_tracking.active.tracks.acceleration_levels import (
 MODES = AccelerationLevels(8.0)
 N_MODES = MODES.n_modes
 FAST = np.full((N_MODES, 2), 20.0)
-FAST[GENTLE] = 0.0
-"""Velocity of each mode: the agile one may turn, what curves gently has no course yet, m/s."""
-NEW = np.zeros((1, N_MODES)), np.zeros(1)
+FAST[[GENTLE, TURNING]] = 0.0
+"""Velocity of each mode: the agile one may turn, what curves has no course yet, m/s."""
+NOTHING = np.zeros((2, N_MODES))
+NEW = NOTHING[:1], NOTHING[:1], NOTHING
 
 
 def test_the_probabilities_are_probabilities() -> None:
@@ -38,20 +41,35 @@ def test_a_short_interval_leaves_every_mode_as_it_is() -> None:
     assert leaving[0] == pytest.approx(leaving[1])
 
 
-def test_changes_into_turns_come_at_the_rates_that_were_seen() -> None:
+def rates(transition: np.ndarray) -> np.ndarray:
+    """Return the rates of what goes straight, into turning and agile, over 10 ms, 1/s."""
+    return np.asarray(transition[:, STRAIGHT, TURNING:] / 0.01)
+
+
+def test_turns_begin_at_the_rates_that_the_scene_has_shown() -> None:
     """Mean of a Gamma distribution: changes expected and seen, over time expected and seen."""
-    entered = np.array([[0.0, 0.0, 0.0, 3.0, 1.0], [0.0, 0.0, 0.0, 0.0, 0.0]])
-    transition = MODES.transition(0.01, entered, np.array([700.0, 700.0]))
-    for target, (turns, hard_turns) in enumerate(entered[:, TURNING:]):
-        rate = transition[target, 1] / 0.01
-        for mode, count, expected in (
-            (TURNING, turns, EXPECTED_CHANGES[0]),
-            (AGILE, hard_turns, EXPECTED_CHANGES[1]),
-        ):
-            assert rate[mode] == pytest.approx(
-                (count + expected) / (EXPECTED_TIME + 700.0), rel=1e-3
-            )
-    assert transition[0, 1, TURNING] > 20.0 * transition[1, 1, TURNING]
+    pooled = NOTHING.copy()
+    pooled[:, TURNING:] = [[12.0, 5.0], [3000.0, 4000.0]]
+    found = rates(MODES.transition(0.01, *NEW[:2], pooled))
+    usual = (EXPECTED_CHANGES + pooled[0, TURNING:]) / (EXPECTED_TIME + pooled[1, TURNING:])
+    assert found[0] == pytest.approx(usual, rel=1e-3)
+
+
+def test_a_target_turns_at_its_own_rate_the_more_the_longer_it_is_known() -> None:
+    entered, calm = NOTHING.copy(), NOTHING.copy()
+    entered[0, TURNING:] = [3.0, 1.0]
+    calm[:, TURNING:] = 700.0
+    found = rates(MODES.transition(0.01, entered, calm, NOTHING))
+    usual = EXPECTED_CHANGES / EXPECTED_TIME
+    expected = (COMPANY * usual + entered[:, TURNING:]) / (COMPANY + 700.0)
+    assert found == pytest.approx(expected, rel=1e-3)
+    assert found[0, 0] > 5.0 * found[1, 0]
+
+
+def test_what_is_fixed_starts_as_ever_whatever_others_do() -> None:
+    pooled = np.full((2, N_MODES), 50.0)
+    seen = MODES.transition(10.0, *NEW[:2], pooled)[0, STATIC]
+    assert seen == pytest.approx(MODES.transition(10.0, *NEW)[0, STATIC])
 
 
 def test_what_is_fixed_has_no_velocity_and_stays() -> None:
@@ -73,14 +91,15 @@ def test_accelerations_are_constant_from_ping_to_ping() -> None:
         assert noise == pytest.approx(expected)
 
 
-def test_what_curves_gently_keeps_its_speed_as_far_as_it_has_a_course() -> None:
-    """At 20 m/s a fifth of the acceleration is along the velocity, at rest it is the same."""
+@pytest.mark.parametrize(("mode", "share"), [(GENTLE, 0.2), (TURNING, 0.5)])
+def test_what_curves_keeps_its_speed_as_far_as_it_has_a_course(mode: int, share: float) -> None:
+    """At 20 m/s a share of the acceleration is along the velocity, at rest it is the same."""
     velocity = np.zeros((2, N_MODES, 2))
-    velocity[0, GENTLE] = [12.0, 16.0]
-    moving, resting = MODES.noise(velocity, 10.0)[:, GENTLE, 2:, 2:]
+    velocity[0, mode] = [12.0, 16.0]
+    moving, resting = MODES.noise(velocity, 10.0)[:, mode, 2:, 2:]
     along, across = np.array([0.6, 0.8]), np.array([-0.8, 0.6])
-    change = 10.0 * ACCELERATIONS[GENTLE - 1]
-    assert np.sqrt(along @ moving @ along) == pytest.approx(0.2 * change, rel=0.02)
+    change = 10.0 * ACCELERATIONS[mode - 1]
+    assert np.sqrt(along @ moving @ along) == pytest.approx(share * change, rel=0.02)
     assert np.sqrt(across @ moving @ across) == pytest.approx(change)
     assert along @ moving @ across == pytest.approx(0.0, abs=1e-9)
     assert resting == pytest.approx(change**2 * np.eye(2))
@@ -104,5 +123,5 @@ def test_a_slow_ship_does_not_turn_hard() -> None:
 
 
 def test_new_targets_are_slow_or_fast() -> None:
-    assert MODES.speed_deviation == pytest.approx([0.02, 4.4, 8.0, 8.0, 8.0])
+    assert MODES.speed_deviation == pytest.approx([0.02, 4.4, 6.0, 6.0, 8.0])
     assert AccelerationLevels(0.01).speed_deviation[0] == 0.01

@@ -78,8 +78,7 @@ def test_a_candidate_starts_at_its_contact_with_the_next_name() -> None:
         assert bank.covariance[0, mode] == pytest.approx(np.diag([100.0, 50.0, 9.0, 9.0]))
     assert bank.mode_probability == pytest.approx(np.tile([0.8, 0.1, 0.1], (2, 1)))
     assert bank.detection_weight.tolist() == [weights.tolist()] * 2
-    assert bank.age.tolist() == [0.0, 0.0]
-    assert not np.any(bank.entered) and not np.any(bank.fresh)
+    assert not np.any(bank.entered) and not np.any(bank.calm) and np.all(bank.shown)
 
 
 @pytest.mark.parametrize(
