@@ -88,7 +88,7 @@ GENTLE = 2
 TURNING, AGILE = 3, 4
 """Modes into which a target changes at a rate of its own."""
 
-EXPECTED_CHANGES = np.array([0.15, 0.2])
+EXPECTED_CHANGES = np.array([0.3, 0.3])
 EXPECTED_TIME = 1000.0
 """Prior of these rates in a scene, into turning and agile: as if so many changes had been seen in
 so many seconds (a Gamma distribution). Where targets have turned, others are soon believed to."""
