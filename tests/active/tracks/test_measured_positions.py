@@ -28,9 +28,9 @@ def bank(mean: FloatArray, covariance: FloatArray) -> TrackBank:
         covariance=covariance[:, None],
         mode_probability=np.ones((count, 1)),
         detection_weight=np.ones((count, blank.detection_weight.shape[1])),
-        age=np.ones(count),
         entered=np.zeros((count, 1)),
-        fresh=np.zeros((count, 1)),
+        calm=np.zeros((count, 1)),
+        shown=np.ones((count, 1), dtype=bool),
     )
 
 
