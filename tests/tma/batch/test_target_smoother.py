@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sonar_tracking.evaluation.studies.mismatch_positions.motions import zigzag
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import scenario
 from sonar_tracking.filtering.consistency import normalised_squared
 from sonar_tracking.filtering.kalman import KalmanState
@@ -36,6 +37,12 @@ def turning(scene: TmaScene) -> TmaScene:
         after = np.array([[cosine, -sine], [sine, cosine]]) @ velocity
         commanded[frame], velocity = after - velocity, after
     return replace(scene, commanded=commanded)
+
+
+def weaving(scene: TmaScene) -> TmaScene:
+    """Return the scene with a zig-zag of 30 degrees, a turn each 80 s."""
+    changes = zigzag(scene.target[2:], 30.0, 80, len(scene.times), 40, 1)
+    return replace(scene, commanded=changes)
 
 
 def twice_as_wrong(runs: TmaRuns) -> TmaRuns:
@@ -134,6 +141,15 @@ def test_the_whole_path_is_found_with_an_honest_covariance(
     assert np.sqrt(np.mean(distance**2)) < rmse
     assert 0.4 < np.mean(nees) < 1.6
     assert np.mean(nees > 5.0) < 0.02
+
+
+@pytest.mark.slow
+def test_a_zigzag_is_no_lasting_error_of_bearings() -> None:
+    """Taken for one, the path is hundreds of metres off, with a NEES of thirty."""
+    few = TargetSmootherConfiguration(systematic_deviation_deg=0.1)
+    distance, nees = smoothed(weaving(scenario("S1")), 15, as_told, few)
+    assert np.sqrt(np.mean(distance**2)) < 350.0
+    assert np.mean(nees) < 2.0
 
 
 @pytest.mark.slow

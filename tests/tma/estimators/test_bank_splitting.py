@@ -16,12 +16,17 @@ from sonar_tracking.tma.estimators.hypothesis_bank import (
     mixture_moments,
     start_bank,
 )
-from sonar_tracking.tma.estimators.motion_modes import MODES, with_modes
+from sonar_tracking.tma.estimators.motion_modes import MODES, WEAVING, with_modes
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 from sonar_tracking.tma.targets.station_association import azimuth_log_likelihoods
 
 ELSEWHERE = np.array([6000.0, 0.0])
+
+PAIRS = RangeBankConfiguration(
+    manoeuvre_interval=5.0, manoeuvre_duration=1.0, weave_speed=0.0, weave_probability=0.0
+)
+"""Targets do not weave."""
 
 
 def started() -> HypothesisBank:
@@ -33,11 +38,12 @@ def started() -> HypothesisBank:
         azimuth_variance=np.array(np.radians(0.5) ** 2),
     )
     bank = start_bank(measurement, RangeBankConfiguration().range_edges(), 20.0)
-    bank = with_modes(bank, 9.0, 1.0)
+    bank = with_modes(bank, RangeBankConfiguration(weave_probability=0.5))
     # Ranges and velocities go together, as after some measurements.
     direction = np.array([np.cos(0.9), np.sin(0.9)])
     along = np.concatenate([direction, 1e-3 * direction])
-    covariance = bank.covariance + 1e4 * np.outer(along, along)
+    covariance = bank.covariance.copy()
+    covariance[:, :4, :4] += 1e4 * np.outer(along, along)
     return HypothesisBank(bank.mean, covariance, bank.log_weight, bank.known)
 
 
@@ -47,7 +53,8 @@ def test_the_mixture_stays_what_it_was() -> None:
     for one, other in zip(mixture_moments(before), mixture_moments(after), strict=True):
         assert other == pytest.approx(one, rel=1e-9, abs=1e-6)
     assert np.exp(after.log_weight).sum() == pytest.approx(1.0)
-    assert np.all(np.linalg.eigvalsh(after.covariance) > 0.0)
+    assert np.all(np.linalg.eigvalsh(after.covariance[:, :4, :4]) > 0.0)
+    assert np.all(np.linalg.eigvalsh(after.covariance[WEAVING::MODES]) > 0.0)
 
 
 def test_it_ends_at_a_bounded_number() -> None:
@@ -76,10 +83,10 @@ def test_an_azimuth_from_elsewhere_has_a_likelihood_all_along_the_bearing() -> N
 
 def test_the_unlikely_are_forgotten_and_the_weights_sum_to_one() -> None:
     bank = started()
-    weights = np.log(np.array([0.5, 0.3, 0.2, 1e-12, 1e-12, 1e-12, *[1e-12] * 6]))
+    weights = np.log(np.array([0.5, 0.2, 0.1, 0.2, 1e-12, 1e-12, *[1e-12] * 12]))
     kept = without_unlikely(HypothesisBank(bank.mean, bank.covariance, weights, bank.known))
-    assert len(kept.log_weight) == 4, "both modes of a hypothesis stay"
-    assert np.exp(kept.log_weight) == pytest.approx([0.5, 0.3, 0.2, 1e-12])
+    assert len(kept.log_weight) == 6, "all modes of a hypothesis stay"
+    assert np.exp(kept.log_weight) == pytest.approx([0.5, 0.2, 0.1, 0.2, 1e-12, 1e-12])
     assert without_unlikely(bank) is bank
 
 
@@ -96,7 +103,7 @@ def wide_bank(along: float, count: int = 1) -> HypothesisBank:
         np.full(count, -np.log(count)),
         np.zeros(0, dtype=bool),
     )
-    both = with_modes(bank, 5.0, 1.0)
+    both = with_modes(bank, PAIRS)
     both.mean[1::MODES, 2] += 5.0
     return both
 
@@ -139,15 +146,15 @@ def test_an_unlikely_component_need_not_be_narrow(share: float, cut: bool) -> No
     both = wide_bank(50.0)
     covariance = both.covariance.copy()
     covariance[1, 0, 0] = 200.0**2
-    weight = np.log([1.0 / (1.0 + share), share / (1.0 + share)])
+    weight = np.log([1.0 / (1.0 + share), share / (1.0 + share), 1e-20])
     bank = split_bank(HypothesisBank(both.mean, covariance, weight, both.known), np.zeros(2))
-    assert (len(bank.log_weight) > 2) == cut
+    assert (len(bank.log_weight) > MODES) == cut
 
 
-@pytest.mark.parametrize(("share", "kept"), [(2e-9, 3), (0.5e-9, 2)])
-def test_a_billionth_of_the_best_does_not_matter(share: float, kept: int) -> None:
+@pytest.mark.parametrize(("share", "kept"), [(2e-6, 3), (0.5e-6, 2)])
+def test_a_millionth_of_the_best_does_not_matter(share: float, kept: int) -> None:
     bank = wide_bank(50.0, 3)
-    weight = np.log([0.5, 1e-20, 0.5, 1e-20, 1e-20, 0.5 * share])
+    weight = np.log([0.5, *[1e-20] * 2, 0.5, *[1e-20] * 4, 0.5 * share])
     assert len(without_unlikely(replace(bank, log_weight=weight)).log_weight) == kept * MODES
 
 

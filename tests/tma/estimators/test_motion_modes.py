@@ -2,61 +2,99 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank, mixture_moments
-from sonar_tracking.tma.estimators.motion_modes import MODES, mix_modes, with_modes
+from sonar_tracking.tma.estimators.motion_modes import (
+    MODES,
+    WEAVING,
+    mix_modes,
+    predict_modes,
+    with_modes,
+)
+from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
+
+WEAVES = 0.2
 
 
-def pair(weights: tuple[float, float]) -> HypothesisBank:
-    """Return the two modes of one hypothesis, each a batch entry of its own."""
-    return HypothesisBank(
-        np.array([[[0.0, 0.0, 1.0, 0.0]], [[30.0, 0.0, 2.0, 1.0]]]),
-        np.array([[np.diag([4.0, 4.0, 0.1, 0.1])], [np.diag([90.0, 90.0, 2.0, 2.0])]]),
-        np.log(np.array(weights))[:, None],
-        np.zeros((2, 0), dtype=bool),
+def targets(interval: float, duration: float) -> RangeBankConfiguration:
+    return RangeBankConfiguration(
+        manoeuvre_interval=interval, manoeuvre_duration=duration, weave_probability=WEAVES
     )
 
 
-def whole(bank: HypothesisBank) -> HypothesisBank:
-    """Return the modes as the components of a single run."""
+def three(weights: tuple[float, float, float]) -> HypothesisBank:
+    """Return the modes of one hypothesis, each a batch entry of its own, a deviation after them."""
+    mean = np.zeros((MODES, 1, 8))
+    mean[:, 0, :4] = [[0.0, 0.0, 1.0, 0.0], [30.0, 0.0, 2.0, 1.0], [-10.0, 5.0, 1.0, 1.0]]
+    covariance = np.zeros((MODES, 1, 8, 8))
+    for mode, spread in enumerate(([4.0, 4.0, 0.1, 0.1], [90.0, 90.0, 2.0, 2.0], [8.0] * 4)):
+        covariance[mode, 0, :4, :4] = np.diag(spread)
+    covariance[WEAVING, 0, 4:, 4:] = np.diag([1.0, 1.0, 0.1, 0.1])
     return HypothesisBank(
-        bank.mean[:, 0], bank.covariance[:, 0], bank.log_weight[:, 0], np.zeros(0, dtype=bool)
+        mean, covariance, np.log(np.array(weights))[:, None], np.zeros((MODES, 0), dtype=bool)
+    )
+
+
+def whole(bank: HypothesisBank, modes: slice = slice(None)) -> HypothesisBank:
+    """Return some modes as the components of a single run."""
+    weight = bank.log_weight[modes, 0] - np.logaddexp.reduce(bank.log_weight[modes, 0])
+    return HypothesisBank(
+        bank.mean[modes, 0], bank.covariance[modes, 0], weight, np.zeros(0, dtype=bool)
     )
 
 
 @pytest.mark.parametrize("elapsed", [0.0, 1.0, 30.0, 1e6])
-def test_mixing_leaves_the_moments_of_the_hypothesis_as_they_are(elapsed: float) -> None:
-    before = pair((0.9, 0.1))
-    after = mix_modes(before, np.full(2, elapsed), 1000.0, 50.0)
-    moments = zip(mixture_moments(whole(before)), mixture_moments(whole(after)), strict=True)
+def test_mixing_leaves_the_moments_of_what_does_not_weave_as_they_are(elapsed: float) -> None:
+    before = three((0.6, 0.1, 0.3))
+    after = mix_modes(before, np.full(MODES, elapsed), targets(1000.0, 50.0))
+    mixed = slice(WEAVING)
+    moments = zip(
+        mixture_moments(whole(before, mixed)), mixture_moments(whole(after, mixed)), strict=True
+    )
     for one, other in moments:
         assert other == pytest.approx(one)
     assert np.exp(after.log_weight).sum() == pytest.approx(1.0)
+    assert after.mean[WEAVING] == pytest.approx(before.mean[WEAVING])
+    assert after.covariance[WEAVING] == pytest.approx(before.covariance[WEAVING])
 
 
 def test_without_time_nothing_changes() -> None:
-    before = pair((0.9, 0.1))
-    after = mix_modes(before, np.zeros(2), 1000.0, 50.0)
+    before = three((0.6, 0.1, 0.3))
+    after = predict_modes(before, np.zeros(MODES), targets(1000.0, 50.0))
     assert after.mean == pytest.approx(before.mean)
     assert after.covariance == pytest.approx(before.covariance)
     assert after.log_weight == pytest.approx(before.log_weight)
 
 
 def test_after_long_the_modes_are_as_likely_as_they_last() -> None:
-    after = mix_modes(pair((0.9, 0.1)), np.full(2, 1e6), 300.0, 100.0)
-    assert np.exp(after.log_weight[:, 0]) == pytest.approx([0.75, 0.25])
+    after = mix_modes(three((0.6, 0.1, 0.3)), np.full(MODES, 1e6), targets(300.0, 100.0))
+    assert np.exp(after.log_weight[:, 0]) == pytest.approx([0.6, 0.2, WEAVES])
     assert after.mean[0] == pytest.approx(after.mean[1])
-    started = with_modes(whole(pair((0.5, 0.5))), 300.0, 100.0)
-    assert np.exp(started.log_weight) == pytest.approx([0.375, 0.125] * 2)
+    single = HypothesisBank(np.zeros((2, 4)), np.ones((2, 4, 4)), np.log([0.5, 0.5]), np.zeros(0))
+    started = with_modes(single, targets(300.0, 100.0))
+    assert np.exp(started.log_weight) == pytest.approx([0.3, 0.1, 0.1] * 2)
     assert started.mean[::MODES] == pytest.approx(started.mean[1::MODES])
 
 
 def test_many_short_steps_are_one_long_one() -> None:
-    weights = pair((0.95, 0.05))
-    often = weights
+    """But for targets that turn before they begin to weave, within the same step."""
+    before, configuration = three((0.55, 0.05, 0.4)), targets(1000.0, 50.0)
+    often = before
     for _ in range(40):
-        often = mix_modes(often, np.full(2, 0.5), 1000.0, 50.0)
-    once = mix_modes(weights, np.full(2, 20.0), 1000.0, 50.0)
+        often = mix_modes(often, np.full(MODES, 0.5), configuration)
+    once = mix_modes(before, np.full(MODES, 20.0), configuration)
     assert often.log_weight == pytest.approx(once.log_weight)
+
+
+def test_what_speaks_for_weaving_adds_up() -> None:
+    """A little every second, ten times less than what a turn would have to have for itself."""
+    bank, configuration = three((0.79, 0.01, 0.2)), targets(30_000.0, 100.0)
+    for _ in range(100):
+        bank = mix_modes(bank, np.ones(MODES), configuration)
+        weight = bank.log_weight + 0.05 * np.array([[0.0], [0.0], [1.0]])
+        bank = replace(bank, log_weight=weight - np.logaddexp.reduce(weight, axis=0))
+    assert np.exp(bank.log_weight[WEAVING, 0]) > 0.95

@@ -14,6 +14,7 @@ from sonar_tracking.evaluation.studies.tma_frequency_fusion.histories import (
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import scenario
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.simulation.sensors.tma_scene import TmaRuns, TmaScene, simulate_runs
+from sonar_tracking.tma.estimators.motion_modes import MODES, WEAVING
 from sonar_tracking.tma.estimators.range_bank import RangeBank
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 
@@ -95,3 +96,43 @@ def test_a_turn_that_one_tonal_shows_is_found_with_own_ship_straight(rate_deg: f
     found = history_of(RangeBank(), runs_of(turning))
     assert np.all(np.any(found.manoeuvre[:, start : start + 60], axis=1))
     assert np.mean(found.nees > 20.0) < 0.02
+
+
+def zigzag(scene: TmaScene, angle_deg: float, interval: int, first: int) -> TmaScene:
+    """Return the scene with a target that turns to and fro."""
+    commanded, speed = np.zeros((400, 2)), float(np.hypot(*scene.target[2:]))
+    course, now, side = np.arctan2(scene.target[3], scene.target[2]), scene.target[2:], 1
+    for frame in range(first, 399, interval):
+        angle = course + side * np.radians(0.5 * angle_deg)
+        after = speed * np.array([np.cos(angle), np.sin(angle)])
+        commanded[frame], now, side = after - now, after, -side
+    return replace(scene, commanded=commanded)
+
+
+@pytest.mark.parametrize(
+    ("name", "angle_deg", "interval", "rmse"),
+    [("S1", 30.0, 80, 300.0), ("S1", 45.0, 60, 250.0), ("S2", 30.0, 80, 400.0)],
+)
+def test_a_zigzag_is_followed_about_its_mean_course(
+    name: str, angle_deg: float, interval: int, rmse: float
+) -> None:
+    """Three bounds are 240 m in S1 and 430 m in S2; a few runs take the zig-zag for turns.
+
+    Without that mode a zig-zag is a number of turns, and the range is lost.
+    """
+    runs = runs_of(zigzag(scenario(name), angle_deg, interval, 30), 12)
+    found = history_of(RangeBank(), runs)
+    never = RangeBankConfiguration(weave_probability=0.0)
+    turning = history_of(RangeBank(never), runs)
+    assert last_range_rmse(found) < min(rmse, last_range_rmse(turning))
+    assert np.mean(found.nees[:, -50:]) < 2.0
+
+
+def test_a_straight_target_is_not_taken_to_weave() -> None:
+    runs = runs_of(scenario("S1"), 12)
+    bank = RangeBank()
+    for measurement in runs.frames():
+        bank.update(measurement)
+    assert bank.state is not None
+    weaving = np.exp(bank.state.bank.log_weight[:, WEAVING::MODES]).sum(axis=1)
+    assert np.mean(weaving) < 0.02

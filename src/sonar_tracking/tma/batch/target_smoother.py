@@ -11,6 +11,9 @@ what nobody can tell beforehand:
   the most probable of a few;
 - turns: the process noise of each minute, not below that of a target that moves straight.
 
+A target that goes straight but for a deviation that comes back (it weaves), whose size is learnt,
+is another explanation: the path is the mean of both, weighed by their likelihoods.
+
 A variance is learnt by the fixed point of its evidence: the sum of the squares of what was smoothed
 over how much of it the data determine.
 
@@ -34,8 +37,10 @@ from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.tma.batch.learnt_variances import Learnt, learn, unit_noise
 from sonar_tracking.tma.batch.linear_smoother import LinearSystem, SmoothedStates, smooth_linear
 from sonar_tracking.tma.batch.target_history import LINES, HistoryRows, TargetHistory, rows_at
+from sonar_tracking.tma.batch.weaving_system import learn_weave, weaving_system
 from sonar_tracking.tma.estimators.hypothesis_bank import SOURCE_FREQUENCY_SPREAD
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
+from sonar_tracking.tma.estimators.weaving import Weave
 
 WIDENING = (4.0, 2.0)
 """Factors of the deviations in the first passes, so that the start need not be good."""
@@ -70,7 +75,28 @@ class TargetSmootherConfiguration:
     degrees_of_freedom: float = parameter(
         4.0, "Of Student's t distribution; fewer = more outliers", minimum=1.0
     )
+    weave_speed: float = parameter(
+        0.8,
+        "Least of a target that weaves about its mean course: standard deviation of the velocity, "
+        "each axis",
+        unit="m/s",
+        minimum=0.0,
+    )
+    weave_period: float = parameter(
+        130.0, "And how long a turn to port and one to starboard take", unit="s", minimum=1.0
+    )
+    weave_probability: float = parameter(
+        0.005,
+        "That a target weaves: small, since a deviation explains large errors, too",
+        minimum=1e-9,
+        maximum=0.99,
+    )
     passes: int = parameter(15, "Passes, the widened ones included", minimum=4)
+
+    @property
+    def weave(self) -> Weave:
+        """How targets weave."""
+        return Weave(self.weave_speed, self.weave_period)
 
 
 @dataclass(frozen=True)
@@ -118,14 +144,29 @@ def smooth_target(
     tried = [(time, parameters) for time in CORRELATION_TIMES] + [(STIFF_TIME, stiff)]
     candidates = [_smooth(history, start, prior, time, each) for time, each in tried]
     best, system = max(candidates, key=lambda one: one[0].log_likelihood)
+    weaving, other = _smooth(history, start, prior, STIFF_TIME, stiff, parameters.weave)
     least = _likelihood_of_start(history, start, prior, parameters) - len(history.times)
-    if best.log_likelihood < least:
+    if max(best.log_likelihood, weaving.log_likelihood) < least:
         raise np.linalg.LinAlgError("Any path that was found is far less likely than the start.")
-    covariance = best.covariance[:, :KINEMATIC, :KINEMATIC]
+    odds = np.log(parameters.weave_probability) - np.log1p(-parameters.weave_probability)
+    odds += weaving.log_likelihood - best.log_likelihood
+    mean, covariance = _mixed(best, weaving, float(1.0 / (1.0 + np.exp(-np.clip(odds, -40, 40)))))
+    system = other if odds > 0.0 else system
     deviation = float(np.radians(parameters.systematic_deviation_deg))
     if deviation > 0.0:
         covariance = covariance + deviation**2 * _systematic(history, system)
-    return TargetPath(best.mean[:, :KINEMATIC], covariance)
+    return TargetPath(mean, covariance)
+
+
+def _mixed(
+    one: SmoothedStates, other: SmoothedStates, share: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return the moments of the motion, of which the second has this probability."""
+    apart = other.mean[:, :KINEMATIC] - one.mean[:, :KINEMATIC]
+    motion = np.s_[:, :KINEMATIC, :KINEMATIC]
+    within = (1.0 - share) * one.covariance[motion] + share * other.covariance[motion]
+    between = share * (1.0 - share) * apart[:, :, None] * apart[:, None, :]
+    return one.mean[:, :KINEMATIC] + share * apart, within + between
 
 
 def _likelihood_of_start(
@@ -148,7 +189,7 @@ def _systematic(history: TargetHistory, system: LinearSystem) -> FloatArray:
 
     They are no part of the estimate, which cannot tell them from another path.
     """
-    start = KalmanState(np.zeros(history.size), system.start.covariance)
+    start = KalmanState(np.zeros_like(system.start.mean), system.start.covariance)
     added = np.zeros((len(history.times), KINEMATIC, KINEMATIC))
     for column in history.slow:
         response = replace(system, start=start, measured=system.matrix[:, :, column])
@@ -163,8 +204,13 @@ def _smooth(
     prior: KalmanState,
     correlation_time: float,
     parameters: TargetSmootherConfiguration,
+    weave: Weave | None = None,
 ) -> tuple[SmoothedStates, LinearSystem]:
-    """Return all states if the faster errors have a correlation time, s, and their system."""
+    """Return all states if the faster errors have a correlation time, s, and their system.
+
+    A target that weaves otherwise goes straight.
+    """
+    intervals = np.diff(history.times, prepend=history.times[0])
     path = _full_path(history, start)
     learnt = Learnt.of(history, parameters.acceleration, parameters.manoeuvre_acceleration)
     for number in range(parameters.passes):
@@ -172,13 +218,20 @@ def _smooth(
         rows = rows_at(history, path)
         first = _first(history, prior, path, learnt)
         system = _system(history, first, path, rows, learnt, widening, correlation_time, parameters)
+        if weave is not None:
+            system = weaving_system(system, intervals, weave)
         states = smooth_linear(system)
-        path = states.mean
-        if number >= len(WIDENING):
-            learnt = learn(
-                *(history, states, learnt, correlation_time),
-                *(parameters.acceleration, parameters.degrees_of_freedom),
-            )
+        path = states.mean[:, : history.size]
+        if number < len(WIDENING):
+            continue
+        taught = learn(
+            *(history, states, learnt, correlation_time),
+            *(parameters.acceleration, parameters.degrees_of_freedom),
+        )
+        if weave is not None:
+            weave = learn_weave(states, intervals, weave, parameters.weave)
+            taught = replace(taught, acceleration=learnt.acceleration)
+        learnt = taught
     return states, system
 
 

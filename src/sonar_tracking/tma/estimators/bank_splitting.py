@@ -22,7 +22,7 @@ WIDE = 0.1
 MOST_COMPONENTS = 108 * MODES
 """A bank with as many is not cut any more."""
 
-FORGOTTEN = float(np.log(1e-9))
+FORGOTTEN = float(np.log(1e-6))
 """A component this much less likely than the best one does not matter any more."""
 
 

@@ -1,4 +1,4 @@
-"""A weighted bank of extended Kalman filters on [x, y, vx, vy, f_S1 .. f_Sm].
+"""A weighted bank of extended Kalman filters on [x, y, vx, vy, f_S1 .. f_Sm, ...].
 
 One filter a hypothesis of the initial range (and of the side of a line array). A bank of one is
 the ordinary extended Kalman filter. A line that is absent has no row; a new line appends a state
@@ -18,7 +18,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sonar_tracking.records.arrays import BoolArray, FloatArray
-from sonar_tracking.tma.estimators.measurement_model import LinearisedRows, doppler_factor
+from sonar_tracking.tma.estimators.measurement_model import (
+    LinearisedRows,
+    doppler_factor,
+    has_height,
+)
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, TmaMeasurement
 from sonar_tracking.tma.estimators.vertical_prediction import predict_vertical
 
@@ -32,10 +36,11 @@ class HypothesisBank:
 
     Attributes
     ----------
-    mean : ndarray, shape (..., n_components, 4 + n_lines) or two more
+    mean : ndarray, shape (..., n_components, at least 4 + n_lines)
         Component means, m, m/s and Hz; the frequency of a line never heard is 0. Two more states
-        where the height is estimated: height and its rate, m and m/s.
-    covariance : ndarray, shape (..., n_components, 4 + n_lines, 4 + n_lines) or two more
+        where the height is estimated: height and its rate, m and m/s. The last ones may be those
+        of a deviation from a mean course, m and m/s, on which nothing that is measured depends.
+    covariance : ndarray, shape (..., n_components, at least 4 + n_lines, at least 4 + n_lines)
         Component covariances, in the same units squared.
     log_weight : ndarray, shape (..., n_components)
         Logs of probabilities, normalised.
@@ -61,7 +66,7 @@ class HypothesisBank:
     @property
     def vertical(self) -> bool:
         """Whether the state has a height."""
-        return self.mean.shape[-1] > self.height
+        return has_height(self.mean, self.known.shape[-1])
 
 
 def start_bank(
@@ -123,20 +128,38 @@ def predict_bank(
     """
     mean, covariance = bank.mean.copy(), bank.covariance.copy()
     elapsed = np.asarray(interval)[..., None]
+    move_straight(mean, covariance, elapsed, np.asarray(acceleration)[..., None] ** 2)
+    if bank.vertical:
+        mean, covariance = predict_vertical(mean, covariance, elapsed, bank.height)
+    return replace(bank, mean=mean, covariance=covariance)
+
+
+def move_straight(
+    mean: FloatArray, covariance: FloatArray, elapsed: FloatArray, density: FloatArray
+) -> None:
+    """Move states with constant velocity and white acceleration, in place.
+
+    Parameters
+    ----------
+    mean : ndarray, shape (..., n_components, at least 4)
+        m, m/s; what comes after the motion stays.
+    covariance : ndarray, shape (..., n_components, at least 4, at least 4)
+        In the same units squared.
+    elapsed : ndarray, shape (..., n_components) or (..., 1)
+        s.
+    density : ndarray, shape (..., n_components) or (..., 1)
+        Of the acceleration, m^2/s^3.
+    """
     step = elapsed[..., None]
     mean[..., :2] += step * mean[..., 2:KINEMATIC]
     covariance[..., :2, :] += step[..., None] * covariance[..., 2:KINEMATIC, :]
     covariance[..., :, :2] += step[..., None] * covariance[..., :, 2:KINEMATIC]
-    density = np.asarray(acceleration)[..., None] ** 2
     between = density * elapsed**2 / 2.0
     for axis in range(2):
         covariance[..., axis, axis] += density * (elapsed**2 * elapsed) / 3.0
         covariance[..., axis, 2 + axis] += between
         covariance[..., 2 + axis, axis] += between
         covariance[..., 2 + axis, 2 + axis] += density * elapsed
-    if bank.vertical:
-        mean, covariance = predict_vertical(mean, covariance, elapsed)
-    return replace(bank, mean=mean, covariance=covariance)
 
 
 def seed_lines(
@@ -168,6 +191,10 @@ def seed_lines(
     old[..., bank.lines] = ~which
     covariance *= (old[..., :, None] & old[..., None, :])[..., None, :, :]
     lines = KINEMATIC + np.arange(which.shape[-1])
+    mean[..., lines] = np.where(new, received / factor[..., None], mean[..., lines])
+    old = np.ones((*which.shape[:-1], mean.shape[-1]), dtype=bool)
+    old[..., lines] = ~which
+    covariance *= (old[..., :, None] & old[..., None, :])[..., None, :, :]
     covariance[..., lines, lines] += (SOURCE_FREQUENCY_SPREAD * received) ** 2
     return replace(bank, mean=mean, covariance=covariance, known=bank.known | which)
 
@@ -187,7 +214,10 @@ def innovation_covariance(bank: HypothesisBank, rows: LinearisedRows) -> FloatAr
     ndarray, shape (..., n_components, n_rows, n_rows)
         In units of the rows: rad and Hz.
     """
-    spread = rows.derivative @ bank.covariance @ np.swapaxes(rows.derivative, -1, -2)
+    size = rows.derivative.shape[-1]
+    spread = (
+        rows.derivative @ bank.covariance[..., :size, :size] @ np.swapaxes(rows.derivative, -1, -2)
+    )
     index = np.arange(rows.variance.shape[-1])
     spread[..., index, index] += rows.variance
     return spread
@@ -213,7 +243,10 @@ def update_bank(
 
 
 def condition_bank(
-    bank: HypothesisBank, rows: LinearisedRows, log_penalty: FloatArray
+    bank: HypothesisBank,
+    rows: LinearisedRows,
+    log_penalty: FloatArray,
+    further: slice = slice(None),
 ) -> HypothesisBank:
     """Return the bank after the rows, its weights not normalised.
 
@@ -228,24 +261,37 @@ def condition_bank(
         Linearised at the components' means.
     log_penalty : ndarray, shape (..., n_components)
         Log likelihood of measurements that a component left out.
+    further : slice
+        Of the first dimension: where states that no row depends on are not zero for certain.
     """
-    covariance = bank.covariance.copy()
+    covariance, size = bank.covariance.copy(), rows.derivative.shape[-1]
     shift = np.zeros_like(bank.mean)
-    taken = np.empty_like(covariance)
+    direct, directly = covariance[..., :size, :size], shift[..., :size]
+    taken = np.empty(direct.shape)
+    rest, indirectly = covariance[further, ..., size:, :], shift[further, ..., size:]
     squared, log_spread = np.zeros(bank.log_weight.shape), np.zeros(bank.log_weight.shape)
     n_rows = rows.variance.shape[-1]
     for row in np.flatnonzero(np.any(rows.present.reshape(-1, n_rows), axis=0)):
         derivative = rows.derivative[..., row, :]
-        cross = (covariance @ derivative[..., None])[..., 0]
+        cross = (direct @ derivative[..., None])[..., 0]
         spread = np.einsum("...n,...n->...", derivative, cross) + rows.variance[..., row]
-        left = rows.innovation[..., row] - np.einsum("...n,...n->...", derivative, shift)
+        left = rows.innovation[..., row] - np.einsum("...n,...n->...", derivative, directly)
         # A row that a component does not have has derivative 0, innovation 0 and variance 1.
         scaled = cross / np.sqrt(spread)[..., None]
-        shift += scaled * (left / np.sqrt(spread))[..., None]
+        step = (left / np.sqrt(spread))[..., None]
+        directly += scaled * step
         np.multiply(scaled[..., :, None], scaled[..., None, :], out=taken)
-        covariance -= taken
+        direct -= taken
+        if rest.size:
+            own = (rest[..., :size] @ derivative[further][..., None])[..., 0]
+            own /= np.sqrt(spread)[further][..., None]
+            indirectly += own * step[further]
+            every = np.concatenate([scaled[further], own], axis=-1)
+            rest -= own[..., :, None] * every[..., None, :]
         squared += left**2 / spread
         log_spread += np.log(spread)
+    if rest.size:
+        covariance[further, ..., :size, size:] = np.swapaxes(rest[..., :size], -1, -2)
     constant = np.log(2.0 * np.pi) * np.sum(rows.present, axis=-1)
     weight = bank.log_weight - 0.5 * (squared + log_spread + constant) + log_penalty
     return replace(bank, mean=bank.mean + shift, covariance=covariance, log_weight=weight)

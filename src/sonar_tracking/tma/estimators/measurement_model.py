@@ -25,7 +25,12 @@ import numpy as np
 
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import BoolArray, FloatArray
-from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, TmaMeasurement
+from sonar_tracking.tma.estimators.sensor_frame import (
+    DEVIATION,
+    KINEMATIC,
+    VERTICAL,
+    TmaMeasurement,
+)
 
 AZIMUTH, ELEVATION, FIRST_LINE = 0, 1, 2
 """Rows of a measurement."""
@@ -45,8 +50,9 @@ class LinearisedRows:
     ----------
     innovation : ndarray, shape (..., n_rows)
         Measured minus predicted, rad (wrapped) and Hz.
-    derivative : ndarray, shape (..., n_rows, 4 + n_lines)
-        Of the prediction, by the state: rad and Hz over units of the state.
+    derivative : ndarray, shape (..., n_rows, 4 + n_lines) or two more
+        Of the prediction, by the motion, the source frequencies and the height, if that is
+        estimated: rad and Hz over their units.
     variance : ndarray, shape (..., n_rows)
         Of the measurement, rad^2 and Hz^2.
     present : ndarray of bool, shape (..., n_rows)
@@ -57,6 +63,11 @@ class LinearisedRows:
     derivative: FloatArray
     variance: FloatArray
     present: BoolArray
+
+
+def has_height(mean: FloatArray, n_lines: int) -> bool:
+    """Return whether states of so many lines, shape (..., n), have a height behind the lines."""
+    return (mean.shape[-1] - KINEMATIC - n_lines) % DEVIATION == VERTICAL
 
 
 def range_rate(mean: FloatArray, measurement: TmaMeasurement) -> FloatArray:
@@ -104,8 +115,9 @@ def linearise(
 
     Parameters
     ----------
-    mean : ndarray, shape (..., n_components, 4 + n_lines)
-        States to linearise at, m, m/s and Hz.
+    mean : ndarray, shape (..., n_components, at least 4 + n_lines)
+        States to linearise at, m, m/s and Hz; no row depends on a deviation from a mean course,
+        which comes behind all else.
     measurement : TmaMeasurement
         What was measured.
     known : ndarray of bool, shape (..., n_lines)
@@ -118,7 +130,8 @@ def linearise(
     shape = (*mean.shape[:-1], 2 + n_lines)
     innovation, variance = np.zeros(shape), np.ones(shape)
     present = np.zeros(shape, dtype=bool)
-    derivative = np.zeros((*shape, mean.shape[-1]))
+    vertical = has_height(mean, n_lines)
+    derivative = np.zeros((*shape, KINEMATIC + n_lines + VERTICAL * vertical))
 
     x, y = direction[..., 0], direction[..., 1]
     innovation[..., 0] = wrap_angle(azimuth - np.arctan2(y, x))
@@ -126,7 +139,6 @@ def linearise(
     variance[..., 0] = measurement.azimuth_variance[..., None]
 
     place = KINEMATIC + n_lines
-    vertical = mean.shape[-1] > place
     height: FloatArray | float = measurement.height
     if vertical:
         height = mean[..., place] - delay * mean[..., place + 1] - measurement.sensor_z

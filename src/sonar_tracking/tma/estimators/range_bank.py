@@ -33,7 +33,6 @@ from sonar_tracking.tma.estimators.error_models import (
 from sonar_tracking.tma.estimators.hypothesis_bank import (
     HypothesisBank,
     condition_bank,
-    predict_bank,
     seed_lines,
 )
 from sonar_tracking.tma.estimators.innovation_monitor import (
@@ -44,7 +43,7 @@ from sonar_tracking.tma.estimators.innovation_monitor import (
     judge,
 )
 from sonar_tracking.tma.estimators.measurement_model import LinearisedRows
-from sonar_tracking.tma.estimators.motion_modes import MODES, STRAIGHT, mix_modes
+from sonar_tracking.tma.estimators.motion_modes import MODES, STRAIGHT, WEAVING, predict_modes
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.range_bank_state import (
     ELEVATION_INTERVAL,
@@ -213,7 +212,7 @@ def _advance(
         rows = rows_of(predicted, measured)
         variance = innovation_variance(predicted, rows)
     within, penalty = gate_rows(rows, variance, configuration.gate)
-    bank = condition_bank(predicted, within, penalty)
+    bank = condition_bank(predicted, within, penalty, slice(WEAVING, None, MODES))
     total = rows_of_run.log_sums(bank.log_weight)
     bank = replace(bank, log_weight=bank.log_weight - total[rows_of_run.owner])
     if configuration.learn_errors:
@@ -251,19 +250,20 @@ def _count_refused(
 
 def _predict(batch: BankBatch, configuration: RangeBankConfiguration) -> HypothesisBank:
     measured, elapsed = batch.measurement, batch.interval[batch.rows.owner]
-    interval, duration = configuration.manoeuvre_interval, configuration.manoeuvre_duration
-    mixed = mix_modes(batch.bank, elapsed, interval, duration)
-    accelerations = [configuration.acceleration, configuration.manoeuvre_acceleration]
-    acceleration = np.tile(accelerations, len(elapsed) // MODES)
-    predicted = predict_bank(mixed, elapsed, acceleration)
+    predicted = predict_modes(batch.bank, elapsed, configuration)
     return seed_lines(predicted, measured, measured.heard & ~predicted.known)
 
 
 def _manoeuvring(bank: HypothesisBank, rows: RunRows) -> FloatArray:
-    """Return the probability that the target of each run manoeuvres, shape (n_runs,)."""
-    weight = np.exp(bank.log_weight)
-    weight[STRAIGHT::MODES] = 0.0
-    return rows.sums(weight)[:, 0]
+    """Return the probability that the target of each run manoeuvres, if it does not weave.
+
+    Shape (n_runs,).
+    """
+    weight = bank.log_weight.copy()
+    weight[WEAVING::MODES] = -np.inf
+    total = rows.log_sums(weight)
+    weight[STRAIGHT::MODES] = -np.inf
+    return np.asarray(np.exp(rows.log_sums(weight) - total)[:, 0])
 
 
 def _with_learnt_errors(batch: BankBatch, factor: FloatArray) -> TmaMeasurement:

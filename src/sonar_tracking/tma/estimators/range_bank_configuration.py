@@ -8,6 +8,7 @@ import numpy as np
 
 from sonar_tracking.configuration import parameter
 from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.tma.estimators.weaving import Weave
 
 
 @dataclass(frozen=True)
@@ -42,11 +43,27 @@ class RangeBankConfiguration:
     manoeuvre_duration: float = parameter(
         100.0, "Mean duration of a manoeuvre", unit="s", minimum=1.0, maximum=1e9
     )
+    weave_speed: float = parameter(
+        0.8,
+        "Of targets that weave about their mean course (zig-zag): standard deviation of the "
+        "velocity, each axis; 0 = none",
+        unit="m/s",
+        minimum=0.0,
+    )
+    weave_period: float = parameter(
+        130.0, "And how long a turn to port and one to starboard take", unit="s", minimum=1.0
+    )
+    weave_probability: float = parameter(0.2, "That a target weaves", minimum=0.0, maximum=0.99)
     learn_errors: bool = parameter(
         True,
         "Learn from the data how large and how lasting the errors of bearings and lines are; "
         "false = independent, and as large as told",
     )
+
+    @property
+    def weave(self) -> Weave:
+        """How targets weave."""
+        return Weave(self.weave_speed, self.weave_period)
 
     def range_edges(self) -> FloatArray:
         """Return the bounds of the range intervals, shape (n_ranges + 1,), m."""

@@ -46,7 +46,7 @@ class RangeBankState:
     stamp : int
         Of the last measurement, ns.
     bank : HypothesisBank
-        Posterior; two components, the modes of motion, a hypothesis.
+        Posterior; three components, the modes of motion, a hypothesis.
     windows : InnovationWindows
         Of the monitor.
     errors : ErrorEvidence
@@ -75,11 +75,7 @@ def start_range_bank(
     measurement: TmaMeasurement, configuration: RangeBankConfiguration
 ) -> RangeBankState:
     """Return the state before the first measurement, which has a finite azimuth, is taken in."""
-    bank = with_modes(
-        _start_bank(measurement, configuration),
-        configuration.manoeuvre_interval,
-        configuration.manoeuvre_duration,
-    )
+    bank = with_modes(_start_bank(measurement, configuration), configuration)
     batch = bank.known.shape[:-1]
     windows = empty_windows(batch, measurement.n_lines)
     return RangeBankState(

@@ -118,7 +118,8 @@ def innovation_variance(bank: HypothesisBank, rows: LinearisedRows) -> FloatArra
     ndarray, shape (..., n_components, n_rows)
         rad^2 and Hz^2.
     """
-    spread = rows.derivative @ bank.covariance
+    size = rows.derivative.shape[-1]
+    spread = rows.derivative @ bank.covariance[..., :size, :size]
     return np.einsum("...rn,...rn->...r", spread, rows.derivative) + rows.variance
 
 

@@ -14,6 +14,9 @@ KINEMATIC = 4
 VERTICAL = 2
 """Length of the vertical state [z, vz], which follows the lines where the height is estimated."""
 
+DEVIATION = 4
+"""Length of the deviation from a mean course: its x and y, and their rates; the last states."""
+
 
 def _none() -> FloatArray:
     return np.array(np.nan)

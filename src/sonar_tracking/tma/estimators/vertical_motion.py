@@ -42,11 +42,10 @@ def with_vertical(bank: HypothesisBank) -> HypothesisBank:
     """
     if bank.vertical:
         return bank
-    size = bank.mean.shape[-1]
-    mean = np.zeros((*bank.mean.shape[:-1], size + VERTICAL))
-    mean[..., :size] = bank.mean
-    covariance = np.zeros((*bank.mean.shape[:-1], size + VERTICAL, size + VERTICAL))
-    covariance[..., :size, :size] = bank.covariance
+    # Right behind the lines, before whatever else there is.
+    new = np.full(VERTICAL, bank.height)
+    mean = np.insert(bank.mean, new, 0.0, axis=-1)
+    covariance = np.insert(np.insert(bank.covariance, new, 0.0, axis=-1), new, 0.0, axis=-2)
     return replace(bank, mean=mean, covariance=covariance)
 
 

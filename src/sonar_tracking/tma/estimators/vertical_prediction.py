@@ -17,9 +17,9 @@ submarines alike; after ten minutes without elevations the height is open by a q
 
 
 def predict_vertical(
-    mean: FloatArray, covariance: FloatArray, elapsed: FloatArray
+    mean: FloatArray, covariance: FloatArray, elapsed: FloatArray, place: int = -2
 ) -> tuple[FloatArray, FloatArray]:
-    """Return states and covariance after some time; height and rate are the last two states.
+    """Return states and covariance after some time.
 
     Parameters
     ----------
@@ -29,23 +29,26 @@ def predict_vertical(
         Of all states; a height of variance 0 is not known yet and stays so.
     elapsed : ndarray, shape (...)
         s.
+    place : int
+        Of the height in the state; its rate comes next.
     """
+    height, rate = place, place + 1
     mean, covariance = mean.copy(), covariance.copy()
-    known = covariance[..., -2, -2] > 0.0
+    known = covariance[..., height, height] > 0.0
     kept = np.exp(-elapsed / VERTICAL_TIME)
     moved = VERTICAL_TIME * (1.0 - kept)
-    mean[..., -2] += moved * mean[..., -1]
-    mean[..., -1] *= kept
-    covariance[..., -2, :] += moved[..., None] * covariance[..., -1, :]
-    covariance[..., -1, :] *= kept[..., None]
-    covariance[..., :, -2] += moved[..., None] * covariance[..., :, -1]
-    covariance[..., :, -1] *= kept[..., None]
+    mean[..., height] += moved * mean[..., rate]
+    mean[..., rate] *= kept
+    covariance[..., height, :] += moved[..., None] * covariance[..., rate, :]
+    covariance[..., rate, :] *= kept[..., None]
+    covariance[..., :, height] += moved[..., None] * covariance[..., :, rate]
+    covariance[..., :, rate] *= kept[..., None]
     share = elapsed / VERTICAL_TIME
     variance = np.where(known, VERTICAL_SPEED**2, 0.0)
     along = 2.0 * share - 3.0 + 4.0 * kept - kept**2
-    covariance[..., -2, -2] += variance * VERTICAL_TIME**2 * np.maximum(along, 0.0)
+    covariance[..., height, height] += variance * VERTICAL_TIME**2 * np.maximum(along, 0.0)
     between = variance * VERTICAL_TIME * (1.0 - kept) ** 2
-    covariance[..., -2, -1] += between
-    covariance[..., -1, -2] += between
-    covariance[..., -1, -1] += variance * (1.0 - kept**2)
+    covariance[..., height, rate] += between
+    covariance[..., rate, height] += between
+    covariance[..., rate, rate] += variance * (1.0 - kept**2)
     return mean, covariance

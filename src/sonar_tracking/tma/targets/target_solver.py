@@ -48,7 +48,7 @@ from sonar_tracking.tma.targets.target_records import (
     measurement_of,
 )
 
-PRUNED_EVERY = 8
+PRUNED_EVERY = 4
 """Observations; the hypotheses that do not matter any more are left out then."""
 
 Splits = dict[tuple[int, tuple[float, float]], tuple[HypothesisBank, HypothesisBank]]
