@@ -74,7 +74,9 @@ def test_after_long_the_modes_are_as_likely_as_they_last() -> None:
     after = mix_modes(three((0.6, 0.1, 0.3)), np.full(MODES, 1e6), targets(300.0, 100.0))
     assert np.exp(after.log_weight[:, 0]) == pytest.approx([0.6, 0.2, WEAVES])
     assert after.mean[0] == pytest.approx(after.mean[1])
-    single = HypothesisBank(np.zeros((2, 4)), np.ones((2, 4, 4)), np.log([0.5, 0.5]), np.zeros(0))
+    single = HypothesisBank(
+        np.zeros((2, 4)), np.ones((2, 4, 4)), np.log([0.5, 0.5]), np.zeros(0, bool)
+    )
     started = with_modes(single, targets(300.0, 100.0))
     assert np.exp(started.log_weight) == pytest.approx([0.3, 0.1, 0.1] * 2)
     assert started.mean[::MODES] == pytest.approx(started.mean[1::MODES])

@@ -79,9 +79,9 @@ def learn_weave(states: SmoothedStates, intervals: FloatArray, weave: Weave, lea
     change = mean[moved + 1] - (step @ mean[moved, :, None])[..., 0]
     crossed = step @ states.crossed[moved, own, own]
     left = covariance[moved + 1] - crossed - crossed.swapaxes(-1, -2)
-    left = left + step @ covariance[moved] @ step.swapaxes(-1, -2)
+    before = step @ covariance[moved] @ step.swapaxes(-1, -2)
     squared = np.sum(change * np.linalg.solve(unit, change[..., None])[..., 0])
-    known = np.einsum("nii->n", np.linalg.solve(unit, left)) / max(weave.speed**2, 1e-12)
+    known = np.einsum("nii->n", np.linalg.solve(unit, left + before)) / max(weave.speed**2, 1e-12)
     known = max(float(np.sum(DEVIATION - known)), 0.0)
     found = (squared + PRIOR_CHANGES * least.speed**2) / (known + PRIOR_CHANGES)
     return replace(weave, speed=max(float(np.sqrt(found)), least.speed))
