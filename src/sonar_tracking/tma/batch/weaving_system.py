@@ -72,8 +72,8 @@ def learn_weave(states: SmoothedStates, intervals: FloatArray, weave: Weave, lea
     """
     moved = np.flatnonzero(intervals[1:] > SHORTEST)
     step = np.kron(deviation_transition(intervals[moved + 1], weave), np.eye(2))
-    unit = deviation_noise(intervals[moved + 1], replace(weave, speed=1.0))
-    unit = np.kron(unit, np.eye(2))
+    noise = deviation_noise(intervals[moved + 1], replace(weave, speed=1.0))
+    unit = np.kron(noise, np.eye(2))
     own = slice(-DEVIATION, None)
     mean, covariance = states.mean[:, own], states.covariance[:, own, own]
     change = mean[moved + 1] - (step @ mean[moved, :, None])[..., 0]
