@@ -139,3 +139,34 @@ def test_the_mode_follows_what_targets_do() -> None:
         noise = np.tile(25.0 * np.eye(2), (2, 1, 1))
         targets, _ = updated_by_positions(targets, truth[:, :2], noise)
     assert targets.mode[0, 0] > 0.9 and targets.mode[1, 1] > 0.9
+
+
+def test_near_the_axis_of_an_array_either_side_may_be_meant() -> None:
+    """A ship 1 degree off the axis, known to 3 degrees: both sides count, by their likelihoods."""
+    state = np.array([[5000.0, 5000.0 * np.tan(np.radians(1.0)), 0.0, 0.0]])
+    spread = np.diag([900.0, (5000.0 * np.radians(3.0)) ** 2, 1.0, 1.0])[None]
+    tiny = np.array([1e-12])
+    target = begun(state, spread, STRAIGHT, tiny)
+    variance = np.array([np.radians(0.5) ** 2])
+    near, other = np.radians([2.0]), np.radians([-2.0])
+    heard = Bearings(near, variance, np.zeros(2), array=0, other_side=other)
+    both, _ = updated_by_bearings(target, heard)
+    alone, _ = updated_by_bearings(target, Bearings(near, variance, np.zeros(2), array=0))
+    total = np.radians(3.0) ** 2 + variance[0]
+    share = 1.0 / (1.0 + np.exp(-(np.radians(3.0) ** 2 - np.radians(1.0) ** 2) / (2.0 * total)))
+    gain = np.radians(3.0) ** 2 / total
+    by_hand = np.radians(1.0) + gain * (share * np.radians(1.0) - (1.0 - share) * np.radians(3.0))
+    azimuth = np.arctan2(both.mean[0, 0, 1], both.mean[0, 0, 0])
+    assert azimuth == pytest.approx(by_hand, rel=0.02)
+    assert both.covariance[0, 0, 1, 1] > 5.0 * alone.covariance[0, 0, 1, 1]
+
+
+def test_away_from_the_axis_the_other_side_does_not_count() -> None:
+    targets = begun(STATES, SPREAD, STRAIGHT, PRIOR)
+    azimuth = np.arctan2(STATES[:, 1], STATES[:, 0]) + 0.002
+    variance = np.full(2, 1e-5)
+    sided = Bearings(azimuth, variance, np.zeros(2), array=0, other_side=azimuth + 1.5)
+    both, _ = updated_by_bearings(targets, sided)
+    alone, _ = updated_by_bearings(targets, Bearings(azimuth, variance, np.zeros(2), array=0))
+    np.testing.assert_allclose(both.mean, alone.mean, rtol=1e-12)
+    np.testing.assert_allclose(both.covariance, alone.covariance, rtol=1e-9, atol=1e-12)

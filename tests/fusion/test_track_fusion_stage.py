@@ -168,7 +168,7 @@ def test_echoes_settle_the_side_and_the_older_name_stays() -> None:
     assert names <= set(established.id.tolist())
 
 
-def test_a_row_that_ends_is_told_once() -> None:
+def test_a_row_that_ends_is_reported_once() -> None:
     stage = TrackFusionStage(replace(AT_ONCE, coast_duration=0.0))
     frames = [one.frame for one in moments(Ships(FOUR[:1]), 40.0)]
     for frame in frames[:11]:

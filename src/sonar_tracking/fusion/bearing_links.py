@@ -20,6 +20,7 @@ from sonar_tracking.fusion.lone_bearings import (
     predicted_bearings,
     unheard,
 )
+from sonar_tracking.fusion.target_updates import Bearings
 from sonar_tracking.records.arrays import FloatArray
 
 HIGHEST_EVIDENCE = float(np.log(1e4))
@@ -79,7 +80,7 @@ class BearingLinks:
                 link.row -= 1
 
     def weigh(
-        self, found: Sequence[HeardBearing], azimuth: FloatArray, likelihood: FloatArray
+        self, found: Sequence[HeardBearing], bearings: Bearings, likelihood: FloatArray
     ) -> None:
         """Go on with the evidence of some links.
 
@@ -87,14 +88,13 @@ class BearingLinks:
         ----------
         found : sequence of HeardBearing
             What was measured, of bearing tracks that have targets.
-        azimuth : ndarray, shape (n,)
-            Of the side that is the target's, rad.
+        bearings : Bearings
+            The same, on the sides where the targets are.
         likelihood : ndarray, shape (n,)
             By the filters of the targets, logs of densities, 1/rad.
         """
         rows = np.array([self._links[one.key].row for one in found], np.intp)
-        variance = np.array([one.variance for one in found])
-        lone, apart = heard(self._lone.rows(rows), azimuth, variance)
+        lone, apart = heard(self._lone.rows(rows), bearings.azimuth, bearings.variance)
         mean, covariance = self._lone.mean.copy(), self._lone.covariance.copy()
         mean[rows], covariance[rows] = lone.mean, lone.covariance
         self._lone = replace(self._lone, mean=mean, covariance=covariance)

@@ -36,9 +36,9 @@ from sonar_tracking.fusion.lone_bearings import (
     unheard,
 )
 from sonar_tracking.fusion.shared_alignment import AlignmentInformation, told_alignment
+from sonar_tracking.fusion.sided_bearings import sided_bearings
 from sonar_tracking.fusion.target_updates import (
     Bearings,
-    expected_azimuths,
     updated_by_bearings,
     updated_by_positions,
 )
@@ -162,18 +162,7 @@ class BearingTrials:
         tried = [self.trials[row] for row in rows]
         own = [by_key[one.key] for one in tried]
         targets = self.targets.rows(rows)
-        mean, covariance = targets.collapsed()
-        station, array = own[0].station, own[0].array
-        expected, _ = expected_azimuths(mean, covariance, station, array, propagation_speed)
-        bearings = Bearings(
-            azimuth=np.array(
-                [one.nearest(float(near)) for near, one in zip(expected, own, strict=True)]
-            ),
-            variance=np.array([one.variance for one in own]),
-            station=own[0].station,
-            array=own[0].array,
-            propagation_speed=propagation_speed,
-        )
+        bearings = sided_bearings(own, targets, propagation_speed)
         together = log_likelihood(targets, bearings, [others[one.target] for one in tried], prior)
         lone, apart = heard(self._lone.rows(rows), bearings.azimuth, bearings.variance)
         self._lone.mean[rows], self._lone.covariance[rows] = lone.mean, lone.covariance
@@ -235,6 +224,14 @@ def log_likelihood(
     total = vector + np.array([one.vector for one in others])
     misalignment = np.einsum("nij,nj->ni", common, total)
     mean, covariance = told_alignment(mean, covariance, misalignment, common)
+    near = _log_density(mean, covariance, bearings)
+    mirrored = bearings.mirrored
+    return (
+        near if mirrored is None else np.logaddexp(near, _log_density(mean, covariance, mirrored))
+    )
+
+
+def _log_density(mean: FloatArray, covariance: FloatArray, bearings: Bearings) -> FloatArray:
     innovation, derivative = bearings.linearised(mean)
     spread = np.einsum("ni,nij,nj->n", derivative, covariance, derivative) + bearings.variance
     return np.asarray(-0.5 * (innovation**2 / spread + np.log(2.0 * np.pi * spread)))

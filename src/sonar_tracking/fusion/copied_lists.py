@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Set
 
 import numpy as np
 
@@ -56,6 +56,7 @@ class CopiedLists:
         is_known: Callable[[ListKey, tuple[BearingKey, ...]], bool],
         stations: Mapping[str, FloatArray],
         alignments: Mapping[str, tuple[float, float]],
+        taken: Set[int],
     ) -> list[FusedRow]:
         """Return the rows that nothing else stands for.
 
@@ -69,11 +70,15 @@ class CopiedLists:
             Where each array is, m.
         alignments : mapping of str to tuple of two float
             Measured misalignments, rad, and their variances, rad^2.
+        taken : set of int
+            Identifiers that are those of targets by now.
         """
         rows = []
         for topic, tracks in self._lists.items():
             for row in np.flatnonzero(tracks.status != TrackStatus.TERMINATED):
                 key = topic, int(tracks.id[row])
+                if self._names.get(key) in taken:
+                    del self._names[key]
                 if not is_known(key, bearing_keys(tracks, int(row))):
                     copy = copied_row(tracks, int(row), topic, self.name(key))
                     rows.append(moved_copy(copy, stamp, stations, alignments))

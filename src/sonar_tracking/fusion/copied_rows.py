@@ -73,15 +73,20 @@ def moved_copy(
         The misalignment of those of which it has been measured, rad, and its variance, rad^2.
     """
     interval = seconds(stamp - copy.stamp)
-    state = KalmanState(copy.state, copy.covariance)
-    if interval > 0.0:
-        transition = np.asarray(np.kron(transition_matrix(interval), np.eye(2)))
-        noise = np.asarray(np.kron(process_noise_matrix(DRIFT, interval), np.eye(2)))
-        state = predict(state, transition, noise)
+    state = moved_state(KalmanState(copy.state, copy.covariance), interval)
     for sensor in {key[0] for key in copy.heard}:
         if sensor in alignments and len(copy.heard) == 1:
             state = rotated(state, stations[sensor], *alignments[sensor])
     return row_of_copy(copy, state.mean, state.covariance)
+
+
+def moved_state(state: KalmanState, interval: float) -> KalmanState:
+    """Return a target an interval (s) after its list: on its course, as far as the sea lets it."""
+    if interval > 0.0:
+        transition = np.asarray(np.kron(transition_matrix(interval), np.eye(2)))
+        noise = np.asarray(np.kron(process_noise_matrix(DRIFT, interval), np.eye(2)))
+        return predict(state, transition, noise)
+    return state
 
 
 def bearing_keys(tracks: PositionTracks, row: int) -> tuple[BearingKey, ...]:

@@ -40,8 +40,43 @@ def known_targets(
         return [None] * len(state)
     seen = filters.picture()
     rows = [filters.targets.index(one) for one in lost]
-    apart = state[None] - seen.mean[rows, None, :4]
-    spread = covariance[None] + seen.covariance[rows, None, :4, :4]
+    odds = log_odds_of_one_target(
+        state,
+        covariance,
+        seen.mean[rows, :4],
+        seen.covariance[rows, :4, :4],
+        configuration.clutter_area,
+    )
+    needed = np.log(configuration.association_odds * len(lost))
+    chosen = associate(odds - needed, 1.0)
+    return [None if row == FREE else lost[row] for row in chosen]
+
+
+def log_odds_of_one_target(
+    state: FloatArray,
+    covariance: FloatArray,
+    known: FloatArray,
+    known_covariance: FloatArray,
+    area: float,
+) -> FloatArray:
+    """Return how much likelier tracks are of known targets than of new ones.
+
+    Parameters
+    ----------
+    state, covariance : ndarray, shapes (n, 4) and (n, 4, 4)
+        Of the tracks, m and m/s; m^2, m^2/s, m^2/s^2.
+    known, known_covariance : ndarray, shapes (n_known, 4) and (n_known, 4, 4)
+        Of the targets, the same units.
+    area : float
+        In which a new one may be anywhere, m^2.
+
+    Returns
+    -------
+    ndarray, shape (n_known, n)
+        Logs, pure numbers.
+    """
+    apart = state[None] - known[:, None]
+    spread = covariance[None] + known_covariance[:, None]
     solved = np.linalg.solve(spread, apart[..., None])[..., 0]
     square = np.sum(apart * solved, axis=-1)
     together = -0.5 * (square + np.linalg.slogdet(spread)[1]) - 2.0 * np.log(2.0 * np.pi)
@@ -49,7 +84,4 @@ def known_targets(
     solved = np.linalg.solve(velocity, state[:, 2:, None])[..., 0]
     square = np.sum(state[:, 2:] * solved, axis=-1)
     alone = -0.5 * (square + np.linalg.slogdet(velocity)[1]) - np.log(2.0 * np.pi)
-    evidence = together - (alone - np.log(configuration.clutter_area))
-    needed = np.log(configuration.association_odds * len(lost))
-    chosen = associate(evidence - needed, 1.0)
-    return [None if row == FREE else lost[row] for row in chosen]
+    return np.asarray(together - (alone - np.log(area)))

@@ -16,6 +16,9 @@ from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks, TrackHypothesis, TrackSource
 
+Contribution = tuple[TrackSource, str, int]
+"""Who made a track that a row is made of, its sensor or list, and its identifier there."""
+
 
 @dataclass(frozen=True)
 class FusedRow:
@@ -37,8 +40,8 @@ class FusedRow:
         Side of a line array.
     bearing_track_id : int
         A bearing track it is made of; 0 = none.
-    contributors : tuple of (TrackSource, str, int)
-        Who made each track it is made of, its sensor or list, its identifier there.
+    contributors : tuple of Contribution
+        What it is made of.
     """
 
     id: int
@@ -53,7 +56,7 @@ class FusedRow:
     hypothesis: TrackHypothesis = TrackHypothesis.SINGLE
     hypothesis_probability: float = np.nan
     bearing_track_id: int = 0
-    contributors: tuple[tuple[TrackSource, str, int], ...] = ()
+    contributors: tuple[Contribution, ...] = ()
 
 
 def row_of_target(target: FusedTarget, state: FloatArray, covariance: FloatArray) -> FusedRow:

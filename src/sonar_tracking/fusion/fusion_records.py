@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from sonar_tracking.errors import Notice
 from sonar_tracking.motion import KinematicState, wrap_angle
 from sonar_tracking.records.alignments import ArrayAlignments
@@ -34,6 +36,8 @@ class FusionFrame:
         By their topic: positions from bearings and lines.
     own_ship : KinematicState or None
         At the stamp; None = not known.
+    foreign : mapping of str to PositionTracks
+        By their topic: fused tracks of other ships.
     """
 
     stamp: int
@@ -41,6 +45,7 @@ class FusionFrame:
     bearings: tuple[BearingTracks, ...] = ()
     passive: dict[str, PositionTracks] = field(default_factory=dict)
     own_ship: KinematicState | None = None
+    foreign: dict[str, PositionTracks] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -51,6 +56,8 @@ class FusionUpdate:
     ----------
     tracks : PositionTracks
         The complete picture at the stamp of the frame.
+    own_tracks : PositionTracks
+        The same without what other ships tell.
     alignments : ArrayAlignments
         Of all arrays that have been heard of.
     notices : tuple of Notice
@@ -58,6 +65,7 @@ class FusionUpdate:
     """
 
     tracks: PositionTracks
+    own_tracks: PositionTracks
     alignments: ArrayAlignments
     notices: tuple[Notice, ...]
 
@@ -89,3 +97,9 @@ class HeardBearing:
     def nearest(self, expected: float) -> float:
         """Return the azimuth nearest to one that is expected, rad; own ship's turns swap sides."""
         return min(self.azimuths, key=lambda one: abs(float(wrap_angle(one - expected))))
+
+    def sides(self, expected: float) -> tuple[float, float]:
+        """Return the nearer azimuth and that of the other side (NaN = there is none), rad."""
+        near = self.nearest(expected)
+        others = [one for one in self.azimuths if one != near]
+        return near, others[0] if others else np.nan

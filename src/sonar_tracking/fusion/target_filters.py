@@ -24,6 +24,7 @@ from sonar_tracking.fusion.shared_alignment import (
     no_information,
     shared_alignment,
 )
+from sonar_tracking.fusion.sided_bearings import sided_bearings
 from sonar_tracking.fusion.target_updates import (
     Bearings,
     expected_azimuths,
@@ -150,7 +151,7 @@ class TargetFilters:
 
     def take_bearings(
         self, targets: Sequence[FusedTarget], found: Sequence[HeardBearing]
-    ) -> tuple[FloatArray, FloatArray]:
+    ) -> tuple[Bearings, FloatArray]:
         """Let targets take in a bearing each, of one station.
 
         Parameters
@@ -162,30 +163,20 @@ class TargetFilters:
 
         Returns
         -------
-        azimuth : ndarray, shape (n,)
-            Those of the sides they are on, rad.
+        bearings : Bearings
+            On the sides where the targets are.
         log_likelihood : ndarray, shape (n,)
             How likely each was, log of a density, 1/rad.
         """
         rows = self._rows(targets)
         aligned = self._aligned.rows(rows)
-        mean, covariance = aligned.collapsed()
-        station, array = found[0].station, found[0].array
-        expected, _ = expected_azimuths(mean, covariance, station, array, self._speed)
-        azimuth = np.array(
-            [one.nearest(float(near)) for near, one in zip(expected, found, strict=True)]
-        )
-        variance = np.array([one.variance for one in found])
-        bearings = Bearings(azimuth, variance, found[0].station, found[0].array, self._speed)
+        bearings = sided_bearings(found, aligned, self._speed)
         updated, likelihood = updated_by_bearings(aligned, bearings)
         self._aligned = replaced(self._aligned, rows, updated)
         trials, owner = self._trials_of(targets)
         if trials.size:
-            own = Bearings(
-                azimuth[owner], variance[owner], bearings.station, bearings.array, self._speed
-            )
-            self.trials.take_known(trials, own)
-        return azimuth, likelihood
+            self.trials.take_known(trials, bearings.rows(owner))
+        return bearings, likelihood
 
     def try_bearings(self, found: Sequence[HeardBearing]) -> None:
         """Let the trials of bearing tracks of one station take in what it measured."""

@@ -14,7 +14,7 @@ import numpy as np
 from sonar_tracking.filtering.kalman import symmetrised
 from sonar_tracking.fusion.aligned_targets import MOTION, AlignedTargets
 from sonar_tracking.motion import wrap_angle
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import FloatArray, IndexArray
 
 NEAREST = 1.0
 """A target is taken to be at least so far from a station, m."""
@@ -34,6 +34,9 @@ class Bearings:
         Which misalignment it has.
     propagation_speed : float
         Of sound, m/s; inf = targets are heard where they are.
+    other_side : ndarray, shape (n,), or None
+        The azimuths on the other side of a line array, rad; NaN = there is none. Near its axis
+        either may be meant.
     """
 
     azimuth: FloatArray
@@ -41,6 +44,21 @@ class Bearings:
     station: FloatArray
     array: int
     propagation_speed: float = np.inf
+    other_side: FloatArray | None = None
+
+    def rows(self, rows: IndexArray) -> Bearings:
+        """Return some of them, in the order given; shape (n_chosen,)."""
+        other = None if self.other_side is None else self.other_side[rows]
+        azimuth, variance = self.azimuth[rows], self.variance[rows]
+        return replace(self, azimuth=azimuth, variance=variance, other_side=other)
+
+    @property
+    def mirrored(self) -> Bearings | None:
+        """The same on the other side; None = none has one. Impossible where there is none."""
+        if self.other_side is None or np.all(np.isnan(self.other_side)):
+            return None
+        there = np.where(np.isnan(self.other_side), self.azimuth + np.pi, self.other_side)
+        return replace(self, azimuth=there, other_side=None)
 
     def linearised(self, mean: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return innovations and their derivatives by the state.
@@ -122,6 +140,22 @@ def updated_by_bearings(
     log_likelihood : ndarray, shape (n,)
         Log of the density, 1/rad.
     """
+    near, log_density = _one_side(targets, bearings)
+    mirrored = bearings.mirrored
+    if mirrored is None:
+        return _weighed(near, log_density)
+    other, log_other = _one_side(targets, mirrored)
+    total = np.logaddexp(log_density, log_other)
+    share = np.exp(log_other - total)[..., None]
+    apart = other.mean - near.mean
+    mean = near.mean + share * apart
+    within = near.covariance + share[..., None] * (other.covariance - near.covariance)
+    between = (share * (1.0 - share))[..., None] * apart[..., None] * apart[..., None, :]
+    return _weighed(replace(near, mean=mean, covariance=within + between), total)
+
+
+def _one_side(targets: AlignedTargets, bearings: Bearings) -> tuple[AlignedTargets, FloatArray]:
+    """Return targets updated by the bearings of one side, and log densities in each mode."""
     innovation, derivative = bearings.linearised(targets.mean)
     noise = bearings.variance[:, None]
     cross = np.einsum("nmij,nmj->nmi", targets.covariance, derivative)
@@ -132,7 +166,7 @@ def updated_by_bearings(
     covariance = remaining @ targets.covariance @ remaining.swapaxes(-1, -2)
     covariance += noise[..., None, None] * gain[..., None] * gain[..., None, :]
     log_density = -0.5 * (innovation**2 / spread + np.log(2.0 * np.pi * spread))
-    return _weighed(replace(targets, mean=mean, covariance=covariance), log_density)
+    return replace(targets, mean=mean, covariance=covariance), log_density
 
 
 def updated_by_positions(

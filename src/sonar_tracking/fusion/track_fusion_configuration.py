@@ -62,7 +62,18 @@ class TrackFusionConfiguration:
     coast_duration: float = parameter(
         30.0, "how long a target outlives the last track it is made of", unit="s", minimum=0.0
     )
-    first_id: int = parameter(1, "first track identifier", minimum=1)
+    ship: int = parameter(
+        0,
+        "number of own ship among those that exchange tracks: identifiers begin at it times 2^48",
+        minimum=0,
+        maximum=32767,
+    )
+    first_id: int = parameter(1, "first track identifier of own ship", minimum=1)
+
+    @property
+    def first_of_all(self) -> int:
+        """First track identifier, different from those of other ships."""
+        return (self.ship << 48) + self.first_id
 
     @property
     def alignment_variance(self) -> float:

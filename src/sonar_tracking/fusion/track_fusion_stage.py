@@ -19,6 +19,7 @@ from sonar_tracking.fusion.bearing_trials import GATE, Trial
 from sonar_tracking.fusion.copied_lists import CopiedLists
 from sonar_tracking.fusion.echo_association import known_targets
 from sonar_tracking.fusion.echo_checks import unusable_rows, usable_measurements, usable_states
+from sonar_tracking.fusion.foreign_tracks import ForeignTracks
 from sonar_tracking.fusion.fused_rows import (
     FusedRow,
     fused_list,
@@ -62,12 +63,13 @@ class TrackFusionStage:
     ) -> None:
         self.configuration = configuration or TrackFusionConfiguration()
         self._n_sources = n_sources
-        self._next_id = self.configuration.first_id
+        self._next_id = self.configuration.first_of_all
         self.reset()
 
     def continue_from(self, first_id: int) -> None:
         """Let new tracks have identifiers from one on, if those so far are below it."""
-        self._next_id = max(self._next_id, first_id)
+        again = replace(self.configuration, first_id=first_id)
+        self._next_id = max(self._next_id, again.first_of_all)
 
     def reset(self) -> None:
         """Forget all targets; identifiers go on."""
@@ -83,7 +85,8 @@ class TrackFusionStage:
         self._copies = CopiedLists(self._new_id)
         self._paused: dict[tuple[FusedTarget, BearingKey], int] = {}
         self._stale: set[FusedTarget] = set()
-        self._shown: dict[int, FusedRow] = {}
+        self._foreign = ForeignTracks(self.configuration, self._new_id)
+        self._shown: dict[bool, dict[int, FusedRow]] = {False: {}, True: {}}
         self._own_ship: KinematicState | None = None
         self._watermarks: dict[str, int] = {}
 
@@ -121,11 +124,18 @@ class TrackFusionStage:
         for topic, tracks in frame.passive.items():
             self._watermarks[topic] = tracks.next_stamp
             self._copies.take(topic, tracks)
+        for topic, tracks in frame.foreign.items():
+            notices += unusable_rows(tracks, topic)
+            self._foreign.take(topic, tracks)
         self._decide()
         self._end_orphans()
         alignments = self._filters.alignments(self._stamp, self._watermark())
         notices += beyond_prior(alignments, self.configuration.alignment_deviation_deg)
-        return FusionUpdate(self.picture(), alignments, tuple(notices))
+        own = self._own_rows()
+        tracks = own_tracks = self._list(own, with_foreign=False)
+        if self._foreign.heard_of:
+            tracks = self._list(self._foreign.fused(own, self._stamp), with_foreign=True)
+        return FusionUpdate(tracks, own_tracks, alignments, tuple(notices))
 
     def _take_echoes(self, topic: str, tracks: PositionTracks) -> None:
         self._copies.take(topic, tracks)
@@ -257,8 +267,8 @@ class TrackFusionStage:
         before = self._links.target_of(key)
         if before is not None:
             self._unlink(key)
-            self._rename(target, before.id, before.initiated)
             if not before.contributors:
+                self._rename(target, before.id, before.initiated)
                 self._filters.end([before])
                 self._forget(before)
         for name, initiated in self._copies.confirmed_names(key):
@@ -302,8 +312,8 @@ class TrackFusionStage:
         self._next_id += 1
         return self._next_id - 1
 
-    def picture(self) -> PositionTracks:
-        """Return the complete picture at the stamp of the last frame; an ended row appears once."""
+    def _own_rows(self) -> list[FusedRow]:
+        """Return what own sensors tell, at the stamp of the last frame."""
         seen = self._filters.picture()
         rows = [
             row_of_target(target, state, covariance)
@@ -312,15 +322,18 @@ class TrackFusionStage:
             )
         ]
         alignments = self._filters.measured_alignments()
-        rows += self._copies.rows(self._stamp, self._stands_for, self._stations, alignments)
+        taken = {row.id for row in rows}
+        rows += self._copies.rows(self._stamp, self._stands_for, self._stations, alignments, taken)
         heading = self.configuration.heading_variance
-        rows = [turned_by_heading(row, self._own_ship, heading) for row in rows]
-        ended = [
-            row for number, row in self._shown.items() if number not in {one.id for one in rows}
-        ]
-        self._shown = {row.id: row for row in rows}
-        rows += [replace(row, status=TrackStatus.TERMINATED) for row in ended]
-        return fused_list(rows, self._stamp, self._watermark())
+        return [turned_by_heading(row, self._own_ship, heading) for row in rows]
+
+    def _list(self, rows: list[FusedRow], with_foreign: bool) -> PositionTracks:
+        """Return the complete picture; a row that has ended appears once."""
+        going_on = {row.id: row for row in rows}
+        before, self._shown[with_foreign] = self._shown[with_foreign], going_on
+        ended = [row for number, row in before.items() if number not in going_on]
+        gone = [replace(row, status=TrackStatus.TERMINATED) for row in ended]
+        return fused_list([*rows, *gone], self._stamp, self._watermark())
 
     def _watermark(self) -> int:
         """Nothing earlier than this follows; unknown until every source has reported."""

@@ -14,6 +14,7 @@ from sonar_tracking.graph.catalogue.topics import (
     BEARING_TRACKS,
     FUSED_TRACKS,
     ODOMETRY,
+    OWN_TRACKS,
     PASSIVE_TRACKS,
 )
 
@@ -24,7 +25,7 @@ TRACK_FUSION = NodeDescription(
     configurations=(TrackFusionConfiguration, FusionInputConfiguration, NodeConfiguration),
     inputs=(),
     optional_inputs=(ODOMETRY,),
-    outputs=(FUSED_TRACKS, ALIGNMENTS),
+    outputs=(FUSED_TRACKS, OWN_TRACKS, ALIGNMENTS),
     topic_parameters={
         "active_topics": ACTIVE_TRACKS,
         "bearing_topics": BEARING_TRACKS,

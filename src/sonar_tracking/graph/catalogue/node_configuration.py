@@ -54,6 +54,11 @@ class FusionInputConfiguration:
     passive_topics: tuple[str, ...] = parameter(
         ("passive/tracks",), "positions from bearings and lines, one topic per tracker"
     )
+    foreign_topics: tuple[str, ...] = parameter(
+        ("",),
+        "fused tracks of other ships, e.g. /ship_b/tracks; of those that take own ones in turn, "
+        "their own_tracks",
+    )
 
 
 @dataclass(frozen=True)

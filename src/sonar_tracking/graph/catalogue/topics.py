@@ -139,6 +139,13 @@ ALIGNMENTS = Topic(
     TopicRole.OUTPUT,
     "how the arrays are turned from what their data tell",
 )
+OWN_TRACKS = Topic(
+    "own_tracks",
+    "sonar_tracking_msgs/msg/Tracks",
+    TopicKind.TRACKS,
+    TopicRole.OUTPUT,
+    "tracks without what other ships tell, for them; where their tracks are taken",
+)
 FUSED_TRACKS = Topic(
     "tracks",
     "sonar_tracking_msgs/msg/Tracks",

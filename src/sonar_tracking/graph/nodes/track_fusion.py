@@ -20,6 +20,7 @@ from sonar_tracking.graph.catalogue.topics import (
     BEARING_TRACKS,
     FUSED_TRACKS,
     ODOMETRY,
+    OWN_TRACKS,
     PASSIVE_TRACKS,
     Topic,
 )
@@ -52,11 +53,13 @@ class TrackFusion(SonarNode):
         self._bearings = _topics(BEARING_TRACKS, inputs.bearing_topics)
         self._passive = _topics(PASSIVE_TRACKS, inputs.passive_topics)
         count = len(self._active) + len(self._bearings) + len(self._passive)
+        self._foreign = _topics(FUSED_TRACKS, inputs.foreign_topics)
         self._stage = TrackFusionStage(self._configuration, count)
         self._published = 0
         self._tracks = self.data_publisher(FUSED_TRACKS)
         self._alignments = self.data_publisher(ALIGNMENTS)
-        lists = (*self._active, *self._passive)
+        self._own = self.data_publisher(OWN_TRACKS)
+        lists = (*self._active, *self._passive, *self._foreign)
         group: dict[Topic, Callable[[Any], Any]] = {
             **dict.fromkeys(lists, position_tracks_from_message),
             **dict.fromkeys(self._bearings, measured_directions_from_message),
@@ -81,6 +84,7 @@ class TrackFusion(SonarNode):
             bearings=tuple(records[one.name] for one in self._bearings if one.name in records),
             passive={one.name: records[one.name] for one in self._passive if one.name in records},
             own_ship=None if own_ship is None else motion_in_map(own_ship),
+            foreign={one.name: records[one.name] for one in self._foreign if one.name in records},
         )
         update = self._stage.update(frame)
         self._publish(update)
@@ -109,6 +113,8 @@ class TrackFusion(SonarNode):
         tracks = update.tracks
         self._published = tracks.stamp
         self._tracks.publish(position_tracks_to_message(tracks))
+        if self._foreign:
+            self._own.publish(position_tracks_to_message(update.own_tracks))
         self._alignments.publish(alignments_to_message(update.alignments))
 
 

@@ -1,6 +1,6 @@
 """Simulation of what no sensor measures: own ship's motion and the truth, instant by instant.
 
-An instant that several sensors need is told once.
+An instant that several sensors need is reported once.
 """
 
 from __future__ import annotations

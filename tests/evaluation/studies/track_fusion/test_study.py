@@ -1,0 +1,54 @@
+"""Protects the study: one run of each kind, scored against what is known of it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sonar_tracking.evaluation.studies.track_fusion import conditions
+from sonar_tracking.evaluation.studies.track_fusion.conditions import CONDITIONS
+from sonar_tracking.evaluation.studies.track_fusion.list_rules import (
+    covariance_intersection,
+    naive_product,
+)
+from sonar_tracking.evaluation.studies.track_fusion.runs import (
+    BOUND,
+    CENTRAL,
+    ECHOES_ALONE,
+    FUSED,
+    FusionTask,
+    fusion_runs,
+)
+from sonar_tracking.evaluation.studies.track_fusion.study import metrics, rows, tasks
+from sonar_tracking.filtering.kalman import KalmanState
+
+
+def test_rules_by_hand() -> None:
+    """Two scalars, 0 and 1, of variance 1: the product claims 1/2, the intersection 1."""
+    first = KalmanState(np.zeros(1), np.ones((1, 1)))
+    second = KalmanState(np.ones(1), np.ones((1, 1)))
+    product, safe = naive_product(first, second), covariance_intersection(first, second)
+    assert product.mean[0] == pytest.approx(0.5) and product.covariance[0, 0] == pytest.approx(0.5)
+    assert safe.covariance[0, 0] == pytest.approx(1.0)
+
+
+def test_every_condition_has_its_tasks() -> None:
+    names = {task.argument.condition for task in tasks(3, seed=1)}
+    assert names == set(CONDITIONS)
+
+
+@pytest.mark.slow
+def test_the_fused_picture_beats_echoes_and_comes_near_the_bound(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(conditions, "DURATION", 400.0)
+    seeds = tuple(np.random.SeedSequence(4).spawn(2))
+    runs = fusion_runs(FusionTask("array turned by 1 degree", seeds))
+    assert all(not run.doubled and run.names == 0 for run in runs)
+    fused, echoes, central = (metrics(name, runs) for name in (FUSED, ECHOES_ALONE, CENTRAL))
+    assert fused["rmse_m"] < 0.75 * echoes["rmse_m"]
+    assert fused["rmse_m"] < 1.4 * central["rmse_m"]
+    assert central["rmse_m"] == pytest.approx(metrics(BOUND, runs)["rmse_m"], rel=0.25)
+    assert 0.4 < fused["nees_per_dimension"] < 2.0
+    assert abs(runs[0].alignment_error) < np.radians(0.6)
+    assert {row.condition for row in rows([runs])} == {"array turned by 1 degree"}
