@@ -47,6 +47,8 @@ def copied_row(tracks: PositionTracks, row: int, topic: str, number: int) -> Cop
         initiated=float(tracks.initiated[row]),
         updated=float(tracks.updated[row]),
         observability=float(tracks.observability[row]),
+        z=float(tracks.z[row]),
+        z_standard_deviation=float(tracks.z_standard_deviation[row]),
         hypothesis=TrackHypothesis(tracks.hypothesis[row]),
         hypothesis_probability=float(tracks.hypothesis_probability[row]),
         heard=bearing_keys(tracks, row),

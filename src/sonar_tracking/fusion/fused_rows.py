@@ -42,6 +42,8 @@ class FusedRow:
         A bearing track it is made of; 0 = none.
     contributors : tuple of Contribution
         What it is made of.
+    z, z_standard_deviation : float
+        Of what one list alone tells, m; NaN = unknown.
     """
 
     id: int
@@ -57,6 +59,8 @@ class FusedRow:
     hypothesis_probability: float = np.nan
     bearing_track_id: int = 0
     contributors: tuple[Contribution, ...] = ()
+    z: float = np.nan
+    z_standard_deviation: float = np.nan
 
 
 def row_of_target(target: FusedTarget, state: FloatArray, covariance: FloatArray) -> FusedRow:
@@ -106,6 +110,8 @@ def row_of_copy(copy: CopiedRow, state: FloatArray, covariance: FloatArray) -> F
         initiated=copy.initiated,
         updated=copy.updated,
         observability=copy.observability,
+        z=copy.z,
+        z_standard_deviation=copy.z_standard_deviation,
         hypothesis=copy.hypothesis,
         hypothesis_probability=copy.hypothesis_probability,
         bearing_track_id=next((key[1] for key in copy.heard), 0),
@@ -153,6 +159,8 @@ def fused_list(rows: Sequence[FusedRow], stamp: int, next_stamp: int) -> Positio
         source=column("source", "uint8"),
         state=column("state").reshape(-1, 4),
         covariance=column("covariance").reshape(-1, 4, 4),
+        z=column("z"),
+        z_standard_deviation=column("z_standard_deviation"),
         existence_probability=column("existence"),
         initiated=column("initiated"),
         updated=column("updated"),

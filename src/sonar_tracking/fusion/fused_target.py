@@ -107,6 +107,8 @@ class CopiedRow:
         As there.
     heard : tuple of BearingKey
         Bearing tracks it is made of.
+    z, z_standard_deviation : float
+        As there, m.
     """
 
     id: int
@@ -123,6 +125,8 @@ class CopiedRow:
     hypothesis: TrackHypothesis
     hypothesis_probability: float
     heard: tuple[BearingKey, ...]
+    z: float = np.nan
+    z_standard_deviation: float = np.nan
 
 
 def moves(tracks: PositionTracks, row: int) -> bool:
