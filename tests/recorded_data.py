@@ -19,6 +19,7 @@ PUBLISHED = {
     "harp_ship_bearings": "https://github.com/ericSnyderSIO/wheresWhaledo",
     "maritime_contacts": "https://github.com/Autoferry/sensor_fusion_dataset",
     "ula32_room_responses": "https://github.com/polimi-ispl/rs-mnmf",
+    "whale_click_bearings": "https://github.com/ericSnyderSIO/wheresWhaledo",
 }
 """Data set to the address where its owners publish it."""
 

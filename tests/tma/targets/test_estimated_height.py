@@ -8,13 +8,13 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import FloatArray
-from sonar_tracking.records.bearings import AngleKind, BearingTracks, Sensor, TrackStatus
-from sonar_tracking.records.positions import MAP_FRAME, PositionTracks
+from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.records.positions import PositionTracks
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
 from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+from tests.tma.direction_reports import reported, seen_from
 from tests.tma.passive_scene import SECOND, listed
 
 WEST, EAST = np.array([0.0, 0.0, -1300.0]), np.array([1500.0, 0.0, -1250.0])
@@ -52,35 +52,6 @@ def diving(generator: np.random.Generator, n_frames: int, turn: range) -> FloatA
     return np.array(path)
 
 
-def bearing(
-    name: str, station: FloatArray, place: FloatArray, stamp: int, noise: FloatArray
-) -> BearingTracks:
-    """Return the bearing track of a station, with noise of azimuth and elevation, rad."""
-    x, y, z = place - station
-    azimuth = np.array([wrap_angle(np.arctan2(y, x) + noise[0])])
-    unknown, variance = np.full(1, np.nan), np.array([DEVIATION**2])
-    return BearingTracks(
-        stamp=stamp,
-        id=np.ones(1, np.uint64),
-        status=np.full(1, TrackStatus.CONFIRMED, np.uint8),
-        arrival_angle=azimuth,
-        arrival_angle_rate=np.zeros(1),
-        covariance=np.diag([DEVIATION**2, 1e-4])[None],
-        measurement=azimuth,
-        measurement_variance=variance,
-        innovation=unknown,
-        signal_to_noise_ratio=unknown,
-        existence_probability=unknown,
-        ambiguous=np.zeros(1, bool),
-        sensor=Sensor(
-            name, MAP_FRAME, tuple(station.tolist()), (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
-        ),
-        angle_kind=AngleKind.AZIMUTH,
-        elevation=np.array([np.arctan2(z, np.hypot(x, y)) + noise[1]]),
-        elevation_variance=variance,
-    )
-
-
 def followed(
     stations: Mapping[str, FloatArray],
     seed: int,
@@ -105,7 +76,8 @@ def followed(
         if elevation_error is not None:
             noise[next(iter(stations))][1] += elevation_error[frame]
         lists = tuple(
-            bearing(name, station, place, stamp, noise[name]) for name, station in stations.items()
+            reported(name, station, *(seen_from(station, place) + noise[name]), DEVIATION, stamp)
+            for name, station in stations.items()
         )
         moments.append(Moment(place, listed(stage.update(PassiveFrame(stamp, lists)))))
     return moments

@@ -9,7 +9,7 @@ import pytest
 
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.evaluation.studies.ship_bearings.data import ArrayBearings, read_bearings
-from sonar_tracking.evaluation.studies.ship_bearings.node_tracks import NODE
+from sonar_tracking.evaluation.studies.ship_bearings.node_tracks import NODE, live_track
 from sonar_tracking.evaluation.studies.ship_bearings.pairing import pair_bearings
 from sonar_tracking.evaluation.studies.ship_bearings.study import (
     UNLABELLED,
@@ -162,6 +162,28 @@ def test_the_real_ship_is_found_better_than_by_single_seconds(
     for (way, arrays), median in single_seconds.items():
         assert rows[SMOOTHED + way, arrays]["median_m"] < median
         assert 0.3 < rows[SMOOTHED + way, arrays]["median_nees"] < 2.0
+
+
+@pytest.mark.data
+@pytest.mark.parametrize(
+    ("file", "names", "system", "least"),
+    [
+        ("two_arrays_A", ("EE",), SINGLE, 85.0),
+        ("two_arrays_A", ("EW",), SINGLE, 85.0),
+        ("two_arrays_A", ("EE", "EW"), BOTH, 85.0),
+        ("array_EW_B", ("EW",), SINGLE, 85.0),
+        ("two_arrays_A", ("EE", "EW"), CROSS, 70.0),
+    ],
+)
+def test_ellipses_of_the_node_hold_the_real_ship(
+    file: str, names: tuple[str, ...], system: str, least: float
+) -> None:
+    """Told the depth alone; azimuths alone err by more than they can tell overhead."""
+    arrays = read_bearings(recorded_data(f"harp_ship_bearings/{file}.npz"))
+    chosen = tuple(array for array in arrays if array.name in names)
+    (row,) = ship_rows([(live_track(system, chosen, system != CROSS),)])
+    assert least <= row.metrics["in_ellipse_percent"] <= 99.0
+    assert row.metrics["confirmed_percent"] > 80.0
 
 
 def beginning(array: ArrayBearings, end: float) -> ArrayBearings:

@@ -72,22 +72,48 @@ def frames_of(arrays: Sequence[ArrayBearings], elevations: bool) -> tuple[Passiv
     return tuple(PassiveFrame(stamp, tuple(bearings[stamp])) for stamp in sorted(bearings))
 
 
+def live_track(system: str, arrays: tuple[ArrayBearings, ...], elevations: bool) -> ShipTrack:
+    """Return the confirmed rows of the node.
+
+    Parameters
+    ----------
+    system : str
+        How the ship is located, for the name of the track.
+    arrays : tuple of ArrayBearings
+        What was measured.
+    elevations : bool
+        Whether the arrays report elevations.
+    """
+    return _scored(NODE + system, arrays, _live(arrays, elevations), _depth(arrays))
+
+
 def _tracked(
     system: str, arrays: tuple[ArrayBearings, ...], elevations: bool
 ) -> tuple[ShipTrack, ShipTrack]:
-    depth = float(np.mean([-array.position[2] for array in arrays]))
-    configuration = TmaTrackerConfiguration(
-        sound_speed=arrays[0].sound_speed, target_height=depth if elevations else 0.0
-    )
-    frames = frames_of(arrays, elevations)
-    stage = TmaTrackerStage(configuration, len(arrays))
-    updates = [stage.update(frame).tracks for frame in frames]
-    pictures = [tracks for tracks in updates if tracks is not None]
+    configuration = _configuration(arrays, elevations)
+    pictures = _live(arrays, elevations)
     log = ObservationLog(configuration)
-    log.add_all(frames)
+    log.add_all(frames_of(arrays, elevations))
     smoothed = smooth_tracks(pictures, log.observations, configuration, SMOOTHER).pictures
+    depth = _depth(arrays)
     live = _scored(NODE + system, arrays, pictures, depth)
     return live, _scored(HINDSIGHT + system, arrays, smoothed, depth)
+
+
+def _depth(arrays: Sequence[ArrayBearings]) -> float:
+    return float(np.mean([-array.position[2] for array in arrays]))
+
+
+def _configuration(arrays: Sequence[ArrayBearings], elevations: bool) -> TmaTrackerConfiguration:
+    return TmaTrackerConfiguration(
+        sound_speed=arrays[0].sound_speed, target_height=_depth(arrays) if elevations else 0.0
+    )
+
+
+def _live(arrays: Sequence[ArrayBearings], elevations: bool) -> list[PositionTracks]:
+    stage = TmaTrackerStage(_configuration(arrays, elevations), len(arrays))
+    updates = [stage.update(frame).tracks for frame in frames_of(arrays, elevations)]
+    return [tracks for tracks in updates if tracks is not None]
 
 
 def _bearings(array: ArrayBearings, index: int, elevations: bool) -> BearingTracks:

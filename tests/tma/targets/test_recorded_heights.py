@@ -1,0 +1,57 @@
+"""Protects what comes of recorded animals with default parameters: joined, at a depth they have."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sonar_tracking.motion import azimuth_from_compass
+from sonar_tracking.records.bearings import BearingTracks, TrackStatus
+from sonar_tracking.records.time import nanoseconds
+from sonar_tracking.tma.targets.passive_frame import PassiveFrame
+from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
+from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+from tests.recorded_data import recorded_data
+from tests.tma.direction_reports import reported
+
+DEVIATION = float(np.radians(1.0))
+BOTTOM, SURFACE = -1322.0, 0.0
+
+
+def whale_frames(label: int) -> tuple[list[PassiveFrame], float]:
+    """Return the frames of one whale at both arrays, and the speed of sound, m/s."""
+    lists: dict[int, list[BearingTracks]] = {}
+    with np.load(recorded_data("whale_click_bearings/encounter_2018_03_27.npz")) as data:
+        speed = float(data["sound_speed_m_s"])
+        for name in ("EW", "EE"):
+            own = (data[f"{name}_label"] == label) & (np.abs(data[f"{name}_norm"] - 1.0) < 0.1)
+            times = data[f"{name}_t_s"][own].tolist()
+            azimuths = azimuth_from_compass(data[f"{name}_az_deg"][own]).tolist()
+            elevations = np.radians(data[f"{name}_el_deg"][own]).tolist()
+            for time, azimuth, elevation in zip(times, azimuths, elevations, strict=True):
+                stamp = nanoseconds(1000.0 + time)
+                of_azimuth = DEVIATION / max(np.cos(elevation), 0.2)
+                one = reported(
+                    *(name, data[f"{name}_array_enu_m"], azimuth, elevation, DEVIATION),
+                    *(stamp, of_azimuth),
+                )
+                lists.setdefault(stamp, []).append(one)
+    return [PassiveFrame(stamp, tuple(lists[stamp])) for stamp in sorted(lists)], speed
+
+
+@pytest.mark.data
+@pytest.mark.parametrize("label", [3, 4, 7])
+def test_recorded_whales_are_joined_and_between_bottom_and_surface(label: int) -> None:
+    frames, speed = whale_frames(label)
+    stage = TmaTrackerStage(TmaTrackerConfiguration(sound_speed=speed), n_stations=2)
+    heights, deviations = [], []
+    for frame in frames:
+        tracks = stage.update(frame).tracks
+        if tracks is None or len(tracks) != 1 or len(set(tracks.contributor_sensor)) < 2:
+            continue
+        if tracks.status[0] == TrackStatus.CONFIRMED:
+            heights.append(tracks.z[0])
+            deviations.append(tracks.z_standard_deviation[0])
+    assert len(heights) > 0.4 * len(frames)
+    assert np.min(heights) > BOTTOM and np.max(heights) < SURFACE
+    assert np.median(deviations) < 120.0
