@@ -75,11 +75,11 @@ def followed(
         noise = {name: DEVIATION * generator.standard_normal(2) for name in stations}
         if elevation_error is not None:
             noise[next(iter(stations))][1] += elevation_error[frame]
-        lists = tuple(
-            reported(name, station, *(seen_from(station, place) + noise[name]), DEVIATION, stamp)
-            for name, station in stations.items()
-        )
-        moments.append(Moment(place, listed(stage.update(PassiveFrame(stamp, lists)))))
+        lists = []
+        for name, station in stations.items():
+            azimuth, elevation = (seen_from(station, place) + noise[name]).tolist()
+            lists.append(reported(name, station, azimuth, elevation, DEVIATION, stamp))
+        moments.append(Moment(place, listed(stage.update(PassiveFrame(stamp, tuple(lists))))))
     return moments
 
 

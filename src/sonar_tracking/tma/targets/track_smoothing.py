@@ -98,10 +98,13 @@ def smooth_tracks(
             silent.append(identifier)
         elif ever and path is None:
             failed.append(identifier)
+        # What the list says of itself has the size of the target in it.
+        size = np.zeros((4, 4)) if path is None else _size(tracker)
         path = path or start
         known = _known(path, history, tracker)
         for place, (index, row) in enumerate(track.places):
-            states[index][row], covariances[index][row] = path.mean[place], path.covariance[place]
+            states[index][row] = path.mean[place]
+            covariances[index][row] = path.covariance[place] + size
             if ever and known[place] and statuses[index][row] == TrackStatus.TENTATIVE:
                 statuses[index][row] = TrackStatus.CONFIRMED
         done(number + 1, len(recorded))
@@ -259,6 +262,11 @@ def _smoothed(
     # The last of the instants of one time; all of them have the same state.
     where = np.searchsorted(history.times, track.path.times, side="right") - 1
     return TrackPath(track.path.times, found.mean[where], found.covariance[where])
+
+
+def _size(tracker: TmaTrackerConfiguration) -> FloatArray:
+    """Return the covariance of where on a target what is heard comes from, shape (4, 4), m^2."""
+    return np.diag([tracker.target_size**2, tracker.target_size**2, 0.0, 0.0])
 
 
 def _known(
