@@ -247,6 +247,7 @@ def condition_bank(
     rows: LinearisedRows,
     log_penalty: FloatArray,
     further: slice = slice(None),
+    in_place: bool = False,
 ) -> HypothesisBank:
     """Return the bank after the rows, its weights not normalised.
 
@@ -263,8 +264,11 @@ def condition_bank(
         Log likelihood of measurements that a component left out.
     further : slice
         Of the first dimension: where states that no row depends on are not zero for certain.
+    in_place : bool
+        Whether the covariance of the bank given may be overwritten.
     """
-    covariance, size = bank.covariance.copy(), rows.derivative.shape[-1]
+    covariance = bank.covariance if in_place else bank.covariance.copy()
+    size = rows.derivative.shape[-1]
     shift = np.zeros_like(bank.mean)
     direct, directly = covariance[..., :size, :size], shift[..., :size]
     taken = np.empty(direct.shape)

@@ -212,7 +212,7 @@ def _advance(
         rows = rows_of(predicted, measured)
         variance = innovation_variance(predicted, rows)
     within, penalty = gate_rows(rows, variance, configuration.gate)
-    bank = condition_bank(predicted, within, penalty, slice(WEAVING, None, MODES))
+    bank = condition_bank(predicted, within, penalty, slice(WEAVING, None, MODES), in_place=True)
     total = rows_of_run.log_sums(bank.log_weight)
     bank = replace(bank, log_weight=bank.log_weight - total[rows_of_run.owner])
     if configuration.learn_errors:
