@@ -53,7 +53,7 @@ class RangeBankConfiguration:
     weave_period: float = parameter(
         130.0, "And how long a turn to port and one to starboard take", unit="s", minimum=1.0
     )
-    weave_probability: float = parameter(0.2, "That a target weaves", minimum=0.0, maximum=0.99)
+    weave_probability: float = parameter(0.1, "That a target weaves", minimum=0.0, maximum=0.99)
     learn_errors: bool = parameter(
         True,
         "Learn from the data how large and how lasting the errors of bearings and lines are; "
