@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from sonar_tracking.geometry import line_array, steering_vectors
+from sonar_tracking.passive.array_fit.judged_covariance import JudgedCovariance
 from sonar_tracking.passive.array_fit.noise_colour import NoiseColour
 from sonar_tracking.passive.array_fit.noise_evidence import noise_evidence
 from sonar_tracking.passive.array_fit.noise_models import DistanceNoise, LineNoise, noise_model
@@ -50,8 +51,12 @@ def covariances(
 def colour_after(data: list[ComplexArray], positions: FloatArray) -> NoiseColour:
     model, colour = noise_model(positions), NoiseColour()
     assert model is not None
+    elements = np.arange(len(positions))
     for covariance in data:
-        colour = colour.update(covariance, 100, model, 1.0)
+        judged = JudgedCovariance(
+            covariance, 100, positions, WAVENUMBER, elements, None, model, len(positions)
+        )
+        colour = colour.update(judged, 1.0)
     return colour
 
 

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from sonar_tracking.errors import Notice, Severity
+from sonar_tracking.passive.array_fit.element_faults import ElementFaults
+from sonar_tracking.passive.array_fit.judged_covariance import JudgedCovariance
 from sonar_tracking.passive.array_fit.noise_colour import NoiseColour
 from sonar_tracking.passive.array_fit.noise_models import noise_model
+from sonar_tracking.passive.array_fit.steering_fit import SteeringFit
+from sonar_tracking.passive.array_fit.strong_sources import strong_sources
 from sonar_tracking.records.arrays import ComplexArray, FloatArray
+
+_ALL_LOOKED_AT = 8
+"""Covariances that strong sources are sought in one by one; then in every other one."""
 
 
 @dataclass(frozen=True)
@@ -20,17 +26,63 @@ class ArrayFit:
     ----------
     colour : NoiseColour
         Of the noise.
+    faults : ElementFaults
+        Elements that are inverted or exchanged.
+    steering : SteeringFit
+        Errors of the elements.
     fitted_to : int
         Global index of the newest snapshot that was judged.
+    n_judged : int
+        Covariances judged.
     """
 
     colour: NoiseColour = field(default_factory=NoiseColour)
+    faults: ElementFaults = field(default_factory=ElementFaults)
+    steering: SteeringFit = field(default_factory=SteeringFit)
     fitted_to: int = -1
+    n_judged: int = 0
 
     @property
     def as_described(self) -> bool:
         """Whether nothing but the description of the array is needed."""
-        return not self.colour.coloured
+        faulty = self.faults.found or self.steering.error
+        return not (self.colour.coloured or faulty)
+
+    def update(self, judged: JudgedCovariance, share: float, end: int) -> ArrayFit:
+        """Return the fit after one more covariance, in which the faults found are undone.
+
+        Parameters
+        ----------
+        judged : JudgedCovariance
+            The covariance.
+        share : float
+            How many of its snapshots are new, 0 to 1.
+        end : int
+            Global index of its last snapshot.
+        """
+        number = self.n_judged
+        fit = replace(
+            self,
+            colour=self.colour.update(judged, share),
+            fitted_to=end,
+            n_judged=number + 1,
+        )
+        if number >= _ALL_LOOKED_AT and number % 2 and not self.faults.votes:
+            return fit
+        strong = strong_sources(
+            judged.covariance,
+            judged.n_snapshots,
+            judged.positions,
+            judged.wavenumber,
+            judged.elements,
+            fit.noise_covariance(judged.positions) if judged.noise is None else judged.noise,
+        )
+        if strong is None:
+            return fit
+        faults = self.faults.update(strong)
+        if faults.votes or faults.found != self.faults.found:
+            return replace(fit, faults=faults)
+        return replace(fit, faults=faults, steering=self.steering.update(strong, judged))
 
     def noise_covariance(self, positions: FloatArray) -> ComplexArray | None:
         """Return the noise covariance found, None = white.
@@ -50,24 +102,20 @@ class ArrayFit:
             return None
         return model.covariance(self.colour.parameters)
 
-    def notices(self, positions: FloatArray) -> list[Notice]:
-        """Return what a user should know of the array.
+    def undone(self, snapshots: ComplexArray) -> ComplexArray:
+        """Return snapshots, or other rows of numbers by element, without the faults found.
 
         Parameters
         ----------
-        positions : ndarray, shape (n_elements, 3)
-            Element positions, m.
+        snapshots : ndarray, shape (..., n_elements), complex
+            Of all elements, in any unit.
+
+        Returns
+        -------
+        ndarray, shape (..., n_elements), complex
+            In that unit.
         """
-        noise = self.noise_covariance(positions)
-        if noise is None:
-            return []
-        largest = float(np.abs(noise[0, 1:]).max())
-        return [
-            Notice(
-                Severity.WARN,
-                "noise",
-                f"The noise is not white: correlated between elements by up to {largest:.2f}. Its "
-                "covariance is estimated from the data and used; give noise_covariance with the "
-                "snapshots if it is known.",
-            )
-        ]
+        if not self.faults.found:
+            return snapshots
+        order, signs = self.faults.order_and_signs(snapshots.shape[-1])
+        return np.asarray(snapshots[..., order] * signs, dtype=np.complex128)

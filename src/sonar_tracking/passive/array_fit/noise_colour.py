@@ -18,6 +18,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from sonar_tracking.passive.array_fit.judged_covariance import JudgedCovariance
 from sonar_tracking.passive.array_fit.noise_evidence import (
     LARGEST_STEP,
     NoiseEvidence,
@@ -33,8 +34,12 @@ FORGETTING = 0.95
 SIGNIFICANT = 80.0
 """Of z, 8 on average in white noise with eight parameters: one chance in 10^13."""
 
-LEAST_GAIN = 25.0
+LEAST_GAIN = 30.0
 """Nats by which coloured noise must shorten the description of one covariance."""
+
+LEAST_CORRELATION = 0.2
+"""Between any two elements: less brings no false track, and what strong sources leave in the noise
+when they move during a covariance is not more."""
 
 _WHITE_AGAIN = 30.0
 _FIT_STEPS = 8
@@ -81,34 +86,22 @@ class NoiseColour:
     information: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
     n_steps: int = 0
 
-    def update(
-        self,
-        covariance: ComplexArray,
-        n_snapshots: int,
-        model: NoiseModel,
-        share: float,
-        white: NoiseEvidence | None = None,
-        row: int = 0,
-    ) -> NoiseColour:
+    def update(self, judged: JudgedCovariance, share: float) -> NoiseColour:
         """Return the colour after one more covariance.
 
         Parameters
         ----------
-        covariance : ndarray, shape (n_elements, n_elements), complex
-            Sample covariance, linear power.
-        n_snapshots : int
-            Snapshots in it.
-        model : NoiseModel
-            Of the same elements.
+        judged : JudgedCovariance
+            The covariance.
         share : float
-            How many of the snapshots are new, 0 to 1.
-        white : NoiseEvidence, optional
-            What it and others say at white noise, and
-        row : int
-            which of them it is; computed here if not given.
+            How many of its snapshots are new, 0 to 1.
         """
+        model, n_snapshots = judged.model, judged.n_snapshots
+        if model is None:
+            return self
         if len(self.parameters) != model.n_parameters:
-            return _white(model).update(covariance, n_snapshots, model, share, white, row)
+            return _white(model).update(judged, share)
+        covariance, white, row = judged.of_noise, judged.white, judged.row
         if self.coloured:
             return self._follow(covariance, n_snapshots, model, share)
         if white is None:
@@ -133,8 +126,9 @@ class NoiseColour:
         if not (significant or (crowded > self.n_steps and _has_a_turn(crowded))):
             return summed
         fitted, evidence = _fitted(covariance, n_snapshots, model)
-        too_long = evidence.description[0] > white.description[row] - LEAST_GAIN
-        if too_long or evidence.ranks[0] > _MOST_SOURCES * len(covariance):
+        doubtful = evidence.description[0] > white.description[row] - LEAST_GAIN
+        doubtful |= evidence.ranks[0] > _MOST_SOURCES * len(covariance)
+        if doubtful or _largest_correlation(model.covariance(fitted)) < LEAST_CORRELATION:
             return replace(_white(model), n_steps=crowded) if significant else summed
         return replace(
             _white(model),
@@ -162,6 +156,10 @@ class NoiseColour:
         if other.description[0] > evidence.description[0] - LEAST_GAIN:
             return followed
         return replace(followed, parameters=fitted, information=other.information[0])
+
+
+def _largest_correlation(covariance: ComplexArray) -> float:
+    return float(np.abs(covariance - np.diag(np.diagonal(covariance))).max())
 
 
 def _has_a_turn(number: int) -> bool:

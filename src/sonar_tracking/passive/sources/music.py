@@ -244,6 +244,40 @@ def bearings_in_snapshots(
     return _resolved(NullSpectrum(positions, wavenumber, vectors, factor), grid)
 
 
+def valley_floors(
+    vectors: ComplexArray, positions: FloatArray, wavenumber: float, refined: bool = True
+) -> tuple[FloatArray, FloatArray]:
+    """Return the deepest valleys of the null spectra of several signal subspaces.
+
+    Parameters
+    ----------
+    vectors : ndarray, shape (n_spectra, n_elements, n_sources), complex
+        Orthonormal bases, pure numbers.
+    positions : ndarray, shape (n_elements, 3)
+        Element positions, m.
+    wavenumber : float
+        rad/m.
+    refined : bool
+        Whether they are sought to the floor, or on the grid only.
+
+    Returns
+    -------
+    angles : ndarray, shape (n_spectra, n_sources)
+        Of the valleys, rad, deepest on the grid first.
+    floors : ndarray, shape (n_spectra, n_sources)
+        The null spectrum there, pure numbers; 1 where there is no valley more.
+    """
+    spectrum = NullSpectrum(positions, wavenumber, vectors, None)
+    grid = angle_grid(positions, wavenumber, rounded=True)
+    on_grid = spectrum.on_grid(grid)
+    found = _deepest_valleys(on_grid, vectors.shape[-1])
+    if refined:
+        angles = _refined(spectrum, grid.angles, found)
+        return angles, np.where(found < 0, 1.0, spectrum.at(angles))
+    floors = np.take_along_axis(on_grid, np.maximum(found, 0), axis=-1)
+    return grid.angles[found], np.where(found < 0, 1.0, floors)
+
+
 def _factor(noise_covariance: ComplexArray | None) -> ComplexArray | None:
     if noise_covariance is None:
         return None

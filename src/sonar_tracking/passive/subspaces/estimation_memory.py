@@ -89,13 +89,14 @@ class EstimationMemory:
         """Snapshots kept of the elements in use, shape (..., n_kept, n_used), linear amplitude."""
         return self.history if self.used.all() else self.history[..., self.used]
 
-    def in_noise(self, covariance: ComplexArray | None) -> EstimationMemory:
-        """Return the memory with another noise covariance, shape (n_used, n_used), pure numbers."""
-        return replace(
-            self,
-            header=replace(self.header, noise_covariance=covariance),
-            whitening=None if covariance is None else noise_factors(covariance)[1],
-        )
+    def fitted(self, fit: ArrayFit) -> EstimationMemory:
+        """Return the memory with an array as the data have told it: faults undone, noise found."""
+        header, whitening = self.header, self.whitening
+        noise = fit.noise_covariance(header.element_positions)
+        if noise is not None and header.noise_covariance is None:
+            header, whitening = replace(header, noise_covariance=noise), noise_factors(noise)[1]
+        history = fit.undone(self.history)
+        return replace(self, header=header, whitening=whitening, history=history, fit=fit)
 
     def without_windows(self, closed: list[Window]) -> EstimationMemory:
         """Return the memory without some windows, one at least, and what was kept for them."""
@@ -213,9 +214,18 @@ def starting_columns(configuration: SubspaceConfiguration, memory: EstimationMem
 
 def _stacked(subspaces: list[CapturedSubspace], memory: EstimationMemory) -> ComplexArray:
     if subspaces:
-        return np.stack([c.basis for c in subspaces], axis=-3)
+        return _without_faults(np.stack([c.basis for c in subspaces], axis=-3), memory)
     batch, n_elements = memory.history.shape[:-2], len(memory.header.element_positions)
     return np.empty((*batch, 0, n_elements, memory.n_columns), dtype=np.complex128)
+
+
+def _without_faults(bases: ComplexArray, memory: EstimationMemory) -> ComplexArray:
+    """Return bases, shape (..., n_used, n_columns), of an array without its faults."""
+    if not memory.fit.faults.found:
+        return bases
+    rows = np.zeros((*bases.shape[:-2], bases.shape[-1], len(memory.used)), dtype=np.complex128)
+    rows[..., memory.used] = np.swapaxes(bases, -1, -2)
+    return np.swapaxes(memory.fit.undone(rows)[..., memory.used], -1, -2)
 
 
 def _summaries(
@@ -242,7 +252,7 @@ def _summaries(
                 first.header,
                 first.whitening,
                 math.radians(configuration.maximum_rate_deg),
-                configuration.steering_error,
+                configuration.steering_error or first.fit.steering.error,
             )
             for row, summary in zip(part, together, strict=True):
                 summaries[row] = summary
@@ -284,4 +294,5 @@ def _kind(memory: EstimationMemory) -> tuple[object, ...]:
         header.center_frequency,
         header.sound_speed,
         None if noise is None else noise.tobytes(),
+        memory.fit.steering.error,
     )

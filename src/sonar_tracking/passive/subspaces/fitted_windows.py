@@ -1,4 +1,4 @@
-"""Windows seen with what the data tell of the array: the colour of its noise.
+"""Windows seen with what the data tell of the array: faults of elements, their errors, the noise.
 
 The windows of a run are gone through in order of time, so that the fit of the array does not depend
 on how the data are cut into blocks. As long as an array is as it is described, nothing is changed.
@@ -10,18 +10,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from sonar_tracking.geometry import wavenumber
 from sonar_tracking.passive.array_fit.array_fit import ArrayFit
-from sonar_tracking.passive.array_fit.counted_covariance import judged_covariance, judged_size
-from sonar_tracking.passive.array_fit.noise_evidence import NoiseEvidence, noise_evidence
-from sonar_tracking.passive.array_fit.noise_models import NoiseModel, noise_model
+from sonar_tracking.passive.array_fit.judged_covariance import JudgedCovariance, judged_size
+from sonar_tracking.passive.array_fit.noise_evidence import noise_evidence
+from sonar_tracking.passive.array_fit.noise_models import noise_model
 from sonar_tracking.passive.sources.moving_source_counting import sample_covariance
 from sonar_tracking.passive.subspaces.estimation_memory import (
     CompleteWindow,
-    EstimationMemory,
     covariance_snapshots,
 )
 from sonar_tracking.passive.subspaces.subspace_configuration import SubspaceConfiguration
-from sonar_tracking.records.arrays import ComplexArray
 
 
 @dataclass(frozen=True)
@@ -40,17 +39,6 @@ class FittedWindows:
     windows: list[CompleteWindow]
 
 
-@dataclass(frozen=True)
-class _Judged:
-    """A covariance to judge, its snapshots, the noise model, and what it says at white noise."""
-
-    covariance: ComplexArray
-    n_snapshots: int
-    model: NoiseModel
-    white: NoiseEvidence | None = None
-    row: int = 0
-
-
 def fitted_windows(
     configuration: SubspaceConfiguration, runs: list[tuple[ArrayFit, list[CompleteWindow]]]
 ) -> list[FittedWindows]:
@@ -63,42 +51,60 @@ def fitted_windows(
     runs : list of (ArrayFit, list of CompleteWindow)
         The fit before, and the windows in order of time, of each run.
     """
-    judged = [[_judged(configuration, window) for window in windows] for _, windows in runs]
+    judged = [[_judged(configuration, window, fit) for window in windows] for fit, windows in runs]
     judged = _with_evidence(judged)
-    return [_fitted(fit, windows, own) for (fit, windows), own in zip(runs, judged, strict=True)]
+    return [
+        _fitted(configuration, fit, windows, own)
+        for (fit, windows), own in zip(runs, judged, strict=True)
+    ]
 
 
-def _judged(configuration: SubspaceConfiguration, window: CompleteWindow) -> _Judged | None:
+def _judged(
+    configuration: SubspaceConfiguration, window: CompleteWindow, fit: ArrayFit
+) -> JudgedCovariance | None:
     """Return the covariance of a window that the fit is judged by, None if there is none."""
     memory = window.snapshots_from
-    if memory.history.ndim > 2 or memory.header.noise_covariance is not None:
+    if memory.history.ndim > 2 or not window.subspaces:
         return None
-    if not window.subspaces:
-        return None
+    header = memory.header
+    memory = memory.fitted(replace(fit, colour=replace(fit.colour, coloured=False)))
     snapshots = covariance_snapshots(configuration, memory, window.covariance_end)
-    size = judged_size(memory.header.element_positions, len(snapshots))
-    model = noise_model(memory.header.element_positions[:size]) if size else None
-    if model is None:
+    positions = header.element_positions
+    size = judged_size(positions, len(snapshots))
+    if size == 0:
         return None
-    covariance = judged_covariance(sample_covariance(snapshots), size)
-    return _Judged(covariance, len(snapshots), model)
+    noise = header.noise_covariance
+    return JudgedCovariance(
+        sample_covariance(snapshots),
+        len(snapshots),
+        positions,
+        wavenumber(header.center_frequency, header.sound_speed),
+        np.flatnonzero(memory.used),
+        noise,
+        noise_model(positions[:size]) if noise is None else None,
+        size,
+    )
 
 
-def _with_evidence(runs: list[list[_Judged | None]]) -> list[list[_Judged | None]]:
+def _with_evidence(
+    runs: list[list[JudgedCovariance | None]],
+) -> list[list[JudgedCovariance | None]]:
     """Return the covariances with what they say at white noise, those alike judged together."""
     alike: dict[tuple[int, int], list[tuple[int, int]]] = {}
     for run, windows in enumerate(runs):
         for number, each in enumerate(windows):
-            if each is not None:
+            if each is not None and each.model is not None:
                 alike.setdefault((id(each.model), each.n_snapshots), []).append((run, number))
     for places in alike.values():
         together = [each for run, number in places if (each := runs[run][number]) is not None]
-        first = together[0]
+        model = together[0].model
+        if model is None:
+            continue
         white = noise_evidence(
-            np.stack([each.covariance for each in together]),
-            first.n_snapshots,
-            first.model,
-            np.zeros(first.model.n_parameters),
+            np.stack([each.of_noise for each in together]),
+            together[0].n_snapshots,
+            model,
+            np.zeros(model.n_parameters),
         )
         for row, ((run, number), each) in enumerate(zip(places, together, strict=True)):
             runs[run][number] = replace(each, white=white, row=row)
@@ -106,24 +112,21 @@ def _with_evidence(runs: list[list[_Judged | None]]) -> list[list[_Judged | None
 
 
 def _fitted(
-    fit: ArrayFit, windows: list[CompleteWindow], judged: list[_Judged | None]
+    configuration: SubspaceConfiguration,
+    fit: ArrayFit,
+    windows: list[CompleteWindow],
+    judged: list[JudgedCovariance | None],
 ) -> FittedWindows:
-    fitted = []
+    fitted, before = [], fit.faults.found
     for window, each in zip(windows, judged, strict=True):
+        if fit.faults.found != before:
+            each = _judged(configuration, window, fit)
         if each is not None:
             share = min((window.covariance_end - fit.fitted_to) / each.n_snapshots, 1.0)
             if share > 0.0:
-                colour = fit.colour.update(
-                    each.covariance, each.n_snapshots, each.model, share, each.white, each.row
-                )
-                fit = replace(fit, colour=colour, fitted_to=window.covariance_end)
-        fitted.append(window if fit.as_described else _with_fit(window, fit))
+                fit = fit.update(each, share, window.covariance_end)
+        if not fit.as_described:
+            memory = window.snapshots_from.fitted(fit)
+            window = replace(window, snapshots_from=memory)
+        fitted.append(window)
     return FittedWindows(fit, fitted)
-
-
-def _with_fit(window: CompleteWindow, fit: ArrayFit) -> CompleteWindow:
-    memory: EstimationMemory = window.snapshots_from
-    if memory.header.noise_covariance is not None:
-        return window
-    noise = fit.noise_covariance(memory.header.element_positions)
-    return replace(window, snapshots_from=memory.in_noise(noise))

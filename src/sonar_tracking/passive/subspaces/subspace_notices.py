@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from sonar_tracking.errors import Notice, Severity
 from sonar_tracking.passive.array_fit.array_fit import ArrayFit
+from sonar_tracking.passive.array_fit.fit_notices import fit_notices
+from sonar_tracking.passive.subspaces.estimation_memory import EstimationMemory
 from sonar_tracking.records.bearings import ArraySnapshots, SubspaceEstimates
 from sonar_tracking.records.time import NANOSECONDS
 
@@ -19,7 +23,7 @@ def gap_notice(missing: int, block: ArraySnapshots) -> Notice:
 
 
 def estimate_notices(
-    estimates: list[SubspaceEstimates], fit: ArrayFit, header: ArraySnapshots
+    estimates: list[SubspaceEstimates], fit: ArrayFit, memory: EstimationMemory
 ) -> list[Notice]:
     """Return what estimates, and the fit of the array after them, tell a user.
 
@@ -29,13 +33,13 @@ def estimate_notices(
         Of one block.
     fit : ArrayFit
         After them.
-    header : ArraySnapshots
-        Array of the elements in use.
+    memory : EstimationMemory
+        Of the run.
     """
-    positions = header.element_positions
+    positions = memory.header.element_positions
     crowded = any(one.rank >= len(one.element_positions) - 1 for one in estimates)
     notices = [crowded_notice(len(positions))] if crowded else []
-    return notices + fit.notices(positions)
+    return notices + fit_notices(fit, positions, np.flatnonzero(memory.used))
 
 
 def crowded_notice(n_elements: int) -> Notice:

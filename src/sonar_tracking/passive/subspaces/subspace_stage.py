@@ -344,7 +344,7 @@ def update_together(
         estimates = list(islice(made, len(each.complete)))
         if each.end_of_data:
             estimates[-1] = replace(estimates[-1], next_stamp=END_OF_DATA)
-        notices = [*each.notices, *estimate_notices(estimates, run.fit, each.memory.header)]
+        notices = [*each.notices, *estimate_notices(estimates, run.fit, each.memory)]
         stage._memory = replace(each.memory, fit=run.fit)
         updates.append(SubspaceUpdate(tuple(estimates), tuple(notices)))
     return updates

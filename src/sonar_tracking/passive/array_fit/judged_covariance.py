@@ -1,0 +1,101 @@
+"""The covariance in which the fit of an array is judged: enough snapshots for its elements."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sonar_tracking.geometry import is_uniform_line
+from sonar_tracking.passive.array_fit.noise_evidence import NoiseEvidence
+from sonar_tracking.passive.array_fit.noise_models import NoiseModel
+from sonar_tracking.passive.sources.mdl import forward_backward_smoothed
+from sonar_tracking.records.arrays import ComplexArray, FloatArray, IntArray
+
+_SNAPSHOTS_PER_ELEMENT = 2
+
+_FEWEST_ELEMENTS = 6
+_MOST_ELEMENTS = 32
+"""More show no more of a smooth colour, and cost the cube."""
+
+
+@dataclass(frozen=True)
+class JudgedCovariance:
+    """A sample covariance that the fit of an array is judged by.
+
+    Attributes
+    ----------
+    covariance : ndarray, shape (n_elements, n_elements), complex
+        Linear power.
+    n_snapshots : int
+        Snapshots in it.
+    positions : ndarray, shape (n_elements, 3)
+        m.
+    wavenumber : float
+        rad/m.
+    elements : ndarray of int, shape (n_elements,)
+        Numbers of the elements in the whole array.
+    noise : ndarray, shape (n_elements, n_elements), complex, or None
+        Noise covariance that is known, pure numbers.
+    model : NoiseModel or None
+        Of the noise of the first ``size`` elements; None = it is known, or cannot be judged.
+    size : int
+        Elements the noise is judged on.
+    white : NoiseEvidence or None
+        What this covariance and others say at white noise, and
+    row : int
+        which of them it is.
+    """
+
+    covariance: ComplexArray
+    n_snapshots: int
+    positions: FloatArray
+    wavenumber: float
+    elements: IntArray
+    noise: ComplexArray | None
+    model: NoiseModel | None
+    size: int
+    white: NoiseEvidence | None = None
+    row: int = 0
+
+    @property
+    def of_noise(self) -> ComplexArray:
+        """The covariance the noise is judged by, shape (size, size), linear power."""
+        return judged_covariance(self.covariance, self.size)
+
+
+def judged_size(positions: FloatArray, n_snapshots: int) -> int:
+    """Return how many elements the fit is judged on, 0 = too few snapshots.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n_elements, 3)
+        Element positions, m.
+    n_snapshots : int
+        Snapshots in the covariance.
+    """
+    n_elements = len(positions)
+    size = min(n_elements, _MOST_ELEMENTS, n_snapshots // _SNAPSHOTS_PER_ELEMENT)
+    if size < _FEWEST_ELEMENTS or (size < n_elements and not is_uniform_line(positions)):
+        return 0
+    return size
+
+
+def judged_covariance(covariance: ComplexArray, size: int) -> ComplexArray:
+    """Return the covariance of so many elements, smoothed over the sub-arrays of a longer line.
+
+    Parameters
+    ----------
+    covariance : ndarray, shape (..., n_elements, n_elements), complex
+        Sample covariance, linear power.
+    size : int
+        Elements to judge.
+
+    Returns
+    -------
+    ndarray, shape (..., size, size), complex
+        Linear power.
+    """
+    if size == covariance.shape[-1]:
+        return covariance
+    return np.asarray(forward_backward_smoothed(covariance, size))

@@ -1,0 +1,130 @@
+"""How well the steering vectors of an array fit strong sources: the error of its elements.
+
+Each floor of a null spectrum that the noise does not explain is e^2, the relative variance of the
+gain and phase errors (:mod:`sonar_tracking.passive.array_fit.strong_sources`). Its mean over some
+twenty covariances is what :mod:`sonar_tracking.passive.sources.steering_error` is to put under the
+noise. Echoes that arrive with the source are no error: where more steering vectors explain the
+eigenvectors, as many as the smoothed covariance counts, the covariance says nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from sonar_tracking.geometry import is_uniform_line, steering_vectors
+from sonar_tracking.passive.array_fit.judged_covariance import JudgedCovariance
+from sonar_tracking.passive.array_fit.strong_sources import StrongSources
+from sonar_tracking.passive.directions.projection_fit import ProjectionProblem, projection_fit
+from sonar_tracking.passive.directions.steering_span import steering_span
+from sonar_tracking.passive.sources.mdl import (
+    forward_backward_smoothed,
+    smoothed_size,
+    source_count,
+)
+from sonar_tracking.passive.sources.music import music_bearings, valley_floors
+from sonar_tracking.records.arrays import FloatArray
+
+LEAST_ERROR = 0.02
+"""Relative rms error that is told and used; less brings no source that is none."""
+
+_MEMORY = 20
+_SURE = 2
+"""Covariances that must show the error."""
+
+_MORE_SOURCES = 2
+"""Coherent ones, beside those that the rank shows."""
+
+_EXPLAINED = 0.3
+"""Share of the floors that coherent sources may leave."""
+
+
+@dataclass(frozen=True)
+class SteeringFit:
+    """Running error of the elements.
+
+    Attributes
+    ----------
+    squared : float
+        Mean of e^2, pure number.
+    of_elements : ndarray, shape (n_elements,), or empty
+        Mean squared error of each element, over the mean of all, pure numbers.
+    n_shown : int
+        Covariances that have shown an error.
+    n_seen : int
+        Covariances in the mean.
+    n_unfit : int
+        Covariances in a row that no plane wave fits at all.
+    """
+
+    squared: float = 0.0
+    of_elements: FloatArray = field(default_factory=lambda: np.empty(0))
+    n_shown: int = 0
+    n_seen: int = 0
+    n_unfit: int = 0
+
+    @property
+    def error(self) -> float:
+        """Relative rms error e of the elements, 0 = none that is sure, pure number."""
+        known = self.n_shown >= _SURE and self.squared > LEAST_ERROR**2
+        return float(np.sqrt(self.squared)) if known else 0.0
+
+    @property
+    def fits(self) -> bool:
+        """Whether plane waves fit the array at all."""
+        return self.n_unfit < _SURE
+
+    def update(self, strong: StrongSources, judged: JudgedCovariance) -> SteeringFit:
+        """Return the error after one more covariance.
+
+        Parameters
+        ----------
+        strong : StrongSources
+            In the covariance.
+        judged : JudgedCovariance
+            The covariance.
+        """
+        over_noise = strong.over_noise
+        if over_noise and _coherent(strong, judged):
+            return self
+        if not strong.resolved:
+            alone = bool((strong.floors >= strong.shallow).all())
+            return replace(self, n_unfit=self.n_unfit + 1 if alone else 0)
+        n_elements, n_strong = strong.vectors.shape
+        excess = max(strong.floor - strong.noise_floor, 0.0) / n_strong
+        squared = excess * n_elements / (n_elements - 1)
+        seen = min(self.n_seen + 1, _MEMORY)
+        errors = _errors_of_elements(strong)
+        before = self.of_elements if len(self.of_elements) == n_elements else errors
+        return SteeringFit(
+            squared=self.squared + (squared - self.squared) / seen,
+            of_elements=before + (errors - before) / seen,
+            n_shown=self.n_shown + 1 if over_noise else max(self.n_shown - 1, 0),
+            n_seen=seen,
+        )
+
+
+def _errors_of_elements(strong: StrongSources) -> FloatArray:
+    """Return the squared residual of each element, over the mean of all, shape (n_elements,)."""
+    angles = valley_floors(strong.vectors[None], strong.positions, strong.wavenumber)[0][0]
+    span = steering_span(steering_vectors(strong.positions, angles, strong.wavenumber))
+    residuals = span.outside(strong.vectors)
+    squared = (residuals.real**2 + residuals.imag**2).sum(axis=-1)
+    return np.asarray(squared / max(float(squared.mean()), float(np.finfo(float).tiny)))
+
+
+def _coherent(strong: StrongSources, judged: JudgedCovariance) -> bool:
+    """Return whether coherent sources explain what plane waves of the rank do not."""
+    positions, n_strong = judged.positions, strong.vectors.shape[-1]
+    if not is_uniform_line(positions):
+        return False
+    count = source_count(judged.covariance, judged.n_snapshots)
+    size = smoothed_size(len(positions), judged.n_snapshots)
+    if not n_strong < count <= min(n_strong + _MORE_SOURCES, size - 1, len(positions) // 3):
+        return False
+    smoothed = forward_backward_smoothed(judged.covariance, size)
+    angles = music_bearings(smoothed, count, positions[:size], judged.wavenumber)
+    problem = ProjectionProblem(strong.vectors, positions, judged.wavenumber)
+    angles = projection_fit(problem, angles)
+    return bool(problem.error(angles) < _EXPLAINED * strong.floor)

@@ -1,0 +1,155 @@
+"""The strong sources in a covariance, and how well plane waves fit them.
+
+The eigenvectors of eigenvalues that are large beside the noise, and not small beside the largest
+one (motion and echoes bring such), lie in the span of as many steering vectors. What the valleys of
+their null spectrum do not reach of zero, beyond the noise of the eigenvectors, is what the elements
+differ from their description: with independent errors of relative variance e^2 each floor is e^2.
+
+References
+----------
+A. L. Swindlehurst, T. Kailath (1992) for the model of the errors.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from sonar_tracking.passive.directions.signal_subspace import noise_factor, whitened_covariance
+from sonar_tracking.passive.sources.music import SHALLOWEST_VALLEY, valley_floors
+from sonar_tracking.records.arrays import ComplexArray, FloatArray, IntArray
+
+MOST_ELEMENTS = 64
+"""Of an array whose elements are looked at singly: there are half the square of them."""
+
+LEAST_FLOOR = 1e-3
+"""Floor of a valley that is no fit: a rms error of 3 per cent."""
+
+_OVER_NOISE = 8.0
+"""The same, over what the noise of the eigenvectors leaves."""
+
+_STRONG = 0.05
+"""Eigenvalues of strong sources, over the largest one."""
+
+_LEAST_RATIO = 30.0
+"""Of the eigenvalue of a strong source to the noise."""
+
+
+@dataclass(frozen=True)
+class StrongSources:
+    """Eigenvectors of the strong sources in a covariance.
+
+    Attributes
+    ----------
+    vectors : ndarray, shape (n_elements, n_strong), complex
+        Orthonormal, pure numbers.
+    noise_floor : float
+        What the noise leaves of their floors together, pure number.
+    positions : ndarray, shape (n_elements, 3)
+        m.
+    wavenumber : float
+        rad/m.
+    elements : ndarray of int, shape (n_elements,)
+        Numbers of the elements in the whole array.
+    """
+
+    vectors: ComplexArray
+    noise_floor: float
+    positions: FloatArray
+    wavenumber: float
+    elements: IntArray
+
+    @cached_property
+    def floors(self) -> FloatArray:
+        """Floors of as many valleys as there are sources, shape (n_strong,), pure numbers."""
+        return valley_floors(self.vectors[None], self.positions, self.wavenumber)[1][0]
+
+    @property
+    def floor(self) -> float:
+        """Sum of the floors."""
+        return float(self.floors.sum())
+
+    @property
+    def fits(self) -> bool:
+        """Whether plane waves explain them within the noise."""
+        return self.floor < LEAST_FLOOR * self.vectors.shape[-1] or not self.over_noise
+
+    @property
+    def over_noise(self) -> bool:
+        """Whether the noise does not explain what the valleys do not reach of zero."""
+        return self.floor > _OVER_NOISE * self.noise_floor
+
+    @property
+    def shallow(self) -> float:
+        """Floor from which on a valley is none, pure number."""
+        return SHALLOWEST_VALLEY
+
+    @property
+    def resolved(self) -> bool:
+        """Whether each source has a valley."""
+        return bool((self.floors < SHALLOWEST_VALLEY).all())
+
+    def floors_of(self, vectors: ComplexArray, refined: bool) -> FloatArray:
+        """Return the sums of the floors of other vectors.
+
+        Parameters
+        ----------
+        vectors : ndarray, shape (n, n_elements, n_strong), complex
+            Orthonormal, pure numbers.
+        refined : bool
+            Whether the valleys are sought to the floor, or on the grid only.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            Pure numbers.
+        """
+        floors = valley_floors(vectors, self.positions, self.wavenumber, refined)[1]
+        return np.asarray(floors.sum(axis=-1))
+
+
+def strong_sources(
+    covariance: ComplexArray,
+    n_snapshots: int,
+    positions: FloatArray,
+    wavenumber: float,
+    elements: IntArray,
+    noise_covariance: ComplexArray | None = None,
+) -> StrongSources | None:
+    """Return the strong sources in a covariance, None if there are none or too many.
+
+    Parameters
+    ----------
+    covariance : ndarray, shape (n_elements, n_elements), complex
+        Sample covariance, linear power.
+    n_snapshots : int
+        Snapshots in it, at least as many as elements.
+    positions : ndarray, shape (n_elements, 3)
+        m.
+    wavenumber : float
+        rad/m.
+    elements : ndarray of int, shape (n_elements,)
+        Numbers of the elements in the whole array.
+    noise_covariance : ndarray, shape (n_elements, n_elements), complex, optional
+        Pure numbers; None = white noise.
+    """
+    n_elements = len(positions)
+    if not 3 <= n_elements <= min(MOST_ELEMENTS, n_snapshots):
+        return None
+    factor = None if noise_covariance is None else noise_factor(noise_covariance)
+    white = covariance if factor is None else whitened_covariance(covariance, factor)
+    values, vectors = np.linalg.eigh(white)
+    noise = max(float(values[n_elements // 2]), float(np.finfo(float).tiny))
+    strong = values[::-1] >= max(_STRONG * float(values[-1]), _LEAST_RATIO * noise)
+    n_strong = int(np.count_nonzero(strong))
+    if not 0 < n_strong <= n_elements // 3:
+        return None
+    ratios = values[: -n_strong - 1 : -1] / noise
+    left = (n_elements - n_strong) / n_snapshots * float((1.0 / ratios).sum())
+    leading = vectors[:, : -n_strong - 1 : -1]
+    if factor is not None:
+        # C_v e_m = L v_m lie in the span of the steering vectors, e_m do not.
+        leading = np.linalg.qr(factor @ leading).Q
+    return StrongSources(leading, left, positions, wavenumber, elements)
