@@ -126,7 +126,8 @@ class NoiseColour:
         if not (significant or (crowded > self.n_steps and _has_a_turn(crowded))):
             return summed
         fitted, evidence = _fitted(covariance, n_snapshots, model)
-        doubtful = evidence.description[0] > white.description[row] - LEAST_GAIN
+        least = LEAST_GAIN * _caution(covariance)
+        doubtful = evidence.description[0] > white.description[row] - least
         doubtful |= evidence.ranks[0] > _MOST_SOURCES * len(covariance)
         if doubtful or _largest_correlation(model.covariance(fitted)) < LEAST_CORRELATION:
             return replace(_white(model), n_steps=crowded) if significant else summed
@@ -156,6 +157,13 @@ class NoiseColour:
         if other.description[0] > evidence.description[0] - LEAST_GAIN:
             return followed
         return replace(followed, parameters=fitted, information=other.information[0])
+
+
+def _caution(covariance: ComplexArray) -> float:
+    """Return how much more must be gained beside a strong source: it leaves more in the noise."""
+    values = np.linalg.eigvalsh(covariance)
+    middle = max(float(values[len(values) // 2]), float(np.finfo(float).tiny))
+    return max(float(np.log10(float(values[-1]) / middle)) - 1.0, 1.0)
 
 
 def _largest_correlation(covariance: ComplexArray) -> float:

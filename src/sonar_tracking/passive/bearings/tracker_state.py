@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from sonar_tracking.errors import Notice
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.passive.bearings.bearing_filters import BearingFilters
 from sonar_tracking.passive.bearings.bearing_start import BearingStart
+from sonar_tracking.passive.bearings.steering_uncertainty import SteeringUncertainty
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 from sonar_tracking.records.bearings import BearingTracks
 
@@ -45,6 +46,8 @@ class TrackerState:
         Tracks that have not started yet.
     existence : ndarray, shape (n_tracks,)
         Probabilities of existence; NaN = not estimated.
+    steering : SteeringUncertainty
+        What the array differs from its description.
     """
 
     stamp: int
@@ -52,6 +55,7 @@ class TrackerState:
     filters: KalmanState
     start: BearingStart
     existence: FloatArray
+    steering: SteeringUncertainty = field(default_factory=SteeringUncertainty)
 
     def keep(self, filters: BearingFilters[Any], rows: IndexArray) -> TrackerState:
         """Return the state with some of the tracks only.

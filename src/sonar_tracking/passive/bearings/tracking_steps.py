@@ -29,6 +29,7 @@ from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
     SQUARE_DEGREE,
     BearingTrackerConfiguration,
 )
+from sonar_tracking.passive.bearings.steering_uncertainty import SteeringUncertainty
 from sonar_tracking.passive.bearings.track_existence import (
     ENDED,
     Evidence,
@@ -43,7 +44,7 @@ from sonar_tracking.passive.directions.sources_at_angles import (
 from sonar_tracking.passive.sources.weak_source_counting import WeakSourceCounter
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import SubspaceEstimates, TrackStatus
-from sonar_tracking.records.time import END_OF_DATA
+from sonar_tracking.records.time import END_OF_DATA, seconds
 
 
 @dataclass(frozen=True)
@@ -226,7 +227,24 @@ class TrackingSteps:
         # An estimate that only carries the end of the data is empty by nature.
         empty = estimates.next_stamp == END_OF_DATA and estimates.basis.shape[-3] == 0
         notices = () if empty else followed.notices
-        return state, TrackerUpdate(bearing_tracks(estimates, rows), notices)
+        steering = self._judge_array(estimates, before, followed)
+        tracks = steering.widened(bearing_tracks(estimates, rows), estimates)
+        state = replace(state, steering=steering)
+        return state, TrackerUpdate(tracks, notices + steering.notices(estimates))
+
+    def _judge_array(
+        self, estimates: SubspaceEstimates, before: TrackerState, followed: FollowedTracks
+    ) -> SteeringUncertainty:
+        """Return what the array differs from its description, by one more covariance."""
+        duration = estimates.covariance_snapshots * estimates.sample_period
+        if followed.measurement is None or not self.needs_covariance or not duration > 0.0:
+            return before.steering
+        if estimates.basis.ndim > 3:
+            return before.steering
+        mean = self.filters.targets(followed.filters).mean
+        angles = mean[..., 0] + mean[..., 1] * estimates.covariance_time_offset
+        share = min(seconds(estimates.stamp - before.stamp) / duration, 1.0)
+        return before.steering.update(estimates, angles, share)
 
     def _given_targets(self, estimates: SubspaceEstimates) -> KalmanState:
         configuration = self.configuration

@@ -1,0 +1,171 @@
+"""What bearings are uncertain by because the array differs from its description.
+
+Gain and phase errors of the elements are the same in every covariance: no mean over time removes
+what they do to a bearing. The part of them that looks like another bearing cannot be seen in the
+data; the rest can. With P the projector orthogonal to the steering vectors and their derivatives at
+the tracked angles, and the signal eigenvectors e_m with the weights of weighted subspace fitting,
+
+    chi^2 = sum_m w_m |P e_m|^2,  w_m = 2 N (lambda_m - sigma^2)^2 / (lambda_m sigma^2),
+
+is on average the number of its degrees of freedom f = 2 R (M - 2 n) if the array is as described,
+and larger by e^2 sum_m w_m (M - 2 n) / M with independent errors of relative variance e^2. From the
+sums over many covariances, e^2 follows; a bearing is then uncertain by the variance
+
+    e^2 / |a'(theta)|^2
+
+beside that of its filter, as if all errors were of phase. It is published with the tracks; the
+filters themselves, which compare bearings with the same errors, go without it.
+
+References
+----------
+A. L. Swindlehurst, T. Kailath (1992) for the model of the errors; M. Viberg, B. Ottersten (1991)
+for the weights.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sonar_tracking.errors import Notice, Severity
+from sonar_tracking.geometry import steering_pair, wavenumber
+from sonar_tracking.passive.directions.signal_subspace import signal_subspace
+from sonar_tracking.passive.directions.sources_at_angles import PRIOR_VARIANCE, unresolved
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.bearings import BearingTracks, SubspaceEstimates
+
+_KEPT = 0.998
+"""Weight of what was known before, per covariance without common snapshots: errors are lasting."""
+
+_SURE = 5.0
+"""Standard deviations of chi^2 in an array as described."""
+
+_LEAST_ERROR = 0.005
+_FEWEST_DIMENSIONS = 4
+_TOLD_FROM = 0.02
+
+
+@dataclass(frozen=True)
+class SteeringUncertainty:
+    """Running sums over the covariances of one run.
+
+    Attributes
+    ----------
+    excess : float
+        Of chi^2 over its degrees of freedom, pure number.
+    freedom : float
+        Degrees of freedom.
+    weight : float
+        What the excess is with e = 1, pure number.
+    """
+
+    excess: float = 0.0
+    freedom: float = 0.0
+    weight: float = 0.0
+
+    @property
+    def error(self) -> float:
+        """Relative rms error e of the elements, 0 = none that is sure, pure number."""
+        if self.weight <= 0.0 or self.excess < _SURE * np.sqrt(2.0 * self.freedom):
+            return 0.0
+        error = float(np.sqrt(self.excess / self.weight))
+        return error if error >= _LEAST_ERROR else 0.0
+
+    def update(
+        self, estimates: SubspaceEstimates, angles: FloatArray, share: float
+    ) -> SteeringUncertainty:
+        """Return the sums after one more covariance.
+
+        Parameters
+        ----------
+        estimates : SubspaceEstimates
+            Of a single run.
+        angles : ndarray, shape (n_tracks,)
+            Of all tracks in the middle of the covariance, rad.
+        share : float
+            How many of its snapshots are new, 0 to 1.
+        """
+        covariance, n_tracks = estimates.covariance, len(angles)
+        n_elements = len(estimates.element_positions)
+        n_free = n_elements - 2 * n_tracks
+        snapshots = estimates.covariance_snapshots
+        rank = min(estimates.rank if estimates.rank >= 0 else n_tracks, snapshots - 1)
+        if covariance is None or not 0 < rank <= n_tracks or n_free < _FEWEST_DIMENSIONS:
+            return self
+        if not covariance.any() or (unresolved(angles, angles, estimates).sum() > n_tracks):
+            return self
+        subspace = signal_subspace(covariance, rank, estimates.noise_covariance)
+        number = wavenumber(estimates.center_frequency, estimates.sound_speed)
+        pair = steering_pair(estimates.element_positions, angles, number, "array_centre")
+        spanned = np.linalg.qr(subspace.whitened(np.concatenate(pair, axis=-1))).Q
+        outside = subspace.vectors - spanned @ (spanned.conj().T @ subspace.vectors)
+        ratios = np.maximum(subspace.eigenvalues / subspace.noise_power, 1.0)
+        weights = 2.0 * snapshots * (ratios - 1.0) ** 2 / ratios
+        chi = float(weights @ (outside.real**2 + outside.imag**2).sum(axis=0))
+        freedom, kept = 2.0 * rank * n_free, _KEPT**share
+        return replace(
+            self,
+            excess=kept * self.excess + share * (chi - freedom),
+            freedom=kept**2 * self.freedom + share * freedom,
+            weight=kept * self.weight + share * float(weights.sum()) * n_free / n_elements,
+        )
+
+    def widened(self, tracks: BearingTracks, estimates: SubspaceEstimates) -> BearingTracks:
+        """Return tracks whose variances hold what the errors of the elements may be.
+
+        Parameters
+        ----------
+        tracks : BearingTracks
+            With the variances of their filters.
+        estimates : SubspaceEstimates
+            Array and frequency.
+        """
+        if not self.error or not len(tracks.id):
+            return tracks
+        variance = self.variances(estimates, tracks.arrival_angle)
+        covariance = tracks.covariance.copy()
+        covariance[..., 0, 0] += variance
+        return replace(
+            tracks,
+            covariance=covariance,
+            measurement_variance=tracks.measurement_variance + variance,
+        )
+
+    def variances(self, estimates: SubspaceEstimates, angles: FloatArray) -> FloatArray:
+        """Return the variance of each bearing by the errors of the elements.
+
+        Parameters
+        ----------
+        estimates : SubspaceEstimates
+            Array and frequency.
+        angles : ndarray, shape (n_tracks,)
+            rad.
+
+        Returns
+        -------
+        ndarray, shape (n_tracks,)
+            rad^2.
+        """
+        number = wavenumber(estimates.center_frequency, estimates.sound_speed)
+        slopes = steering_pair(estimates.element_positions, angles, number, "array_centre")[1]
+        squared = (slopes.real**2 + slopes.imag**2).sum(axis=-2)
+        return np.asarray(self.error**2 / np.maximum(squared, self.error**2 / PRIOR_VARIANCE))
+
+    def notices(self, estimates: SubspaceEstimates) -> tuple[Notice, ...]:
+        """Return what a user should know of the array.
+
+        Parameters
+        ----------
+        estimates : SubspaceEstimates
+            Array and frequency.
+        """
+        if self.error < _TOLD_FROM:
+            return ()
+        deviation = np.rad2deg(np.sqrt(self.variances(estimates, np.zeros(1))[0]))
+        text = (
+            f"The data fit the steering vectors of the tracks within {100.0 * self.error:.0f} % "
+            f"only (rms error of gain and phase); bearings are uncertain by {deviation:.2g} deg "
+            "more (at broadside), which their variances hold. Calibrate the array."
+        )
+        return (Notice(Severity.WARN, "calibration", text),)
