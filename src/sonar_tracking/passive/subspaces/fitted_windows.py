@@ -52,7 +52,8 @@ def fitted_windows(
         The fit before, and the windows in order of time, of each run.
     """
     judged = [[_judged(configuration, window, fit) for window in windows] for fit, windows in runs]
-    judged = _with_evidence(judged)
+    coloured = [fit.colour.coloured for fit, _ in runs]
+    judged = _with_evidence(judged, coloured)
     return [
         _fitted(configuration, fit, windows, own)
         for (fit, windows), own in zip(runs, judged, strict=True)
@@ -87,13 +88,16 @@ def _judged(
 
 
 def _with_evidence(
-    runs: list[list[JudgedCovariance | None]],
+    runs: list[list[JudgedCovariance | None]], coloured: list[bool]
 ) -> list[list[JudgedCovariance | None]]:
-    """Return the covariances with what they say at white noise, those alike judged together."""
+    """Return the covariances with what they say at white noise, those alike judged together.
+
+    Where the noise is known to be coloured already, they are not asked.
+    """
     alike: dict[tuple[int, int], list[tuple[int, int]]] = {}
     for run, windows in enumerate(runs):
         for number, each in enumerate(windows):
-            if each is not None and each.model is not None:
+            if each is not None and each.model is not None and not coloured[run]:
                 alike.setdefault((id(each.model), each.n_snapshots), []).append((run, number))
     for places in alike.values():
         together = [each for run, number in places if (each := runs[run][number]) is not None]
