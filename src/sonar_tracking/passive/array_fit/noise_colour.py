@@ -76,7 +76,7 @@ class NoiseColour:
     information : ndarray, shape (n_parameters, n_parameters), or empty
         Of the parameters, pure numbers.
     n_steps : int
-        Covariances since the colour was found; crowded ones while the noise is white.
+        Covariances since the colour was found; suspect ones while the noise is white.
     """
 
     coloured: bool = False
@@ -120,17 +120,18 @@ class NoiseColour:
         kept = FORGETTING**share
         score = kept * self.score + share * white.score[row]
         variance = kept**2 * self.variance + share * white.information[row]
-        crowded = self.n_steps + int(white.ranks[row] >= len(covariance) / _CROWDED)
-        summed = replace(self, score=score, variance=variance, n_steps=crowded)
         significant = score @ solved(variance, score) >= SIGNIFICANT
-        if not (significant or (crowded > self.n_steps and _has_a_turn(crowded))):
+        suspect = significant or white.ranks[row] >= len(covariance) / _CROWDED
+        n_suspect = self.n_steps + int(suspect)
+        summed = replace(self, score=score, variance=variance, n_steps=n_suspect)
+        if not (suspect and _has_a_turn(n_suspect)):
             return summed
         fitted, evidence = _fitted(covariance, n_snapshots, model)
         least = LEAST_GAIN * _caution(covariance)
         doubtful = evidence.description[0] > white.description[row] - least
         doubtful |= evidence.ranks[0] > _MOST_SOURCES * len(covariance)
         if doubtful or _largest_correlation(model.covariance(fitted)) < LEAST_CORRELATION:
-            return replace(_white(model), n_steps=crowded) if significant else summed
+            return summed
         return replace(
             _white(model),
             coloured=True,
@@ -171,7 +172,7 @@ def _largest_correlation(covariance: ComplexArray) -> float:
 
 
 def _has_a_turn(number: int) -> bool:
-    """Return whether the fit is tried at the so many-th crowded covariance: less and less often."""
+    """Return whether the fit is tried at the so many-th suspect covariance: less and less often."""
     return number % _RAREST_TURN == 0 or number & (number - 1) == 0
 
 
