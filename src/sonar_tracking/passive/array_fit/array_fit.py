@@ -61,12 +61,12 @@ class ArrayFit:
             Global index of its last snapshot.
         """
         number = self.n_judged
-        fit = replace(
-            self,
-            colour=self.colour.update(judged, share),
-            fitted_to=end,
-            n_judged=number + 1,
-        )
+        colour = self.colour.update(judged, share)
+        fit = replace(self, colour=colour, fitted_to=end, n_judged=number + 1)
+        if colour.coloured is not self.colour.coloured:
+            # What strong sources seemed to show was judged in noise of another colour.
+            faults = ElementFaults(found=self.faults.found)
+            return replace(fit, faults=faults, steering=SteeringFit())
         if number >= _ALL_LOOKED_AT and number % 2 and not self.faults.votes:
             return fit
         strong = strong_sources(

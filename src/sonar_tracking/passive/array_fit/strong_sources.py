@@ -7,7 +7,8 @@ differ from their description: with independent errors of relative variance e^2 
 
 References
 ----------
-A. L. Swindlehurst, T. Kailath (1992) for the model of the errors.
+A. L. Swindlehurst, T. Kailath (1992) for the model of the errors; T. W. Anderson, "Asymptotic
+theory for principal component analysis", Ann. Math. Statist. 34(1), 1963, for the eigenvectors.
 """
 
 from __future__ import annotations
@@ -46,7 +47,8 @@ class StrongSources:
     vectors : ndarray, shape (n_elements, n_strong), complex
         Orthonormal, pure numbers.
     noise_floor : float
-        What the noise leaves of their floors together, pure number.
+        What noise and weaker sources leave of their floors together, pure number: an eigenvector
+        leans to each other one by lambda_i lambda_j / (N (lambda_i - lambda_j)^2), squared.
     positions : ndarray, shape (n_elements, 3)
         m.
     wavenumber : float
@@ -146,8 +148,8 @@ def strong_sources(
     n_strong = int(np.count_nonzero(strong))
     if not 0 < n_strong <= n_elements // 3:
         return None
-    ratios = values[: -n_strong - 1 : -1] / noise
-    left = (n_elements - n_strong) / n_snapshots * float((1.0 / ratios).sum())
+    within, others = values[-n_strong:, None], values[:-n_strong]
+    left = float((within * others / (within - others) ** 2).sum()) / n_snapshots
     leading = vectors[:, : -n_strong - 1 : -1]
     if factor is not None:
         # C_v e_m = L v_m lie in the span of the steering vectors, e_m do not.

@@ -41,6 +41,10 @@ _KEPT = 0.998
 _SURE = 5.0
 """Standard deviations of chi^2 in an array as described."""
 
+_LEAST_EXCESS = 0.2
+"""Of chi^2, over its degrees of freedom: noise that is whitened with a covariance found in the data
+brings a tenth."""
+
 _LEAST_ERROR = 0.005
 _FEWEST_DIMENSIONS = 4
 _TOLD_FROM = 0.02
@@ -54,20 +58,24 @@ class SteeringUncertainty:
     ----------
     excess : float
         Of chi^2 over its degrees of freedom, pure number.
-    freedom : float
-        Degrees of freedom.
+    expected : float
+        Degrees of freedom, what chi^2 is in an array as described.
+    variance : float
+        Of that, pure number.
     weight : float
         What the excess is with e = 1, pure number.
     """
 
     excess: float = 0.0
-    freedom: float = 0.0
+    expected: float = 0.0
+    variance: float = 0.0
     weight: float = 0.0
 
     @property
     def error(self) -> float:
         """Relative rms error e of the elements, 0 = none that is sure, pure number."""
-        if self.weight <= 0.0 or self.excess < _SURE * np.sqrt(2.0 * self.freedom):
+        least = max(_SURE * np.sqrt(self.variance), _LEAST_EXCESS * self.expected)
+        if self.weight <= 0.0 or self.excess < least:
             return 0.0
         error = float(np.sqrt(self.excess / self.weight))
         return error if error >= _LEAST_ERROR else 0.0
@@ -107,7 +115,8 @@ class SteeringUncertainty:
         return replace(
             self,
             excess=kept * self.excess + share * (chi - freedom),
-            freedom=kept**2 * self.freedom + share * freedom,
+            expected=kept * self.expected + share * freedom,
+            variance=kept**2 * self.variance + share * 2.0 * freedom,
             weight=kept * self.weight + share * float(weights.sum()) * n_free / n_elements,
         )
 
