@@ -60,7 +60,8 @@ class SubspaceConfiguration:
     steering_error: float = parameter(
         0.0,
         "Relative rms error of the steering vectors (gain and phase errors, reflections): what a "
-        "strong source brings beside its own is noise and no source; 0 = none",
+        "strong source brings beside its own is noise and no source; 0 = estimated on strong "
+        "sources",
         minimum=0.0,
         maximum=1.0,
     )
