@@ -54,7 +54,7 @@ def colour_after(data: list[ComplexArray], positions: FloatArray) -> NoiseColour
     elements = np.arange(len(positions))
     for covariance in data:
         judged = JudgedCovariance(
-            covariance, 100, positions, WAVENUMBER, elements, None, model, len(positions)
+            covariance, covariance, 100, positions, WAVENUMBER, elements, None, model
         )
         colour = colour.update(judged, 1.0)
     return colour

@@ -14,6 +14,9 @@ from sonar_tracking.passive.array_fit.steering_fit import SteeringFit
 from sonar_tracking.passive.array_fit.strong_sources import strong_sources
 from sonar_tracking.records.arrays import ComplexArray, FloatArray
 
+MOST_WHITENED = 256
+"""Elements of an array whose noise is whitened: beyond, that takes longer than the data last."""
+
 _ALL_LOOKED_AT = 8
 """Covariances that strong sources are sought in one by one; then in every other one."""
 
@@ -67,7 +70,8 @@ class ArrayFit:
             # What strong sources seemed to show was judged in noise of another colour.
             faults = ElementFaults(found=self.faults.found)
             return replace(fit, faults=faults, steering=SteeringFit())
-        if number >= _ALL_LOOKED_AT and number % 2 and not self.faults.votes:
+        looked_at = number < _ALL_LOOKED_AT or number % 2 == 0 or self.faults.votes > 0
+        if judged.covariance is None or not looked_at:
             return fit
         strong = strong_sources(
             judged.covariance,
@@ -98,9 +102,23 @@ class ArrayFit:
             Pure numbers with trace n_elements.
         """
         model = noise_model(positions)
-        if not self.colour.coloured or model is None:
+        if not self.colour.coloured or model is None or len(positions) > MOST_WHITENED:
             return None
         return model.covariance(self.colour.parameters)
+
+    def largest_correlation(self, positions: FloatArray) -> float:
+        """Return the largest correlation of the noise found with that of the first element.
+
+        Parameters
+        ----------
+        positions : ndarray, shape (n_elements, 3)
+            Element positions, m.
+        """
+        first = positions[:MOST_WHITENED]
+        model = noise_model(first)
+        if not self.colour.coloured or model is None:
+            return 0.0
+        return float(np.abs(model.covariance(self.colour.parameters)[0, 1:]).max())
 
     def undone(self, snapshots: ComplexArray) -> ComplexArray:
         """Return snapshots, or other rows of numbers by element, without the faults found.

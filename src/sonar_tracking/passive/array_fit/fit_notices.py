@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sonar_tracking.errors import Notice, Severity
-from sonar_tracking.passive.array_fit.array_fit import ArrayFit
+from sonar_tracking.passive.array_fit.array_fit import MOST_WHITENED, ArrayFit
 from sonar_tracking.passive.array_fit.element_faults import Fault
 from sonar_tracking.records.arrays import FloatArray, IntArray
 
@@ -29,9 +29,9 @@ def fit_notices(fit: ArrayFit, positions: FloatArray, elements: IntArray) -> lis
         notices.append(_no_fit())
     if fit.steering.error:
         notices.append(_error_notice(fit, elements))
-    noise = fit.noise_covariance(positions)
-    if noise is not None:
-        notices.append(_noise_notice(float(np.abs(noise[0, 1:]).max())))
+    if fit.colour.coloured:
+        whitened = len(positions) <= MOST_WHITENED
+        notices.append(_noise_notice(fit.largest_correlation(positions), whitened))
     return notices
 
 
@@ -80,11 +80,12 @@ def _error_notice(fit: ArrayFit, elements: IntArray) -> Notice:
     )
 
 
-def _noise_notice(largest: float) -> Notice:
+def _noise_notice(largest: float, whitened: bool) -> Notice:
+    used = "is estimated from the data and used; give noise_covariance with the snapshots if it is"
+    unused = f"is not used for more than {MOST_WHITENED} elements, and tracks may be false; give it"
     return Notice(
         Severity.WARN,
         "noise",
         f"The noise is not white: correlated between elements by up to {largest:.2f}. Its "
-        "covariance is estimated from the data and used; give noise_covariance with the "
-        "snapshots if it is known.",
+        f"covariance {used + ' known' if whitened else unused + ' in noise_covariance'}.",
     )

@@ -9,7 +9,7 @@ import numpy as np
 from sonar_tracking.geometry import is_uniform_line
 from sonar_tracking.passive.array_fit.noise_evidence import NoiseEvidence
 from sonar_tracking.passive.array_fit.noise_models import NoiseModel
-from sonar_tracking.passive.sources.mdl import forward_backward_smoothed
+from sonar_tracking.passive.sources.moving_source_counting import sample_covariance
 from sonar_tracking.records.arrays import ComplexArray, FloatArray, IntArray
 
 _SNAPSHOTS_PER_ELEMENT = 2
@@ -25,8 +25,10 @@ class JudgedCovariance:
 
     Attributes
     ----------
-    covariance : ndarray, shape (n_elements, n_elements), complex
-        Linear power.
+    covariance : ndarray, shape (n_elements, n_elements), complex, or None
+        Linear power; None = of more elements than are looked at singly.
+    of_noise : ndarray, shape (size, size), complex
+        The one the noise is judged by, linear power.
     n_snapshots : int
         Snapshots in it.
     positions : ndarray, shape (n_elements, 3)
@@ -39,29 +41,22 @@ class JudgedCovariance:
         Noise covariance that is known, pure numbers.
     model : NoiseModel or None
         Of the noise of the first ``size`` elements; None = it is known, or cannot be judged.
-    size : int
-        Elements the noise is judged on.
     white : NoiseEvidence or None
         What this covariance and others say at white noise, and
     row : int
         which of them it is.
     """
 
-    covariance: ComplexArray
+    covariance: ComplexArray | None
+    of_noise: ComplexArray
     n_snapshots: int
     positions: FloatArray
     wavenumber: float
     elements: IntArray
     noise: ComplexArray | None
     model: NoiseModel | None
-    size: int
     white: NoiseEvidence | None = None
     row: int = 0
-
-    @property
-    def of_noise(self) -> ComplexArray:
-        """The covariance the noise is judged by, shape (size, size), linear power."""
-        return judged_covariance(self.covariance, self.size)
 
 
 def judged_size(positions: FloatArray, n_snapshots: int) -> int:
@@ -81,21 +76,26 @@ def judged_size(positions: FloatArray, n_snapshots: int) -> int:
     return size
 
 
-def judged_covariance(covariance: ComplexArray, size: int) -> ComplexArray:
-    """Return the covariance of so many elements, smoothed over the sub-arrays of a longer line.
+def judged_covariance(snapshots: ComplexArray, size: int) -> ComplexArray:
+    """Return the covariance of so many elements, of all sub-arrays of a longer line together.
 
     Parameters
     ----------
-    covariance : ndarray, shape (..., n_elements, n_elements), complex
-        Sample covariance, linear power.
+    snapshots : ndarray, shape (n_snapshots, n_elements), complex
+        Linear amplitude.
     size : int
-        Elements to judge.
+        Elements to judge: all, or those of a sub-array of a uniform line. The sub-arrays stand
+        side by side, forward and backward.
 
     Returns
     -------
-    ndarray, shape (..., size, size), complex
+    ndarray, shape (size, size), complex
         Linear power.
     """
-    if size == covariance.shape[-1]:
-        return covariance
-    return np.asarray(forward_backward_smoothed(covariance, size))
+    n_elements = snapshots.shape[-1]
+    if size == n_elements:
+        return sample_covariance(snapshots)
+    n_arrays = n_elements // size
+    own = snapshots[:, : n_arrays * size].reshape(-1, size)
+    forward = sample_covariance(own)
+    return np.asarray(0.5 * (forward + forward[::-1, ::-1].conj()))

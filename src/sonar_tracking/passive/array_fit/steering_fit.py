@@ -117,7 +117,7 @@ def _errors_of_elements(strong: StrongSources) -> FloatArray:
 def _coherent(strong: StrongSources, judged: JudgedCovariance) -> bool:
     """Return whether coherent sources explain what plane waves of the rank do not."""
     positions, n_strong = judged.positions, strong.vectors.shape[-1]
-    if not is_uniform_line(positions):
+    if judged.covariance is None or not is_uniform_line(positions):
         return False
     count = source_count(judged.covariance, judged.n_snapshots)
     size = smoothed_size(len(positions), judged.n_snapshots)

@@ -48,6 +48,7 @@ brings a tenth."""
 _LEAST_ERROR = 0.005
 _FEWEST_DIMENSIONS = 4
 _TOLD_FROM = 0.02
+_LARGE = 64
 
 
 @dataclass(frozen=True)
@@ -64,12 +65,15 @@ class SteeringUncertainty:
         Of that, pure number.
     weight : float
         What the excess is with e = 1, pure number.
+    n_seen : int
+        Covariances seen; of a large array every fourth one is judged.
     """
 
     excess: float = 0.0
     expected: float = 0.0
     variance: float = 0.0
     weight: float = 0.0
+    n_seen: int = 0
 
     @property
     def error(self) -> float:
@@ -101,8 +105,11 @@ class SteeringUncertainty:
         rank = min(estimates.rank if estimates.rank >= 0 else n_tracks, snapshots - 1)
         if covariance is None or not 0 < rank <= n_tracks or n_free < _FEWEST_DIMENSIONS:
             return self
+        seen = replace(self, n_seen=self.n_seen + 1)
+        if n_elements > _LARGE and self.n_seen % 4:
+            return seen
         if not covariance.any() or (unresolved(angles, angles, estimates).sum() > n_tracks):
-            return self
+            return seen
         subspace = signal_subspace(covariance, rank, estimates.noise_covariance)
         number = wavenumber(estimates.center_frequency, estimates.sound_speed)
         pair = steering_pair(estimates.element_positions, angles, number, "array_centre")
@@ -113,7 +120,7 @@ class SteeringUncertainty:
         chi = float(weights @ (outside.real**2 + outside.imag**2).sum(axis=0))
         freedom, kept = 2.0 * rank * n_free, _KEPT**share
         return replace(
-            self,
+            seen,
             excess=kept * self.excess + share * (chi - freedom),
             expected=kept * self.expected + share * freedom,
             variance=kept**2 * self.variance + share * 2.0 * freedom,

@@ -12,9 +12,14 @@ import numpy as np
 
 from sonar_tracking.geometry import wavenumber
 from sonar_tracking.passive.array_fit.array_fit import ArrayFit
-from sonar_tracking.passive.array_fit.judged_covariance import JudgedCovariance, judged_size
+from sonar_tracking.passive.array_fit.judged_covariance import (
+    JudgedCovariance,
+    judged_covariance,
+    judged_size,
+)
 from sonar_tracking.passive.array_fit.noise_evidence import noise_evidence
 from sonar_tracking.passive.array_fit.noise_models import noise_model
+from sonar_tracking.passive.array_fit.strong_sources import MOST_ELEMENTS
 from sonar_tracking.passive.sources.moving_source_counting import sample_covariance
 from sonar_tracking.passive.subspaces.estimation_memory import (
     CompleteWindow,
@@ -75,15 +80,19 @@ def _judged(
     if size == 0:
         return None
     noise = header.noise_covariance
+    of_noise = judged_covariance(snapshots, size)
+    whole = None
+    if len(positions) <= MOST_ELEMENTS:
+        whole = of_noise if size == len(positions) else sample_covariance(snapshots)
     return JudgedCovariance(
-        sample_covariance(snapshots),
+        whole,
+        of_noise,
         len(snapshots),
         positions,
         wavenumber(header.center_frequency, header.sound_speed),
         np.flatnonzero(memory.used),
         noise,
         noise_model(positions[:size]) if noise is None else None,
-        size,
     )
 
 
