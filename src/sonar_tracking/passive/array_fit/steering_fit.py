@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from sonar_tracking.geometry import is_uniform_line, steering_vectors
+from sonar_tracking.geometry import beamwidth, is_uniform_line, steering_vectors
 from sonar_tracking.passive.array_fit.judged_covariance import JudgedCovariance
 from sonar_tracking.passive.array_fit.strong_sources import StrongSources
 from sonar_tracking.passive.directions.projection_fit import ProjectionProblem, projection_fit
@@ -23,7 +23,7 @@ from sonar_tracking.passive.sources.mdl import (
     smoothed_size,
     source_count,
 )
-from sonar_tracking.passive.sources.music import music_bearings, valley_floors
+from sonar_tracking.passive.sources.music import music_bearings
 from sonar_tracking.records.arrays import FloatArray
 
 LEAST_ERROR = 0.02
@@ -38,6 +38,9 @@ _MORE_SOURCES = 2
 
 _EXPLAINED = 0.3
 """Share of the floors that coherent sources may leave."""
+
+_PAIR, _PAIR_STEPS = 0.15, 8
+"""Where a pair of sources is sought, of the beamwidth to either side of a valley."""
 
 
 @dataclass(frozen=True)
@@ -86,10 +89,10 @@ class SteeringFit:
             The covariance.
         """
         over_noise = strong.over_noise
-        if over_noise and _coherent(strong, judged):
+        if over_noise and (_unresolved_pair(strong) or _coherent(strong, judged)):
             return self
         if not strong.resolved:
-            alone = bool((strong.floors >= strong.shallow).all())
+            alone = over_noise and bool((strong.floors >= strong.shallow).all())
             return replace(self, n_unfit=self.n_unfit + 1 if alone else 0)
         n_elements, n_strong = strong.vectors.shape
         excess = max(strong.floor - strong.noise_floor, 0.0) / n_strong
@@ -107,11 +110,28 @@ class SteeringFit:
 
 def _errors_of_elements(strong: StrongSources) -> FloatArray:
     """Return the squared residual of each element, over the mean of all, shape (n_elements,)."""
-    angles = valley_floors(strong.vectors[None], strong.positions, strong.wavenumber)[0][0]
-    span = steering_span(steering_vectors(strong.positions, angles, strong.wavenumber))
+    span = steering_span(steering_vectors(strong.positions, strong.angles, strong.wavenumber))
     residuals = span.outside(strong.vectors)
     squared = (residuals.real**2 + residuals.imag**2).sum(axis=-1)
     return np.asarray(squared / max(float(squared.mean()), float(np.finfo(float).tiny)))
+
+
+def _unresolved_pair(strong: StrongSources) -> bool:
+    """Return whether two sources in place of one, nearer than MUSIC resolves, are what is seen."""
+    angles, number = strong.angles, strong.wavenumber
+    problem = ProjectionProblem(strong.vectors, strong.positions, number)
+    worst = int(np.argmax(strong.floors))
+    apart = _PAIR * beamwidth(strong.positions, number)
+    for each in range(len(angles)):
+        if each == worst:
+            continue
+        split = angles.copy()
+        step = apart / max(float(np.cos(angles[each])), apart)
+        split[each], split[worst] = angles[each] - step, angles[each] + step
+        fitted = projection_fit(problem, split, steps=_PAIR_STEPS)
+        if problem.error(fitted) < _EXPLAINED * strong.floor:
+            return True
+    return False
 
 
 def _coherent(strong: StrongSources, judged: JudgedCovariance) -> bool:

@@ -64,9 +64,19 @@ class StrongSources:
     elements: IntArray
 
     @cached_property
+    def valleys(self) -> tuple[FloatArray, FloatArray]:
+        """Angles of as many valleys as there are sources, and floors, shape (1, n_strong) each."""
+        return valley_floors(self.vectors[None], self.positions, self.wavenumber)
+
+    @property
+    def angles(self) -> FloatArray:
+        """Angles of the valleys, shape (n_strong,), rad."""
+        return self.valleys[0][0]
+
+    @property
     def floors(self) -> FloatArray:
-        """Floors of as many valleys as there are sources, shape (n_strong,), pure numbers."""
-        return valley_floors(self.vectors[None], self.positions, self.wavenumber)[1][0]
+        """Floors of the valleys, shape (n_strong,), pure numbers."""
+        return self.valleys[1][0]
 
     @property
     def floor(self) -> float:
