@@ -65,7 +65,7 @@ class StrongSources:
 
     @cached_property
     def valleys(self) -> tuple[FloatArray, FloatArray]:
-        """Angles of as many valleys as there are sources, and floors, shape (1, n_strong) each."""
+        """Angles of as many valleys as sources, rad, floors, pure numbers; shape (1, n_strong)."""
         return valley_floors(self.vectors[None], self.positions, self.wavenumber)
 
     @property
