@@ -117,20 +117,25 @@ def _errors_of_elements(strong: StrongSources) -> FloatArray:
 
 
 def _unresolved_pair(strong: StrongSources) -> bool:
-    """Return whether two sources in place of one, nearer than MUSIC resolves, are what is seen."""
+    """Return whether a pair of sources, nearer than MUSIC resolves, is what is seen.
+
+    It takes the place of a valley, and that of the worst one if its sources are not coherent.
+    """
     angles, number = strong.angles, strong.wavenumber
     problem = ProjectionProblem(strong.vectors, strong.positions, number)
     worst = int(np.argmax(strong.floors))
     apart = _PAIR * beamwidth(strong.positions, number)
-    for each in range(len(angles)):
-        if each == worst:
-            continue
-        split = angles.copy()
-        step = apart / max(float(np.cos(angles[each])), apart)
-        split[each], split[worst] = angles[each] - step, angles[each] + step
-        fitted = projection_fit(problem, split, steps=_PAIR_STEPS)
-        if problem.error(fitted) < _EXPLAINED * strong.floor:
-            return True
+    for each, angle in enumerate(angles):
+        step = apart / max(float(np.cos(angle)), apart)
+        pair = [angle - step, angle + step]
+        coherent = np.concatenate([np.delete(angles, each), pair])
+        starts = [coherent]
+        if each != worst:
+            starts.append(np.concatenate([np.delete(angles, [each, worst]), pair]))
+        for start in starts:
+            fitted = projection_fit(problem, start, steps=_PAIR_STEPS)
+            if problem.error(fitted) < _EXPLAINED * strong.floor:
+                return True
     return False
 
 
