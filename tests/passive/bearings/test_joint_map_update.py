@@ -33,7 +33,8 @@ def some_state(seed: int, n_targets: int = 3) -> KalmanState:
 
 def linear_fit(offset: FloatArray, information: FloatArray) -> SubspaceFit:
     """Return the score at an offset before the peak of a quadratic log-likelihood."""
-    return SubspaceFit(score=information @ offset, information=information)
+    likelihood = np.asarray(-0.5 * offset @ information @ offset)
+    return SubspaceFit(likelihood, score=information @ offset, information=information)
 
 
 @pytest.mark.parametrize("age", [0.0, 0.4])
@@ -42,7 +43,7 @@ def test_linear_block_is_a_kalman_update(age: float) -> None:
     generator = np.random.default_rng(2)
     root = generator.standard_normal((3, 3))
     information, measured = root @ root.T + np.eye(3), generator.standard_normal(3)
-    updated = update_jointly(state, age, lambda at: linear_fit(measured - at, information))
+    updated = update_jointly(state, age, lambda at: linear_fit(measured - at, information)).state
     matrix = np.asarray(np.kron([[1.0, -age]], np.eye(3)), dtype=np.float64)
     noise = np.asarray(np.linalg.inv(information), dtype=np.float64)
     expected = update(state, measured, matrix, noise).state
@@ -66,8 +67,8 @@ def test_prediction_is_that_of_every_target() -> None:
 
 def test_block_that_says_nothing_leaves_the_prior() -> None:
     state = some_state(3)
-    nothing = SubspaceFit(score=np.zeros(3), information=np.zeros((3, 3)))
-    updated = update_jointly(state, 0.5, lambda at: nothing)
+    nothing = SubspaceFit(np.zeros(()), score=np.zeros(3), information=np.zeros((3, 3)))
+    updated = update_jointly(state, 0.5, lambda at: nothing).state
     assert np.allclose(updated.mean, state.mean)
     assert np.allclose(updated.covariance, state.covariance)
 
@@ -78,7 +79,7 @@ def test_singular_information_moves_only_what_it_is_about() -> None:
     information = 1e6 * np.ones((2, 2))
     updated = update_jointly(
         state, 0.0, lambda at: linear_fit(np.array([0.11, 0.11]) - at, information)
-    )
+    ).state
     assert np.allclose(updated.mean[:2], 0.11, atol=1e-4)
     sum_of_both, difference = np.array([1.0, 1.0, 0.0, 0.0]), np.array([1.0, -1.0, 0.0, 0.0])
     assert sum_of_both @ updated.covariance @ sum_of_both < 1e-5
@@ -92,7 +93,7 @@ def test_covariance_stays_one_and_shrinks(separation_deg: float) -> None:
     state = KalmanState(np.append(angles, [0.0, 0.0]), np.diag([1e-3, 1e-3, 1e-4, 1e-4]))
     updated = update_jointly(
         state, 0.5, lambda at: weighted_subspace_fit(subspace, 200, POSITIONS, at, WAVENUMBER)
-    )
+    ).state
     assert np.isfinite(updated.mean).all()
     assert np.array_equal(updated.covariance, updated.covariance.T)
     assert np.linalg.eigvalsh(updated.covariance)[0] > 0.0
@@ -108,7 +109,7 @@ def test_vague_prior_gives_the_angles_of_the_block(sources: ComplexArray, rank: 
         vague = KalmanState(state.mean, 0.02**2 * np.eye(4))
         state = update_jointly(
             vague, 0.0, lambda at: weighted_subspace_fit(subspace, 2000, POSITIONS, at, WAVENUMBER)
-        )
+        ).state
     errors = state.mean[:2] - ANGLES
     assert np.all(np.abs(errors) < 4.0 * np.sqrt(np.diag(state.covariance)[:2]))
 
@@ -125,6 +126,26 @@ def test_order_of_the_targets_does_not_matter() -> None:
     def fit(at: FloatArray) -> SubspaceFit:
         return weighted_subspace_fit(subspace, 64, POSITIONS, at, WAVENUMBER)
 
-    first, second = update_jointly(state, 0.3, fit), update_jointly(swapped, 0.3, fit)
+    one, other = update_jointly(state, 0.3, fit), update_jointly(swapped, 0.3, fit)
+    first, second = one.state, other.state
+    assert one.log_evidence == pytest.approx(float(other.log_evidence))
     assert np.allclose(first.mean[order], second.mean, atol=1e-12)
     assert np.allclose(first.covariance[np.ix_(order, order)], second.covariance, atol=1e-12)
+
+
+def test_evidence_is_the_probability_of_a_linear_block_under_its_prediction() -> None:
+    state = some_state(8)
+    root = np.random.default_rng(9).standard_normal((3, 3))
+    information = root @ root.T + np.eye(3)
+    spread = state.covariance[:3, :3] + np.linalg.inv(information)
+    evidences, expected = [], []
+    for measured in np.random.default_rng(10).standard_normal((2, 3)):
+
+        def fit(at: FloatArray, measured: FloatArray = measured) -> SubspaceFit:
+            return linear_fit(measured - at, information)
+
+        evidences.append(float(update_jointly(state, 0.0, fit).log_evidence))
+        innovation = measured - state.mean[:3]
+        expected.append(-0.5 * innovation @ np.linalg.solve(spread, innovation))
+    # But for what does not depend on the measurement.
+    assert evidences[1] - evidences[0] == pytest.approx(expected[1] - expected[0])

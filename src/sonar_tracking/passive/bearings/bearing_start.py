@@ -21,6 +21,12 @@ import numpy as np
 
 from sonar_tracking.filtering.assignment import least_cost_pairs
 from sonar_tracking.filtering.constant_velocity import process_noise_matrix
+from sonar_tracking.passive.bearings.hidden_pairs import (
+    HiddenPair,
+    PairFit,
+    hidden_pair,
+    new_pair,
+)
 from sonar_tracking.passive.bearings.new_bearings import new_bearings
 from sonar_tracking.passive.bearings.tentative_track import StartedTrack, TentativeTrack
 from sonar_tracking.passive.sources.weak_source_counting import WeakSourceCounter
@@ -56,6 +62,8 @@ class BearingStart:
         the number of tracks.
     counter : WeakSourceCounter
         Counts weak sources in the means of the last covariances.
+    pairs : tuple of HiddenPair
+        Tracks that may be two that the array does not resolve.
     """
 
     process_noise: float
@@ -65,6 +73,7 @@ class BearingStart:
     last_covariance: int | None = None
     follows_count: bool = False
     counter: WeakSourceCounter = field(default_factory=WeakSourceCounter)
+    pairs: tuple[HiddenPair, ...] = ()
 
     def counting(self, estimates: SubspaceEstimates) -> WeakSourceCounter | None:
         """Return the counter with the covariance of an estimate, None if it is not counted on.
@@ -85,6 +94,7 @@ class BearingStart:
         tracked_angles: FloatArray,
         n_seen: int | None = None,
         n_weak: int = 0,
+        tracked_ids: tuple[int, ...] = (),
     ) -> tuple[BearingStart, tuple[StartedTrack, ...]]:
         """Return the start after one more estimate and the tracks started by it.
 
@@ -98,6 +108,9 @@ class BearingStart:
             How many of them have a source in this covariance; all if not given.
         n_weak : int
             Sources that the counter (:meth:`counting`) sees at least.
+        tracked_ids : tuple of int
+            Their identifiers, if any of them may turn out to be two: a track with the identifier
+            of one that runs then starts in its place.
         """
         covariance = estimates.covariance
         if covariance is None:
@@ -128,7 +141,39 @@ class BearingStart:
             last_covariance=middle,
             counter=self.counting(estimates) or self.counter,
         )
-        return left, started
+        if not self.follows_count or not tracked_ids:
+            return left, started
+        fit, most = None, max(n_sources, estimates.rank)
+        if most - n_seen > len(angles):
+            # Two that the array does not resolve are one more in the whole covariance, but may be
+            # one in the smoothed one.
+            fit = hidden_pair(estimates, covariance, most, tracked_angles)
+        pair = None if fit is None else (tracked_ids[fit.row], fit)
+        left, both = left._follow_pairs(middle, estimates.stamp, pair, tracked_ids)
+        return left, (*started, *both)
+
+    def _follow_pairs(
+        self,
+        middle: int,
+        stamp: int,
+        pair: tuple[int, PairFit] | None,
+        tracked_ids: tuple[int, ...],
+    ) -> tuple[BearingStart, tuple[StartedTrack, ...]]:
+        """Return the start with the pair that a track was taken for, and the tracks of a pair."""
+        pairs, next_id = [], self.next_id
+        for each in self.pairs:
+            if pair is not None and pair[0] == each.track_id:
+                pairs.append(each.add(middle, pair[1]))
+                pair = None
+            elif each.track_id in tracked_ids and (missed := each.missed()) is not None:
+                pairs.append(missed)
+        if pair is not None:
+            pairs.append(new_pair(pair[0], next_id, middle, pair[1]))
+            next_id += 1
+        ready = [each for each in pairs if each.misses == 0 and each.resolved(middle)]
+        both = tuple(self._start_track(side, stamp) for each in ready for side in each.sides)
+        waiting = tuple(each for each in pairs if each not in ready)
+        return replace(self, pairs=waiting, next_id=next_id), both
 
     def _shares_snapshots(self, estimates: SubspaceEstimates) -> bool:
         """Return whether the last covariance used has snapshots of this one.

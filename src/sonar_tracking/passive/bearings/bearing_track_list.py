@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -62,6 +63,37 @@ class BearingTrackRows:
             np.concatenate([self.signal_to_noise_ratio, other.signal_to_noise_ratio], axis=-1),
             np.concatenate([self.existence_probability, other.existence_probability], axis=-1),
         )
+
+    def without(self, ids: tuple[int, ...]) -> BearingTrackRows:
+        """Return the rows of a single run but for those with some identifiers."""
+        if not set(ids) & set(self.ids):
+            return self
+        left = [row for row, name in enumerate(self.ids) if name not in ids]
+        return BearingTrackRows(
+            tuple(self.ids[row] for row in left),
+            tuple(self.status[row] for row in left),
+            KalmanState(self.filters.mean[left], self.filters.covariance[left]),
+            self.measurement[left],
+            self.innovation[left],
+            self.variance[left],
+            self.signal_to_noise_ratio[left],
+            self.existence_probability[left],
+        )
+
+    def widened(self, deviations: Mapping[int, float]) -> BearingTrackRows:
+        """Return the rows of a single run with angles that are less certain.
+
+        Parameters
+        ----------
+        deviations : mapping of int to float
+            By how much, by identifier, rad.
+        """
+        if not deviations:
+            return self
+        covariance = self.filters.covariance.copy()
+        more = np.array([deviations.get(name, 0.0) for name in self.ids])
+        covariance[:, 0, 0] += more**2
+        return replace(self, filters=KalmanState(self.filters.mean, covariance))
 
 
 def running_rows(

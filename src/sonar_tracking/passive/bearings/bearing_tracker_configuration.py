@@ -80,9 +80,9 @@ class BearingTrackerConfiguration:
         minimum=0.0,
     )
     steady_process_noise_deg2: float = parameter(
-        0.001,
-        "The same while the innovations of a bearing show no turn, and a tenth of it while another "
-        "is nearer than half a beamwidth, so that slow crossings swap no identities; never less "
+        1e-6,
+        "The same of a bearing that hardly ever turns; which of the two a bearing needs, or "
+        "what between, is found out by its innovations; never less "
         "than 0.125 |rate|^3 (in radians), by which a target on a straight course turns; "
         "with process_noise_deg2 or more q is constant (joint_map)",
         unit="deg^2/s^3",

@@ -1,50 +1,55 @@
 """One filter over the angles and rates of all targets: joint maximum a posteriori (MAP) tracking.
 
 The state of n targets is [n angles, n rates]. A block measures the angles at its middle, half a
-block before the sample time when it ends there, at the sample time when it is centred on it. Each
-bearing has its level of process noise, from that of steady motion to the full one of a turn, and
-never less than passing at its rate takes
-(:mod:`sonar_tracking.passive.bearings.manoeuvre_detection`). When a turn is found out the update is
-done again, with what the turn has added since it began.
+block before the sample time when it ends there, at the sample time when it is centred on it. How
+much each bearing turns is found out by modes of its own, which also refine it where the array tells
+it from all others (:mod:`sonar_tracking.passive.bearings.motion_modes`); where it does not, there
+are two accounts of what happens (:mod:`sonar_tracking.passive.bearings.encounters`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache, partial
+from functools import cached_property, lru_cache, partial
 
 import numpy as np
 
-from sonar_tracking.filtering.kalman import KalmanState
-from sonar_tracking.geometry import wavenumber
+from sonar_tracking.filtering.kalman import KalmanState, symmetrised
+from sonar_tracking.geometry import beamwidth, wavenumber
 from sonar_tracking.passive.bearings.bearing_filters import FilterUpdate
 from sonar_tracking.passive.bearings.bearing_measurement import BearingMeasurement
 from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
     BearingTrackerConfiguration,
 )
 from sonar_tracking.passive.bearings.covariance_subspace import covariance_subspace
+from sonar_tracking.passive.bearings.encounters import Encounter, no_encounter
 from sonar_tracking.passive.bearings.joint_map_update import (
-    joint_process_noise,
+    JointUpdate,
     predict_jointly,
     update_jointly,
 )
-from sonar_tracking.passive.bearings.manoeuvre_detection import (
-    HIGHEST_LEVEL,
-    MEMORY,
-    Manoeuvres,
+from sonar_tracking.passive.bearings.motion_modes import (
+    N_MODES,
+    MotionModes,
+    mode_densities,
     passing_process_noise,
-    steady,
+    turning_back_process_noise,
+    undecided,
 )
 from sonar_tracking.passive.directions.sources_at_angles import unresolved
-from sonar_tracking.passive.directions.weighted_subspace_fit import weighted_subspace_fit
+from sonar_tracking.passive.directions.weighted_subspace_fit import (
+    SubspaceFit,
+    weighted_subspace_fit,
+)
 from sonar_tracking.records.arrays import BoolArray, ComplexArray, FloatArray, IndexArray, IntArray
 from sonar_tracking.records.bearings import SubspaceEstimates
 
 _LEAST_GAIN = 1e-9
 """Share of its variance that an angle must lose for the block to count as a measurement of it."""
 
-_HELD_SHARE = 0.1
-"""Of the steady process noise, while the array does not resolve a bearing from another."""
+_MOST_OF_A_TURN = 0.1
+"""Of the process noise of a turn, for turning back: those that come near each other fast pass."""
 
 
 @dataclass(frozen=True)
@@ -54,17 +59,23 @@ class JointMapState(KalmanState):
     Attributes
     ----------
     mean : ndarray, shape (..., 2 n)
-        rad, rad/s.
+        rad, rad/s; while an encounter is open by the account that bearings pass.
     covariance : ndarray, shape (..., 2 n, 2 n)
         rad^2, rad^2/s, rad^2/s^2.
-    manoeuvres : Manoeuvres
-        Which bearings turn.
-    interval : float
-        Since the last update, s.
+    modes : MotionModes
+        How much each bearing turns; none where it is known.
+    close : ndarray of bool, shape (..., n)
+        Whether the array did not resolve the bearing from another at the last update.
+    turning_back : ndarray, shape (..., n)
+        Process noise of the bearing by the account that it turns back, rad^2/s^3.
+    encounter : Encounter
+        The account that bearings turn back.
     """
 
-    manoeuvres: Manoeuvres
-    interval: float = 0.0
+    modes: MotionModes
+    close: BoolArray
+    turning_back: FloatArray
+    encounter: Encounter
 
 
 @dataclass(frozen=True)
@@ -81,22 +92,25 @@ class JointMapFilters:
 
     def start(self, targets: KalmanState) -> JointMapState:
         """Return the filter of uncorrelated targets."""
-        batch = targets.mean.shape[:-2]
-        nobody = JointMapState(np.empty((*batch, 0)), np.empty((*batch, 0, 0)), steady((*batch, 0)))
-        return self.extend(nobody, targets)
+        return self._of(_uncorrelated(targets), undecided(targets, self._n_modes))
 
     def extend(self, filters: JointMapState, targets: KalmanState) -> JointMapState:
         """Return the filter with more targets, uncorrelated with those there are."""
-        n_old = filters.mean.shape[-1] // 2
-        rows = _rows(n_old + targets.mean.shape[-2])
-        mean = np.empty((*targets.mean.shape[:-2], rows.size))
-        covariance = np.zeros((*mean.shape, rows.size))
-        old, new = rows[:n_old].T.reshape(-1), rows[n_old:]
-        mean[..., old], mean[..., new] = filters.mean, targets.mean
-        covariance[..., old[:, None], old] = filters.covariance
-        covariance[..., new[:, :, None], new[:, None, :]] = targets.covariance
-        manoeuvres = filters.manoeuvres.extend(len(new))
-        return JointMapState(mean, covariance, manoeuvres, filters.interval)
+        modes = filters.modes.extend(undecided(targets, self._n_modes))
+        more = _uncorrelated(targets)
+        encounter = filters.encounter
+        joint = _extended(filters, more)
+        back = _extended(KalmanState(encounter.mean, encounter.covariance), more)
+        new = self._of(joint, modes)
+        n_old = filters.close.shape[-1]
+        close, turning_back = new.close.copy(), new.turning_back.copy()
+        close[..., :n_old], turning_back[..., :n_old] = filters.close, filters.turning_back
+        return replace(
+            new,
+            close=close,
+            turning_back=turning_back,
+            encounter=encounter.with_account(back, encounter.log_odds),
+        )
 
     def keep(self, filters: JointMapState, rows: IndexArray) -> JointMapState:
         """Return the filter of some of the targets, by their rows, with their correlations.
@@ -109,21 +123,42 @@ class JointMapFilters:
             Targets to keep.
         """
         entries = _rows(filters.mean.shape[-1] // 2)[rows].T.reshape(-1)
+        encounter = filters.encounter
         return JointMapState(
             filters.mean[..., entries],
             filters.covariance[..., entries[:, None], entries],
-            filters.manoeuvres.keep(rows),
-            filters.interval,
+            filters.modes.keep(rows),
+            filters.close[..., rows],
+            filters.turning_back[..., rows],
+            replace(
+                encounter,
+                mean=encounter.mean[..., entries],
+                covariance=encounter.covariance[..., entries[:, None], entries],
+            ),
         )
 
     def predict(self, filters: JointMapState, interval: float) -> JointMapState:
         """Return the filter after an interval in s."""
-        state = predict_jointly(filters, interval, self._process_noise(filters))
+        if not self._n_modes:
+            density = self.configuration.process_noise_density
+            state = predict_jointly(filters, interval, density)
+            return replace(filters, mean=state.mean, covariance=state.covariance)
+        modes, noise = filters.modes.predict(interval, self._densities(filters))
+        steady = np.where(filters.close, self._steady_noise(filters), noise)
+        state = predict_jointly(filters, interval, steady)
+        encounter = filters.encounter
+        if encounter.open.any():
+            turning = np.where(filters.close, np.maximum(filters.turning_back, noise), noise)
+            back = KalmanState(encounter.mean, encounter.covariance)
+            back = predict_jointly(back, interval, turning)
+        else:
+            back = state
         return replace(
             filters,
             mean=state.mean,
             covariance=state.covariance,
-            interval=filters.interval + interval,
+            modes=modes,
+            encounter=encounter.with_account(back, encounter.log_odds),
         )
 
     def update(
@@ -156,64 +191,149 @@ class JointMapFilters:
         )
         age = -estimates.covariance_time_offset
         corrected = update_jointly(filters, age, fit)
-        manoeuvres = self._judge_manoeuvres(filters, corrected, estimates)
-        begun = manoeuvres.level > filters.manoeuvres.level
-        if begun.any():
-            filters = self._add_turn(filters, begun, manoeuvres.level)
-            corrected = update_jointly(filters, age, fit)
-        measurement = _equivalent_measurement(self.targets(filters), self.targets(corrected), age)
-        state = JointMapState(corrected.mean, corrected.covariance, manoeuvres)
+        before = self.targets(filters)
+        state = replace(filters, mean=corrected.state.mean, covariance=corrected.state.covariance)
+        if self._n_modes:
+            state = self._update_turning_back(state, corrected, age, fit)
+        measurement = _equivalent_measurement(before, self.targets(state), age)
+        if self._n_modes:
+            state = self._weigh(state, measurement, estimates)
         return FilterUpdate(state, measurement, notices)
 
-    def targets(self, filters: KalmanState) -> KalmanState:
+    def targets(self, filters: JointMapState) -> KalmanState:
         """Return angle and rate of each target."""
-        rows = _rows(filters.mean.shape[-1] // 2)
-        return KalmanState(
-            mean=filters.mean[..., rows],
-            covariance=filters.covariance[..., rows[:, :, None], rows[:, None, :]],
+        return _each(filters.encounter.told(filters))
+
+    @cached_property
+    def _n_modes(self) -> int:
+        """Modes of each target, 0 if its process noise is known."""
+        configuration = self.configuration
+        known = configuration.steady_process_noise_density >= configuration.process_noise_density
+        return 0 if known else N_MODES
+
+    @cached_property
+    def _mode_densities(self) -> FloatArray:
+        configuration = self.configuration
+        return mode_densities(
+            configuration.steady_process_noise_density, configuration.process_noise_density
         )
 
-    def _judge_manoeuvres(
-        self, before: JointMapState, after: KalmanState, estimates: SubspaceEstimates
-    ) -> Manoeuvres:
-        """Return which bearings turn, by the first update."""
-        configuration = self.configuration
-        if configuration.steady_process_noise_density >= configuration.process_noise_density:
-            return before.manoeuvres
-        targets = self.targets(before)
-        age = -estimates.covariance_time_offset
-        middle = targets.mean[..., 0] - age * targets.mean[..., 1]
-        close = unresolved(middle, middle, estimates) & ~np.eye(middle.shape[-1], dtype=bool)
-        resolved = np.asarray(~close.any(axis=-1))
-        return before.manoeuvres.update(
-            targets, self.targets(after), age, before.interval, resolved
+    def _of(self, joint: KalmanState, modes: MotionModes) -> JointMapState:
+        """Return the filter of a joint state, without an encounter."""
+        shape = (*joint.mean.shape[:-1], joint.mean.shape[-1] // 2)
+        return JointMapState(
+            joint.mean,
+            joint.covariance,
+            modes,
+            np.zeros(shape, dtype=bool),
+            np.zeros(shape),
+            no_encounter(joint),
         )
 
-    def _add_turn(self, filters: JointMapState, begun: BoolArray, level: IntArray) -> JointMapState:
-        """Return the prediction with what a turn has added to some bearings by now."""
+    def _steady_noise(self, filters: JointMapState) -> FloatArray:
+        """Return the least spectral density of each bearing's acceleration, rad^2/s^3."""
         configuration = self.configuration
-        steady = configuration.steady_process_noise_density
-        turning = configuration.process_noise_density
-        density = np.where(begun, _densities(level, steady, turning), 0.0)
-        added = joint_process_noise(begun.shape[-1], MEMORY, density)
-        return replace(filters, covariance=filters.covariance + added)
+        passing = passing_process_noise(self.targets(filters).mean[..., 1])
+        return np.clip(
+            passing,
+            configuration.steady_process_noise_density,
+            configuration.process_noise_density,
+        )
 
-    def _process_noise(self, filters: JointMapState) -> FloatArray:
-        """Return the spectral density of each bearing's acceleration, rad^2/s^3."""
-        steady = self.configuration.steady_process_noise_density
-        turning = self.configuration.process_noise_density
-        density = _densities(filters.manoeuvres.level, steady, turning)
-        if steady >= turning:
-            return density
-        density = np.where(filters.manoeuvres.held, _HELD_SHARE * steady, density)
-        rates = self.targets(filters).mean[..., 1]
-        return np.maximum(density, np.minimum(passing_process_noise(rates), turning))
+    def _densities(self, filters: JointMapState) -> FloatArray:
+        """Return the spectral density of the acceleration in each mode, rad^2/s^3."""
+        return np.maximum(self._mode_densities, self._steady_noise(filters)[..., None])
+
+    def _update_turning_back(
+        self,
+        state: JointMapState,
+        passing: JointUpdate,
+        age: float,
+        fit: Callable[[FloatArray], SubspaceFit],
+    ) -> JointMapState:
+        """Return the filter with the account of turning back after the block."""
+        encounter = state.encounter
+        if not encounter.open.any():
+            return replace(state, encounter=encounter.with_account(state, encounter.log_odds))
+        back = update_jointly(KalmanState(encounter.mean, encounter.covariance), age, fit)
+        told = np.where(encounter.open, back.log_evidence - passing.log_evidence, 0.0)
+        encounter = encounter.with_account(back.state, encounter.log_odds + told)
+        return replace(state, encounter=encounter)
+
+    def _weigh(
+        self, state: JointMapState, measurement: BearingMeasurement, estimates: SubspaceEstimates
+    ) -> JointMapState:
+        """Return the filter after its modes have seen what the block has told of each target."""
+        targets = self.targets(state)
+        middle = targets.mean[..., 0] - measurement.age * targets.mean[..., 1]
+        pairs = unresolved(middle, middle, estimates) & ~np.eye(middle.shape[-1], dtype=bool)
+        close = np.asarray(pairs.any(axis=-1))
+        told = ~close & np.isfinite(measurement.variance) & ~state.encounter.open[..., None]
+        modes = state.modes.update(measurement.angle, measurement.variance, measurement.age, told)
+        modes = modes.restarted(targets, ~told)
+        if told.any():
+            state = _with_marginals(state, targets, modes.combined(), told)
+        encounter, passing = state.encounter.settled(state, np.asarray(close.any(axis=-1)))
+        number = wavenumber(estimates.center_frequency, estimates.sound_speed)
+        separation = 0.5 * beamwidth(estimates.element_positions, number)
+        turning_back = turning_back_process_noise(targets.mean[..., 1], pairs, separation)
+        most = _MOST_OF_A_TURN * self.configuration.process_noise_density
+        return JointMapState(
+            passing.mean,
+            passing.covariance,
+            modes,
+            close,
+            np.minimum(turning_back, most),
+            encounter,
+        )
 
 
-def _densities(level: IntArray, steady: float, turning: float) -> FloatArray:
-    """Return the spectral densities of levels of process noise, rad^2/s^3."""
-    share = level / HIGHEST_LEVEL
-    return steady ** (1.0 - share) * turning**share
+def _with_marginals(
+    state: JointMapState, before: KalmanState, after: KalmanState, rows: BoolArray
+) -> JointMapState:
+    """Return the filter with other states of some targets, their correlations as they are."""
+    entries = _rows(before.mean.shape[-2])
+    scale = np.linalg.cholesky(after.covariance) @ np.linalg.inv(
+        np.linalg.cholesky(before.covariance)
+    )
+    scale = np.where(rows[..., None, None], scale, np.eye(2))
+    mean, all_scales = state.mean.copy(), np.zeros_like(state.covariance)
+    mean[..., entries] = np.where(rows[..., None], after.mean, before.mean)
+    all_scales[..., entries[:, :, None], entries[:, None, :]] = scale
+    covariance = all_scales @ state.covariance @ np.swapaxes(all_scales, -1, -2)
+    return replace(state, mean=mean, covariance=symmetrised(covariance))
+
+
+def _uncorrelated(targets: KalmanState) -> KalmanState:
+    """Return the joint state of uncorrelated targets."""
+    rows = _rows(targets.mean.shape[-2])
+    mean = np.empty((*targets.mean.shape[:-2], rows.size))
+    covariance = np.zeros((*mean.shape, rows.size))
+    mean[..., rows] = targets.mean
+    covariance[..., rows[:, :, None], rows[:, None, :]] = targets.covariance
+    return KalmanState(mean, covariance)
+
+
+def _extended(joint: KalmanState, more: KalmanState) -> KalmanState:
+    """Return the joint state of two groups of targets that are uncorrelated with each other."""
+    n_old, n_new = joint.mean.shape[-1] // 2, more.mean.shape[-1] // 2
+    rows = _rows(n_old + n_new)
+    old, new = rows[:n_old].T.reshape(-1), rows[n_old:].T.reshape(-1)
+    mean = np.empty((*joint.mean.shape[:-1], rows.size))
+    covariance = np.zeros((*mean.shape, rows.size))
+    for entries, part in ((old, joint), (new, more)):
+        mean[..., entries] = part.mean
+        covariance[..., entries[:, None], entries] = part.covariance
+    return KalmanState(mean, covariance)
+
+
+def _each(joint: KalmanState) -> KalmanState:
+    """Return angle and rate of each target of a joint state."""
+    rows = _rows(joint.mean.shape[-1] // 2)
+    return KalmanState(
+        mean=joint.mean[..., rows],
+        covariance=joint.covariance[..., rows[:, :, None], rows[:, None, :]],
+    )
 
 
 @lru_cache(maxsize=64)

@@ -10,6 +10,7 @@ keeps the identities apart. The state of n targets is [n angles, n rates].
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,6 +21,23 @@ from sonar_tracking.records.arrays import FloatArray
 
 _ITERATIONS = 2
 """Linearisations of one block. A fit to convergence swaps targets at crossings."""
+
+
+@dataclass(frozen=True)
+class JointUpdate:
+    """Result of a block.
+
+    Attributes
+    ----------
+    state : KalmanState
+        Of all targets.
+    log_evidence : ndarray, shape (...)
+        Log-probability of the block under the prediction, but for what does not depend on it: the
+        likelihood at the estimate, less how far the prediction was off and how little it told.
+    """
+
+    state: KalmanState
+    log_evidence: FloatArray
 
 
 def predict_jointly(
@@ -65,8 +83,8 @@ def joint_process_noise(n_targets: int, interval: float, density: float | FloatA
 
 def update_jointly(
     state: KalmanState, age: float, fit: Callable[[FloatArray], SubspaceFit]
-) -> KalmanState:
-    """Return the joint state after one block.
+) -> JointUpdate:
+    """Return the joint state after one block, and how well it was predicted.
 
     Parameters
     ----------
@@ -85,16 +103,21 @@ def update_jointly(
     predicted = (matrix @ state.mean[..., None])[..., 0]
     angles = predicted
     for _ in range(_ITERATIONS):
-        block = fit(angles)
+        block, fitted = fit(angles), angles
         moved = (block.information @ (angles - predicted)[..., None])[..., 0]
         mixing = identity + block.information @ prior
         pull = np.linalg.solve(mixing, (block.score + moved)[..., None])
         angles = predicted + (prior @ pull)[..., 0]
     removed = cross @ np.linalg.solve(mixing, block.information @ np.swapaxes(cross, -1, -2))
-    return KalmanState(
+    state = KalmanState(
         mean=state.mean + (cross @ pull)[..., 0],
         covariance=symmetrised(state.covariance - removed),
     )
+    step, moved = angles - fitted, angles - predicted
+    bend = (block.information @ step[..., None])[..., 0]
+    likelihood = block.log_likelihood + ((block.score - 0.5 * bend) * step).sum(axis=-1)
+    surprise = (moved * pull[..., 0]).sum(axis=-1) + np.linalg.slogdet(mixing)[1]
+    return JointUpdate(state, likelihood - 0.5 * surprise)
 
 
 def _of_all_targets(matrix: FloatArray, n_targets: int) -> FloatArray:

@@ -223,7 +223,8 @@ class TrackingSteps:
         state, n_seen = self._end_tracks(state, followed.evidence)
         if self.automatic:
             state, new_rows = self._start_tracks(estimates, state, n_seen, n_weak)
-            rows = rows.append(new_rows)
+            hidden = {pair.track_id: pair.half_separation() for pair in state.start.pairs}
+            rows = rows.without(new_rows.ids).widened(hidden).append(new_rows)
         # An estimate that only carries the end of the data is empty by nature.
         empty = estimates.next_stamp == END_OF_DATA and estimates.basis.shape[-3] == 0
         notices = () if empty else followed.notices
@@ -294,11 +295,15 @@ class TrackingSteps:
         """Let the automatic start see the estimate; return its rows too."""
         angles = self.filters.targets(state.filters).mean[..., 0]
         folded, _ = folded_angles(angles, estimates.element_positions)
-        start, started = state.start.update(estimates, folded, n_seen, n_weak)
+        start, started = state.start.update(estimates, folded, n_seen, n_weak, state.ids)
         tentative = tentative_rows(start.tentative, estimates.stamp)
         if not started:
             return replace(state, start=start), tentative
         new = started_rows(started)
+        if set(new.ids) & set(state.ids):
+            # One of a pair takes the place of the track that was between them.
+            left = [row for row, name in enumerate(state.ids) if name not in new.ids]
+            state = state.keep(self.filters, np.array(left, dtype=np.intp))
         grown = replace(
             state,
             start=start,

@@ -1,7 +1,7 @@
 """Weighted subspace fitting: score and information of all arrival angles in a block covariance.
 
 The weighted squared distance of the signal eigenvectors from the span of the steering vectors is,
-for many snapshots, the negative log-likelihood of the angles. Its gradient and its Gauss-Newton
+for many snapshots, the negative log-likelihood of the angles. It, its gradient and its Gauss-Newton
 matrix are all a tracker needs of a block:
 
     w_m = (lambda_m - sigma^2)^2 / lambda_m,  y_m = S^+ e_m,  r_m = P_S e_m,
@@ -36,12 +36,15 @@ class SubspaceFit:
 
     Attributes
     ----------
+    log_likelihood : ndarray, shape (...)
+        But for what does not depend on the angles, a pure number.
     score : ndarray, shape (..., n_targets)
         g, gradient of the log-likelihood, 1/rad.
     information : ndarray, shape (..., n_targets, n_targets)
         J, symmetric, not negative, possibly singular, 1/rad^2.
     """
 
+    log_likelihood: FloatArray
     score: FloatArray
     information: FloatArray
 
@@ -81,4 +84,9 @@ def weighted_subspace_fit(
     weighted = amplitudes.conj() * weights[..., None, :]
     information = ((adjoint @ outside) * (weighted @ np.swapaxes(amplitudes, -1, -2))).real
     score = (weighted * (adjoint @ residuals)).real.sum(axis=-1)
-    return SubspaceFit(score=score, information=symmetrised(information))
+    distances = (residuals.real**2 + residuals.imag**2).sum(axis=-2)
+    return SubspaceFit(
+        log_likelihood=-0.5 * (weights * distances).sum(axis=-1),
+        score=score,
+        information=symmetrised(information),
+    )

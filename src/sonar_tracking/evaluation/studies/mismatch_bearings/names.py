@@ -73,11 +73,14 @@ def errors_under_names(
             [[names.get(int(one)) == int(name) for name in entry.id[rows]] for one in present.id],
             dtype=bool,
         ).reshape(apart.shape)
-        fits = kept & (apart < CUTOFF_DEG)
+        # They have names from when there are tracks for all of them.
+        fits = kept & (apart < CUTOFF_DEG) & (len(names) >= len(present.id))
         taken = fits.any(axis=1, keepdims=True) | fits.any(axis=0, keepdims=True)
         apart = np.where(fits, 0.0, np.where(taken, 10.0 * CUTOFF_DEG, apart))
         pairs = assign(apart, CUTOFF_DEG, ORDER)
         held = rows[pairs.estimates]
+        if len(held) < len(present.id) and len(names) < len(present.id):
+            names.clear()
         for target, row in zip(present.id[pairs.truths], held, strict=True):
             names[int(target)] = int(entry.id[row])
         rate = entry.arrival_angle_rate[held] - present.rate[pairs.truths]
