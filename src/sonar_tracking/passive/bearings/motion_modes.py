@@ -220,7 +220,7 @@ def first_probabilities(n_modes: int) -> FloatArray:
 
 def mode_densities(steady: float, turning: float) -> FloatArray:
     """Return the spectral densities of the modes, shape (n_modes,), rad^2/s^3."""
-    return np.geomspace(steady, turning, N_MODES)
+    return np.asarray(np.geomspace(steady, turning, N_MODES), dtype=np.float64)
 
 
 def passing_process_noise(rates: FloatArray) -> FloatArray:
