@@ -215,7 +215,7 @@ def undecided(targets: KalmanState, n_modes: int) -> MotionModes:
 def first_probabilities(n_modes: int) -> FloatArray:
     """Return the probabilities of the modes at the start, shape (n_modes,)."""
     weights = _MORE_TURNING ** np.arange(n_modes)
-    return np.asarray(weights / weights.sum()) if n_modes else weights
+    return np.asarray(weights / weights.sum() if n_modes else weights, dtype=np.float64)
 
 
 def mode_densities(steady: float, turning: float) -> FloatArray:
