@@ -180,3 +180,31 @@ def test_turning_the_scene_turns_the_path() -> None:
     here = smooth_target(history, start, prior)
     np.testing.assert_allclose(there.mean, here.mean @ both.T, atol=1e-3)
     np.testing.assert_allclose(there.covariance, both @ here.covariance @ both.T, rtol=1e-4)
+
+
+def test_bent_rays_widen_the_range_that_an_elevation_gives() -> None:
+    """At rest 1000 m away and 1000 m up: dr = (r^2 + h^2) / h de, with de = b / 2."""
+    n, height, bending = 60, 1000.0, 0.02
+    times = np.arange(float(n))
+    noise = 1e-3 * np.random.default_rng(1).standard_normal((2, n))
+    history = TargetHistory(
+        times=times,
+        station=np.zeros(n, np.int64),
+        position=np.zeros((n, 2)),
+        velocity=np.zeros((n, 2)),
+        azimuth=np.stack([noise[0], np.full(n, np.nan)], axis=1),
+        azimuth_deviation=np.full(n, 1e-3),
+        elevation=np.pi / 4.0 + noise[1],
+        elevation_deviation=np.full(n, 1e-3),
+        height=height,
+        frequency=np.empty((n, 0)),
+        frequency_deviation=np.empty((n, 0)),
+    )
+    start = np.tile([height, 0.0, 0.0, 0.0], (n, 1))
+    prior = KalmanState(start[0], np.diag([1e6, 1e6, 0.01, 0.01]))
+    exact = TargetSmootherConfiguration(systematic_deviation_deg=0.0)
+    straight = smooth_target(history, start, prior, exact)
+    bent = smooth_target(replace(history, bending=bending), start, prior, exact)
+    added = (bent.covariance - straight.covariance)[n // 2]
+    assert np.sqrt(added[0, 0]) == pytest.approx(2.0 * height * bending / 2.0, rel=0.1)
+    assert added[1, 1] == pytest.approx(0.0, abs=1.0)

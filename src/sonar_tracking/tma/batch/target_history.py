@@ -52,6 +52,8 @@ class TargetHistory:
         Received, Hz; NaN = the line is absent.
     sound_speed, propagation_speed : float
         m/s; the second inf = seen at once.
+    bending : float
+        Relative difference of the speed of sound along the path, which bends rays: a pure number.
     """
 
     times: FloatArray
@@ -67,6 +69,7 @@ class TargetHistory:
     frequency_deviation: FloatArray
     sound_speed: float = 1500.0
     propagation_speed: float = np.inf
+    bending: float = 0.0
 
     @property
     def n_lines(self) -> int:

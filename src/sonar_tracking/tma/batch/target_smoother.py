@@ -36,7 +36,13 @@ from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.tma.batch.learnt_variances import Learnt, learn, unit_noise
 from sonar_tracking.tma.batch.linear_smoother import LinearSystem, SmoothedStates, smooth_linear
-from sonar_tracking.tma.batch.target_history import LINES, HistoryRows, TargetHistory, rows_at
+from sonar_tracking.tma.batch.target_history import (
+    LINES,
+    MINIMUM_RANGE,
+    HistoryRows,
+    TargetHistory,
+    rows_at,
+)
 from sonar_tracking.tma.batch.weaving_system import learn_weave, weaving_system
 from sonar_tracking.tma.estimators.hypothesis_bank import SOURCE_FREQUENCY_SPREAD
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
@@ -153,8 +159,9 @@ def smooth_target(
     mean, covariance = _mixed(best, weaving, float(1.0 / (1.0 + np.exp(-np.clip(odds, -40, 40)))))
     system = other if odds > 0.0 else system
     deviation = float(np.radians(parameters.systematic_deviation_deg))
-    if deviation > 0.0:
-        covariance = covariance + deviation**2 * _systematic(history, system)
+    if deviation > 0.0 or history.bending > 0.0:
+        lasting = _lasting_deviations(history, mean, deviation)
+        covariance = covariance + _systematic(history, system, lasting)
     return TargetPath(mean, covariance)
 
 
@@ -184,15 +191,28 @@ def _likelihood_of_start(
     return smooth_linear(system).log_likelihood
 
 
-def _systematic(history: TargetHistory, system: LinearSystem) -> FloatArray:
-    """Return what constant errors of directions of 1 rad do to the covariance, shape (n, 4, 4).
+def _lasting_deviations(
+    history: TargetHistory, path: FloatArray, deviation: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return those of azimuths and elevations, shape (n,) each, rad: rays are bent besides."""
+    distance = np.hypot(*(path[:, :2] - history.position).T)
+    slope = history.height / np.maximum(distance, MINIMUM_RANGE)
+    bent = 0.5 * history.bending / np.sqrt(slope**2 + max(history.bending, SMALLEST))
+    return np.full(len(distance), deviation), np.hypot(deviation, bent)
+
+
+def _systematic(
+    history: TargetHistory, system: LinearSystem, deviations: tuple[FloatArray, FloatArray]
+) -> FloatArray:
+    """Return what lasting errors of directions do to the covariance, shape (n, 4, 4).
 
     They are no part of the estimate, which cannot tell them from another path.
     """
     start = KalmanState(np.zeros_like(system.start.mean), system.start.covariance)
     added = np.zeros((len(history.times), KINEMATIC, KINEMATIC))
-    for column in history.slow:
-        response = replace(system, start=start, measured=system.matrix[:, :, column])
+    for number, column in enumerate(history.slow):
+        error = deviations[number // history.n_stations][:, None]
+        response = replace(system, start=start, measured=error * system.matrix[:, :, column])
         moved = smooth_linear(response).mean[:, :KINEMATIC]
         added += moved[:, :, None] * moved[:, None, :]
     return added

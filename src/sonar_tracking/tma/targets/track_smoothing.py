@@ -204,6 +204,7 @@ def _history(
         frequency_deviation=deviation,
         sound_speed=tracker.sound_speed,
         propagation_speed=tracker.propagation_speed,
+        bending=tracker.systematic_errors.bending,
     )
 
 
