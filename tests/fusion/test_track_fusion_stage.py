@@ -168,6 +168,38 @@ def test_echoes_settle_the_side_and_the_older_name_stays() -> None:
     assert names <= set(established.id.tolist())
 
 
+def test_a_sonar_that_restarts_with_other_identifiers_changes_no_names() -> None:
+    stage = TrackFusionStage(AT_ONCE)
+    names = set()
+    for moment in moments(Ships(FOUR), 260.0):
+        frame = moment.frame
+        if moment.time >= 200.0 and frame.active:
+            tracks = frame.active[ECHOES]
+            frame = replace(frame, active={ECHOES: replace(tracks, id=tracks.id + np.uint64(1000))})
+        tracks = stage.update(frame).tracks
+        if moment.time >= 60.0:
+            names |= set(tracks.id.tolist())
+    assert len(names) == 4 and len(tracks) == 4
+
+
+def test_a_source_that_comes_late_is_taken_in() -> None:
+    stage = TrackFusionStage(AT_ONCE)
+    for moment in moments(Ships(FOUR, silent_array=(0.0, 200.0)), 320.0):
+        tracks = stage.update(moment.frame).tracks
+    assert list(tracks.contributor_source).count(TrackSource.TMA) == 4
+
+
+def test_of_two_stations_with_one_name_the_second_is_named_and_left_out() -> None:
+    stage = TrackFusionStage(AT_ONCE)
+    for moment in moments(Ships(FOUR), 40.0):
+        (bearings,) = moment.frame.bearings
+        elsewhere = replace(bearings.sensor, position=(9000.0, 9000.0, 0.0))
+        twice = (bearings, replace(bearings, sensor=elsewhere))
+        update = stage.update(replace(moment.frame, bearings=twice))
+        assert any("two stations" in one.text and ARRAY in one.text for one in update.notices)
+    assert len(update.tracks) == 4
+
+
 def test_a_row_that_ends_is_reported_once() -> None:
     stage = TrackFusionStage(replace(AT_ONCE, coast_duration=0.0))
     frames = [one.frame for one in moments(Ships(FOUR[:1]), 40.0)]

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.errors import InputError, Notice, Severity
+from sonar_tracking.errors import InputError, Notice, Severity, shown
 from sonar_tracking.fusion.fused_target import Contributor
 from sonar_tracking.fusion.fusion_records import BearingKey, HeardBearing
 from sonar_tracking.fusion.track_fusion_configuration import TrackFusionConfiguration
@@ -35,6 +36,22 @@ class StationBearings:
     alive: dict[BearingKey, Contributor]
     found: tuple[HeardBearing, ...]
     notices: tuple[Notice, ...] = ()
+
+
+def with_names_of_their_own(
+    stations: Sequence[BearingTracks], notices: list[Notice]
+) -> list[BearingTracks]:
+    """Return the first of each name; of others, the notices are told."""
+    first: dict[str, BearingTracks] = {}
+    for bearings in stations:
+        sensor = bearings.sensor.sensor_id
+        if first.setdefault(sensor, bearings) is not bearings:
+            text = (
+                f"two stations claim the sensor_id {shown(sensor)}: the second one is left out; "
+                "give each a name of its own."
+            )
+            notices.append(Notice(Severity.ERROR, f"data of {shown(sensor)}", text))
+    return list(first.values())
 
 
 def station_bearings(

@@ -34,7 +34,11 @@ from sonar_tracking.fusion.fusion_records import (
     HeardBearing,
     ListKey,
 )
-from sonar_tracking.fusion.station_bearings import StationBearings, station_bearings
+from sonar_tracking.fusion.station_bearings import (
+    StationBearings,
+    station_bearings,
+    with_names_of_their_own,
+)
 from sonar_tracking.fusion.target_filters import TargetFilters
 from sonar_tracking.fusion.track_fusion_configuration import STRENGTHS, TrackFusionConfiguration
 from sonar_tracking.motion import KinematicState, wrap_angle
@@ -118,7 +122,7 @@ class TrackFusionStage:
             self._watermarks[topic] = tracks.next_stamp
             notices += unusable_rows(tracks, topic)
             self._take_echoes(topic, tracks)
-        for bearings in frame.bearings:
+        for bearings in with_names_of_their_own(frame.bearings, notices):
             self._watermarks[f"bearings of {bearings.sensor.sensor_id}"] = bearings.next_stamp
             notices += self._take_bearings(bearings, frame.own_ship)
         for topic, tracks in frame.passive.items():
