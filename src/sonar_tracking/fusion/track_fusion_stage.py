@@ -45,7 +45,13 @@ from sonar_tracking.motion import KinematicState, wrap_angle
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
 from sonar_tracking.records.positions import PositionTracks
-from sonar_tracking.records.time import NANOSECONDS, UNKNOWN_STAMP, nanoseconds, seconds
+from sonar_tracking.records.time import (
+    NANOSECONDS,
+    UNKNOWN_STAMP,
+    common_watermark,
+    nanoseconds,
+    seconds,
+)
 
 PAUSE = 60.0
 """After which a trial that failed is begun again, s: bearing tracks may change their targets."""
@@ -340,11 +346,4 @@ class TrackFusionStage:
         return fused_list([*rows, *gone], self._stamp, self._watermark())
 
     def _watermark(self) -> int:
-        """Nothing earlier than this follows; unknown until every source has reported."""
-        least = min(self._watermarks.values(), default=UNKNOWN_STAMP)
-        complete = len(self._watermarks) >= self._n_sources
-        return least if complete and least > self._stamp else UNKNOWN_STAMP
-
-    def _stands_for(self, key: ListKey, heard: tuple[BearingKey, ...]) -> bool:
-        """Return whether a target with echoes stands for a row of another list."""
-        return key in self._target_of or any(self._links.target_of(one) for one in heard)
+        return common_watermark(self._watermarks.values(), self._n_sources, self._stamp)

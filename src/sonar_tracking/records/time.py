@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import typing
+from collections.abc import Collection
 
 import numpy as np
 
@@ -41,6 +42,22 @@ def seconds(stamp_difference: float | IntArray) -> float | FloatArray:
     if isinstance(stamp_difference, np.ndarray):
         return np.multiply(stamp_difference, 1e-9)
     return stamp_difference * 1e-9
+
+
+def common_watermark(watermarks: Collection[int], n_sources: int, stamp: int) -> int:
+    """Return before when nothing follows of several sources, ns; unknown until all have told.
+
+    Parameters
+    ----------
+    watermarks : collection of int
+        Of the sources that have told any, ns.
+    n_sources : int
+        How many there are.
+    stamp : int
+        Of the latest data, ns; a watermark that is not later says nothing.
+    """
+    least = min(watermarks, default=UNKNOWN_STAMP)
+    return least if len(watermarks) >= n_sources and least > stamp else UNKNOWN_STAMP
 
 
 def nanoseconds(duration: float) -> int:

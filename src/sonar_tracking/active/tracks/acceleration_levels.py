@@ -151,7 +151,7 @@ class AccelerationLevels:
         calm : ndarray, shape (n, n_modes)
             Time spent in moving modes calmer than each, s.
         pooled : ndarray, shape (2, n_modes) or (n, 2, n_modes)
-            Both, of all confirmed targets of the scene together.
+            Both, of all confirmed targets of the scene together, pure numbers and s.
 
         Returns
         -------

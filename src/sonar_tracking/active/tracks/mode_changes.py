@@ -38,7 +38,7 @@ def changes_after(
     Parameters
     ----------
     probability : ndarray, shape (n, n_modes)
-        Of the modes after the ping, the calmest first, sum 1.
+        Of the modes after the ping, the calmest first, pure numbers of sum 1.
     entered : ndarray, shape (n, n_modes)
         How often each mode or a harder one has been entered, pure numbers.
     calm : ndarray, shape (n, n_modes)

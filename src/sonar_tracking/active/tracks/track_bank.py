@@ -256,7 +256,7 @@ def predict_bank(
     survival_probability : float
         Pi_11 of the existence recursion.
     pooled : ndarray, shape (2, n_modes) or (n, 2, n_modes), or None
-        Changes of mode in the scene of each track; None = the bank is that of one scene.
+        Changes of mode in the scene of each track, pure numbers and s; None = one scene.
     """
     if pooled is None:
         pooled = scene_changes(bank)

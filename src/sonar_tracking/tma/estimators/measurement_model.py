@@ -66,7 +66,15 @@ class LinearisedRows:
 
 
 def has_height(mean: FloatArray, n_lines: int) -> bool:
-    """Return whether states of so many lines, shape (..., n), have a height behind the lines."""
+    """Return whether states of so many lines have a height behind the lines.
+
+    Parameters
+    ----------
+    mean : ndarray, shape (..., n)
+        States, m, m/s and Hz.
+    n_lines : int
+        Lines in them.
+    """
     return (mean.shape[-1] - KINEMATIC - n_lines) % DEVIATION == VERTICAL
 
 

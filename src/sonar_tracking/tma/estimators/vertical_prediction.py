@@ -26,11 +26,18 @@ def predict_vertical(
     mean : ndarray, shape (..., n)
         m and m/s.
     covariance : ndarray, shape (..., n, n)
-        Of all states; a height of variance 0 is not known yet and stays so.
+        Of all states, m^2, m^2/s and m^2/s^2; a height of variance 0 is not known yet and stays so.
     elapsed : ndarray, shape (...)
         s.
     place : int
         Of the height in the state; its rate comes next.
+
+    Returns
+    -------
+    mean : ndarray, shape (..., n)
+        m and m/s.
+    covariance : ndarray, shape (..., n, n)
+        m^2, m^2/s and m^2/s^2.
     """
     height, rate = place, place + 1
     mean, covariance = mean.copy(), covariance.copy()

@@ -60,7 +60,7 @@ def begin_weave(covariance: FloatArray, weave: Weave) -> None:
     Parameters
     ----------
     covariance : ndarray, shape (..., 8 + n_lines, 8 + n_lines)
-        Of the states of a target that goes straight.
+        Of the states of a target that goes straight, m, m/s and Hz squared.
     weave : Weave
         The deviation.
     """

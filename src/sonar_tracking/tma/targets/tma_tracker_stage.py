@@ -17,7 +17,7 @@ from sonar_tracking.motion import KinematicState
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
 from sonar_tracking.records.lines import FrequencyLines
 from sonar_tracking.records.positions import PositionTracks
-from sonar_tracking.records.time import UNKNOWN_STAMP, nanoseconds
+from sonar_tracking.records.time import UNKNOWN_STAMP, common_watermark, nanoseconds
 from sonar_tracking.tma.targets.bearing_observations import (
     bare_observation,
     left_out,
@@ -348,8 +348,5 @@ class TmaTrackerStage:
         return track_row(target, solution, status, self._stamp, self.configuration.acceleration)
 
     def _watermark(self) -> int:
-        """Nothing earlier than this follows; unknown until every station has reported."""
         watermarks = [station.next_stamp for station in self._stations.values()]
-        if len(watermarks) < self._n_stations or min(watermarks) <= self._stamp:
-            return UNKNOWN_STAMP
-        return min(watermarks)
+        return common_watermark(watermarks, self._n_stations, self._stamp)
