@@ -347,3 +347,7 @@ class TrackFusionStage:
 
     def _watermark(self) -> int:
         return common_watermark(self._watermarks.values(), self._n_sources, self._stamp)
+
+    def _stands_for(self, key: ListKey, heard: tuple[BearingKey, ...]) -> bool:
+        """Return whether a target with echoes stands for a row of another list."""
+        return key in self._target_of or any(self._links.target_of(one) for one in heard)
