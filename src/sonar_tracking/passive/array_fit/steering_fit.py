@@ -29,6 +29,9 @@ from sonar_tracking.records.arrays import FloatArray
 LEAST_ERROR = 0.02
 """Relative rms error that is told and used; less brings no source that is none."""
 
+_MARGIN = 2.0
+"""Of the power put under the noise, over the mean of what the errors bring."""
+
 _MEMORY = 20
 _SURE = 2
 """Covariances that must show the error."""
@@ -72,6 +75,14 @@ class SteeringFit:
         """Relative rms error e of the elements, 0 = none that is sure, pure number."""
         known = self.n_shown >= _SURE and self.squared > LEAST_ERROR**2
         return float(np.sqrt(self.squared)) if known else 0.0
+
+    @property
+    def error_to_hide(self) -> float:
+        """What is put under the noise, pure number: more than the mean, which half the errors pass.
+
+        What an error brings in one direction has an exponential distribution about its mean.
+        """
+        return float(np.sqrt(_MARGIN)) * self.error
 
     @property
     def fits(self) -> bool:

@@ -252,7 +252,7 @@ def _summaries(
                 first.header,
                 first.whitening,
                 math.radians(configuration.maximum_rate_deg),
-                configuration.steering_error or first.fit.steering.error,
+                configuration.steering_error or first.fit.steering.error_to_hide,
             )
             for row, summary in zip(part, together, strict=True):
                 summaries[row] = summary
