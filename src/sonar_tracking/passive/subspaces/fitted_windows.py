@@ -19,7 +19,6 @@ from sonar_tracking.passive.array_fit.judged_covariance import (
 )
 from sonar_tracking.passive.array_fit.noise_evidence import noise_evidence
 from sonar_tracking.passive.array_fit.noise_models import noise_model
-from sonar_tracking.passive.array_fit.steering_fit import SteeringFit
 from sonar_tracking.passive.array_fit.strong_sources import MOST_ELEMENTS
 from sonar_tracking.passive.sources.moving_source_counting import sample_covariance
 from sonar_tracking.passive.subspaces.estimation_memory import (
@@ -72,6 +71,9 @@ def _judged(
     """Return the covariance of a window that the fit is judged by, None if there is none."""
     memory = window.snapshots_from
     if memory.history.ndim > 2 or not window.subspaces:
+        return None
+    if configuration.steering_error > 0.0:
+        # What is no plane wave is known to be there: neither noise nor elements can be judged.
         return None
     header = memory.header
     memory = memory.fitted(replace(fit, colour=replace(fit.colour, coloured=False)))
@@ -139,8 +141,6 @@ def _fitted(
             share = min((window.covariance_end - fit.fitted_to) / each.n_snapshots, 1.0)
             if share > 0.0:
                 fit = fit.update(each, share, window.covariance_end)
-                if configuration.steering_error > 0.0:
-                    fit = replace(fit, steering=SteeringFit())  # it is known
         if not fit.as_described:
             memory = window.snapshots_from.fitted(fit)
             window = replace(window, snapshots_from=memory)
