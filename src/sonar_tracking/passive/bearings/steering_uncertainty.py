@@ -46,6 +46,9 @@ _LEAST_EXCESS = 0.2
 brings a tenth."""
 
 _LEAST_ERROR = 0.005
+_LARGEST_SQUARE = 0.1
+"""Of e, that a covariance may show."""
+
 _FEWEST_DIMENSIONS = 4
 _TOLD_FROM = 0.02
 _LARGE = 64
@@ -119,12 +122,15 @@ class SteeringUncertainty:
         weights = 2.0 * snapshots * (ratios - 1.0) ** 2 / ratios
         chi = float(weights @ (outside.real**2 + outside.imag**2).sum(axis=0))
         freedom, kept = 2.0 * rank * n_free, _KEPT**share
+        weight = float(weights.sum()) * n_free / n_elements
+        if chi - freedom > _LARGEST_SQUARE * weight:
+            return seen  # The tracks are not where the sources are.
         return replace(
             seen,
             excess=kept * self.excess + share * (chi - freedom),
             expected=kept * self.expected + share * freedom,
             variance=kept**2 * self.variance + share * 2.0 * freedom,
-            weight=kept * self.weight + share * float(weights.sum()) * n_free / n_elements,
+            weight=kept * self.weight + share * weight,
         )
 
     def widened(self, tracks: BearingTracks, estimates: SubspaceEstimates) -> BearingTracks:
