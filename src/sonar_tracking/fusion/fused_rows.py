@@ -174,3 +174,18 @@ def fused_list(rows: Sequence[FusedRow], stamp: int, next_stamp: int) -> Positio
         contributor_id=np.array([one[3] for one in contributors], np.uint64),
         next_stamp=next_stamp,
     )
+
+
+class ShownRows:
+    """The rows of the last list: what is no more appears once in the next one, as terminated."""
+
+    def __init__(self) -> None:
+        self._rows: dict[int, FusedRow] = {}
+
+    def listed(self, rows: Sequence[FusedRow], stamp: int, next_stamp: int) -> PositionTracks:
+        """Return the complete picture, rows that have ended included; stamps in ns."""
+        going_on = {row.id: row for row in rows}
+        ended = [row for number, row in self._rows.items() if number not in going_on]
+        self._rows = going_on
+        gone = [replace(row, status=TrackStatus.TERMINATED) for row in ended]
+        return fused_list([*rows, *gone], stamp, next_stamp)

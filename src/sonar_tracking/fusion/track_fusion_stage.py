@@ -22,7 +22,7 @@ from sonar_tracking.fusion.echo_checks import unusable_rows, usable_measurements
 from sonar_tracking.fusion.foreign_tracks import ForeignTracks
 from sonar_tracking.fusion.fused_rows import (
     FusedRow,
-    fused_list,
+    ShownRows,
     row_of_target,
     turned_by_heading,
 )
@@ -96,7 +96,7 @@ class TrackFusionStage:
         self._paused: dict[tuple[FusedTarget, BearingKey], int] = {}
         self._stale: set[FusedTarget] = set()
         self._foreign = ForeignTracks(self.configuration, self._new_id)
-        self._shown: dict[bool, dict[int, FusedRow]] = {False: {}, True: {}}
+        self._own_rows_shown, self._all_rows_shown = ShownRows(), ShownRows()
         self._own_ship: KinematicState | None = None
         self._watermarks: dict[str, int] = {}
 
@@ -139,12 +139,14 @@ class TrackFusionStage:
             self._foreign.take(topic, tracks)
         self._decide()
         self._end_orphans()
-        alignments = self._filters.alignments(self._stamp, self._watermark())
+        watermark = common_watermark(self._watermarks.values(), self._n_sources, self._stamp)
+        alignments = self._filters.alignments(self._stamp, watermark)
         notices += beyond_prior(alignments, self.configuration.alignment_deviation_deg)
         own = self._own_rows()
-        tracks = own_tracks = self._list(own, with_foreign=False)
+        tracks = own_tracks = self._own_rows_shown.listed(own, self._stamp, watermark)
         if self._foreign.heard_of:
-            tracks = self._list(self._foreign.fused(own, self._stamp), with_foreign=True)
+            rows = self._foreign.fused(own, self._stamp)
+            tracks = self._all_rows_shown.listed(rows, self._stamp, watermark)
         return FusionUpdate(tracks, own_tracks, alignments, tuple(notices))
 
     def _take_echoes(self, topic: str, tracks: PositionTracks) -> None:
@@ -336,17 +338,6 @@ class TrackFusionStage:
         rows += self._copies.rows(self._stamp, self._stands_for, self._stations, alignments, taken)
         heading = self.configuration.heading_variance
         return [turned_by_heading(row, self._own_ship, heading) for row in rows]
-
-    def _list(self, rows: list[FusedRow], with_foreign: bool) -> PositionTracks:
-        """Return the complete picture; a row that has ended appears once."""
-        going_on = {row.id: row for row in rows}
-        before, self._shown[with_foreign] = self._shown[with_foreign], going_on
-        ended = [row for number, row in before.items() if number not in going_on]
-        gone = [replace(row, status=TrackStatus.TERMINATED) for row in ended]
-        return fused_list([*rows, *gone], self._stamp, self._watermark())
-
-    def _watermark(self) -> int:
-        return common_watermark(self._watermarks.values(), self._n_sources, self._stamp)
 
     def _stands_for(self, key: ListKey, heard: tuple[BearingKey, ...]) -> bool:
         """Return whether a target with echoes stands for a row of another list."""

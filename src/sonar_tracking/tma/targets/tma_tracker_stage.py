@@ -340,13 +340,11 @@ class TmaTrackerStage:
                 rows.append(self._row(target, solution, status))
         rows += self._ended
         self._ended = []
-        return track_list(rows, self._stamp, self._watermark())
+        watermarks = [station.next_stamp for station in self._stations.values()]
+        next_stamp = common_watermark(watermarks, self._n_stations, self._stamp)
+        return track_list(rows, self._stamp, next_stamp)
 
     def _row(
         self, target: FollowedTarget, solution: TargetSolution, status: TrackStatus
     ) -> TrackRow:
         return track_row(target, solution, status, self._stamp, self.configuration.acceleration)
-
-    def _watermark(self) -> int:
-        watermarks = [station.next_stamp for station in self._stations.values()]
-        return common_watermark(watermarks, self._n_stations, self._stamp)
