@@ -53,8 +53,12 @@ def estimates_of(covariance: ComplexArray) -> SubspaceEstimates:
     )
 
 
-def found(covariance: ComplexArray, tracks_deg: FloatArray, n_sources: int) -> PairFit | None:
-    return hidden_pair(estimates_of(covariance), covariance, n_sources, np.radians(tracks_deg))
+def found(
+    covariance: ComplexArray, tracks_deg: FloatArray, n_sources: int, rate_deg: float = 0.0
+) -> PairFit | None:
+    rates = np.full(len(tracks_deg), np.radians(rate_deg))
+    tracks = np.radians(tracks_deg)
+    return hidden_pair(estimates_of(covariance), covariance, n_sources, tracks, rates)
 
 
 def test_both_of_a_pair_are_found_within_their_deviations() -> None:
@@ -106,3 +110,10 @@ def test_pairs_that_do_not_come_again_are_given_up() -> None:
         pair = missed
     assert pair.missed() is None
     assert replace(pair, misses=0).missed() is not None
+
+
+def test_what_a_source_looks_like_that_turns_during_the_snapshots_is_no_pair() -> None:
+    scene = covariance_of((10.0, 11.0), (17.0, 17.0), 11)
+    assert found(scene, np.array([10.5]), 2) is not None
+    # 100 snapshots take half a second: a source that turns by 1.75 deg looks like these two.
+    assert found(scene, np.array([10.5]), 2, 3.5) is None

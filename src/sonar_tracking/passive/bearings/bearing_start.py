@@ -95,6 +95,7 @@ class BearingStart:
         n_seen: int | None = None,
         n_weak: int = 0,
         tracked_ids: tuple[int, ...] = (),
+        tracked_rates: FloatArray | None = None,
     ) -> tuple[BearingStart, tuple[StartedTrack, ...]]:
         """Return the start after one more estimate and the tracks started by it.
 
@@ -111,6 +112,8 @@ class BearingStart:
         tracked_ids : tuple of int
             Their identifiers, if any of them may turn out to be two: a track with the identifier
             of one that runs then starts in its place.
+        tracked_rates : ndarray, shape (n_tracks,), optional
+            Rates of the tracks, rad/s; zero if not given.
         """
         covariance = estimates.covariance
         if covariance is None:
@@ -144,10 +147,11 @@ class BearingStart:
         if not self.follows_count or not tracked_ids:
             return left, started
         fit, most = None, max(n_sources, estimates.rank)
+        rates = np.zeros(n_running) if tracked_rates is None else tracked_rates
         if most - n_seen > len(angles):
             # Two that the array does not resolve are one more in the whole covariance, but may be
             # one in the smoothed one.
-            fit = hidden_pair(estimates, covariance, most, tracked_angles)
+            fit = hidden_pair(estimates, covariance, most, tracked_angles, rates)
         pair = None if fit is None else (tracked_ids[fit.row], fit)
         left, both = left._follow_pairs(middle, estimates.stamp, pair, tracked_ids)
         return left, (*started, *both)

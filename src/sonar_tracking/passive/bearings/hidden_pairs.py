@@ -9,7 +9,8 @@ A pair is believed if it explains the eigenvectors as well as noise allows: what
     2 N / sigma^2 sum_m w_m |P_S e_m|^2,
 
 has 2 (M - n) R degrees of freedom with M elements, n angles and R eigenvectors. Errors of the
-array, or noise of another colour than it is taken for, leave more.
+array, or noise of another colour than it is taken for, leave more. One source that turns during
+the snapshots looks like two as well: these must be farther apart than its turn.
 
 Angles of successive covariances that share no snapshots are joined to two lines. They start as two
 tracks, one of them in place of the track between them, once they are apart by several standard
@@ -54,6 +55,10 @@ _LEAST_DEVIATIONS = 4.0
 _MISSES_ALLOWED = 3
 
 _DEVIATIONS_OF_FIT = 4.0
+
+_SPREAD_BY_TURN = 1.5
+"""Of how far a bearing turns during the snapshots: less apart, a pair may be one that turns, which
+looks like two that are 1 / sqrt(3) of it apart."""
 
 
 @dataclass(frozen=True)
@@ -125,7 +130,11 @@ class HiddenPair:
 
 
 def hidden_pair(
-    estimates: SubspaceEstimates, covariance: ComplexArray, n_sources: int, angles: FloatArray
+    estimates: SubspaceEstimates,
+    covariance: ComplexArray,
+    n_sources: int,
+    angles: FloatArray,
+    rates: FloatArray,
 ) -> PairFit | None:
     """Return the pair that one of the tracks is best taken for; None = none of them is one.
 
@@ -139,6 +148,8 @@ def hidden_pair(
         How many sources there are.
     angles : ndarray, shape (n_tracks,)
         Arrival angles of all tracks in the middle of the covariance, rad.
+    rates : ndarray, shape (n_tracks,)
+        Their rates, rad/s.
     """
     n_elements = len(estimates.element_positions)
     rank = min(n_sources, estimates.covariance_snapshots - 1)
@@ -153,7 +164,11 @@ def hidden_pair(
     best = max(believed, key=lambda fit: fit.log_likelihood, default=None)
     freedom = 2.0 * (n_elements - len(angles) - 1) * rank
     left = freedom + _DEVIATIONS_OF_FIT * np.sqrt(2.0 * freedom)
-    return None if best is None or -2.0 * best.log_likelihood > left else best
+    if best is None or -2.0 * best.log_likelihood > left:
+        return None
+    duration = estimates.covariance_snapshots * estimates.sample_period
+    turn = _SPREAD_BY_TURN * abs(float(rates[best.row])) * duration
+    return best if best.angles[1] - best.angles[0] > turn else None
 
 
 def _pair_instead(

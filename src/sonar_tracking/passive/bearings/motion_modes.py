@@ -40,10 +40,10 @@ from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
 N_MODES = 4
 """Modes of a bearing of which it is not known how much it turns."""
 
-_MODE_TIME = 5000.0
+_MODE_TIME = 10_000.0
 """Mean time in a mode, s."""
 
-_MORE_TURNING = 0.3
+_MORE_TURNING = 0.1
 """Probability of each mode at the start, over that of the one that turns less."""
 
 _PASSING_SHARE = 0.125

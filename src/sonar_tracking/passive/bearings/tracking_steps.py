@@ -293,9 +293,11 @@ class TrackingSteps:
         self, estimates: SubspaceEstimates, state: TrackerState, n_seen: int | None, n_weak: int
     ) -> tuple[TrackerState, BearingTrackRows]:
         """Let the automatic start see the estimate; return its rows too."""
-        angles = self.filters.targets(state.filters).mean[..., 0]
-        folded, _ = folded_angles(angles, estimates.element_positions)
-        start, started = state.start.update(estimates, folded, n_seen, n_weak, state.ids)
+        mean = self.filters.targets(state.filters).mean
+        folded, _ = folded_angles(mean[..., 0], estimates.element_positions)
+        start, started = state.start.update(
+            estimates, folded, n_seen, n_weak, state.ids, mean[..., 1]
+        )
         tentative = tentative_rows(start.tentative, estimates.stamp)
         if not started:
             return replace(state, start=start), tentative
