@@ -30,7 +30,7 @@ from sonar_tracking.passive.bearings.hidden_pairs import (
 from sonar_tracking.passive.bearings.new_bearings import new_bearings
 from sonar_tracking.passive.bearings.tentative_track import StartedTrack, TentativeTrack
 from sonar_tracking.passive.sources.weak_source_counting import WeakSourceCounter
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import ComplexArray, FloatArray
 from sonar_tracking.records.bearings import SubspaceEstimates
 from sonar_tracking.records.time import nanoseconds, seconds
 
@@ -127,12 +127,7 @@ class BearingStart:
         middle = covariance_middle(estimates)
         n_sources = self._count_sources(estimates, n_weak)
         wanted = min(n_sources - n_seen, len(estimates.element_positions) - 1 - n_running)
-        angles, variances = np.empty(0), np.empty(0)
-        if wanted > 0:
-            smooth = self.follows_count and 0 <= estimates.rank < n_sources
-            angles, variances = new_bearings(
-                estimates, covariance, n_sources, tracked_angles, smooth
-            )
+        angles, variances = self._new_bearings(estimates, n_sources, tracked_angles, wanted)
         joined = self._join(middle, angles, variances)
         ready = [track for track in joined if len(track.stamps) >= POINTS_TO_START]
         ready = ready[: max(wanted, 0)]
@@ -146,33 +141,43 @@ class BearingStart:
         )
         if not self.follows_count or not tracked_ids:
             return left, started
-        fit, most = None, max(n_sources, estimates.rank)
-        rates = np.zeros(n_running) if tracked_rates is None else tracked_rates
-        if most - n_seen > len(angles):
-            # Two that the array does not resolve are one more in the whole covariance, but may be
-            # one in the smoothed one.
-            fit = hidden_pair(estimates, covariance, most, tracked_angles, rates)
-        pair = None if fit is None else (tracked_ids[fit.row], fit)
-        left, both = left._follow_pairs(middle, estimates.stamp, pair, tracked_ids)
+        fit = None
+        if max(n_sources, estimates.rank) - n_seen > len(angles):
+            fit = _pair(estimates, covariance, n_sources, tracked_angles, tracked_rates)
+        left, both = left._follow_pairs(middle, estimates.stamp, fit, tracked_ids)
         return left, (*started, *both)
+
+    def _new_bearings(
+        self,
+        estimates: SubspaceEstimates,
+        n_sources: int,
+        tracked_angles: FloatArray,
+        wanted: int,
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return bearings that belong to no track, and their variances, if there may be any."""
+        if wanted <= 0 or estimates.covariance is None:
+            return np.empty(0), np.empty(0)
+        smooth = self.follows_count and 0 <= estimates.rank < n_sources
+        return new_bearings(estimates, estimates.covariance, n_sources, tracked_angles, smooth)
 
     def _follow_pairs(
         self,
         middle: int,
         stamp: int,
-        pair: tuple[int, PairFit] | None,
+        fit: PairFit | None,
         tracked_ids: tuple[int, ...],
     ) -> tuple[BearingStart, tuple[StartedTrack, ...]]:
         """Return the start with the pair that a track was taken for, and the tracks of a pair."""
         pairs, next_id = [], self.next_id
+        name = None if fit is None else tracked_ids[fit.row]
         for each in self.pairs:
-            if pair is not None and pair[0] == each.track_id:
-                pairs.append(each.add(middle, pair[1]))
-                pair = None
+            if fit is not None and name == each.track_id:
+                pairs.append(each.add(middle, fit))
+                name = None
             elif each.track_id in tracked_ids and (missed := each.missed()) is not None:
                 pairs.append(missed)
-        if pair is not None:
-            pairs.append(new_pair(pair[0], next_id, middle, pair[1]))
+        if fit is not None and name is not None:
+            pairs.append(new_pair(name, next_id, middle, fit))
             next_id += 1
         ready = [each for each in pairs if each.misses == 0 and each.resolved(middle)]
         both = tuple(self._start_track(side, stamp) for each in ready for side in each.sides)
@@ -234,6 +239,19 @@ class BearingStart:
         duration = seconds(stamp - track.stamps[0])
         motion = process_noise_matrix(self.process_noise, duration)
         return StartedTrack(track.id, mean, covariance + motion)
+
+
+def _pair(
+    estimates: SubspaceEstimates,
+    covariance: ComplexArray,
+    n_sources: int,
+    angles: FloatArray,
+    rates: FloatArray | None,
+) -> PairFit | None:
+    """Return the pair that a track may be: one in the smoothed covariance, two in the whole one."""
+    count = max(n_sources, estimates.rank)
+    still = np.zeros_like(angles) if rates is None else rates
+    return hidden_pair(estimates, covariance, count, angles, still)
 
 
 def covariance_middle(estimates: SubspaceEstimates) -> int:

@@ -11,11 +11,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, partial
 
 import numpy as np
 
-from sonar_tracking.filtering.kalman import KalmanState, symmetrised
+from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.geometry import beamwidth, wavenumber
 from sonar_tracking.passive.bearings.bearing_filters import FilterUpdate
 from sonar_tracking.passive.bearings.bearing_measurement import BearingMeasurement
@@ -28,6 +28,13 @@ from sonar_tracking.passive.bearings.joint_map_update import (
     JointUpdate,
     predict_jointly,
     update_jointly,
+)
+from sonar_tracking.passive.bearings.joint_states import (
+    each_target,
+    extended,
+    target_rows,
+    uncorrelated,
+    with_marginals,
 )
 from sonar_tracking.passive.bearings.motion_modes import (
     N_MODES,
@@ -42,7 +49,7 @@ from sonar_tracking.passive.directions.weighted_subspace_fit import (
     SubspaceFit,
     weighted_subspace_fit,
 )
-from sonar_tracking.records.arrays import BoolArray, ComplexArray, FloatArray, IndexArray, IntArray
+from sonar_tracking.records.arrays import BoolArray, ComplexArray, FloatArray, IndexArray
 from sonar_tracking.records.bearings import SubspaceEstimates
 
 _LEAST_GAIN = 1e-9
@@ -92,15 +99,15 @@ class JointMapFilters:
 
     def start(self, targets: KalmanState) -> JointMapState:
         """Return the filter of uncorrelated targets."""
-        return self._of(_uncorrelated(targets), undecided(targets, self._n_modes))
+        return self._of(uncorrelated(targets), undecided(targets, self._n_modes))
 
     def extend(self, filters: JointMapState, targets: KalmanState) -> JointMapState:
         """Return the filter with more targets, uncorrelated with those there are."""
         modes = filters.modes.extend(undecided(targets, self._n_modes))
-        more = _uncorrelated(targets)
+        more = uncorrelated(targets)
         encounter = filters.encounter
-        joint = _extended(filters, more)
-        back = _extended(KalmanState(encounter.mean, encounter.covariance), more)
+        joint = extended(filters, more)
+        back = extended(KalmanState(encounter.mean, encounter.covariance), more)
         new = self._of(joint, modes)
         n_old = filters.close.shape[-1]
         close, turning_back = new.close.copy(), new.turning_back.copy()
@@ -122,7 +129,7 @@ class JointMapFilters:
         rows : ndarray of int, shape (n_kept,)
             Targets to keep.
         """
-        entries = _rows(filters.mean.shape[-1] // 2)[rows].T.reshape(-1)
+        entries = target_rows(filters.mean.shape[-1] // 2)[rows].T.reshape(-1)
         encounter = filters.encounter
         return JointMapState(
             filters.mean[..., entries],
@@ -202,7 +209,7 @@ class JointMapFilters:
 
     def targets(self, filters: JointMapState) -> KalmanState:
         """Return angle and rate of each target."""
-        return _each(filters.encounter.told(filters))
+        return each_target(filters.encounter.told(filters))
 
     @cached_property
     def _n_modes(self) -> int:
@@ -272,7 +279,8 @@ class JointMapFilters:
         modes = state.modes.update(measurement.angle, measurement.variance, measurement.age, told)
         modes = modes.restarted(targets, ~told)
         if told.any():
-            state = _with_marginals(state, targets, modes.combined(), told)
+            joint = with_marginals(state, targets, modes.combined(), told)
+            state = replace(state, mean=joint.mean, covariance=joint.covariance)
         encounter, passing = state.encounter.settled(state, np.asarray(close.any(axis=-1)))
         number = wavenumber(estimates.center_frequency, estimates.sound_speed)
         separation = 0.5 * beamwidth(estimates.element_positions, number)
@@ -286,62 +294,6 @@ class JointMapFilters:
             np.minimum(turning_back, most),
             encounter,
         )
-
-
-def _with_marginals(
-    state: JointMapState, before: KalmanState, after: KalmanState, rows: BoolArray
-) -> JointMapState:
-    """Return the filter with other states of some targets, their correlations as they are."""
-    entries = _rows(before.mean.shape[-2])
-    scale = np.linalg.cholesky(after.covariance) @ np.linalg.inv(
-        np.linalg.cholesky(before.covariance)
-    )
-    scale = np.where(rows[..., None, None], scale, np.eye(2))
-    mean, all_scales = state.mean.copy(), np.zeros_like(state.covariance)
-    mean[..., entries] = np.where(rows[..., None], after.mean, before.mean)
-    all_scales[..., entries[:, :, None], entries[:, None, :]] = scale
-    covariance = all_scales @ state.covariance @ np.swapaxes(all_scales, -1, -2)
-    return replace(state, mean=mean, covariance=symmetrised(covariance))
-
-
-def _uncorrelated(targets: KalmanState) -> KalmanState:
-    """Return the joint state of uncorrelated targets."""
-    rows = _rows(targets.mean.shape[-2])
-    mean = np.empty((*targets.mean.shape[:-2], rows.size))
-    covariance = np.zeros((*mean.shape, rows.size))
-    mean[..., rows] = targets.mean
-    covariance[..., rows[:, :, None], rows[:, None, :]] = targets.covariance
-    return KalmanState(mean, covariance)
-
-
-def _extended(joint: KalmanState, more: KalmanState) -> KalmanState:
-    """Return the joint state of two groups of targets that are uncorrelated with each other."""
-    n_old, n_new = joint.mean.shape[-1] // 2, more.mean.shape[-1] // 2
-    rows = _rows(n_old + n_new)
-    old, new = rows[:n_old].T.reshape(-1), rows[n_old:].T.reshape(-1)
-    mean = np.empty((*joint.mean.shape[:-1], rows.size))
-    covariance = np.zeros((*mean.shape, rows.size))
-    for entries, part in ((old, joint), (new, more)):
-        mean[..., entries] = part.mean
-        covariance[..., entries[:, None], entries] = part.covariance
-    return KalmanState(mean, covariance)
-
-
-def _each(joint: KalmanState) -> KalmanState:
-    """Return angle and rate of each target of a joint state."""
-    rows = _rows(joint.mean.shape[-1] // 2)
-    return KalmanState(
-        mean=joint.mean[..., rows],
-        covariance=joint.covariance[..., rows[:, :, None], rows[:, None, :]],
-    )
-
-
-@lru_cache(maxsize=64)
-def _rows(n_targets: int) -> IntArray:
-    """Return where angle and rate of each target stand in the state, shape (n_targets, 2)."""
-    rows = np.stack([np.arange(n_targets), n_targets + np.arange(n_targets)], axis=-1)
-    rows.setflags(write=False)
-    return rows
 
 
 def _equivalent_measurement(
