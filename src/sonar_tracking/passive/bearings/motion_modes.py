@@ -43,7 +43,7 @@ N_MODES = 4
 _MODE_TIME = 10_000.0
 """Mean time in a mode, s."""
 
-_MORE_TURNING = 0.1
+_MORE_TURNING = 0.2
 """Probability of each mode at the start, over that of the one that turns less."""
 
 _PASSING_SHARE = 0.125

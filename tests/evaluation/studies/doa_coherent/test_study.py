@@ -11,7 +11,7 @@ import pytest
 
 from sonar_tracking.evaluation.monte_carlo.run_synthesis import true_bearings
 from sonar_tracking.evaluation.monte_carlo.study import Study
-from sonar_tracking.evaluation.studies.doa_coherent.runs import JOINT, PROPOSED, RYU
+from sonar_tracking.evaluation.studies.doa_coherent.runs import DEFAULT, JOINT, PROPOSED, RYU
 from sonar_tracking.evaluation.studies.doa_coherent.scenes import (
     BURST_SNAPSHOTS,
     CLOSE,
@@ -81,6 +81,16 @@ def test_errors_are_those_of_the_reference(
 ) -> None:
     assert metric(study, RYU, scene, kind) == pytest.approx(ryu, rel=0.4)
     assert metric(study, PROPOSED, scene, kind) == pytest.approx(proposed, rel=0.2)
+
+
+@pytest.mark.parametrize("condition", CONDITIONS)
+def test_a_filter_that_is_not_told_how_bearings_turn_is_nearly_as_good(
+    study: Study, condition: Condition
+) -> None:
+    case = condition.scene, condition.kind
+    assert success(study, DEFAULT, *case) >= 98
+    told, untold = (metric(study, name, *case, "rmse_over_bound") for name in (JOINT, DEFAULT))
+    assert untold <= 1.15 * told
 
 
 @pytest.mark.parametrize("condition", CONDITIONS)
