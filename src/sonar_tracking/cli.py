@@ -66,7 +66,7 @@ def options(
 def run(
     scenario: Annotated[
         str, typer.Argument(help="Scenario of config/scenarios, or path of a YAML file.")
-    ] = "doa_fusion",
+    ] = "harbour_watch",
     duration: Annotated[float | None, typer.Option(help="Length of the data, s.")] = None,
     rate: RateOption = "1",
     record: RecordOption = None,

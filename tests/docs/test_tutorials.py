@@ -32,7 +32,9 @@ NOT_RUN = {
     r"python listener\.py": "does not end; test_listener_prints_the_bearings runs it",
     r"python -m sonar_tracking.graph.nodes": "does not end; test_publish_contacts.py runs it",
     r"python publisher\.py": "speaks to it, likewise",
-    r"sonar-tracking run --duration 10 --no-display": "what the listener listens to, likewise",
+    r"sonar-tracking run doa_fusion --duration 10 --no-display": (
+        "what the listener listens to, likewise"
+    ),
 }
 """Lines of console blocks that are not run here, and why; they are parsed all the same."""
 
@@ -138,7 +140,7 @@ def test_listener_prints_the_bearings(tmp_path: Path) -> None:
             stdout=output,
         )
     try:
-        run_line("sonar-tracking run --duration 10 --no-display", tmp_path)
+        run_line("sonar-tracking run doa_fusion --duration 10 --no-display", tmp_path)
     finally:
         listener.kill()
         listener.wait()

@@ -14,7 +14,7 @@ from tests.system.command_line import report_of, run_command
 
 @dataclass(frozen=True)
 class RecordedRun:
-    """A run of the default scenario at full speed, its bag, report and output."""
+    """A run of doa_fusion at full speed, its bag, report and output."""
 
     bag: Path
     report: dict[str, Any]

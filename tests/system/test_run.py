@@ -108,7 +108,9 @@ def test_a_second_run_at_another_rate_gives_the_same_digests(
 
 def test_duration_shortens_and_ends_the_data(tmp_path: Path) -> None:
     json = tmp_path / "report.json"
-    done = run_command(tmp_path, "run", "--duration", "4.05", "--rate", "max", "--json", json)
+    done = run_command(
+        tmp_path, "run", "doa_fusion", "--duration", "4.05", "--rate", "max", "--json", json
+    )
     assert done.returncode == 0, done.stdout
     report = report_of(json)
     assert report["data_seconds"] == pytest.approx(4.05)
@@ -120,7 +122,7 @@ def test_ctrl_c_ends_a_healthy_run_in_order(
     tmp_path: Path, running: list[RunningCommand], number: int
 ) -> None:
     bag, json = tmp_path / "bag", tmp_path / "report.json"
-    command = RunningCommand(tmp_path, "run", "--record", bag, "--json", json)
+    command = RunningCommand(tmp_path, "run", "doa_fusion", "--record", bag, "--json", json)
     running.append(command)
     command.wait_for_text(FLOWING)
     nodes = command.node_processes()
@@ -159,7 +161,18 @@ def test_a_killed_tracker_is_restarted_and_reported(
     tmp_path: Path, running: list[RunningCommand]
 ) -> None:
     bag, json = tmp_path / "bag", tmp_path / "report.json"
-    arguments = ("run", "--duration", "20.1", "--rate", "8", "--record", bag, "--json", json)
+    arguments = (
+        "run",
+        "doa_fusion",
+        "--duration",
+        "20.1",
+        "--rate",
+        "8",
+        "--record",
+        bag,
+        "--json",
+        json,
+    )
     command = RunningCommand(tmp_path, *arguments)
     running.append(command)
     command.wait_for(lambda: recorded_count(bag, TRACKS) > 2)
@@ -180,7 +193,9 @@ def test_a_killed_simulator_goes_on_where_it_was(
     recorded_run: RecordedRun, tmp_path: Path, running: list[RunningCommand]
 ) -> None:
     bag, json = tmp_path / "bag", tmp_path / "report.json"
-    command = RunningCommand(tmp_path, "run", "--rate", "8", "--record", bag, "--json", json)
+    command = RunningCommand(
+        tmp_path, "run", "doa_fusion", "--rate", "8", "--record", bag, "--json", json
+    )
     running.append(command)
     command.wait_for(lambda: recorded_count(bag, TRACKS) > 2)
     command.kill_node("array_simulator")
@@ -222,7 +237,7 @@ def test_a_stuck_node_is_named_and_waited_for(
 ) -> None:
     json = tmp_path / "report.json"
     # Slow enough to make good, before the end, what the node has missed meanwhile.
-    command = RunningCommand(tmp_path, "run", "--rate", "4", "--json", json)
+    command = RunningCommand(tmp_path, "run", "doa_fusion", "--rate", "4", "--json", json)
     running.append(command)
     command.wait_for_text(FLOWING)
     (process,) = command.node_processes("subspace_estimator")
@@ -253,10 +268,10 @@ def test_a_second_run_in_the_domain_is_refused_and_harms_nobody(
     tmp_path: Path, running: list[RunningCommand]
 ) -> None:
     json = tmp_path / "report.json"
-    first = RunningCommand(tmp_path, "run", "--duration", "4", "--json", json)
+    first = RunningCommand(tmp_path, "run", "doa_fusion", "--duration", "4", "--json", json)
     running.append(first)
     first.wait_for_text(FLOWING)
-    second = run_command(tmp_path, "run", "--rate", "max")
+    second = run_command(tmp_path, "run", "doa_fusion", "--rate", "max")
     assert second.returncode == 2
     assert "another run" in second.stdout and "ROS_DOMAIN_ID" in second.stdout
     assert first.wait() == 0, first.output
@@ -277,7 +292,7 @@ def stranger(tmp_path: Path) -> Iterator[Node]:
 
 def test_a_foreign_clock_is_refused(tmp_path: Path, stranger: Node) -> None:
     stranger.create_publisher(Clock, "/clock", 10)
-    done = run_command(tmp_path, "run", "--rate", "max")
+    done = run_command(tmp_path, "run", "doa_fusion", "--rate", "max")
     assert done.returncode == 1
     assert "/clock by /orchestration, /stranger" in done.stdout
     assert "ROS_DOMAIN_ID" in done.stdout
@@ -291,7 +306,7 @@ def test_a_stranger_who_listens_at_bring_up_and_then_moves_the_clock_changes_not
     for topic in (SNAPSHOTS, BEARING_TRACKS):
         kind = message_class(topic.message_type)
         stranger.create_subscription(kind, topic.name, lambda _message: None, 10)
-    command = RunningCommand(tmp_path, "run", "--rate", "8", "--json", json)
+    command = RunningCommand(tmp_path, "run", "doa_fusion", "--rate", "8", "--json", json)
     running.append(command)
     command.wait_for_text(FLOWING)
     clock = stranger.create_publisher(Clock, "/clock", 10)

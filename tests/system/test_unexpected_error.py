@@ -23,7 +23,9 @@ def test_a_run_with_an_unexpected_error_fails(
     (tmp_path / "sitecustomize.py").write_text(BROKEN)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=":")
     json = tmp_path / "report.json"
-    done = run_command(tmp_path, "run", "--duration", "4", "--rate", "max", "--json", json)
+    done = run_command(
+        tmp_path, "run", "doa_fusion", "--duration", "4", "--rate", "max", "--json", json
+    )
     assert done.returncode == 1, done.stdout
     report = report_of(json)
     assert any("ZeroDivisionError" in sentence for sentence in report["failures"])
