@@ -6,12 +6,17 @@ from collections.abc import Callable, Iterator, Mapping, Set
 
 import numpy as np
 
+from sonar_tracking.filtering.consistency import normalised_squared
+from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.fusion.copied_rows import bearing_keys, copied_row, moved_copy
 from sonar_tracking.fusion.fused_rows import FusedRow
 from sonar_tracking.fusion.fusion_records import BearingKey, ListKey
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks
+
+ONE_TARGET = 4.0
+"""Squared distance per dimension within which two states may be of one target."""
 
 
 class CopiedLists:
@@ -42,13 +47,21 @@ class CopiedLists:
             self._names[key] = self._next_id()
         return self._names[key]
 
-    def confirmed_names(self, heard: BearingKey) -> Iterator[tuple[int, float]]:
-        """Yield names and beginnings (s) of confirmed rows that are made of a bearing track."""
+    def confirmed_names(self, heard: BearingKey, state: KalmanState) -> Iterator[int]:
+        """Yield names of confirmed rows of a bearing track and of a target.
+
+        A bearing track that has changed its source may have given its name to another target: only
+        a row that is where the target is counts.
+        """
         for topic, tracks in self._lists.items():
             for row in np.flatnonzero(tracks.status == TrackStatus.CONFIRMED):
                 name = self._names.get((topic, int(tracks.id[row])))
-                if name is not None and heard in bearing_keys(tracks, int(row)):
-                    yield name, float(tracks.initiated[row])
+                if name is None or heard not in bearing_keys(tracks, int(row)):
+                    continue
+                spread = state.covariance + tracks.covariance[row]
+                apart = state.mean - tracks.state[row]
+                if normalised_squared(apart, spread) <= ONE_TARGET:
+                    yield name
 
     def rows(
         self,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -181,11 +182,19 @@ class ShownRows:
 
     def __init__(self) -> None:
         self._rows: dict[int, FusedRow] = {}
+        self._confirmed: dict[int, int] = {}
+
+    def confirmed_since(self, number: int) -> float:
+        """Return since when a row has been confirmed, ns; infinite = it is not."""
+        return self._confirmed.get(number, math.inf)
 
     def listed(self, rows: Sequence[FusedRow], stamp: int, next_stamp: int) -> PositionTracks:
         """Return the complete picture, rows that have ended included; stamps in ns."""
         going_on = {row.id: row for row in rows}
         ended = [row for number, row in self._rows.items() if number not in going_on]
         self._rows = going_on
+        established = (TrackStatus.CONFIRMED, TrackStatus.COASTED)
+        sure = [row.id for row in rows if row.status in established]
+        self._confirmed = {number: self._confirmed.get(number, stamp) for number in sure}
         gone = [replace(row, status=TrackStatus.TERMINATED) for row in ended]
         return fused_list([*rows, *gone], stamp, next_stamp)

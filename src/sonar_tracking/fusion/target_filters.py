@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.fusion.aligned_targets import (
+    MOTION,
+    AlignedTargets,
     MotionStrengths,
     begun,
     joined,
@@ -14,7 +18,8 @@ from sonar_tracking.fusion.aligned_targets import (
     replaced,
     with_array,
 )
-from sonar_tracking.fusion.bearing_trials import BearingTrials, Trial
+from sonar_tracking.fusion.bearing_errors import BearingErrors
+from sonar_tracking.fusion.bearing_trials import GATE, BearingTrials, Trial
 from sonar_tracking.fusion.fused_target import FusedTarget
 from sonar_tracking.fusion.fusion_records import HeardBearing
 from sonar_tracking.fusion.shared_alignment import (
@@ -31,8 +36,9 @@ from sonar_tracking.fusion.target_updates import (
     updated_by_bearings,
     updated_by_positions,
 )
+from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.alignments import ArrayAlignments
-from sonar_tracking.records.arrays import FloatArray, IndexArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
 
 SMALLEST_VARIANCE = 1e-12
 """Of a misalignment that is taken to be none, rad^2."""
@@ -63,6 +69,7 @@ class TargetFilters:
         self._speed = propagation_speed
         self._ended = no_information(0)
         self.arrays: dict[str, int] = {}
+        self._errors: list[BearingErrors] = []
         self.targets: list[FusedTarget] = []
         self._aligned = begun(np.empty((0, 4)), np.empty((0, 4, 4)), strengths, np.empty(0))
         self.trials = BearingTrials(self._aligned)
@@ -76,6 +83,7 @@ class TargetFilters:
         """Return the number of an array, which is new if it has not been heard of."""
         if sensor_id not in self.arrays:
             self.arrays[sensor_id] = len(self.arrays)
+            self._errors.append(BearingErrors())
             self._ended = self._ended.with_array()
             self._aligned = with_array(self._aligned, self._variance)
             self.trials.add_array(self._variance)
@@ -171,12 +179,37 @@ class TargetFilters:
         rows = self._rows(targets)
         aligned = self._aligned.rows(rows)
         bearings = sided_bearings(found, aligned, self._speed)
+        expected = self._learn(found, bearings, aligned)
         updated, likelihood = updated_by_bearings(aligned, bearings)
-        self._aligned = replaced(self._aligned, rows, updated)
-        trials, owner = self._trials_of(targets)
+        own: list[int] = np.flatnonzero(expected).tolist()
+        self._aligned = replaced(self._aligned, rows[own], updated.rows(np.array(own, np.intp)))
+        trials, owner = self._trials_of([targets[row] for row in own])
         if trials.size:
-            self.trials.take_known(trials, bearings.rows(owner))
+            self.trials.take_known(trials, bearings.rows(np.array(own, np.intp)[owner]))
         return bearings, likelihood
+
+    def widened(self, found: Sequence[HeardBearing]) -> list[HeardBearing]:
+        """Return bearings of one station with variances as the innovations so far have shown."""
+        if not found:
+            return []
+        scale = self._errors[found[0].array].scale
+        return [replace(one, variance=scale * one.variance) for one in found]
+
+    def _learn(
+        self, found: Sequence[HeardBearing], bearings: Bearings, aligned: AlignedTargets
+    ) -> BoolArray:
+        """Learn how large the errors of an array are, and return which bearings are expected.
+
+        A bearing that is not is weighed, but drags no target along: it may be of something else.
+        """
+        station, array = bearings.station, bearings.array
+        mean, covariance = aligned.collapsed()
+        expected, spread = expected_azimuths(mean, covariance, station, array, self._speed)
+        errors = self._errors[array]
+        innovation = np.asarray(wrap_angle(bearings.azimuth - expected))
+        told = bearings.variance / errors.scale
+        errors.learn([one.key for one in found], innovation, spread, told)
+        return np.asarray(innovation**2 <= GATE**2 * (spread + bearings.variance))
 
     def try_bearings(self, found: Sequence[HeardBearing]) -> None:
         """Let the trials of bearing tracks of one station take in what it measured."""
@@ -201,6 +234,11 @@ class TargetFilters:
             self.trials.targets, rest, won.rows(np.zeros(len(rest), int))
         )
         return trial
+
+    def state_of(self, target: FusedTarget) -> KalmanState:
+        """Return the motion of a target, as all tell together: x, y, vx, vy, m and m/s."""
+        seen, (row,) = self.picture(), self._rows([target])
+        return KalmanState(seen.mean[row, :MOTION], seen.covariance[row, :MOTION, :MOTION])
 
     def picture(self) -> SharedAlignment:
         """Return what all targets tell together."""

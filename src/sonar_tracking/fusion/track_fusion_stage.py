@@ -217,8 +217,9 @@ class TrackFusionStage:
         self._filters.trials.end(set(), tried - set(told.alive))
         if told.found:
             self._stations[sensor] = told.found[0].station
-            self._take_linked([one for one in told.found if self._links.target_of(one.key)])
-            free = [one for one in told.found if self._may_be_tried(one.key, told)]
+            found = self._filters.widened(told.found)
+            self._take_linked([one for one in found if self._links.target_of(one.key)])
+            free = [one for one in found if self._may_be_tried(one.key, told)]
             self._begin_trials(free)
             self._filters.try_bearings(free)
         return told.notices
@@ -280,18 +281,19 @@ class TrackFusionStage:
         if before is not None:
             self._unlink(key)
             if not before.contributors:
-                self._rename(target, before.id, before.initiated)
+                self._rename(target, before.id)
                 self._filters.end([before])
                 self._forget(before)
-        for name, initiated in self._copies.confirmed_names(key):
-            self._rename(target, name, initiated)
+        for name in self._copies.confirmed_names(key, self._filters.state_of(target)):
+            self._rename(target, name)
         target.heard[key] = self._alive[key[0]][key]
         self._links.add(key, target, trial.evidence)
 
-    def _rename(self, target: FusedTarget, number: int, initiated: float) -> None:
-        """Let a target have the name of the older one of two that are one."""
-        if initiated < target.initiated:
-            target.id, target.initiated = number, initiated
+    def _rename(self, target: FusedTarget, number: int) -> None:
+        """Let a target have the name of that of two which has been confirmed for longer."""
+        since = self._own_rows_shown.confirmed_since
+        if since(number) < since(target.id):
+            target.id = number
 
     def _unlink(self, key: BearingKey) -> None:
         target = self._links.target_of(key)
