@@ -1,4 +1,4 @@
-"""Protects what is learnt of an array's bearings: how large their errors are, how long they last."""
+"""Protects what is learnt of an array: how large its errors are, how long they last."""
 
 from __future__ import annotations
 
