@@ -150,3 +150,17 @@ def test_a_scenario_without_a_sonar_is_refused() -> None:
     passive = scenario(active_sonar=None, array={"n_elements": 4}, targets=[])
     with pytest.raises(ConfigurationError, match="no section"):
         ActiveSonarSimulation(passive)
+
+
+def test_a_moored_sonar_stays_where_it_is_while_own_ship_moves() -> None:
+    sonar = {**SCENE["active_sonar"], "platform": "fixed", "position": [-500.0, 300.0]}
+    for moored, aboard in zip(pings(active_sonar=sonar), pings(), strict=True):
+        assert moored.contacts.sensor_position == (-500.0, 300.0)
+        assert moored.contacts.sensor_velocity == (0.0, 0.0)
+        assert moored.own_ship == aboard.own_ship
+
+
+def test_a_moored_sonar_has_a_position_of_two_coordinates() -> None:
+    sonar = {**SCENE["active_sonar"], "platform": "fixed", "position": [1.0, 2.0, 3.0]}
+    with pytest.raises(ConfigurationError, match="active_sonar: position has 3 entries; give x"):
+        scenario(active_sonar=sonar)

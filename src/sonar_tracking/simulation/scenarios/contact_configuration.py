@@ -8,6 +8,9 @@ import numpy as np
 
 from sonar_tracking.configuration import parameter
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.motion import Trajectory
+from sonar_tracking.simulation.scenarios.bearing_sensor_configuration import FIXED, OWN_SHIP
+from sonar_tracking.simulation.scenarios.platforms import OwnShipConfiguration, make_trajectory
 
 
 @dataclass(frozen=True)
@@ -15,6 +18,8 @@ class ContactSensorConfiguration:
     """An active sonar that sees all round and reports contacts above a threshold."""
 
     sensor_id: str = parameter("sonar", "name of the sensor in the messages")
+    platform: str = parameter("own_ship", "what carries it", choices=(OWN_SHIP, FIXED))
+    position: tuple[float, ...] = parameter((0.0, 0.0), "x, y in map of a fixed one", unit="m")
     ping_interval: float = parameter(10.0, "between pings", unit="s", minimum=1e-3, maximum=1e4)
     sound_speed: float = parameter(1500.0, "0 = a ping takes no time", unit="m/s", minimum=0.0)
     range_standard_deviation: float = parameter(50.0, "of a contact", unit="m", minimum=1e-6)
@@ -51,6 +56,12 @@ class ContactSensorConfiguration:
         minimum=0.0,
     )
 
+    def trajectory(self, own_ship: OwnShipConfiguration) -> Trajectory:
+        """Return the motion of the sonar."""
+        if self.platform == OWN_SHIP:
+            return own_ship.trajectory()
+        return make_trajectory(self.position, 0.0, 0.0, ())
+
     @property
     def reception_time(self) -> float:
         """From the transmission to the last echo of a ping, s."""
@@ -86,6 +97,10 @@ def check_contact_sensor(configuration: ContactSensorConfiguration) -> None:
     ConfigurationError
         With a sentence that names the parameters.
     """
+    if len(configuration.position) != 2:
+        raise ConfigurationError(
+            f"position has {len(configuration.position)} entries; give x and y in m."
+        )
     if configuration.reception_time > configuration.ping_interval:
         raise ConfigurationError(
             f"Sound takes {configuration.reception_time:.1f} s to maximum_range and back, longer "

@@ -79,7 +79,7 @@ class ActiveSonarSimulation:
         seed = np.random.SeedSequence(scenario.seed, spawn_key=(RANDOM_STREAM,))
         self._simulation = ContactSimulation(
             self._sensor,
-            scenario.own_ship.trajectory(),
+            self._sensor.trajectory(scenario.own_ship),
             [
                 part
                 for n, one in enumerate(scenario.targets, 1)
