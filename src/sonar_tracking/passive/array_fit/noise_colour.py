@@ -41,6 +41,10 @@ LEAST_CORRELATION = 0.2
 """Between any two elements: less brings no false track, and what strong sources leave in the noise
 when they move during a covariance is not more."""
 
+_GAIN_PER_PAIR, _MOST_GAIN = 0.68, 160.0
+"""The same when the colour is first found, in the mean of some covariances: five sources of -8 dB
+that 15 elements do not resolve bring 150."""
+
 _WHITE_AGAIN = 30.0
 _FIT_STEPS = 8
 _FITTED_AGAIN = 8
@@ -51,6 +55,10 @@ _CROWDED = 3
 and little is left of it that the test could see."""
 
 _RAREST_TURN = 32
+
+_MEANT, _FEWEST_MEANT = 4, 3
+"""Covariances in whose mean the fit is tried: weak sources that one covariance does not show are
+no colour."""
 
 _MOST_SOURCES = 0.5
 """Of the elements, beside which the colour of the noise can be seen at all."""
@@ -77,6 +85,10 @@ class NoiseColour:
         Of the parameters, pure numbers.
     n_steps : int
         Covariances since the colour was found; suspect ones while the noise is white.
+    mean : ndarray, shape (n_elements, n_elements), complex, or empty
+        Of the last covariances while the noise is white, linear power.
+    n_meant : int
+        How many they are.
     """
 
     coloured: bool = False
@@ -85,6 +97,8 @@ class NoiseColour:
     variance: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
     information: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
     n_steps: int = 0
+    mean: ComplexArray = field(default_factory=lambda: np.empty((0, 0), dtype=np.complex128))
+    n_meant: int = 0
 
     def update(self, judged: JudgedCovariance, share: float) -> NoiseColour:
         """Return the colour after one more covariance.
@@ -123,11 +137,23 @@ class NoiseColour:
         significant = score @ solved(variance, score) >= SIGNIFICANT
         suspect = significant or white.ranks[row] >= len(covariance) / _CROWDED
         n_suspect = self.n_steps + int(suspect)
-        summed = replace(self, score=score, variance=variance, n_steps=n_suspect)
-        if not (suspect and _has_a_turn(n_suspect)):
+        n_meant = min(self.n_meant + 1, _MEANT)
+        before = self.mean if self.mean.shape == covariance.shape else covariance
+        covariance = before + (covariance - before) / n_meant
+        summed = replace(
+            self,
+            score=score,
+            variance=variance,
+            n_steps=n_suspect,
+            mean=covariance,
+            n_meant=n_meant,
+        )
+        if not suspect or n_meant < _FEWEST_MEANT or not _has_a_turn(n_suspect - _FEWEST_MEANT + 1):
             return summed
+        n_snapshots *= n_meant
+        white, row = noise_evidence(covariance[None], n_snapshots, model, self.parameters), 0
         fitted, evidence = _fitted(covariance, n_snapshots, model)
-        least = LEAST_GAIN * _caution(covariance)
+        least = _least_gain(len(covariance)) * _caution(covariance)
         doubtful = evidence.description[0] > white.description[row] - least
         doubtful |= evidence.ranks[0] > _MOST_SOURCES * len(covariance)
         if doubtful or _largest_correlation(model.covariance(fitted)) < LEAST_CORRELATION:
@@ -160,6 +186,11 @@ class NoiseColour:
         return replace(followed, parameters=fitted, information=other.information[0])
 
 
+def _least_gain(n_elements: int) -> float:
+    """Return the nats that a colour must gain: weak sources that are not counted bring some too."""
+    return min(_GAIN_PER_PAIR * n_elements**2, _MOST_GAIN)
+
+
 def _caution(covariance: ComplexArray) -> float:
     """Return how much more must be gained beside a strong source: it leaves more in the noise."""
     values = np.linalg.eigvalsh(covariance)
@@ -173,7 +204,7 @@ def _largest_correlation(covariance: ComplexArray) -> float:
 
 def _has_a_turn(number: int) -> bool:
     """Return whether the fit is tried at the so many-th suspect covariance: less and less often."""
-    return number % _RAREST_TURN == 0 or number & (number - 1) == 0
+    return number < 1 or number % _RAREST_TURN == 0 or number & (number - 1) == 0
 
 
 def _white(model: NoiseModel) -> NoiseColour:
