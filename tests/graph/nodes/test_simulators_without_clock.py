@@ -56,15 +56,18 @@ def test_it_begins_at_the_present_when_somebody_listens(simulator: str, tmp_path
         heard = {each.name: probe.listen(each) for each in (topic, TRUE_TRACKS, ODOMETRY)}
         data = heard[topic.name]
         end = time_from_stamp(END_OF_DATA)
+        truth, odometry = heard[TRUE_TRACKS.name], heard[ODOMETRY.name]
         probe.wait(lambda: data and data[-1].next_stamp == end, "the end of the data")
+        probe.wait(lambda: truth and truth[-1].next_stamp == end, "the end of the truth")
+        probe.wait(lambda: stamps(odometry)[-1:] >= stamps(data)[-1:], "own ship at the end")
         after = time.time_ns()
     probe.close()
     told = stamps(data)
     assert before <= told[0] and told[-1] <= after
     assert len(told) >= 10
     assert all(later - now == SECOND // 5 for now, later in pairwise(told))
-    assert told[-1] in stamps(heard[ODOMETRY.name])
-    assert stamps(heard[TRUE_TRACKS.name])[-1] == told[-1]
+    assert told[-1] in stamps(odometry)
+    assert stamps(truth)[-1] == told[-1]
 
 
 def test_a_sensor_without_a_world_says_what_it_waits_for(tmp_path: Path) -> None:
