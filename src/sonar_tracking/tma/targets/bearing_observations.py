@@ -183,7 +183,7 @@ def left_out(sensor_id: str, what: str) -> Notice:
 
 
 def _elevation(bearings: BearingTracks, row: int) -> tuple[float, float]:
-    if not bearings.elevation_variance.size:
+    if not (bearings.elevation.size and bearings.elevation_variance.size):
         return np.nan, np.nan
     value, variance = float(bearings.elevation[row]), float(bearings.elevation_variance[row])
     usable = math.isfinite(value) and _positive(variance)
