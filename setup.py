@@ -29,6 +29,7 @@ NODES = (
     "line_tracker",
     "tma_tracker",
     "hpda_tracker",
+    "track_fusion",
     "scene_publisher",
     "recorder",
 )

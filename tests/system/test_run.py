@@ -126,7 +126,7 @@ def test_ctrl_c_ends_a_healthy_run_in_order(
     running.append(command)
     command.wait_for_text(FLOWING)
     nodes = command.node_processes()
-    assert len(nodes) == 4
+    assert len(nodes) == 5
     command.wait_for(lambda: recorded_count(bag, "/array/snapshots") > 5)
     command.interrupt(number)
     assert command.wait() == 128 + number, command.output
@@ -149,9 +149,9 @@ def test_ctrl_c_ends_a_healthy_run_in_order(
 def test_an_early_ctrl_c_is_an_interruption_and_no_failure(
     tmp_path: Path, running: list[RunningCommand]
 ) -> None:
-    command = RunningCommand(tmp_path, "run")
+    command = RunningCommand(tmp_path, "run", "doa_fusion")
     running.append(command)
-    command.wait_for(lambda: len(command.node_processes()) == 3)
+    command.wait_for(lambda: len(command.node_processes()) == 4)
     command.interrupt()
     assert command.wait() == 128 + signal.SIGINT, command.output
     assert "failed" not in command.output
@@ -251,11 +251,11 @@ def test_a_stuck_node_is_named_and_waited_for(
 def test_nodes_do_not_outlive_a_killed_orchestration(
     tmp_path: Path, running: list[RunningCommand]
 ) -> None:
-    command = RunningCommand(tmp_path, "run")
+    command = RunningCommand(tmp_path, "run", "doa_fusion")
     running.append(command)
     command.wait_for_text(FLOWING)
     nodes = command.node_processes()
-    assert len(nodes) == 3
+    assert len(nodes) == 4
     command.interrupt(signal.SIGKILL)
     command.wait()
     deadline = time.monotonic() + PATIENCE

@@ -38,8 +38,8 @@ from sonar_tracking.sensor_pose import (
     yaw_of,
 )
 
-MEMORY = nanoseconds(60.0)
-"""Own ship is remembered for so long: echoes are told that long after their ping, ns."""
+MEMORY = nanoseconds(600.0)
+"""Own ship is remembered for so long: it may be told many pings before the echoes of one, ns."""
 
 NEW_BEGINNING = nanoseconds(10.0)
 """Stamps that go back by more begin the data again; those that go back by less are late, ns."""

@@ -32,6 +32,7 @@ STAGES = {
     "line_tracker": "sonar_tracking.passive.lines.line_tracker_stage",
     "tma_tracker": "sonar_tracking.tma.targets.tma_tracker_stage",
     "hpda_tracker": "sonar_tracking.active.contact_tracker",
+    "track_fusion": "sonar_tracking.fusion.track_fusion_stage",
     "scene_publisher": "sonar_tracking.scene.scene_frames",
     "recorder": "sonar_tracking.bags.storage.writer",
 }

@@ -139,7 +139,7 @@ class NoiseColour:
         n_suspect = self.n_steps + int(suspect)
         n_meant = min(self.n_meant + 1, _MEANT)
         before = self.mean if self.mean.shape == covariance.shape else covariance
-        covariance = before + (covariance - before) / n_meant
+        latest, covariance = covariance, before + (covariance - before) / n_meant
         summed = replace(
             self,
             score=score,
@@ -150,11 +150,11 @@ class NoiseColour:
         )
         if not suspect or n_meant < _FEWEST_MEANT or not _has_a_turn(n_suspect - _FEWEST_MEANT + 1):
             return summed
-        n_snapshots *= n_meant
-        white, row = noise_evidence(covariance[None], n_snapshots, model, self.parameters), 0
-        fitted, evidence = _fitted(covariance, n_snapshots, model)
+        n_all = n_snapshots * n_meant
+        fitted, evidence = _fitted(covariance, n_all, model)
         least = _least_gain(len(covariance)) * _caution(covariance)
-        doubtful = evidence.description[0] > white.description[row] - least
+        doubtful = _gain(covariance, n_all, model, fitted) < least
+        doubtful |= _gain(latest, n_snapshots, model, fitted) < LEAST_GAIN * _caution(latest)
         doubtful |= evidence.ranks[0] > _MOST_SOURCES * len(covariance)
         if doubtful or _largest_correlation(model.covariance(fitted)) < LEAST_CORRELATION:
             return summed
@@ -184,6 +184,18 @@ class NoiseColour:
         if other.description[0] > evidence.description[0] - LEAST_GAIN:
             return followed
         return replace(followed, parameters=fitted, information=other.information[0])
+
+
+def _gain(
+    covariance: ComplexArray, n_snapshots: int, model: NoiseModel, parameters: FloatArray
+) -> float:
+    """Return how many nats a colour shortens the description of a covariance by.
+
+    Sources that move are smeared in the mean of several covariances, and not in one of them.
+    """
+    white = noise_evidence(covariance[None], n_snapshots, model, np.zeros(model.n_parameters))
+    coloured = noise_evidence(covariance[None], n_snapshots, model, parameters)
+    return float(white.description[0] - coloured.description[0])
 
 
 def _least_gain(n_elements: int) -> float:

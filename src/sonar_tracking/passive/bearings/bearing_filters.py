@@ -13,7 +13,7 @@ from typing import Protocol, TypeVar
 from sonar_tracking.errors import Notice
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.passive.bearings.bearing_measurement import BearingMeasurement
-from sonar_tracking.records.arrays import ComplexArray, IndexArray
+from sonar_tracking.records.arrays import BoolArray, ComplexArray, IndexArray
 from sonar_tracking.records.bearings import SubspaceEstimates
 
 FilterState = TypeVar("FilterState", bound=KalmanState)
@@ -74,6 +74,10 @@ class BearingFilters(Protocol[FilterState]):
         sources : ndarray, shape (..., n_targets, n_targets), complex, or None
             Covariance of the sources at the predictions, linear power; None = not known.
         """
+        ...
+
+    def coasted(self, filters: FilterState, predicted: FilterState, rows: BoolArray) -> FilterState:
+        """Return the filters with some targets, by a mask, shape (..., n), as predicted."""
         ...
 
     def targets(self, filters: FilterState) -> KalmanState:

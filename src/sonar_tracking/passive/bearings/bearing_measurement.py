@@ -24,7 +24,7 @@ from sonar_tracking.passive.directions.measurement_fusion import (
     mean_age,
 )
 from sonar_tracking.passive.directions.sources_at_angles import fisher_variance
-from sonar_tracking.records.arrays import ComplexArray, FloatArray
+from sonar_tracking.records.arrays import BoolArray, ComplexArray, FloatArray
 from sonar_tracking.records.bearings import SubspaceEstimates
 
 
@@ -48,6 +48,15 @@ class BearingMeasurement:
     innovation: FloatArray
     variance: FloatArray
     age: float
+
+    def without(self, rows: BoolArray) -> BearingMeasurement:
+        """Return the measurement without some targets, by a mask, shape (..., n_targets)."""
+        return BearingMeasurement(
+            np.where(rows, np.nan, self.angle),
+            np.where(rows, np.nan, self.innovation),
+            np.where(rows, np.nan, self.variance),
+            self.age,
+        )
 
 
 def measure_in_subspaces(

@@ -24,7 +24,7 @@ from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
     BearingTrackerConfiguration,
 )
 from sonar_tracking.passive.bearings.projection_measurement import measure_by_projection
-from sonar_tracking.records.arrays import ComplexArray, FloatArray, IndexArray
+from sonar_tracking.records.arrays import BoolArray, ComplexArray, FloatArray, IndexArray
 from sonar_tracking.records.bearings import SubspaceEstimates
 
 Measured = tuple[BearingMeasurement | None, tuple[Notice, ...]]
@@ -100,6 +100,13 @@ class IndependentFilters:
             measurement.variance[..., None, None],
         )
         return FilterUpdate(corrected.state, measurement, notices)
+
+    def coasted(self, filters: KalmanState, predicted: KalmanState, rows: BoolArray) -> KalmanState:
+        """Return the filters with some targets, by a mask, shape (..., n), as predicted."""
+        return KalmanState(
+            np.where(rows[..., None], predicted.mean, filters.mean),
+            np.where(rows[..., None, None], predicted.covariance, filters.covariance),
+        )
 
     def targets(self, filters: KalmanState) -> KalmanState:
         """Return angle and rate of each target."""

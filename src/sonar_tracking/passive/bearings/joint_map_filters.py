@@ -207,6 +207,16 @@ class JointMapFilters:
             state = self._weigh(state, measurement, estimates)
         return FilterUpdate(state, measurement, notices)
 
+    def coasted(
+        self, filters: JointMapState, predicted: JointMapState, rows: BoolArray
+    ) -> JointMapState:
+        """Return the filter with some targets, by a mask, shape (..., n), as predicted."""
+        joint = with_marginals(filters, each_target(filters), each_target(predicted), rows)
+        modes = filters.modes
+        if self._n_modes:
+            modes = modes.instead(rows, predicted.modes)
+        return replace(filters, mean=joint.mean, covariance=joint.covariance, modes=modes)
+
     def targets(self, filters: JointMapState) -> KalmanState:
         """Return angle and rate of each target."""
         return each_target(filters.encounter.told(filters))

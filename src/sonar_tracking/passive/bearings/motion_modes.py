@@ -177,6 +177,14 @@ class MotionModes:
             self.probability,
         )
 
+    def instead(self, rows: BoolArray, others: MotionModes) -> MotionModes:
+        """Return them with those of some targets, by a mask, shape (..., n), from others."""
+        return MotionModes(
+            np.where(rows[..., None, None], others.mean, self.mean),
+            np.where(rows[..., None, None, None], others.covariance, self.covariance),
+            np.where(rows[..., None], others.probability, self.probability),
+        )
+
     def _mixed(self, interval: float) -> MotionModes:
         """Return the modes with what each of them takes over from the others in an interval."""
         n_modes = self.probability.shape[-1]

@@ -42,7 +42,7 @@ from sonar_tracking.passive.directions.sources_at_angles import (
     signal_to_noise_ratios,
 )
 from sonar_tracking.passive.sources.weak_source_counting import WeakSourceCounter
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray
 from sonar_tracking.records.bearings import SubspaceEstimates, TrackStatus
 from sonar_tracking.records.time import END_OF_DATA, seconds
 
@@ -176,6 +176,8 @@ class TrackingSteps:
             mean = self.filters.targets(updated.filters).mean
             evidence = existence_evidence(estimates, mean[..., 0], mean[..., 1], interval)
             existence = evidence.update(existence, interval, self.configuration.silence_time)
+            if self.ends_tracks and evidence.unseen.any():
+                updated = self._without_unseen(updated, filters, evidence.unseen)
         return FollowedTracks(
             updated.filters,
             existence,
@@ -185,6 +187,16 @@ class TrackingSteps:
             updated.notices,
             interval is None,
         )
+
+    def _without_unseen(
+        self, updated: FilterUpdate, predicted: Any, unseen: BoolArray
+    ) -> FilterUpdate:
+        """Return an update in which tracks without a source are predicted: noise is no bearing."""
+        coasted = self.filters.coasted(updated.filters, predicted, unseen)
+        measurement = updated.measurement
+        if measurement is not None:
+            measurement = measurement.without(unseen)
+        return replace(updated, filters=coasted, measurement=measurement)
 
     def finish(
         self,
