@@ -20,6 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sonar_tracking.filtering.constant_velocity import process_noise_matrix
 from sonar_tracking.filtering.kalman import symmetrised
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 
@@ -78,11 +79,6 @@ class AlignedTargets:
     def __len__(self) -> int:
         """Return the number of targets."""
         return len(self.mean)
-
-    @property
-    def n_arrays(self) -> int:
-        """How many arrays may be misaligned."""
-        return int(self.mean.shape[-1]) - MOTION
 
     def rows(self, rows: IndexArray) -> AlignedTargets:
         """Return some of the targets, in the order given; shape (n_chosen,)."""
@@ -168,8 +164,7 @@ def predicted(
     mean[..., :2] += interval * mean[..., 2:MOTION]
     covariance[..., :2, :] += interval * covariance[..., 2:MOTION, :]
     covariance[..., :, :2] += interval * covariance[..., :, 2:MOTION]
-    block = np.array([[interval**3 / 3.0, interval**2 / 2.0], [interval**2 / 2.0, interval]])
-    noise = np.kron(block, np.eye(2))
+    noise = np.kron(process_noise_matrix(1.0, interval), np.eye(2))
     covariance[..., :MOTION, :MOTION] += strengths.density[:, None, None] * noise
     return AlignedTargets(mean, symmetrised(covariance), after)
 

@@ -139,7 +139,6 @@ class BearingTrials:
         self,
         found: Sequence[HeardBearing],
         others: dict[FusedTarget, AlignmentInformation],
-        prior: FloatArray,
         propagation_speed: float,
     ) -> None:
         """Let trials take in the bearings that are tried, and weigh them.
@@ -150,8 +149,6 @@ class BearingTrials:
             What one station measured at one instant.
         others : dict of FusedTarget to AlignmentInformation
             What all other targets tell of the misalignments.
-        prior : ndarray, shape (n_arrays,)
-            Variances of the misalignments, rad^2.
         propagation_speed : float
             Of sound, m/s.
         """
@@ -163,7 +160,7 @@ class BearingTrials:
         own = [by_key[one.key] for one in tried]
         targets = self.targets.rows(rows)
         bearings = sided_bearings(own, targets, propagation_speed)
-        together = log_likelihood(targets, bearings, [others[one.target] for one in tried], prior)
+        together = log_likelihood(targets, bearings, [others[one.target] for one in tried])
         lone, apart = heard(self._lone.rows(rows), bearings.azimuth, bearings.variance)
         self._lone.mean[rows], self._lone.covariance[rows] = lone.mean, lone.covariance
         gained = guarded(together) - guarded(apart)
@@ -197,7 +194,6 @@ def log_likelihood(
     targets: AlignedTargets,
     bearings: Bearings,
     others: Sequence[AlignmentInformation],
-    prior: FloatArray,
 ) -> FloatArray:
     """Return how likely bearings are, with what other targets tell of the misalignments.
 
@@ -208,9 +204,7 @@ def log_likelihood(
     bearings : Bearings
         One a target.
     others : sequence of AlignmentInformation
-        For each target, what all others tell.
-    prior : ndarray, shape (n_arrays,)
-        Variances of the misalignments, rad^2.
+        For each target, what all others tell of the misalignments.
 
     Returns
     -------

@@ -8,7 +8,7 @@ import numpy as np
 
 from sonar_tracking.filtering.consistency import normalised_squared
 from sonar_tracking.filtering.kalman import KalmanState
-from sonar_tracking.fusion.copied_rows import bearing_keys, copied_row, moved_copy
+from sonar_tracking.fusion.copied_rows import bearing_keys, copied_row
 from sonar_tracking.fusion.fused_rows import FusedRow
 from sonar_tracking.fusion.fusion_records import BearingKey, ListKey
 from sonar_tracking.records.arrays import FloatArray
@@ -93,6 +93,6 @@ class CopiedLists:
                 if self._names.get(key) in taken:
                     del self._names[key]
                 if not is_known(key, bearing_keys(tracks, int(row))):
-                    copy = copied_row(tracks, int(row), topic, self.name(key))
-                    rows.append(moved_copy(copy, stamp, stations, alignments))
+                    shown = stamp, stations, alignments
+                    rows.append(copied_row(tracks, int(row), key, self.name(key), *shown))
         return rows

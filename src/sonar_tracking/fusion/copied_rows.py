@@ -8,9 +8,8 @@ import numpy as np
 
 from sonar_tracking.filtering.constant_velocity import process_noise_matrix, transition_matrix
 from sonar_tracking.filtering.kalman import KalmanState, predict
-from sonar_tracking.fusion.fused_rows import FusedRow, row_of_copy
-from sonar_tracking.fusion.fused_target import CopiedRow
-from sonar_tracking.fusion.fusion_records import BearingKey
+from sonar_tracking.fusion.fused_rows import FusedRow
+from sonar_tracking.fusion.fusion_records import BearingKey, ListKey
 from sonar_tracking.fusion.rotation import rotated
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import TrackStatus
@@ -21,8 +20,16 @@ DRIFT = 1e-4
 """Density of the white acceleration between two lists, m^2/s^3."""
 
 
-def copied_row(tracks: PositionTracks, row: int, topic: str, number: int) -> CopiedRow:
-    """Return one row of a list as it is to be shown.
+def copied_row(
+    tracks: PositionTracks,
+    row: int,
+    key: ListKey,
+    number: int,
+    stamp: int,
+    stations: Mapping[str, FloatArray],
+    alignments: Mapping[str, tuple[float, float]],
+) -> FusedRow:
+    """Return one row of a list as it is to be shown, its array being aligned as others tell.
 
     Parameters
     ----------
@@ -30,19 +37,31 @@ def copied_row(tracks: PositionTracks, row: int, topic: str, number: int) -> Cop
         The list.
     row : int
         Which.
-    topic : str
-        Where the list comes from.
+    key : ListKey
+        Where the list comes from, and the identifier there.
     number : int
         Identifier in the fused list.
+    stamp : int
+        Of the fused list, not before that of the list, ns.
+    stations : mapping of str to ndarray, shape (2,)
+        Where each array is, m.
+    alignments : mapping of str to tuple of two float
+        The misalignment of those of which it has been measured, rad, and its variance, rad^2.
     """
-    return CopiedRow(
+    source = TrackSource(tracks.source[row])
+    heard = bearing_keys(tracks, row)
+    told = KalmanState(tracks.state[row], tracks.covariance[row])
+    state = moved_state(told, seconds(stamp - tracks.stamp))
+    if len(heard) == 1 and heard[0][0] in alignments:
+        sensor = heard[0][0]
+        state = rotated(state, stations[sensor], *alignments[sensor])
+    made_of = tuple((TrackSource.TMA, *one) for one in heard)
+    return FusedRow(
         id=number,
-        key=(topic, int(tracks.id[row])),
-        source=TrackSource(tracks.source[row]),
         status=TrackStatus(tracks.status[row]),
-        state=tracks.state[row],
-        covariance=tracks.covariance[row],
-        stamp=tracks.stamp,
+        source=TrackSource.STATIC if source == TrackSource.STATIC else TrackSource.FUSED,
+        state=state.mean,
+        covariance=state.covariance,
         existence=float(tracks.existence_probability[row]),
         initiated=float(tracks.initiated[row]),
         updated=float(tracks.updated[row]),
@@ -51,35 +70,9 @@ def copied_row(tracks: PositionTracks, row: int, topic: str, number: int) -> Cop
         z_standard_deviation=float(tracks.z_standard_deviation[row]),
         hypothesis=TrackHypothesis(tracks.hypothesis[row]),
         hypothesis_probability=float(tracks.hypothesis_probability[row]),
-        heard=bearing_keys(tracks, row),
+        bearing_track_id=heard[0][1] if heard else 0,
+        contributors=made_of or ((source, *key),),
     )
-
-
-def moved_copy(
-    copy: CopiedRow,
-    stamp: int,
-    stations: Mapping[str, FloatArray],
-    alignments: Mapping[str, tuple[float, float]],
-) -> FusedRow:
-    """Return the row of a copy at a stamp, its array being aligned as others tell.
-
-    Parameters
-    ----------
-    copy : CopiedRow
-        What its list tells.
-    stamp : int
-        Not before that of its list, ns.
-    stations : mapping of str to ndarray, shape (2,)
-        Where each array is, m.
-    alignments : mapping of str to tuple of two float
-        The misalignment of those of which it has been measured, rad, and its variance, rad^2.
-    """
-    interval = seconds(stamp - copy.stamp)
-    state = moved_state(KalmanState(copy.state, copy.covariance), interval)
-    for sensor in {key[0] for key in copy.heard}:
-        if sensor in alignments and len(copy.heard) == 1:
-            state = rotated(state, stations[sensor], *alignments[sensor])
-    return row_of_copy(copy, state.mean, state.covariance)
 
 
 def moved_state(state: KalmanState, interval: float) -> KalmanState:

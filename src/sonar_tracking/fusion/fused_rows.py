@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from sonar_tracking.filtering.kalman import KalmanState
-from sonar_tracking.fusion.fused_target import CopiedRow, FusedTarget
+from sonar_tracking.fusion.fused_target import FusedTarget
 from sonar_tracking.fusion.rotation import rotated
 from sonar_tracking.motion import KinematicState
 from sonar_tracking.records.arrays import FloatArray
@@ -87,36 +87,6 @@ def row_of_target(target: FusedTarget, state: FloatArray, covariance: FloatArray
         updated=target.updated,
         bearing_track_id=next((key[1] for key in target.heard), 0),
         contributors=(*echoes, *heard),
-    )
-
-
-def row_of_copy(copy: CopiedRow, state: FloatArray, covariance: FloatArray) -> FusedRow:
-    """Return the row of what one list alone tells.
-
-    Parameters
-    ----------
-    copy : CopiedRow
-        What it tells.
-    state, covariance : ndarray, shapes (4,) and (4, 4)
-        At the stamp of the list, m and m/s; m^2, m^2/s, m^2/s^2.
-    """
-    heard = tuple((TrackSource.TMA, *key) for key in copy.heard)
-    return FusedRow(
-        id=copy.id,
-        status=copy.status,
-        source=TrackSource.STATIC if copy.source == TrackSource.STATIC else TrackSource.FUSED,
-        state=state,
-        covariance=covariance,
-        existence=copy.existence,
-        initiated=copy.initiated,
-        updated=copy.updated,
-        observability=copy.observability,
-        z=copy.z,
-        z_standard_deviation=copy.z_standard_deviation,
-        hypothesis=copy.hypothesis,
-        hypothesis_probability=copy.hypothesis_probability,
-        bearing_track_id=next((key[1] for key in copy.heard), 0),
-        contributors=heard or ((copy.source, *copy.key),),
     )
 
 

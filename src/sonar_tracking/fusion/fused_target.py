@@ -7,9 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from sonar_tracking.fusion.fusion_records import BearingKey, ListKey
-from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import TrackStatus
-from sonar_tracking.records.positions import PositionTracks, TrackHypothesis, TrackSource
+from sonar_tracking.records.positions import PositionTracks, TrackSource
 
 
 @dataclass(eq=False)
@@ -81,52 +80,6 @@ class FusedTarget:
         """Probability that not all its tracks are false."""
         known = [one.existence for one in self.contributors if not np.isnan(one.existence)]
         return 1.0 - float(np.prod([1.0 - one for one in known])) if known else np.nan
-
-
-@dataclass(frozen=True)
-class CopiedRow:
-    """A row of another list that nothing else tells of: shown as it is.
-
-    Attributes
-    ----------
-    id : int
-        In the fused list.
-    key : ListKey
-        Where it comes from.
-    source : TrackSource
-        Who made it.
-    status : TrackStatus
-        As there.
-    state, covariance : ndarray, shapes (4,) and (4, 4)
-        m and m/s; m^2, m^2/s, m^2/s^2.
-    stamp : int
-        Of the list, ns.
-    existence, initiated, updated, observability, hypothesis_probability : float
-        As there.
-    hypothesis : TrackHypothesis
-        As there.
-    heard : tuple of BearingKey
-        Bearing tracks it is made of.
-    z, z_standard_deviation : float
-        As there, m.
-    """
-
-    id: int
-    key: ListKey
-    source: TrackSource
-    status: TrackStatus
-    state: FloatArray
-    covariance: FloatArray
-    stamp: int
-    existence: float
-    initiated: float
-    updated: float
-    observability: float
-    hypothesis: TrackHypothesis
-    hypothesis_probability: float
-    heard: tuple[BearingKey, ...]
-    z: float = np.nan
-    z_standard_deviation: float = np.nan
 
 
 def moves(tracks: PositionTracks, row: int) -> bool:

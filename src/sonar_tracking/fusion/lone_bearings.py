@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sonar_tracking.filtering.constant_velocity import process_noise_matrix, transition_matrix
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 
@@ -66,9 +67,9 @@ def joined_bearings(first: LoneBearings, second: LoneBearings) -> LoneBearings:
 
 def predicted_bearings(bearings: LoneBearings, interval: float) -> LoneBearings:
     """Return bearing tracks an interval (s) later."""
-    transition = np.array([[1.0, interval], [0.0, 1.0]])
-    noise = np.array([[interval**3 / 3.0, interval**2 / 2.0], [interval**2 / 2.0, interval]])
-    covariance = transition @ bearings.covariance @ transition.T + ANGULAR_ACCELERATION * noise
+    transition = transition_matrix(interval)
+    noise = process_noise_matrix(ANGULAR_ACCELERATION, interval)
+    covariance = transition @ bearings.covariance @ transition.T + noise
     return LoneBearings(bearings.mean @ transition.T, covariance)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -100,6 +101,7 @@ def station_bearings(
     return StationBearings(alive, tuple(found), tuple(notices))
 
 
+@lru_cache(maxsize=4)
 def _settings(configuration: TrackFusionConfiguration) -> TmaTrackerConfiguration:
     return TmaTrackerConfiguration(
         sound_speed=configuration.sound_speed,

@@ -214,7 +214,7 @@ class TargetFilters:
     def try_bearings(self, found: Sequence[HeardBearing]) -> None:
         """Let the trials of bearing tracks of one station take in what it measured."""
         if self.trials.trials:
-            self.trials.take_tried(found, self._others(), self.prior, self._speed)
+            self.trials.take_tried(found, self._others(), self._speed)
 
     def begin_trials(self, trials: Sequence[Trial]) -> None:
         """Try whether bearing tracks are of targets."""
@@ -244,9 +244,8 @@ class TargetFilters:
         """Return what all targets tell together."""
         return shared_alignment(self._aligned, self._ended, self.prior)
 
-    def alignments(self, stamp: int, next_stamp: int) -> ArrayAlignments:
+    def alignments(self, seen: SharedAlignment, stamp: int, next_stamp: int) -> ArrayAlignments:
         """Return what is known of the alignment of each array, with a stamp and watermark, ns."""
-        seen = self.picture()
         return ArrayAlignments(
             stamp=stamp,
             sensor_id=tuple(self.arrays),
@@ -255,9 +254,8 @@ class TargetFilters:
             next_stamp=next_stamp,
         )
 
-    def measured_alignments(self) -> dict[str, tuple[float, float]]:
+    def measured_alignments(self, seen: SharedAlignment) -> dict[str, tuple[float, float]]:
         """Return the misalignments (rad) of which more is known than before, and variances."""
-        seen = self.picture()
         variance = np.diagonal(seen.misalignment_covariance)
         return {
             sensor: (float(seen.misalignment[place]), float(variance[place]))

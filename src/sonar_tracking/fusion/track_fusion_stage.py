@@ -34,6 +34,7 @@ from sonar_tracking.fusion.fusion_records import (
     HeardBearing,
     ListKey,
 )
+from sonar_tracking.fusion.shared_alignment import SharedAlignment
 from sonar_tracking.fusion.station_bearings import (
     StationBearings,
     station_bearings,
@@ -140,9 +141,10 @@ class TrackFusionStage:
         self._decide()
         self._end_orphans()
         watermark = common_watermark(self._watermarks.values(), self._n_sources, self._stamp)
-        alignments = self._filters.alignments(self._stamp, watermark)
+        seen = self._filters.picture()
+        alignments = self._filters.alignments(seen, self._stamp, watermark)
         notices += beyond_prior(alignments, self.configuration.alignment_deviation_deg)
-        own = self._own_rows()
+        own = self._own_rows(seen)
         tracks = own_tracks = self._own_rows_shown.listed(own, self._stamp, watermark)
         if self._foreign.heard_of:
             rows = self._foreign.fused(own, self._stamp)
@@ -326,16 +328,15 @@ class TrackFusionStage:
         self._next_id += 1
         return self._next_id - 1
 
-    def _own_rows(self) -> list[FusedRow]:
+    def _own_rows(self, seen: SharedAlignment) -> list[FusedRow]:
         """Return what own sensors tell, at the stamp of the last frame."""
-        seen = self._filters.picture()
         rows = [
             row_of_target(target, state, covariance)
             for target, state, covariance in zip(
                 self._filters.targets, seen.mean[:, :4], seen.covariance[:, :4, :4], strict=True
             )
         ]
-        alignments = self._filters.measured_alignments()
+        alignments = self._filters.measured_alignments(seen)
         taken = {row.id for row in rows}
         rows += self._copies.rows(self._stamp, self._stands_for, self._stations, alignments, taken)
         heading = self.configuration.heading_variance
