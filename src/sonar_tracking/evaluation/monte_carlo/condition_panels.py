@@ -83,9 +83,9 @@ def _draw_metric(
     styles: Mapping[str, Style],
 ) -> None:
     for system, style in styles.items():
-        own = {row.condition: row.metrics.get(metric) for row in rows if row.system == system}
+        own = {r.condition: r.metrics.get(metric, np.nan) for r in rows if r.system == system}
         axes.plot(
-            [own.get(condition) or np.nan for condition in conditions],
+            [own.get(condition, np.nan) for condition in conditions],
             np.arange(len(conditions)),
             style.marker,
             color=style.colour,
