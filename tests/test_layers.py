@@ -89,6 +89,7 @@ ROOMS = (
     "evaluation.bench",
     "evaluation",
     # people
+    "display.page",
     "display",
     "graph.catalogue",
     "graph.message_writing",
