@@ -25,6 +25,7 @@ from sonar_tracking.message_reading.array_reading import (
     snapshots_from_message,
     subspaces_from_message,
 )
+from sonar_tracking.message_reading.command_reading import command_from_message
 from sonar_tracking.message_reading.contact_reading import (
     contacts_from_message,
     thresholds_from_message,
@@ -46,6 +47,7 @@ READ: dict[str, Callable[[Any], Any]] = {
     "DetectionThreshold": thresholds_from_message,
     "Tracks": position_tracks_from_message,
     "ArrayAlignments": alignments_from_message,
+    "OperatorCommand": command_from_message,
     "Odometry": own_ship_from_message,
 }
 ROWS = {"BearingTracks": "id", "FrequencyLines": "line_id", "Contacts": "range", "Tracks": "id"}
@@ -75,6 +77,10 @@ def filled(name: str) -> Any:
         message.twist.twist.linear.x = 3.0
         return message
     message.header.stamp.sec, message.header.frame_id = 5, "own_ship/array"
+    if name == "OperatorCommand":
+        message.command, message.topic = message.CHOOSE_SIDE, "passive/tracks"
+        message.id, message.side = 7, message.LEFT
+        return message
     message.next_stamp.sec = 6
     types = message.get_fields_and_field_types()
     for field, kind in types.items():

@@ -9,6 +9,7 @@ from sonar_tracking.bags.storage.storage_file import BagMessage
 from sonar_tracking.graph.catalogue.run_identity import CONTROL_NODE
 from sonar_tracking.graph.orchestration.flow_ledger import FlowLedger
 from sonar_tracking.graph.orchestration.player import CLOCK_PERIOD, FULL_SPEED_CLOCK_PERIOD, Player
+from tests.graph.orchestration.quiet_desk import quiet_desk
 
 BLOCKS, TRACKS = "/array/snapshots", "/passive/bearing_tracks"
 TRUTH = "/truth/bearing_tracks"
@@ -43,6 +44,7 @@ class Graph:
             lambda topic, data, wall: None,
             WINDOW,
             rate,
+            quiet_desk(),
         )
 
 

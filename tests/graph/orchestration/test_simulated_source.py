@@ -7,6 +7,7 @@ from sonar_tracking.graph.orchestration.data_source import RESEND_SECONDS
 from sonar_tracking.graph.orchestration.flow_ledger import FlowLedger
 from sonar_tracking.graph.orchestration.simulated_source import SimulatedSource
 from sonar_tracking.graph.orchestration.time_master import TimeMaster
+from tests.graph.orchestration.quiet_desk import quiet_desk
 
 START = 1_767_225_600_000_000_000
 BLOCK = 100_000_000
@@ -26,7 +27,7 @@ class Control:
 def source(control: Control, blocks: int) -> SimulatedSource:
     master = TimeMaster(START, START + blocks * BLOCK, BLOCK, 4, math.inf)
     ros_side: Any = control
-    return SimulatedSource(ros_side, FlowLedger({}, {}), master, START)
+    return SimulatedSource(ros_side, FlowLedger({}, {}), master, START, quiet_desk())
 
 
 def test_a_lost_tick_is_told_again() -> None:

@@ -74,6 +74,7 @@ def test_truth_is_played_to_no_node_but_the_recorder(tmp_path: Path) -> None:
     assert {resolved(topic): topic.role.value for topic in plan.offered} == {
         "/a/passive/bearing_tracks": "input",
         "/b/passive/bearing_tracks": "input",
+        "/operator/commands": "input",
         "/truth/bearing_tracks": "truth",
     }
     assert plan.consumers()["/truth/bearing_tracks"] == ()
@@ -86,6 +87,7 @@ def test_a_recorded_replay_keeps_truth_and_knows_its_inputs(tmp_path: Path) -> N
     assert recording.topic_roles == {
         "/a/passive/bearing_tracks": "input",
         "/b/passive/bearing_tracks": "input",
+        "/operator/commands": "input",
         "/passive/tracks": "output",
         "/truth/bearing_tracks": "truth",
         "/diagnostics": "display",

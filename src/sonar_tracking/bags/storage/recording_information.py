@@ -22,6 +22,7 @@ _INPUT_TYPES = (
     "sonar_tracking_msgs/msg/ArraySamples",
     "sonar_tracking_msgs/msg/Contacts",
     "nav_msgs/msg/Odometry",
+    "sonar_tracking_msgs/msg/OperatorCommand",
 )
 _OUTPUT_TYPES = (
     "sonar_tracking_msgs/msg/SubspaceEstimates",

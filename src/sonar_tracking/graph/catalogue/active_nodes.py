@@ -27,4 +27,5 @@ HPDA_TRACKER = NodeDescription(
     inputs=(CONTACTS,),
     optional_inputs=(ODOMETRY,),
     outputs=(ACTIVE_TRACKS, ACTIVE_THRESHOLD),
+    commanded_topic=ACTIVE_TRACKS,
 )

@@ -32,4 +32,5 @@ TRACK_FUSION = NodeDescription(
         "passive_topics": PASSIVE_TRACKS,
     },
     on_request=True,
+    commanded_topic=FUSED_TRACKS,
 )

@@ -43,6 +43,8 @@ class NodeDescription:
     is_display : bool
         It only shows what the others find: nobody waits for it, and a run goes on without it. It
         is started wherever one of its inputs is there.
+    commanded_topic : Topic or None
+        The track list about which operators may tell it something; None = it takes no commands.
     """
 
     name: str
@@ -58,6 +60,7 @@ class NodeDescription:
     markers: tuple[Topic, ...] = ()
     optional_inputs: tuple[Topic, ...] = ()
     is_display: bool = False
+    commanded_topic: Topic | None = None
 
     @property
     def serves_clock(self) -> bool:

@@ -42,6 +42,7 @@ BEARING_TRACKER = NodeDescription(
     configurations=(BearingTrackerConfiguration, NodeConfiguration),
     inputs=(SUBSPACES,),
     outputs=(BEARING_TRACKS,),
+    commanded_topic=BEARING_TRACKS,
 )
 LINE_TRACKER = NodeDescription(
     name="line_tracker",

@@ -11,7 +11,7 @@ from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.node_settings import NodeSettings
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
-from sonar_tracking.graph.catalogue.topics import Topic
+from sonar_tracking.graph.catalogue.topics import COMMANDS, Topic
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 
 NO_TOPIC = ""
@@ -117,10 +117,11 @@ def _planned(
         for name in parameters[parameter]
         if name != NO_TOPIC
     ]
+    commands = () if node.commanded_topic is None else (COMMANDS,)
     return PlannedNode(
         name=node.name,
         module=node.module,
-        subscriptions=(*node.inputs, *node.optional_inputs, *listed),
+        subscriptions=(*node.inputs, *node.optional_inputs, *listed, *commands),
         publishers=node.published(namespaces),
         parameters=parameters,
         gives_identifiers="first_id" in parameters,

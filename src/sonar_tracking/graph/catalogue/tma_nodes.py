@@ -25,4 +25,5 @@ TMA_TRACKER = NodeDescription(
     outputs=(PASSIVE_TRACKS,),
     topic_parameters={"bearing_topics": BEARING_TRACKS, "line_topics": FREQUENCY_LINES},
     on_request=True,
+    commanded_topic=PASSIVE_TRACKS,
 )

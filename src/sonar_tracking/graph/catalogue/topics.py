@@ -22,6 +22,8 @@ class TopicKind(Enum):
     """Reliable, volatile, keep-last(flow depth)."""
     TRACKS = "tracks"
     """A complete picture: as DATA, and the latest one is kept for late readers."""
+    COMMANDS = "commands"
+    """As DATA, and all of a run are kept for late readers."""
 
 
 class TopicRole(Enum):
@@ -229,6 +231,20 @@ FIXED_TRANSFORMS = Topic(
     TopicKind.TRACKS,
     TopicRole.DISPLAY,
     "sensors that are mounted on own ship, in own_ship/base_link",
+)
+COMMANDS = Topic(
+    "operator/commands",
+    "sonar_tracking_msgs/msg/OperatorCommand",
+    TopicKind.COMMANDS,
+    TopicRole.INPUT,
+    "what operators tell the trackers, with the stamp at which it takes effect",
+)
+REQUESTS = Topic(
+    "operator/requests",
+    "sonar_tracking_msgs/msg/OperatorCommand",
+    TopicKind.DATA,
+    TopicRole.OUTPUT,
+    "what operators ask for; whoever moves the clock makes commands of it",
 )
 DIAGNOSTICS = Topic(
     DIAGNOSTICS_TOPIC,

@@ -18,7 +18,7 @@ import sonar_tracking
 from sonar_tracking.errors import Severity
 from sonar_tracking.graph.catalogue.resumption import CHECKPOINT
 from sonar_tracking.graph.catalogue.run_identity import VARIABLE as RUN
-from sonar_tracking.records.time import NANOSECONDS
+from sonar_tracking.records.time import NANOSECONDS, UNKNOWN_STAMP
 
 SHARE = 0.02
 """Of the time of a node that checkpoints may take."""
@@ -56,13 +56,21 @@ class Checkpoint:
         self._head = (sonar_tracking.__version__, os.environ.get(RUN, ""))
         self._due = 0.0
 
-    def take_up(self, stamp: int) -> None:
-        """Let the node go on, with its first data, with what the process before has left."""
-        if not self._begun:
-            self._begun = True
-            state = self._read(stamp)
-            if state is not None:
-                self._take_state(state)
+    def take_up(self, stamp: int) -> int:
+        """Let the node go on, with its first data, with what the process before has left.
+
+        Returns
+        -------
+        int
+            Stamp up to which that holds all data, ns; 0 = nothing was taken up now.
+        """
+        if self._begun:
+            return UNKNOWN_STAMP
+        self._begun = True
+        written, state = self._read(stamp)
+        if state is not None:
+            self._take_state(state)
+        return written
 
     def keep(self, stamp: int) -> None:
         """Write the state after the data up to a stamp, ns, unless the last time was too costly."""
@@ -82,14 +90,14 @@ class Checkpoint:
         end = time.monotonic()
         self._due = end + max((end - begin) / SHARE, LEAST_PAUSE)
 
-    def _read(self, stamp: int) -> Any:
-        """Return the state to go on with at a stamp, ns; None = there is none."""
+    def _read(self, stamp: int) -> tuple[int, Any]:
+        """Return the state to go on with at a stamp, ns, and its own; None = there is none."""
         if self._path is None or not self._path.exists():
-            return None
+            return UNKNOWN_STAMP, None
         try:
             version, run, written, state = pickle.loads(self._path.read_bytes())
         except Exception:  # whatever is wrong with it, the node begins anew
-            return None
+            return UNKNOWN_STAMP, None
         if (version, run) != self._head or not 0 < stamp - written <= LONGEST_GAP:
-            return None
-        return state
+            return UNKNOWN_STAMP, None
+        return written, state

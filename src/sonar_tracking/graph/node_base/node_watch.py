@@ -10,7 +10,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from sonar_tracking.errors import Severity
-from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC, TIME_TOPIC
+from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC, COMMANDS, TIME_TOPIC
 from sonar_tracking.graph.node_base.data_flow import (
     DataInput,
     DataOutput,
@@ -79,6 +79,7 @@ class NodeWatch:
         self._by_clock_topic = bool(node.get_parameter("use_sim_time").value)
         self._clock_topic = node.resolve_topic_name(CLOCK_TOPIC)
         self._time_topic = node.resolve_topic_name(TIME_TOPIC)
+        self._commands_topic = node.resolve_topic_name(COMMANDS.name)
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._started = self._steady.now().nanoseconds
         self._inputs = inputs
@@ -168,6 +169,10 @@ class NodeWatch:
         for subscription in self._node.subscriptions:
             if subscription.topic_name == self._time_topic:
                 counts[self._time_topic] = subscription.get_publisher_count()
+            elif subscription.topic_name == self._commands_topic:
+                # Where nobody is there to give commands, no node waits for that.
+                publishers = subscription.get_publisher_count()
+                counts |= {self._commands_topic: publishers} if publishers else {}
         return counts
 
     def _clock_step(self) -> int:

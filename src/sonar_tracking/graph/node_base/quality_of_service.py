@@ -8,6 +8,9 @@ flow); displays subscribe with :data:`LATE_READER` and get the current picture a
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 from rclpy.qos import (
     DurabilityPolicy,
     HistoryPolicy,
@@ -17,6 +20,7 @@ from rclpy.qos import (
 )
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
+from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.topics import TopicKind
 
 DEFAULT_FLOW_DEPTH = 10
@@ -40,6 +44,8 @@ def publisher_profile(kind: TopicKind, depth: int = DEFAULT_FLOW_DEPTH) -> QoSPr
     """Return the profile a producer of a data topic publishes with."""
     if kind is TopicKind.TRACKS:
         return _profile(depth, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    if kind is TopicKind.COMMANDS:
+        return ALL_COMMANDS
     return _profile(depth)
 
 
@@ -60,8 +66,29 @@ def overridable() -> QoSOverridingOptions:
     )
 
 
+@contextmanager
+def overriding(node: str, topic: str) -> Iterator[QoSOverridingOptions]:
+    """Let an endpoint of a node be made with the overrides of the user; refuse what ROS cannot use.
+
+    Raises
+    ------
+    ConfigurationError
+        If it cannot be made so.
+    """
+    try:
+        yield overridable()
+    except Exception as error:
+        raise ConfigurationError(
+            f"{node}: a qos_overrides parameter of {topic} cannot be used: {error}"
+        ) from error
+
+
 LATE_READER = _profile(1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 """Subscription of displays and other late readers of a track list: the current picture."""
+
+ALL_COMMANDS = _profile(1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+"""Publishers of commands, and the trackers' subscriptions to them: one that is started again gets
+what it was told before."""
 
 PROGRESS = _profile(5000)
 """Publishers and subscriptions of ``flow/done``. All nodes share the queue of its reader: were it

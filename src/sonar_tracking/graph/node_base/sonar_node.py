@@ -6,13 +6,11 @@ input. Everything else is here: parameters, stamp checks, joining, progress, dia
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
-from rclpy.qos_overriding_options import QoSOverridingOptions
 
 from sonar_tracking.errors import ConfigurationError, InputError, Notice, Severity
 from sonar_tracking.graph.catalogue.flow_window import own_report_pause
@@ -22,6 +20,7 @@ from sonar_tracking.graph.catalogue.topics import DIAGNOSTICS_TOPIC, Topic
 from sonar_tracking.graph.node_base import parameters, quality_of_service
 from sonar_tracking.graph.node_base.changeable_parameters import ChangeableParameters
 from sonar_tracking.graph.node_base.checkpoint import Checkpoint
+from sonar_tracking.graph.node_base.command_input import CommandInput
 from sonar_tracking.graph.node_base.data_flow import (
     DataInput,
     DataOutput,
@@ -34,6 +33,7 @@ from sonar_tracking.graph.node_base.event_time_join import EventTimeJoin, Interp
 from sonar_tracking.graph.node_base.node_watch import NodeWatch
 from sonar_tracking.graph.node_base.progress_reporter import ProgressReporter
 from sonar_tracking.graph.node_base.stamp_check import StampCheck, Verdict, seconds_text
+from sonar_tracking.records.commands import OperatorCommand
 from sonar_tracking.records.time import NANOSECONDS
 
 ConfigurationType = TypeVar("ConfigurationType")
@@ -74,6 +74,9 @@ class SonarNode(Node):
         self._join = EventTimeJoin()
         self._series_topics: set[str] = set()
         self._checkpoint = Checkpoint(self.state, self.take_state, self.report)
+        self._commands = CommandInput(
+            self, description.commanded_topic, self.progress, self.diagnostics, self.carry_out
+        )
         self.watch = NodeWatch(
             self,
             self.data_inputs,
@@ -122,7 +125,7 @@ class SonarNode(Node):
     def data_publisher(self, topic: Topic) -> DataOutput:
         """Return a publisher that reports progress."""
         depth = self.node_configuration.flow_depth
-        with self._overriding_quality(topic) as overriding:
+        with quality_of_service.overriding(self.get_name(), topic.name) as overriding:
             output = DataOutput(self, topic, depth, self.progress, overriding)
         self.data_outputs.append(output)
         return output
@@ -178,6 +181,13 @@ class SonarNode(Node):
     def substitute(self, rejected: Received) -> None:
         """Publish the one output of an input that could not be used (nothing by default)."""
 
+    def carry_out(self, command: OperatorCommand) -> Iterable[Notice]:
+        """Do what an operator says, before the next datum; raise InputError if it cannot be done.
+
+        A node whose description has no ``commanded_topic`` has nothing to override.
+        """
+        return ()
+
     def warm_up(self) -> None:
         """Do before the first data what takes long at its first use (nothing by default)."""
 
@@ -226,7 +236,7 @@ class SonarNode(Node):
 
     def _subscribe(self, topic: Topic, convert: Convert) -> None:
         configuration = self.node_configuration
-        with self._overriding_quality(topic) as overriding:
+        with quality_of_service.overriding(self.get_name(), topic.name) as overriding:
             source = DataInput(
                 self,
                 topic,
@@ -240,17 +250,6 @@ class SonarNode(Node):
             )
         self.data_inputs.append(source)
         self.diagnostics.add(input_concern(source), source.values)
-
-    @contextmanager
-    def _overriding_quality(self, topic: Topic) -> Iterator[QoSOverridingOptions]:
-        """Let an endpoint be made with the overrides of the user; refuse what ROS cannot use."""
-        try:
-            yield quality_of_service.overridable()
-        except Exception as error:
-            raise ConfigurationError(
-                f"{self.get_name()}: a qos_overrides parameter of {topic.name} cannot be used: "
-                f"{error}"
-            ) from error
 
     def _receive(self, source: DataInput, message: Any) -> None:
         check, usable = source.judge(message)
@@ -295,6 +294,7 @@ class SonarNode(Node):
                 other.guard.expect_new_beginning(begin)
         self.diagnostics.forget()
         self.reset()
+        self._commands.begin_again()
 
     def _run(self, item: JoinedItem) -> None:
         arrived: list[Received] = list(item.items.values())
@@ -315,7 +315,7 @@ class SonarNode(Node):
                 for topic, received in item.items.items()
                 if not received.rejection
             }
-            self._checkpoint.take_up(item.stamp)
+            self._commands.carry_out_due(item.stamp, self._checkpoint.take_up(item.stamp))
             for notice in self.process(item, records) or ():
                 self.report(notice.culprit, notice.culprit, notice.severity, notice.text)
             self._checkpoint.keep(item.stamp)

@@ -44,6 +44,7 @@ RECORDING = "recording"
 
 _KEPT_TYPES = (
     "sonar_tracking_msgs/msg/BearingTracks",
+    "sonar_tracking_msgs/msg/OperatorCommand",
     "sonar_tracking_msgs/msg/Tracks",
     "visualization_msgs/msg/MarkerArray",
 )

@@ -11,7 +11,7 @@ import gc
 import math
 import re
 import time
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from types import TracebackType
 from typing import Any
 
@@ -183,13 +183,20 @@ class ControlNode:
             raw=True,
         )
 
-    def offer(self, topic: Topic, depth: int) -> None:
-        """Become the publisher of a data topic."""
-        name = resolved(topic)
-        self._publishers[name] = self._node.create_publisher(
-            message_class(topic.message_type),
-            name,
-            quality_of_service.publisher_profile(topic.kind, depth),
+    def offer(self, topics: Iterable[Topic], depth: int) -> None:
+        """Become the publisher of data topics."""
+        for topic in topics:
+            name = resolved(topic)
+            self._publishers[name] = self._node.create_publisher(
+                message_class(topic.message_type),
+                name,
+                quality_of_service.publisher_profile(topic.kind, depth),
+            )
+
+    def hear(self, name: str, message_type: str, take: Callable[[Any], None]) -> None:
+        """Hand each message of a topic that is no data of the graph to a callable."""
+        self._node.create_subscription(
+            message_class(message_type), name, take, quality_of_service.DIAGNOSTICS
         )
 
     def publish_clock(self, stamp: int) -> None:

@@ -101,6 +101,10 @@ class FlowLedger:
                 largest = messages
         return largest
 
+    def is_behind(self, topic: str) -> bool:
+        """Return whether a living node has not finished all messages of a topic."""
+        return any(each.topic == topic for each in self.backlogs())
+
     def leave(self, node: str) -> None:
         """Stop counting a node that has died."""
         self._absent.add(node)

@@ -15,6 +15,7 @@ import yaml
 from sonar_tracking.graph.catalogue.flow_window import SHORT_WINDOW, depth_for
 from sonar_tracking.graph.catalogue.flow_window import VARIABLE as WINDOW
 from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
+from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
 from sonar_tracking.graph.catalogue.recorder_parameters import RECORDER
 from sonar_tracking.graph.catalogue.resumption import CHECKPOINT
@@ -103,6 +104,12 @@ class GraphPlan:
             for name, topic in self.topics().items()
             if topic.name in published and topic.name not in own
         }
+
+    def commanded_lists(self) -> dict[str, str]:
+        """Return the track lists that operators can command, with their names in the root."""
+        described = [NODES[node.name] for node in self.nodes if node.name in NODES]
+        topics = [one.commanded_topic for one in described if one.commanded_topic is not None]
+        return {self.naming.of(topic): topic.name for topic in topics}
 
     def producers(self) -> dict[str, str]:
         """Return the node that publishes each topic."""

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator
 
+from sonar_tracking.bags.storage.log_time import head_stamp
 from sonar_tracking.bags.storage.storage_file import BagMessage
 from sonar_tracking.graph.catalogue.run_identity import CONTROL_NODE
+from sonar_tracking.graph.orchestration.command_desk import CommandDesk
 from sonar_tracking.graph.orchestration.control_node import ControlNode
 from sonar_tracking.graph.orchestration.data_source import IDLE_SECONDS
 from sonar_tracking.graph.orchestration.flow_ledger import FlowLedger
@@ -44,6 +46,8 @@ class Player:
         Most messages of a topic between the player and the slowest consumer.
     rate : float
         Data seconds per wall second; infinity = as fast as the graph takes it.
+    desk : CommandDesk
+        Of operators: those of the recording go out through it, too.
     """
 
     def __init__(
@@ -57,6 +61,7 @@ class Player:
         published: Published,
         flow_window: int,
         rate: float,
+        desk: CommandDesk,
     ) -> None:
         self._control = control
         self._ledger = ledger
@@ -67,6 +72,8 @@ class Player:
         self._published = published
         self._flow_window = flow_window
         self._rate = rate
+        self._desk = desk
+        self._newest: int | None = None
         self._clock_period = FULL_SPEED_CLOCK_PERIOD if math.isinf(rate) else CLOCK_PERIOD
         self._counts = dict.fromkeys(inputs | truth, 0)
         self._next: BagMessage | None = None
@@ -84,6 +91,11 @@ class Player:
         return self._exhausted
 
     @property
+    def commanded(self) -> bool:
+        """Whether operators have given commands that the recording does not hold."""
+        return self._desk.given > 0
+
+    @property
     def data_seconds(self) -> float:
         """Data time published so far, s."""
         if self._first is None:
@@ -92,6 +104,8 @@ class Player:
 
     def advance(self, wall: float) -> float:
         """Publish the next message if it is due and the graph can take it."""
+        if self._desk.holds(self._newest, wall):
+            return IDLE_SECONDS
         message = self._next
         if message is None or self._ledger.largest_backlog() >= self._flow_window:
             return IDLE_SECONDS
@@ -126,6 +140,8 @@ class Player:
 
     def _begin_again(self, log_time: int, wall: float) -> None:
         """Take the time of a message for the begin of another pass."""
+        self._desk.begin_again()
+        self._newest = None
         self._earlier_passes += self._last - (self._first or 0)
         self._first = self._last = log_time
         self._anchor = (wall, log_time)
@@ -139,6 +155,11 @@ class Player:
             self._control.publish_clock(self._clock)
 
     def _publish(self, message: BagMessage, wall: float) -> None:
+        if message.topic == self._desk.topic:
+            self._desk.let_out(message.data, wall)
+            return
+        if message.topic in self._inputs:
+            self._newest = max(self._newest or 0, head_stamp(message.data))
         self._counts[message.topic] += 1
         self._ledger.published(CONTROL_NODE, message.topic, self._counts[message.topic])
         self._control.publish(message.topic, message.data)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from sonar_tracking.graph.orchestration.command_desk import CommandDesk
 from sonar_tracking.graph.orchestration.control_node import ControlNode
 from sonar_tracking.graph.orchestration.data_source import IDLE_SECONDS, RESEND_SECONDS
 from sonar_tracking.graph.orchestration.flow_ledger import FlowLedger
@@ -22,12 +23,20 @@ class SimulatedSource:
         Decides.
     start : int
         First instant of the clock, ns.
+    desk : CommandDesk
+        Of operators; the clock stands until all trackers have what they are told.
     """
 
     def __init__(
-        self, control: ControlNode, ledger: FlowLedger, master: TimeMaster, start: int
+        self,
+        control: ControlNode,
+        ledger: FlowLedger,
+        master: TimeMaster,
+        start: int,
+        desk: CommandDesk,
     ) -> None:
         self._control = control
+        self._desk = desk
         self._ledger = ledger
         self._master = master
         self._start = start
@@ -47,6 +56,8 @@ class SimulatedSource:
 
     def advance(self, wall: float) -> float:
         """Move the clock if it may move."""
+        if self._desk.holds(self._master.clock, wall):
+            return IDLE_SECONDS
         served = self._control.served
         tick = self._master.next_tick(wall, served, self._ledger.largest_backlog())
         clock = self._master.clock

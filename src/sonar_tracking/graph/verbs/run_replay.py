@@ -34,6 +34,7 @@ from sonar_tracking.graph.catalogue.planned_node import PlannedNode
 from sonar_tracking.graph.catalogue.scenario_graph import NO_TOPIC, planned_nodes
 from sonar_tracking.graph.catalogue.topics import (
     BEARING_TRACKS,
+    COMMANDS,
     SAMPLES,
     SNAPSHOTS,
     TRUE_BEARING_TRACKS,
@@ -106,7 +107,9 @@ def replay_bag(
     if options.record is not None:
         display.say(recording_hint(options.record, plan.topics(), observer.records))
     report = orchestration.report(source.data_seconds, observer)
-    same_parameters = parameters is None and bool(_processing(_recorded_parameters(bag)))
+    same_parameters = (
+        not source.commanded and parameters is None and bool(_processing(_recorded_parameters(bag)))
+    )
     return _compared(report, comparison, same_parameters) if source.finished else report
 
 
@@ -122,6 +125,7 @@ def _play(
     orchestration.start_processes()
     os.environ.update(plan.transport.large_publishers)
     # rclpy takes a second to load: meanwhile the nodes do the same.
+    from sonar_tracking.graph.orchestration.command_channel import open_desk
     from sonar_tracking.graph.orchestration.control_node import ControlNode
     from sonar_tracking.graph.orchestration.player import Player
     from sonar_tracking.graph.orchestration.run_observer import RunObserver
@@ -136,9 +140,9 @@ def _play(
         with ControlNode(
             orchestration.ledger, orchestration.edges, observer, names, run=plan.run
         ) as control:
-            for topic in plan.offered:
-                control.offer(topic, 2 * plan.flow_window + 2)
+            control.offer(plan.offered, 2 * plan.flow_window + 2)
             control.observe(plan.observed().values())
+            desk = open_desk(plan, control, orchestration.ledger, observer)
             source = Player(
                 control,
                 orchestration.ledger,
@@ -149,6 +153,7 @@ def _play(
                 observer.replayed,
                 plan.flow_window,
                 options.rate,
+                desk,
             )
             orchestration.run(control, source)
     finally:
@@ -272,6 +277,9 @@ def _offered(bag: Bag, nodes: tuple[PlannedNode, ...]) -> tuple[Topic, ...]:
         and (name in wanted or (topic.role == "input" and name not in computed))
     )
     optional = {resolved(topic) for node in nodes for topic in NODES[node.name].optional_inputs}
+    if commands := wanted & {resolved(COMMANDS)}:
+        # New ones may be given, whether the recording holds any or not.
+        offered = (*(topic for topic in offered if resolved(topic) not in commands), COMMANDS)
     missing = sorted(wanted - optional - {resolved(topic) for topic in offered})
     if missing:
         there = ", ".join(

@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from sonar_tracking.bags.storage.recording_information import RecordingInformation
 from sonar_tracking.configuration import describe, from_mapping
@@ -32,8 +33,9 @@ from sonar_tracking.graph.catalogue.scenario_graph import (
     started_nodes,
     with_published_topics,
 )
-from sonar_tracking.graph.catalogue.topics import Topic
+from sonar_tracking.graph.catalogue.topics import COMMANDS, Topic
 from sonar_tracking.graph.catalogue.transport_profile import choose_transport
+from sonar_tracking.graph.orchestration.flow_ledger import FlowLedger
 from sonar_tracking.graph.orchestration.graph_plan import GraphPlan
 from sonar_tracking.graph.orchestration.orchestration import Orchestration
 from sonar_tracking.graph.orchestration.run_report import RunReport
@@ -49,6 +51,11 @@ from sonar_tracking.simulation.scenarios.scenario_mapping import (
     scenario_to_mapping,
     scenario_to_yaml,
 )
+
+if TYPE_CHECKING:
+    from sonar_tracking.graph.orchestration.control_node import ControlNode
+    from sonar_tracking.graph.orchestration.run_observer import RunObserver
+    from sonar_tracking.graph.orchestration.simulated_source import SimulatedSource
 
 _CLOCK_HINT = (
     "the time of this run is {0}: another node with use_sim_time takes it with "
@@ -99,7 +106,6 @@ def run_scenario(
     # rclpy takes a second to load: meanwhile the nodes do the same.
     from sonar_tracking.graph.orchestration.control_node import ControlNode
     from sonar_tracking.graph.orchestration.run_observer import RunObserver
-    from sonar_tracking.graph.orchestration.simulated_source import SimulatedSource
 
     observer = RunObserver(plan.topics(), display, options.cutoff_m, naming=names)
     try:
@@ -107,9 +113,8 @@ def run_scenario(
         known = (plan.names(), plan.sources, names, plan.run)
         with ControlNode(ledger, edges, observer, *known) as control:
             control.observe(plan.observed().values())
-            master = _time_master(scenario, plan, options.rate)
-            start = scenario.stamp(scenario.start)
-            source = SimulatedSource(control, ledger, master, start)
+            control.offer(plan.offered, 2 * plan.flow_window)
+            source = _source(scenario, plan, options.rate, control, ledger, observer)
             orchestration.run(control, source)
     finally:
         orchestration.stop_processes()
@@ -168,19 +173,26 @@ def plan_scenario(
     planned = planned_nodes(descriptions, settings, scenario.namespaces)
     names.check(_topics_of(planned))
     nodes = names.planned(node for node in planned if not NODES[node.name].is_display)
+    commands = (COMMANDS,) if any(NODES[node.name].commanded_topic for node in planned) else ()
+    offered = names.topics(commands)
     if options.record is not None:
-        topics = {topic.name: topic for node in nodes for topic in node.publishers}.values()
+        topics = {topic.name: topic for node in nodes for topic in node.publishers}
+        topics |= {topic.name: topic for topic in offered}
         shown = shown_topics(descriptions) if options.display_topics else ()
-        noted = names.noted([*(topic for node in planned for topic in node.publishers), *shown])
+        published = (topic for node in planned for topic in node.publishers)
+        noted = names.noted([*published, *commands, *shown])
         for name in sources:
             settings[name] = {**settings[name], "scenario": scenario.name}
         known = RecordingInformation(scenario_to_mapping(scenario), settings, topic_names=noted)
         shown = names.topics(shown)
-        nodes += (planned_recorder(options.record, topics, shown, known, names, log_directory),)
+        nodes += (
+            planned_recorder(options.record, topics.values(), shown, known, names, log_directory),
+        )
     largest = _largest_message_bytes(scenario, settings)
     return GraphPlan(
         scenario=scenario.name,
         nodes=nodes,
+        offered=offered,
         sources=sources,
         transport=choose_transport(largest, n_publishers=2),
         displays=names.planned(planned_displays(planned, options.record is not None)),
@@ -221,14 +233,27 @@ def _check_source_count(scenario: Scenario, settings: NodeSettings, where: str) 
         )
 
 
-def _time_master(scenario: Scenario, plan: GraphPlan, rate: float) -> TimeMaster:
-    return TimeMaster(
+def _source(
+    scenario: Scenario,
+    plan: GraphPlan,
+    rate: float,
+    control: ControlNode,
+    ledger: FlowLedger,
+    observer: RunObserver,
+) -> SimulatedSource:
+    """Return what moves the clock, and gives the commands of operators their stamps."""
+    from sonar_tracking.graph.orchestration.command_channel import open_desk
+    from sonar_tracking.graph.orchestration.simulated_source import SimulatedSource
+
+    master = TimeMaster(
         start=scenario.stamp(scenario.start),
         end=scenario.stamp(scenario.end),
         step=round(scenario.step * NANOSECONDS),
         flow_window=plan.flow_window,
         rate=rate,
     )
+    desk = open_desk(plan, control, ledger, observer)
+    return SimulatedSource(control, ledger, master, scenario.stamp(scenario.start), desk)
 
 
 def _largest_message_bytes(scenario: Scenario, settings: NodeSettings) -> int:
