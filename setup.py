@@ -31,6 +31,7 @@ NODES = (
     "hpda_tracker",
     "track_fusion",
     "scene_publisher",
+    "operator_display",
     "recorder",
 )
 
@@ -86,6 +87,7 @@ def requirements_of_pip() -> dict[str, Any]:
         "typer>=0.13,<1",
     ]
     plot = ["matplotlib>=3.6,<4"]
+    page = ["tornado>=6.2,<7", "uplot-python>=1.1,<2"]
     studies = [*plot, "dask>=2024.1", "distributed>=2024.1"]
     return {
         "install_requires": run,
@@ -93,7 +95,8 @@ def requirements_of_pip() -> dict[str, Any]:
             # On a machine without ROS 2: rclpy and all messages as wheels (Linux on x86-64).
             "ros": [f"sonar-tracking-msgs=={VERSION}"],
             "plot": plot,
-            "display": plot,
+            "page": page,
+            "display": [*plot, *page],
             "studies": studies,
             "test": [*studies, *pinned("test.txt")],
             "docs": pinned("docs.txt"),
@@ -118,7 +121,7 @@ setup(
     python_requires=">=3.10,<3.14",
     package_dir={"": "src"},
     packages=find_packages("src"),
-    package_data={PACKAGE: ["py.typed"]},
+    package_data={PACKAGE: ["py.typed", "display/page/static/*", "display/page/static/views/*"]},
     ext_modules=compiled,
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),

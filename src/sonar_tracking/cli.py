@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from math import inf
 from pathlib import Path
+from types import ModuleType
 from typing import Annotated
 
 import sonar_tracking
@@ -23,18 +24,23 @@ from sonar_tracking.cli_loading import load as _load
 from sonar_tracking.cli_loading import needs as _needs
 from sonar_tracking.cli_options import (
     CutoffOption,
+    DisplayOption,
     FarLimitOption,
     FaultsOption,
     GraphNamespaceOption,
     GraphRemapOption,
     JsonOption,
     NamespaceOption,
+    NoBrowserOption,
     NoDisplayOption,
     NoDisplayTopicsOption,
+    PageAddressOption,
+    PagePortOption,
     RateOption,
     RecordOption,
     RemapOption,
 )
+from sonar_tracking.cli_show import show
 from sonar_tracking.cli_smooth import smooth
 
 REFUSED = 2
@@ -75,18 +81,22 @@ def run(
     ] = None,
     remap: GraphRemapOption = None,
     namespace: GraphNamespaceOption = "",
+    display: DisplayOption = None,
     no_display: NoDisplayOption = False,
+    no_browser: NoBrowserOption = False,
+    page_port: PagePortOption = 8080,
+    page_address: PageAddressOption = "127.0.0.1",
     json: JsonOption = None,
     cutoff: CutoffOption = CUTOFF_M,
     no_display_topics: NoDisplayTopicsOption = False,
 ) -> None:
     """Run a scenario through the live graph: every node a process of its own."""
-    module = _load("sonar_tracking.graph.verbs.run_command")
+    module, choice = _displayed(display, no_display, no_browser, page_port, page_address)
     names = _load("sonar_tracking.graph.catalogue.graph_names").graph_names(remap or (), namespace)
     raise typer.Exit(
         module.run(
             *(scenario, duration, rate, record, parameters),
-            *(not no_display, json, cutoff, not no_display_topics, names),
+            *(choice, json, cutoff, not no_display_topics, names),
         )
     )
 
@@ -114,20 +124,24 @@ def replay(
     loop: Annotated[
         bool, typer.Option("--loop", help="Begin again at the end, until Ctrl-C.")
     ] = False,
+    display: DisplayOption = None,
     no_display: NoDisplayOption = False,
+    no_browser: NoBrowserOption = False,
+    page_port: PagePortOption = 8080,
+    page_address: PageAddressOption = "127.0.0.1",
     json: JsonOption = None,
     cutoff: CutoffOption = CUTOFF_M,
     no_display_topics: NoDisplayTopicsOption = False,
 ) -> None:
     """Replay a recording through the live graph and compare with what was recorded."""
-    module = _load("sonar_tracking.graph.verbs.run_command")
+    module, choice = _displayed(display, no_display, no_browser, page_port, page_address)
     selected = _load("sonar_tracking.graph.verbs.replay_selection").Selection(
         _names(remap, namespace), start_offset, inf if duration is None else duration, loop
     )
     raise typer.Exit(
         module.replay(
             *(bag, rate, record, parameters, repair, selected),
-            *(not no_display, json, cutoff, not no_display_topics),
+            *(choice, json, cutoff, not no_display_topics),
         )
     )
 
@@ -255,6 +269,7 @@ def score(
 
 
 app.command()(smooth)
+app.command()(show)
 
 
 @app.command()
@@ -289,6 +304,12 @@ def doctor() -> None:
     The exit code is 0 if a graph can run here, else 1. ROS need not be installed.
     """
     raise typer.Exit(_needs("sonar_tracking.graph.verbs.doctor").examine())
+
+
+def _displayed(*options: object) -> tuple[ModuleType, object]:
+    """Return the module of ``run`` and ``replay``, and where they show what happens."""
+    choice = _load("sonar_tracking.graph.verbs.display_choice").display_choice(*options)
+    return _load("sonar_tracking.graph.verbs.run_command"), choice
 
 
 def _names(remap: list[str] | None, namespace: str) -> object:

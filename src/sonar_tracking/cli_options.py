@@ -36,8 +36,20 @@ GraphRemapOption = Annotated[
 GraphNamespaceOption = Annotated[
     str, typer.Option(help="Run the nodes, their topics and their clock below this namespace.")
 ]
-NoDisplayOption = Annotated[
-    bool, typer.Option("--no-display", help="Lines of text instead of the live table.")
+DisplayOption = Annotated[
+    str | None,
+    typer.Option(
+        help="terminal: the live table; page: that, and the live page in a browser; none: lines of "
+        "text. Default: page in a terminal, none elsewhere."
+    ),
+]
+NoDisplayOption = Annotated[bool, typer.Option("--no-display", help="The same as --display none.")]
+NoBrowserOption = Annotated[
+    bool, typer.Option("--no-browser", help="Serve the page, but do not open it.")
+]
+PagePortOption = Annotated[int, typer.Option(help="Port of the page; if taken, the next free one.")]
+PageAddressOption = Annotated[
+    str, typer.Option(help="Address of the page; 0.0.0.0 lets other machines look, too.")
 ]
 NoDisplayTopicsOption = Annotated[
     bool, typer.Option("--no-display-topics", help="Without pictures for RViz and Foxglove.")

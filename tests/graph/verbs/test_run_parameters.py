@@ -12,6 +12,7 @@ from sonar_tracking.evaluation.metrics.cutoff import CUTOFF_M
 pytest.importorskip("rclpy")
 
 from sonar_tracking.graph.verbs import run_command
+from sonar_tracking.graph.verbs.display_choice import DisplayChoice
 
 
 @pytest.mark.parametrize(
@@ -30,5 +31,5 @@ def test_what_a_file_says_is_checked_together_with_the_scenario(
     mine = tmp_path / "mine.yaml"
     mine.write_text(text)
     with pytest.raises(ConfigurationError) as caught:
-        run_command.run("active", 10.0, "1", None, mine, False, None, CUTOFF_M, True)
+        run_command.run("active", 10.0, "1", None, mine, DisplayChoice(), None, CUTOFF_M, True)
     assert sentence in str(caught.value)

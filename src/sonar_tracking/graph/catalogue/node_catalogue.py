@@ -7,7 +7,7 @@ alone: it starts without the parameters of the others.
 from __future__ import annotations
 
 from sonar_tracking.graph.catalogue.active_nodes import HPDA_TRACKER
-from sonar_tracking.graph.catalogue.display_nodes import SCENE_PUBLISHER
+from sonar_tracking.graph.catalogue.display_nodes import OPERATOR_DISPLAY, SCENE_PUBLISHER
 from sonar_tracking.graph.catalogue.fusion_nodes import TRACK_FUSION
 from sonar_tracking.graph.catalogue.passive_nodes import (
     BAND_DEMODULATOR,
@@ -31,6 +31,7 @@ NODES = {
         HPDA_TRACKER,
         TRACK_FUSION,
         SCENE_PUBLISHER,
+        OPERATOR_DISPLAY,
     )
 }
 """Every node by its name, sources first, in the order data flow."""

@@ -37,7 +37,7 @@ def started_nodes(scenario: Scenario, where: str) -> tuple[NodeDescription, ...]
         if node.section:
             wanted = node.section in scenario.simulated
         elif node.is_display:
-            wanted = bool(_heard(node) & available)
+            wanted = not node.on_request and bool(_heard(node) & available)
         else:
             asked = not node.on_request or node.name in scenario.nodes
             wanted = asked and not _missing(node, available, published)

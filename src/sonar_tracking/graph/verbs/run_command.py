@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from rich.console import Console
 
@@ -19,6 +20,7 @@ from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
 from sonar_tracking.graph.orchestration.domain_lock import domain_lock
 from sonar_tracking.graph.orchestration.orphaned_shared_memory import remove_orphaned
 from sonar_tracking.graph.orchestration.run_report import RunReport
+from sonar_tracking.graph.verbs.display_choice import NONE, DisplayChoice
 from sonar_tracking.graph.verbs.machine_state import MESSAGE_PACKAGE, TRANSFORM_PACKAGE
 from sonar_tracking.graph.verbs.run_options import RunOptions, make_log_directory, rate_from_text
 from sonar_tracking.stop_signals import interruptible, stop_code
@@ -29,13 +31,20 @@ if TYPE_CHECKING:
 Work = Callable[[RunDisplay, Path], RunReport]
 
 
+class Shown(NamedTuple):
+    """What is shown: whether the live table is, where there is a terminal; what is said first."""
+
+    table: bool
+    said: tuple[str, ...]
+
+
 def run(
     scenario: str,
     duration: float | None,
     rate: str,
     record: Path | None,
     parameters: Path | None,
-    display: bool,
+    display: DisplayChoice,
     json: Path | None,
     cutoff_m: float,
     display_topics: bool,
@@ -50,10 +59,12 @@ def run(
     """
     options = RunOptions(rate_from_text(rate), record, json, cutoff_m, display_topics)
     options.check()
+    page, said = display.page()
+    options = replace(options, page=page)
     from sonar_tracking.graph.verbs.run_scenario import run_scenario
 
     return _shown(
-        display,
+        Shown(display.kind != NONE, said),
         json,
         lambda screen, log: run_scenario(
             scenario, duration, parameters, names, options, screen, log
@@ -69,7 +80,7 @@ def replay(
     parameters: Path | None,
     repair: bool,
     selection: Selection,
-    display: bool,
+    display: DisplayChoice,
     json: Path | None,
     cutoff_m: float,
     display_topics: bool,
@@ -83,35 +94,38 @@ def replay(
     """
     options = RunOptions(rate_from_text(rate), record, json, cutoff_m, display_topics)
     options.check()
+    page, said = display.page()
+    options = replace(options, page=page)
     from sonar_tracking.graph.verbs.run_replay import replay_bag
 
     return _shown(
-        display,
+        Shown(display.kind != NONE, said),
         json,
         lambda screen, log: replay_bag(bag, parameters, repair, selection, options, screen, log),
     )
 
 
-def _shown(display: bool, json: Path | None, work: Work, namespace: str = "") -> int:
+def _shown(shown: Shown, json: Path | None, work: Work, namespace: str = "") -> int:
     for package in ("rclpy", MESSAGE_PACKAGE, TRANSFORM_PACKAGE):
         # Told before any process is started, which could only fail for the same reason.
         if find_spec(package) is None:
             raise ModuleNotFoundError(package, name=package)
     interruptible()
-    return _reported(display, json, work, namespace)
+    return _reported(shown, json, work, namespace)
 
 
-def _reported(display: bool, json: Path | None, work: Work, namespace: str) -> int:
+def _reported(shown: Shown, json: Path | None, work: Work, namespace: str) -> int:
     """Do the work, print its report, return the exit code."""
     console = Console()
     log_directory = make_log_directory()
-    live = display and console.is_terminal
+    live = shown.table and console.is_terminal
     try:
         screens = LiveDisplay(console) if live else LineDisplay(console)
         check_discovery_server()
         os.environ.update(default_range())
         with domain_lock(namespace=namespace), screens as screen:
-            screen.say(range_in_words())
+            for sentence in (*shown.said, range_in_words()):
+                screen.say(sentence)
             remove_orphaned()
             report = work(screen, log_directory)
     except ConfigurationError:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.graph.catalogue.page_plan import PageOptions
 from sonar_tracking.evaluation.metrics.cutoff import CUTOFF_M, check_cutoff
 
 
@@ -29,6 +30,8 @@ class RunOptions:
         Distance from which on the score takes a position track for none of a target, m.
     display_topics : bool
         Start what shows the data to RViz and Foxglove, and record what is shown.
+    page : PageOptions or None
+        Of the live page; None = there is none.
     """
 
     rate: float = 1.0
@@ -36,6 +39,7 @@ class RunOptions:
     json: Path | None = None
     cutoff_m: float = CUTOFF_M
     display_topics: bool = True
+    page: PageOptions | None = None
 
     def check(self) -> None:
         """Refuse what could only fail at the end of the run.

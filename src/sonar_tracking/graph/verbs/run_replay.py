@@ -30,6 +30,7 @@ from sonar_tracking.graph.catalogue.node_settings import (
     resolved_settings,
     with_room_for_bursts,
 )
+from sonar_tracking.graph.catalogue.page_plan import planned_page
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
 from sonar_tracking.graph.catalogue.scenario_graph import NO_TOPIC, planned_nodes
 from sonar_tracking.graph.catalogue.topics import (
@@ -187,12 +188,16 @@ def plan_replay(
             planned_recorder(options.record, topics, shown, information, ROOT_NAMES, log_directory),
         )
     largest = _largest_input_bytes(bag, offered)
+    played = [*offered, *(topic for node in nodes for topic in node.publishers)]
     return GraphPlan(
         scenario=str(scenario.get("name") or bag.path.name),
         nodes=nodes,
         offered=offered,
         transport=choose_transport(largest, n_publishers=2),
-        displays=planned_displays(planned, options.record is not None),
+        displays=(
+            *planned_displays(planned, options.record is not None),
+            *planned_page(options.page, played, settings, str(scenario.get("name") or "")),
+        ),
         flow_window=flow_window(options.rate, largest),
     )
 

@@ -26,6 +26,7 @@ from sonar_tracking.graph.catalogue.node_settings import (
     resolved_settings,
     with_room_for_bursts,
 )
+from sonar_tracking.graph.catalogue.page_plan import planned_page
 from sonar_tracking.graph.catalogue.passive_nodes import SUBSPACE_ESTIMATOR
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
 from sonar_tracking.graph.catalogue.scenario_graph import (
@@ -195,10 +196,17 @@ def plan_scenario(
         offered=offered,
         sources=sources,
         transport=choose_transport(largest, n_publishers=2),
-        displays=names.planned(planned_displays(planned, options.record is not None)),
+        displays=(
+            *names.planned(planned_displays(planned, options.record is not None)),
+            *planned_page(options.page, _published(nodes), given, scenario.name),
+        ),
         naming=names,
         flow_window=flow_window(options.rate, largest),
     )
+
+
+def _published(nodes: Iterable[PlannedNode]) -> list[Topic]:
+    return [topic for node in nodes for topic in node.publishers]
 
 
 def _topics_of(nodes: Iterable[PlannedNode]) -> list[Topic]:

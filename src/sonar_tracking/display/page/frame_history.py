@@ -1,0 +1,66 @@
+"""What a page that is opened late is sent: the newest of every kind at once, then the past."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Iterator
+
+from sonar_tracking.display.page.page_frames import Frame
+
+LARGEST = 192 * 1024 * 1024
+"""Bytes kept, whatever the time."""
+
+BACKWARDS = 5.0
+"""Data times of a stream that go back by more than this begin anew, s."""
+
+STEADY = frozenset({"sources", "health", "command_result"})
+"""Kinds that are no part of the past."""
+
+
+class FrameHistory:
+    """Frames of a bounded time, within bounded memory.
+
+    Parameters
+    ----------
+    seconds : float
+        Data time kept.
+    """
+
+    def __init__(self, seconds: float) -> None:
+        self._seconds = seconds
+        self._frames: deque[Frame] = deque()
+        self._bytes = 0
+        self._newest = -math.inf
+        self.latest: dict[str, Frame] = {}
+
+    def __len__(self) -> int:
+        """Return the number of frames kept."""
+        return len(self._frames)
+
+    def __iter__(self) -> Iterator[Frame]:
+        """Iterate over the past, as it came."""
+        return iter(tuple(self._frames))
+
+    def begins_anew(self, frame: Frame) -> bool:
+        """Return whether a frame says that the clock of the data has gone back."""
+        before = self.latest.get(frame.stream)
+        return before is not None and frame.time < before.time - BACKWARDS
+
+    def add(self, frame: Frame) -> None:
+        """Keep a frame, and forget what is older than the time kept."""
+        self.latest[frame.stream] = frame
+        if frame.kind in STEADY or not math.isfinite(frame.time):
+            return
+        self._newest = max(self._newest, frame.time)
+        self._frames.append(frame)
+        self._bytes += len(frame.data)
+        oldest = self._newest - self._seconds
+        while self._bytes > LARGEST or (self._frames and self._frames[0].time < oldest):
+            self._bytes -= len(self._frames.popleft().data)
+
+    def clear(self) -> None:
+        """Forget everything: the data begin anew."""
+        self._frames.clear()
+        self.latest = {name: frame for name, frame in self.latest.items() if frame.kind in STEADY}
+        self._bytes, self._newest = 0, -math.inf

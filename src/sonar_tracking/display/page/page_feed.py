@@ -1,0 +1,155 @@
+"""From messages to frames: what the live page is fed with.
+
+Messages come in any order of topics, each topic in order of time. One that cannot be read is
+counted and named; nothing a message holds stops the feed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
+
+from sonar_tracking.display.page.contact_frames import ContactFrames, threshold_frame
+from sonar_tracking.display.page.frame_history import FrameHistory
+from sonar_tracking.display.page.health_frames import Health
+from sonar_tracking.display.page.own_ship_log import OwnShipLog
+from sonar_tracking.display.page.page_configuration import PageConfiguration
+from sonar_tracking.display.page.page_frames import Frame, text_frame
+from sonar_tracking.display.page.track_frames import (
+    StationPlaces,
+    alignment_frame,
+    bearings_frame,
+    lines_frame,
+    own_ship_frame,
+    tracks_frame,
+)
+from sonar_tracking.errors import InputError
+from sonar_tracking.message_reading.alignment_reading import alignments_from_message
+from sonar_tracking.message_reading.array_reading import directions_from_message
+from sonar_tracking.message_reading.contact_reading import (
+    contacts_from_message,
+    thresholds_from_message,
+)
+from sonar_tracking.message_reading.field_reading import type_name
+from sonar_tracking.message_reading.line_reading import frequency_lines_from_message
+from sonar_tracking.message_reading.own_ship_reading import OwnShipReader
+from sonar_tracking.message_reading.position_reading import position_tracks_from_message
+
+
+class PageFeed:
+    """Makes frames of messages, and keeps those of the past.
+
+    Parameters
+    ----------
+    configuration : PageConfiguration
+        Parameters of the page.
+    send : callable
+        Takes each new frame.
+    """
+
+    def __init__(self, configuration: PageConfiguration, send: Callable[[Frame], None]) -> None:
+        self._configuration = configuration
+        self._send = send
+        self._sources: dict[str, str] = {}
+        self.health = Health()
+        self.history = FrameHistory(60.0 * configuration.history_minutes)
+        self._begin()
+        self._takers: dict[str, Callable[[str, Any], Iterable[Frame]]] = {
+            "Odometry": self._own_ship,
+            "Tracks": self._tracks,
+            "BearingTracks": self._bearings,
+            "FrequencyLines": self._lines,
+            "Contacts": self._contacts,
+            "DetectionThreshold": self._thresholds,
+            "ArrayAlignments": self._alignments,
+            "DiagnosticArray": self._diagnostics,
+        }
+
+    def _begin(self) -> None:
+        """Begin with the data: nothing is known yet."""
+        configuration = self._configuration
+        self._read_own_ship = OwnShipReader()
+        self._log = OwnShipLog()
+        self._places = StationPlaces(configuration, self._log)
+        self._pings = ContactFrames(configuration, self._log)
+
+    def take(self, topic: str, message: Any, size: int = 0) -> None:
+        """Take a message, and send the frames it makes.
+
+        Parameters
+        ----------
+        topic : str
+            Full name.
+        message : message
+            Received, or decoded from a bag.
+        size : int
+            Of the message as it was received, bytes.
+        """
+        kind = type_name(message) or type(message).__name__
+        taker = self._takers.get(kind)
+        if taker is None:
+            return
+        if topic not in self._sources:
+            self._sources[topic] = kind
+            self.emit(text_frame("sources", math.nan, sources=dict(self._sources)))
+        try:
+            frames = list(taker(topic, message))
+        except (InputError, ValueError, OverflowError) as error:
+            self.health.rejected(topic, str(error))
+            return
+        for frame in frames:
+            self.health.heard(topic, frame.time)
+            if self.history.begins_anew(frame):
+                self.begin_anew(frame.time)
+            self.emit(frame)
+
+    def begin_anew(self, time: float) -> None:
+        """Forget the past: the clock of the data has gone back to a time, s."""
+        self.history.clear()
+        self._begin()
+        self.health.clock_went_back()
+        self.emit(text_frame("begin", time))
+
+    def emit(self, frame: Frame) -> None:
+        """Keep a frame, and send it."""
+        self.history.add(frame)
+        self._send(frame)
+
+    def report_health(self) -> None:
+        """Send the state of the graph as it is now."""
+        self.emit(self.health.frame())
+
+    def past(self) -> list[Frame]:
+        """Return what a new page is sent after the greeting: the newest picture, then the past."""
+        begin, end = text_frame("history", math.nan), text_frame("live", math.nan)
+        return [*self.history.latest.values(), begin, *self.history, end]
+
+    def _own_ship(self, topic: str, message: Any) -> Iterator[Frame]:
+        state = self._read_own_ship(message)
+        self._log.add(state)
+        yield own_ship_frame(state)
+
+    def _tracks(self, topic: str, message: Any) -> Iterator[Frame]:
+        yield tracks_frame(topic, position_tracks_from_message(message))
+
+    def _bearings(self, topic: str, message: Any) -> Iterator[Frame]:
+        tracks = directions_from_message(message)
+        yield bearings_frame(topic, tracks, self._places.view(tracks.sensor, tracks.stamp))
+
+    def _lines(self, topic: str, message: Any) -> Iterator[Frame]:
+        yield lines_frame(topic, frequency_lines_from_message(message))
+
+    def _contacts(self, topic: str, message: Any) -> Iterator[Frame]:
+        yield self._pings.frame(topic, contacts_from_message(message))
+
+    def _thresholds(self, topic: str, message: Any) -> Iterator[Frame]:
+        yield threshold_frame(topic, thresholds_from_message(message))
+
+    def _alignments(self, topic: str, message: Any) -> Iterator[Frame]:
+        yield alignment_frame(topic, alignments_from_message(message))
+
+    def _diagnostics(self, topic: str, message: Any) -> Iterator[Frame]:
+        self.health.diagnosed(message)
+        return
+        yield

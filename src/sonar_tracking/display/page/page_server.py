@@ -1,0 +1,192 @@
+"""The live page as a web server, in a thread of its own.
+
+It serves its files, those of the curves from the wheel ``uplot-python``, and one socket a browser;
+nothing is loaded from elsewhere. The feed belongs to its thread: others call :meth:`PageServer.do`.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Callable, Mapping
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from tornado.httpserver import HTTPServer
+from tornado.ioloop import IOLoop, PeriodicCallback
+from tornado.web import Application, RequestHandler, StaticFileHandler
+
+from sonar_tracking.display.page.page_address import is_loopback, listening_socket, page_address
+from sonar_tracking.display.page.page_client import PageClient
+from sonar_tracking.display.page.page_configuration import PageConfiguration
+from sonar_tracking.display.page.page_feed import PageFeed
+from sonar_tracking.display.page.page_frames import Frame
+
+STATIC = Path(__file__).parent / "static"
+
+LONGEST_MESSAGE = 16 * 1024
+"""Of what a browser may say, bytes."""
+
+HEALTH_PERIOD = 1.0
+"""Between two reports of the state of the graph, s."""
+
+PING_PERIOD = 20.0
+
+_OWN_NAMES = {"localhost", "127.0.0.1", "[::1]"}
+_POLICY = (
+    "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; "
+    "connect-src 'self' ws: wss:; frame-ancestors 'none'"
+)
+
+Command = Callable[[Mapping[str, Any]], tuple[bool, str]]
+"""Takes the fields of a command; returns whether it was taken, and a sentence."""
+
+
+class PageServer:
+    """Serves one feed to any number of browsers.
+
+    Parameters
+    ----------
+    configuration : PageConfiguration
+        Parameters of the page.
+    token : str
+        What commands need.
+    command : callable, optional
+        Does what a browser commands; None = nothing is commanded here.
+    recording : mapping, optional
+        Of a recording: its first and last data time ``t0`` and ``t1``, s.
+
+    Attributes
+    ----------
+    feed : PageFeed
+        What is shown.
+    clients : set of PageClient
+        The browsers.
+    refused : int
+        Commands that were not taken.
+    """
+
+    def __init__(
+        self,
+        configuration: PageConfiguration,
+        token: str,
+        command: Command | None = None,
+        recording: Mapping[str, float] | None = None,
+    ) -> None:
+        self.feed = PageFeed(configuration, self._send)
+        self.clients: set[PageClient] = set()
+        self.token = token
+        self.title = configuration.title
+        self.recording = recording
+        self.remote_commands = configuration.remote_commands
+        self.refused = 0
+        self._command = command
+        self._configuration = configuration
+        self._socket = listening_socket(configuration.address, configuration.port)
+        self.port: int = self._socket.getsockname()[1]
+        self._loop: IOLoop | None = None
+        self._thread = threading.Thread(target=self._run, name="page", daemon=True)
+        self._ready = threading.Event()
+
+    @property
+    def address(self) -> str:
+        """What to type into a browser on this machine."""
+        token = self.token if self.takes_commands else ""
+        return page_address(self._configuration.address, self.port, token)
+
+    @property
+    def takes_commands(self) -> bool:
+        """Whether there is anything to command."""
+        return self._command is not None
+
+    def start(self) -> None:
+        """Begin to serve."""
+        self._thread.start()
+        self._ready.wait()
+
+    def stop(self) -> None:
+        """Serve no longer."""
+        if self._loop is not None:
+            self._loop.add_callback(self._loop.stop)
+            self._thread.join(2.0)
+
+    def do(self, work: Callable[..., None], *arguments: Any) -> None:
+        """Let the thread of the server call something; from any thread."""
+        if self._loop is not None:
+            self._loop.add_callback(work, *arguments)
+
+    def command(self, fields: Mapping[str, Any]) -> tuple[bool, str]:
+        """Do what a browser commands; return whether it was done, and a sentence."""
+        if self._command is None:
+            return False, "nothing here takes commands."
+        return self._command(fields)
+
+    def select(self, fields: Mapping[str, Any]) -> None:
+        """Take what a browser has selected."""
+
+    def check_host(self, handler: RequestHandler) -> None:
+        """Refuse a request by a name that is not this machine's: a page elsewhere has made it."""
+        name = handler.request.host.rpartition(":")[0] or handler.request.host
+        local = is_loopback(self._configuration.address)
+        if local and name not in _OWN_NAMES and not is_loopback(name):
+            handler.set_status(403)
+            handler.finish("This page is for localhost.")
+
+    def _send(self, frame: Frame) -> None:
+        for client in tuple(self.clients):
+            client.send(frame)
+
+    def _run(self) -> None:
+        asyncio.set_event_loop(asyncio.new_event_loop())
+        self._loop = IOLoop.current()
+        server = HTTPServer(self._application(), xheaders=False)
+        server.add_socket(self._socket)
+        PeriodicCallback(self.feed.report_health, 1000.0 * HEALTH_PERIOD).start()
+        self._loop.add_callback(self._ready.set)
+        self._loop.start()
+
+    def _application(self) -> Application:
+        known = {"server": self}
+        return Application(
+            [
+                (r"/socket", PageClient, known),
+                (r"/uplot/(.*)", _File, {"path": str(_uplot_files()), **known}),
+                (
+                    r"/(.*)",
+                    _File,
+                    {"path": str(STATIC), "default_filename": "index.html", **known},
+                ),
+            ],
+            websocket_max_message_size=LONGEST_MESSAGE,
+            websocket_ping_interval=PING_PERIOD,
+            log_function=lambda handler: None,
+        )
+
+
+class _File(StaticFileHandler):
+    """A file of the page."""
+
+    def initialize(
+        self, path: str, default_filename: str | None = None, server: PageServer | None = None
+    ) -> None:
+        super().initialize(path, default_filename)
+        self._server = server
+
+    def prepare(self) -> None:
+        if self._server is not None:
+            self._server.check_host(self)
+
+    def set_extra_headers(self, path: str) -> None:
+        self.set_header("Cache-Control", "no-cache")
+        self.set_header("Content-Security-Policy", _POLICY)
+        self.set_header("X-Content-Type-Options", "nosniff")
+        self.set_header("Referrer-Policy", "no-referrer")
+
+
+def _uplot_files() -> Path:
+    """Return the folder of the files that draw curves, without loading the package."""
+    found = find_spec("uplot")
+    if found is None or found.origin is None:
+        raise ModuleNotFoundError("No module named 'uplot'", name="uplot-python")
+    return Path(found.origin).parent / "static"

@@ -1,0 +1,22 @@
+"""Types of the messages the live page makes frames of."""
+
+from __future__ import annotations
+
+SHOWN_TYPES = (
+    "nav_msgs/msg/Odometry",
+    "sonar_tracking_msgs/msg/Tracks",
+    "sonar_tracking_msgs/msg/BearingTracks",
+    "sonar_tracking_msgs/msg/FrequencyLines",
+    "sonar_tracking_msgs/msg/Contacts",
+    "sonar_tracking_msgs/msg/DetectionThreshold",
+    "sonar_tracking_msgs/msg/ArrayAlignments",
+    "diagnostic_msgs/msg/DiagnosticArray",
+)
+"""What the feed takes."""
+
+KEPT_TYPES = (
+    "sonar_tracking_msgs/msg/Tracks",
+    "sonar_tracking_msgs/msg/BearingTracks",
+    "sonar_tracking_msgs/msg/ArrayAlignments",
+)
+"""Complete pictures, whose last one is kept for late readers."""

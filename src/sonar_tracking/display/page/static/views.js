@@ -1,0 +1,21 @@
+// The views, by the cell they are in; the first of a cell is shown first.
+
+import { Health } from "./views/health.js";
+import { Plan } from "./views/plan.js";
+import { TrackTable } from "./views/track_table.js";
+
+export const cells = [[Plan], [], [Health], [TrackTable]].filter((classes) => classes.length);
+
+export const keyTexts = [
+  ["Space", "pause, or play"],
+  ["← →", "a step back or on; with Shift half a minute; Page Up and Page Down five minutes"],
+  ["Home, End", "to the oldest data, to the newest"],
+  ["1 … 7", "a view in front"],
+  ["F", "the view large, or all again"],
+  ["Shift and click", "cursor A, then B: differences in time, bearing and frequency are shown below"],
+  ["Escape", "back: closes what is open, takes the cursors and the choice away"],
+  ["T", "colours: light, dark, as the machine"],
+  ["⊕", "own ship"],
+  ["□ ◇ ○ △", "a track of echoes and bearings, of echoes, of bearings, and something fixed; dashed: tentative; dotted: coasted"],
+  ["—", "the line at a symbol is its course, as long as it goes in three minutes"],
+];
