@@ -103,6 +103,7 @@ ROOMS = (
     "cli_options",
     "cli_loading",
     "cli_bench",
+    "cli_import",
     "cli_show",
     "cli_smooth",
     "cli",

@@ -34,6 +34,7 @@ STAGES = {
     "hpda_tracker": "sonar_tracking.active.contact_tracker",
     "track_fusion": "sonar_tracking.fusion.track_fusion_stage",
     "scene_publisher": "sonar_tracking.scene.scene_frames",
+    "operator_display": "sonar_tracking.display.page.page_feed",
     "recorder": "sonar_tracking.bags.storage.writer",
 }
 """What each node runs."""
@@ -64,7 +65,10 @@ def within(modules: set[str], packages: set[str]) -> set[str]:
 def test_a_node_imports_what_it_runs(node: str) -> None:
     modules = imported(f"import {NODE_MODULES[node]}")
     assert STAGES[node] in modules
-    assert not within(modules, {"scipy", *PEOPLE, *NO_NODE})
+    needless = {"scipy", *PEOPLE, *NO_NODE}
+    if node == "operator_display":
+        needless.discard("sonar_tracking.display")
+    assert not within(modules, needless)
     assert not within(modules, set(NODE_MODULES.values()) - {NODE_MODULES[node]})
     others = {stage for name, stage in STAGES.items() if name != node} - {STAGES[node]}
     if not node.endswith("_simulator"):

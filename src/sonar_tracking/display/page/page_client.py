@@ -7,17 +7,17 @@ import json
 import logging
 import time
 from collections import deque
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import Any, Protocol
 
 from tornado.ioloop import IOLoop
 from tornado.iostream import StreamClosedError
+from tornado.web import RequestHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from sonar_tracking.display.page.page_address import is_loopback
+from sonar_tracking.display.page.page_feed import PageFeed
 from sonar_tracking.display.page.page_frames import VERSION, Frame, text_frame
-
-if TYPE_CHECKING:
-    from sonar_tracking.display.page.page_server import PageServer
 
 LONGEST_BACKLOG = 64 * 1024 * 1024
 """Bytes that may wait for a browser before it is told to begin anew."""
@@ -30,13 +30,35 @@ MISTAKES = 20
 
 POLICY_VIOLATION, TRY_AGAIN = 1008, 1013
 
+
+class ServedPage(Protocol):
+    """What a browser needs of the server."""
+
+    feed: PageFeed
+    clients: set[PageClient]
+    token: str
+    title: str
+    recording: Mapping[str, float] | None
+    remote_commands: bool
+    refused: int
+
+    @property
+    def takes_commands(self) -> bool: ...
+
+    def check_host(self, handler: RequestHandler) -> None: ...
+
+    def command(self, fields: Mapping[str, Any]) -> tuple[bool, str]: ...
+
+    def select(self, fields: Mapping[str, Any]) -> None: ...
+
+
 _log = logging.getLogger("sonar_tracking.page")
 
 
 class PageClient(WebSocketHandler):
     """The socket of one browser."""
 
-    def initialize(self, server: PageServer) -> None:
+    def initialize(self, server: ServedPage) -> None:
         """Take what the application knows."""
         self._server = server
         self._waiting: deque[Frame] = deque()

@@ -149,7 +149,6 @@ class PageFeed:
     def _alignments(self, topic: str, message: Any) -> Iterator[Frame]:
         yield alignment_frame(topic, alignments_from_message(message))
 
-    def _diagnostics(self, topic: str, message: Any) -> Iterator[Frame]:
+    def _diagnostics(self, topic: str, message: Any) -> Iterable[Frame]:
         self.health.diagnosed(message)
-        return
-        yield
+        return ()

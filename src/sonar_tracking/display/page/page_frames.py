@@ -116,7 +116,9 @@ def _plain_array(values: NDArray[Any]) -> Any:
         return values.tolist()
     if np.isfinite(values).all():
         return values.tolist()
-    return np.where(np.isfinite(values), values.astype(object), None).tolist()
+    known = values.astype(object)
+    known[~np.isfinite(values)] = None
+    return known.tolist()
 
 
 def rounded(values: FloatArray, digits: int = 5) -> FloatArray:
@@ -129,6 +131,6 @@ def rounded(values: FloatArray, digits: int = 5) -> FloatArray:
 
 
 def upper_triangle(covariance: FloatArray) -> FloatArray:
-    """Return ``xx, xy, yy`` of covariances one by one, shape (3 n,), from shape (n, 2, 2)."""
+    """Return ``xx, xy, yy`` of covariances, shape (3 n,), from shape (n, 2, 2); unit unchanged."""
     rows, columns = np.triu_indices(2)
     return covariance[:, rows, columns].reshape(-1)

@@ -147,17 +147,13 @@ class PageServer:
         self._loop.start()
 
     def _application(self) -> Application:
-        known = {"server": self}
         return Application(
             [
-                (r"/socket", PageClient, known),
-                (r"/uplot/(.*)", _File, {"path": str(_uplot_files()), **known}),
-                (
-                    r"/(.*)",
-                    _File,
-                    {"path": str(STATIC), "default_filename": "index.html", **known},
-                ),
+                (r"/socket", PageClient, {"server": self}),
+                (r"/uplot/(.*)", _File, {"path": str(_uplot_files())}),
+                (r"/(.*)", _File, {"path": str(STATIC), "default_filename": "index.html"}),
             ],
+            page_server=self,
             websocket_max_message_size=LONGEST_MESSAGE,
             websocket_ping_interval=PING_PERIOD,
             log_function=lambda handler: None,
@@ -167,15 +163,8 @@ class PageServer:
 class _File(StaticFileHandler):
     """A file of the page."""
 
-    def initialize(
-        self, path: str, default_filename: str | None = None, server: PageServer | None = None
-    ) -> None:
-        super().initialize(path, default_filename)
-        self._server = server
-
     def prepare(self) -> None:
-        if self._server is not None:
-            self._server.check_host(self)
+        self.application.settings["page_server"].check_host(self)
 
     def set_extra_headers(self, path: str) -> None:
         self.set_header("Cache-Control", "no-cache")

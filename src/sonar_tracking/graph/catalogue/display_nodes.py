@@ -1,8 +1,7 @@
-"""The nodes that show where everything is, and what is heard and tracked (no ROS import)."""
+"""The node that shows where everything is, and what is heard and tracked (no ROS import)."""
 
 from __future__ import annotations
 
-from sonar_tracking.display.page.page_configuration import PageConfiguration
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.topics import (
     ACTIVE_MARKERS,
@@ -39,14 +38,5 @@ SCENE_PUBLISHER = NodeDescription(
         GATE_MARKERS,
         ACTIVE_MARKERS,
     ),
-    is_display=True,
-)
-
-OPERATOR_DISPLAY = NodeDescription(
-    name="operator_display",
-    module="sonar_tracking.graph.nodes.operator_display",
-    description="serves the live page to browsers: plan, records, tracks, health",
-    configurations=(PageConfiguration,),
-    on_request=True,
     is_display=True,
 )

@@ -7,8 +7,9 @@ alone: it starts without the parameters of the others.
 from __future__ import annotations
 
 from sonar_tracking.graph.catalogue.active_nodes import HPDA_TRACKER
-from sonar_tracking.graph.catalogue.display_nodes import OPERATOR_DISPLAY, SCENE_PUBLISHER
+from sonar_tracking.graph.catalogue.display_nodes import SCENE_PUBLISHER
 from sonar_tracking.graph.catalogue.fusion_nodes import TRACK_FUSION
+from sonar_tracking.graph.catalogue.page_nodes import OPERATOR_DISPLAY
 from sonar_tracking.graph.catalogue.passive_nodes import (
     BAND_DEMODULATOR,
     BEARING_TRACKER,

@@ -8,8 +8,9 @@ from typing import Any
 
 from sonar_tracking.display.page.page_configuration import PageConfiguration
 from sonar_tracking.display.page.shown_types import SHOWN_TYPES
-from sonar_tracking.graph.catalogue.display_nodes import OPERATOR_DISPLAY, SCENE_PUBLISHER
+from sonar_tracking.graph.catalogue.display_nodes import SCENE_PUBLISHER
 from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES
+from sonar_tracking.graph.catalogue.page_nodes import OPERATOR_DISPLAY
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
 from sonar_tracking.graph.catalogue.topics import DIAGNOSTICS, Topic
 

@@ -22,11 +22,11 @@ from rclpy.serialization import deserialize_message
 from sonar_tracking.bags.storage.log_time import head_stamp
 from sonar_tracking.display.page.page_address import page_token
 from sonar_tracking.display.page.page_configuration import PageConfiguration
-from sonar_tracking.display.page.shown_types import KEPT_TYPES, SHOWN_TYPES
 from sonar_tracking.display.page.page_server import PageServer
+from sonar_tracking.display.page.shown_types import KEPT_TYPES, SHOWN_TYPES
 from sonar_tracking.display.page.web_browser import open_browser
 from sonar_tracking.errors import ConfigurationError, Severity
-from sonar_tracking.graph.catalogue.display_nodes import OPERATOR_DISPLAY
+from sonar_tracking.graph.catalogue.page_nodes import OPERATOR_DISPLAY
 from sonar_tracking.graph.catalogue.topics import DIAGNOSTICS
 from sonar_tracking.graph.message_writing.field_writing import message_class
 from sonar_tracking.graph.node_base import parameters, quality_of_service

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.graph.catalogue.page_plan import PageOptions
 from sonar_tracking.evaluation.metrics.cutoff import CUTOFF_M, check_cutoff
+from sonar_tracking.graph.catalogue.page_plan import PageOptions
 
 
 @dataclass(frozen=True)

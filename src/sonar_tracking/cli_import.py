@@ -1,0 +1,102 @@
+"""The commands ``sonar-tracking import``: recorded data into a bag."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from sonar_tracking.cli_loading import needs
+from sonar_tracking.errors import ConfigurationError
+
+import_app = typer.Typer(help="Bring recorded data into a bag.", no_args_is_help=True)
+
+
+@import_app.command()
+def wav(
+    file: Annotated[Path, typer.Argument(help="Multichannel WAV, one channel an element.")],
+    geometry: Annotated[Path, typer.Option(help="YAML file with the element positions.")],
+    output: Annotated[Path, typer.Option(help="The new bag.")],
+    frequency: Annotated[
+        float | None, typer.Option(help="Centre of the narrow band bearings are made of, Hz.")
+    ] = None,
+    bandwidth: Annotated[float | None, typer.Option(help="Width of the narrow band, Hz.")] = None,
+    samples: Annotated[
+        bool, typer.Option("--samples", help="Keep the time series: the replay finds lines too.")
+    ] = False,
+    own_ship: Annotated[
+        Path | None,
+        typer.Option(help="With --samples: CSV or npz, time_s, east_m, north_m, heading_deg."),
+    ] = None,
+    truth: Annotated[
+        Path | None, typer.Option(help="CSV file: time_s, target, arrival_angle_deg.")
+    ] = None,
+    parameters: Annotated[
+        Path | None, typer.Option(help="YAML file: node, parameter, value; kept for the replay.")
+    ] = None,
+) -> None:
+    """Bring a multichannel WAV file into a bag.
+
+    By default of narrowband snapshots; with --samples of the element time series themselves, so
+    that the replay makes bearings and frequency lines of them, and positions if --own-ship tells
+    how own ship moved.
+    """
+    importer = needs("sonar_tracking.graph.verbs.import_command")
+    if samples:
+        done = importer.import_wav_samples(
+            file, geometry, frequency, bandwidth, output, own_ship, truth, parameters
+        )
+    elif own_ship is not None:
+        raise ConfigurationError("--own-ship goes with --samples; give both, or neither.")
+    else:
+        done = importer.import_wav_file(
+            file, geometry, frequency, bandwidth, output, truth, parameters
+        )
+    print(done)
+
+
+@import_app.command()
+def contacts(
+    file: Annotated[Path, typer.Argument(help="CSV or npz with one line, or entry, a contact.")],
+    output: Annotated[Path, typer.Option(help="The new bag.")],
+    own_ship: Annotated[
+        Path | None, typer.Option(help="CSV or npz: time_s, east_m, north_m, heading_deg.")
+    ] = None,
+    truth: Annotated[
+        Path | None, typer.Option(help="CSV or npz: time_s, target, east_m, north_m.")
+    ] = None,
+    range_deviation: Annotated[
+        float, typer.Option(help="Standard deviation of ranges without their own, m.")
+    ] = 0.0,
+    bearing_deviation_deg: Annotated[
+        float, typer.Option(help="The same of directions, degrees.")
+    ] = 0.0,
+    maximum_range: Annotated[
+        float, typer.Option(help="Of the survey, m; 0: that of the farthest contact.")
+    ] = 0.0,
+    latency: Annotated[
+        float, typer.Option(help="By which the times are later than the pings, s.")
+    ] = 0.0,
+    epoch: Annotated[str, typer.Option(help="Instant of time_s = 0.")] = "2026-01-01T00:00:00Z",
+    parameters: Annotated[
+        Path | None, typer.Option(help="YAML file: node, parameter, value; kept for the replay.")
+    ] = None,
+) -> None:
+    """Bring recorded contacts into a bag of pings, with own ship and truth.
+
+    Columns: time_s (or unix_time_s), range_m, bearing_deg (compass; or azimuth_deg, from east
+    anticlockwise; or relative_bearing_deg, from the bow clockwise). Optional: amplitude (linear,
+    noise mean 1; or amplitude_db), range_deviation_m, bearing_deviation_deg, own_east_m with
+    own_north_m and own_heading_deg. Lines of one time are one ping; a line with neither range nor
+    direction is a ping that heard nothing. A line that cannot be used is left out and named.
+    """
+    importer = needs("sonar_tracking.graph.verbs.import_command")
+    sensor = {
+        "range_deviation": range_deviation,
+        "bearing_deviation_deg": bearing_deviation_deg,
+        "maximum_range": maximum_range,
+        "latency": latency,
+        "epoch": epoch,
+    }
+    print(importer.import_contacts_file(file, output, sensor, own_ship, truth, parameters))
