@@ -43,13 +43,17 @@ class ServedPage(Protocol):
     refused: int
 
     @property
-    def takes_commands(self) -> bool: ...
+    def takes_commands(self) -> bool:
+        """Whether there is anything to command."""
 
-    def check_host(self, handler: RequestHandler) -> None: ...
+    def check_host(self, handler: RequestHandler) -> None:
+        """Refuse a request by a name that is not this machine's."""
 
-    def command(self, fields: Mapping[str, Any]) -> tuple[bool, str]: ...
+    def command(self, fields: Mapping[str, Any]) -> tuple[bool, str]:
+        """Do what a browser commands."""
 
-    def select(self, fields: Mapping[str, Any]) -> None: ...
+    def select(self, fields: Mapping[str, Any]) -> None:
+        """Take what a browser has selected."""
 
 
 _log = logging.getLogger("sonar_tracking.page")
