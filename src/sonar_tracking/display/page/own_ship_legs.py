@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -17,6 +18,15 @@ LEAST_RATE = np.radians(0.05)
 
 BASELINE = nanoseconds(4.0)
 """Over which the rate is measured, ns."""
+
+SPACING = nanoseconds(1.0)
+"""Of the states that are kept, ns."""
+
+KEPT = 7200
+"""States kept, the newest."""
+
+RENEWED = 5
+"""Legs are looked at anew after so many states."""
 
 SHORTEST = nanoseconds(10.0)
 """A leg or turn that is shorter belongs to the one before it, ns."""
@@ -40,6 +50,29 @@ class Leg:
     end: int
     turning: bool
     course_deg: float
+
+
+class OwnShipLegs:
+    """Finds the legs as own ship's states come.
+
+    A state every second is enough; the last one counts once the next have come.
+    """
+
+    def __init__(self) -> None:
+        self._states: deque[OwnShipState] = deque(maxlen=KEPT)
+
+    def add(self, state: OwnShipState) -> bool:
+        """Take the next state; return whether legs are to be looked at anew."""
+        if self._states and state.stamp < self._states[-1].stamp:
+            self._states.clear()
+        if self._states and state.stamp - self._states[-1].stamp < SPACING:
+            return False
+        self._states.append(state)
+        return len(self._states) % RENEWED == 2
+
+    def legs(self) -> list[Leg]:
+        """Return the legs and turns so far, one following on the other."""
+        return own_ship_legs(tuple(self._states))
 
 
 def own_ship_legs(states: Sequence[OwnShipState]) -> list[Leg]:

@@ -1,0 +1,70 @@
+// Rows of a stream integrated to longer ones: mean power, not mean decibels.
+
+export class IntegratedRows {
+  constructor() {
+    this.key = null;
+  }
+
+  /** Rows of so many seconds that overlap [t0, t1]; stream: of frames with t0, t1 and row in dB. */
+  between(stream, seconds, t0, t1, key) {
+    const first = stream.frames[stream.first];
+    const whole = `${key} ${seconds} ${first?.row.length}`;
+    if (whole !== this.key || !(first?.t >= this.oldest)) {
+      Object.assign(this, { key: whole, oldest: first?.t ?? -Infinity, rows: [], sum: null, last: -Infinity });
+    }
+    for (let i = stream.after(this.last); i < stream.frames.length; i++) this.add(stream.frames[i], seconds);
+    return this.rows.filter((row) => row.t1 > t0 && row.t0 < t1);
+  }
+
+  add(frame, seconds) {
+    this.last = frame.t;
+    const slot = Math.floor((frame.t0 + frame.t1) / 2 / seconds);
+    const gap = this.sum && frame.t0 - this.sum.t1 > seconds / 2;
+    if (!this.sum || slot !== this.sum.slot || gap) {
+      const { row, ...rest } = frame;
+      this.sum = { ...rest, slot, power: new Float64Array(row.length), weight: 0 };
+      this.rows.push(this.sum);
+    }
+    const sum = this.sum;
+    const weight = frame.t1 - frame.t0;
+    for (let i = 0; i < sum.power.length; i++) sum.power[i] += weight * 10 ** (frame.row[i] / 10);
+    sum.weight += weight;
+    sum.t1 = frame.t1;
+    sum.t = frame.t;
+    sum.row = null;
+    if (this.rows.length > 5000) this.rows.splice(0, 1000);
+  }
+}
+
+/** Levels of an integrated row, dB. */
+export function levelsOf(sum) {
+  if (!sum.row) {
+    sum.row = new Float32Array(sum.power.length);
+    for (let i = 0; i < sum.row.length; i++) sum.row[i] = 10 * Math.log10(sum.power[i] / sum.weight + 1e-30);
+  }
+  return sum.row;
+}
+
+/**
+ * Levels over their background, dB: the mean power of a window on either side of each column, what
+ * stands out of it clipped away, as the line tracker does it.
+ */
+export function overBackground(row, halfWidth, out) {
+  const count = row.length;
+  const power = new Float64Array(count);
+  const sums = new Float64Array(count + 1);
+  const background = new Float64Array(count);
+  for (let i = 0; i < count; i++) power[i] = 10 ** (row[i] / 10);
+  const values = power.slice();
+  for (let pass = 0; pass < 2; pass++) {
+    for (let i = 0; i < count; i++) sums[i + 1] = sums[i] + values[i];
+    for (let i = 0; i < count; i++) {
+      const low = Math.max(0, i - halfWidth);
+      const high = Math.min(count, i + halfWidth + 1);
+      background[i] = (sums[high] - sums[low]) / (high - low);
+    }
+    for (let i = 0; i < count; i++) if (power[i] > 3 * background[i]) values[i] = background[i];
+  }
+  for (let i = 0; i < count; i++) out[i] = 10 * Math.log10((power[i] + 1e-30) / (background[i] + 1e-30));
+  return out;
+}

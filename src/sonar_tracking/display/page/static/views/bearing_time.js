@@ -1,0 +1,397 @@
+// Bearing-time record: beam power over bearing and time, on three time scales side by side.
+
+import { AXES, BearingAxis, coneOf, relativeText } from "../bearing_axis.js";
+import { Canvas, element, label } from "../canvas.js";
+import { bearing, clock, degrees, duration, fixed } from "../format.js";
+import { keptSelect, keptToggle, offer } from "../kept_choice.js";
+import { palette } from "../palette.js";
+import { bearingTopics, pictureTopics, polar, tracksAt, ownShipAt } from "../picture.js";
+import { RowRing, floorOf } from "../row_ring.js";
+
+const SCALES = [1, 5, 20]; // s a line
+const LINE_HEIGHT = 2; // CSS pixels
+const TOP = 17; // axis of bearings
+const BETWEEN = 5; // panels
+const NEAR = 9; // pixels from a track that count as on it
+const CONTENT = { narrowband: "narrowband", broadband: "broadband" };
+
+export class BearingTime {
+  static id = "bearing_time";
+  static title = "Bearing–time";
+
+  constructor(body, tools, page) {
+    this.page = page;
+    this.canvas = new Canvas(body, "Bearing-time record: power over bearing and time");
+    this.empty = element("div", { class: "empty" }, "No beams yet: snapshots or samples of an array make them.");
+    body.append(this.empty);
+    const ask = () => page.askDraw();
+    this.source = element("select", { title: "Which beams", "aria-label": "Which beams" });
+    this.source.addEventListener("change", ask);
+    this.axis = keptSelect("btr axis", "Axis of bearings", AXES, "cone", ask);
+    this.scales = keptSelect("btr scales", "Seconds a line", { all: "1·5·20 s", 1: "1 s", 5: "5 s", 20: "20 s" }, "all", ask);
+    this.range = keptSelect("btr range", "Range of levels", { 6: "6 dB", 10: "10 dB", 15: "15 dB", 25: "25 dB" }, "10", ask);
+    this.over = keptSelect("btr tracks", "Tracks over it", { bearings: "bearing tracks", picture: "fused tracks", none: "no tracks" }, "bearings", ask);
+    this.top = keptToggle("btr top", "↧", "Newest on top", true, ask);
+    this.wrap = keptToggle("btr wrap", "↻", "Wrap instead of scroll", false, ask);
+    tools.append(this.source, this.axis, this.scales, this.range, this.over, this.top, this.wrap);
+    this.panels = SCALES.map((scale) => ({ scale, ring: new RowRing(), box: null }));
+    this.hover = null;
+    const canvas = this.canvas.element;
+    canvas.addEventListener("pointermove", (event) => this.point(event));
+    canvas.addEventListener("pointerleave", () => this.point(null));
+    canvas.addEventListener("click", (event) => this.click(event));
+  }
+
+  point(event) {
+    this.hover = event && this.placeOf(event);
+    this.page.askDraw();
+  }
+
+  /** What is at a place of the canvas: panel, time, row, azimuth. */
+  placeOf({ offsetX, offsetY }) {
+    const panel = this.panels.find(({ box }) => box && offsetX >= box.x && offsetX < box.x + box.width);
+    if (!panel || offsetY < panel.box.y || offsetY > panel.box.y + panel.box.height) return null;
+    const share = (offsetX - panel.box.x) / panel.box.width;
+    const t = panel.ring.timeAt(offsetY - panel.box.y, panel.box, this.wrap.isOn);
+    const frame = this.rowAt(panel, t);
+    const pose = frame ?? this.pose;
+    if (!pose) return null;
+    const azimuth = this.bearings.azimuthAt(share, pose);
+    return { panel, t, frame, pose, share, azimuth, cone: this.bearings.whole ? coneOf(azimuth, pose) : this.bearings.coneAt(share, pose) };
+  }
+
+  rowAt(panel, t) {
+    const { history } = this.page;
+    const name = `waterfall ${this.topic} ${panel.scale}`;
+    const stream = history.stream(name);
+    const frame = stream?.frames[stream.after(t)];
+    return frame && frame.t0 <= t ? frame : null;
+  }
+
+  click(event) {
+    const place = this.placeOf(event);
+    if (!place) return;
+    if (event.shiftKey) {
+      this.page.time.markNext({ t: place.t, azimuth: place.azimuth });
+      return;
+    }
+    const near = this.trackNear(event.offsetX, place);
+    if (near) this.page.selection.choose(this.pictureTrack(near) ?? { topic: near.topic, id: near.id });
+    else this.page.selection.choose({ sensor: place.pose.sensor, beam: place.cone });
+    this.page.askDraw();
+  }
+
+  /** The track of the picture that a bearing track is part of. */
+  pictureTrack({ id, sensor }) {
+    const { history, time } = this.page;
+    const found = tracksAt(history, time.now).find((row) =>
+      row.contributors.some(([, source, name, other]) => source === 1 && name === sensor && other === id));
+    return found ? { topic: found.topic, id: found.id } : null;
+  }
+
+  trackNear(x, { panel, t }) {
+    let best = null;
+    let nearest = NEAR;
+    for (const line of this.trackLines(panel, t - 3 * panel.scale, t + 3 * panel.scale)) {
+      for (const point of line.points) {
+        const apart = Math.abs(panel.box.x + point.share * panel.box.width - x);
+        if (apart < nearest) [nearest, best] = [apart, line];
+      }
+    }
+    return best;
+  }
+
+  draw(t) {
+    const { history, time } = this.page;
+    const pen = this.canvas.begin(palette.panel);
+    this.chooseSource();
+    this.empty.hidden = Boolean(this.topic);
+    if (!pen || !this.topic) return;
+    this.bearings = new BearingAxis(this.axis.value);
+    this.pose = history.at(`waterfall ${this.topic} ${SCALES[0]}`, t) ?? this.firstRow();
+    if (!this.pose) return;
+    const shown = this.panels.filter(({ scale }) => this.scales.value === "all" || this.scales.value === String(scale));
+    const width = (this.canvas.width - BETWEEN * (shown.length - 1)) / shown.length;
+    for (const panel of this.panels) panel.box = null;
+    shown.forEach((panel, place) => {
+      panel.box = { x: place * (width + BETWEEN), y: TOP, width, height: this.canvas.height - TOP };
+      this.drawPanel(pen, panel, t);
+    });
+    this.drawMarks(pen, time.marks);
+    if (this.hover) this.drawHover(pen);
+  }
+
+  chooseSource() {
+    const { history } = this.page;
+    const entries = [];
+    for (const name of history.names("waterfall")) {
+      const [, topic, scale] = name.split(" ");
+      if (Number(scale) !== SCALES[0]) continue;
+      const stream = history.stream(name);
+      const frame = stream.frames[stream.frames.length - 1];
+      entries.push([topic, `${frame.sensor} ${CONTENT[frame.content] ?? frame.content}`]);
+    }
+    offer(this.source, entries);
+    this.source.hidden = entries.length < 2;
+    this.topic = this.source.value || null;
+  }
+
+  firstRow() {
+    const stream = this.page.history.stream(`waterfall ${this.topic} ${SCALES[0]}`);
+    return stream?.frames[stream.first] ?? null;
+  }
+
+  drawPanel(pen, panel, t) {
+    const { history } = this.page;
+    const { box, ring, scale } = panel;
+    const name = `waterfall ${this.topic} ${scale}`;
+    const openName = `waterfall_open ${this.topic} ${scale}`;
+    const ramp = palette.ramp();
+    const range = Number(this.range.value);
+    pen.fillStyle = palette.dark ? "#04080d" : "#f4f6f8";
+    pen.fillRect(box.x, box.y, box.width, box.height);
+    ring.show(pen, box, {
+      now: t,
+      ratio: this.canvas.ratio,
+      lineSeconds: scale / LINE_HEIGHT,
+      newestOnTop: this.top.isOn,
+      wrap: this.wrap.isOn,
+      key: `${this.topic} ${this.axis.value} ${range} ${palette.dark} ${history.version}`,
+      rows: (t0, t1) => history.between(name, t0, t1),
+      open: () => history.at(openName, t),
+      paint: (frame, line) => this.paint(frame, line, ramp, range),
+    });
+    this.drawAxis(pen, panel);
+    if (this.over.value !== "none") this.drawTracks(pen, panel, t);
+    if (this.wrap.isOn) {
+      pen.fillStyle = palette.accent;
+      pen.fillRect(box.x, box.y + ring.edge(box) - 1, box.width, 2);
+    }
+  }
+
+  paint(frame, line, ramp, range) {
+    frame.floor ??= floorOf(frame.row);
+    const levels = this.bearings.levels(frame, (this.levels = sized(this.levels, line.length)));
+    const unit = 255 / range;
+    for (let x = 0; x < line.length; x++) {
+      const shade = (levels[x] - frame.floor + 1) * unit;
+      line[x] = shade >= 0 ? ramp[Math.min(255, shade | 0)] : shade < 0 ? ramp[0] : 0;
+    }
+  }
+
+  drawAxis(pen, { box, ring, scale }) {
+    pen.save();
+    pen.font = "11px system-ui, sans-serif";
+    pen.strokeStyle = palette.faint;
+    pen.textAlign = "center";
+    const ticks = this.bearings.ticks(box.width, this.pose);
+    ticks.forEach(([share, text], place) => {
+      const x = box.x + share * box.width;
+      pen.textAlign = place === 0 ? "left" : place === ticks.length - 1 ? "right" : "center";
+      pen.fillStyle = palette.faint;
+      pen.fillText(text, x, TOP / 2);
+      pen.globalAlpha = 0.25;
+      pen.beginPath();
+      pen.moveTo(x, box.y);
+      pen.lineTo(x, box.y + box.height);
+      pen.stroke();
+      pen.globalAlpha = 1;
+    });
+    pen.textAlign = "left";
+    const every = [10, 30, 60, 120, 300, 600, 1200, 1800, 3600].find((s) => (s / scale) * LINE_HEIGHT >= 42) ?? 7200;
+    const oldest = (ring.last - ring.height + 1) * ring.span;
+    for (let time = Math.ceil(oldest / every) * every; time <= (ring.last + 1) * ring.span; time += every) {
+      const y = box.y + ring.yOf(time, box, this.wrap.isOn);
+      if (!(y > box.y + 7 && y < box.y + box.height - 20)) continue;
+      label(pen, every % 60 ? clock(time) : clock(time).slice(0, 5), box.x + 3, y, palette.text, palette.panel);
+    }
+    label(pen, `${scale} s a line`, box.x + 3, box.y + box.height - 9, palette.text, palette.panel);
+    pen.restore();
+  }
+
+  /** Lines of tracks between two times: {topic, id, sensor, points: [{t, share, other}]}. */
+  trackLines(panel, t0, t1) {
+    return this.over.value === "picture" ? this.pictureLines(panel, t0, t1) : this.bearingLines(panel, t0, t1);
+  }
+
+  bearingLines(panel, t0, t1) {
+    const { history } = this.page;
+    const lines = new Map();
+    for (const topic of bearingTopics(history)) {
+      const frames = history.between(`bearings ${topic}`, t0, t1);
+      if (frames[0]?.sensor.id !== this.pose.sensor) continue;
+      for (const frame of thinned(frames, panel.box.height)) {
+        const pose = this.poseOf(frame);
+        for (let i = 0; i < frame.id.length; i++) {
+          if (frame.status[i] === 3) continue;
+          const key = frame.id[i];
+          if (!lines.has(key)) lines.set(key, { topic, id: key, sensor: frame.sensor.id, points: [] });
+          const cone = this.bearings.mode === "cone" && frame.angle_kind === "cone";
+          const share = cone ? this.bearings.shareOfCone(frame.arrival_angle[i], pose) : this.bearings.shareOf(frame.azimuth[i], pose);
+          const other = this.bearings.whole ? this.bearings.shareOf(frame.other_azimuth[i], pose) : NaN;
+          lines.get(key).points.push({ t: frame.t, share, other, tentative: frame.status[i] === 0 });
+        }
+      }
+    }
+    return [...lines.values()];
+  }
+
+  /** How the array lay when bearings were heard: its axis, and the bow. */
+  poseOf(frame) {
+    const ship = ownShipAt(this.page.history, frame.t);
+    return { axis_azimuth: frame.sensor.axis_azimuth, heading: ship?.yaw ?? NaN, angles: this.pose.angles };
+  }
+
+  pictureLines(panel, t0, t1) {
+    const { history } = this.page;
+    const lines = new Map();
+    const step = Math.max((t1 - t0) / panel.box.height, 2);
+    const topics = pictureTopics(history);
+    for (let time = t0; time <= t1; time += step) {
+      const row = history.at(`waterfall ${this.topic} ${SCALES[0]}`, time) ?? this.pose;
+      const ship = ownShipAt(history, time);
+      if (!ship) continue;
+      const pose = { axis_azimuth: row.axis_azimuth, heading: ship.yaw, angles: row.angles };
+      for (const track of tracksAt(history, time, topics)) {
+        if (track.status === 0) continue;
+        if (!lines.has(track.key)) lines.set(track.key, { topic: track.topic, id: track.id, points: [] });
+        lines.get(track.key).points.push({ t: time, share: this.bearings.shareOf(polar(track, ship).azimuth, pose), other: NaN });
+      }
+    }
+    return [...lines.values()];
+  }
+
+  drawTracks(pen, panel, t) {
+    const { selection } = this.page;
+    const { box, ring } = panel;
+    pen.save();
+    pen.beginPath();
+    pen.rect(box.x, box.y, box.width, box.height);
+    pen.clip();
+    for (const line of this.trackLines(panel, t - ring.height * ring.span, t)) {
+      const chosen = this.isChosen(line);
+      pen.strokeStyle = palette.track(line.id);
+      pen.lineWidth = chosen ? 2.5 : 1.3;
+      for (const side of ["share", "other"]) this.drawLine(pen, panel, line, side);
+      const newest = line.points[line.points.length - 1];
+      const y = box.y + ring.yOf(newest.t, box, this.wrap.isOn);
+      if (!Number.isFinite(y)) continue;
+      const x = box.x + newest.share * box.width;
+      pen.textAlign = newest.share > 0.93 ? "right" : "left";
+      pen.font = chosen ? "bold 12px system-ui, sans-serif" : "11px system-ui, sans-serif";
+      const yText = Math.min(Math.max(y + (this.top.isOn ? 8 : -8), box.y + 8), box.y + box.height - 8);
+      label(pen, selection.nameOf(line.topic, line.id), x + (newest.share > 0.93 ? -4 : 4), yText, palette.track(line.id), palette.panel);
+    }
+    pen.restore();
+  }
+
+  drawLine(pen, { box, ring }, line, side) {
+    pen.setLineDash(side === "other" ? [3, 4] : []);
+    pen.beginPath();
+    let before = null;
+    for (const point of line.points) {
+      const y = ring.yOf(point.t, box, this.wrap.isOn);
+      const share = point[side];
+      const here = Number.isFinite(y) && Number.isFinite(share) ? { x: box.x + share * box.width, y: box.y + y, share, t: point.t } : null;
+      const joined = here && before && Math.abs(here.share - before.share) < 0.4 && Math.abs(here.y - before.y) < box.height / 2 && here.t - before.t < 30;
+      if (here && joined) pen.lineTo(here.x, here.y);
+      else if (here) pen.moveTo(here.x, here.y);
+      before = here;
+    }
+    pen.stroke();
+    pen.setLineDash([]);
+  }
+
+  isChosen(line) {
+    const { selection } = this.page;
+    if (selection.isChosen(line.topic, line.id)) return true;
+    const chosen = selection.track;
+    if (!chosen || !line.sensor) return false;
+    const own = this.pictureTrack(line);
+    return own !== null && own.topic === chosen.topic && own.id === chosen.id;
+  }
+
+  drawMarks(pen, marks) {
+    for (const [name, mark] of Object.entries(marks)) {
+      if (!mark) continue;
+      for (const { box, ring, scale } of this.panels) {
+        if (!box) continue;
+        const y = box.y + ring.yOf(mark.t, box, this.wrap.isOn);
+        if (!Number.isFinite(y)) continue;
+        const pose = this.rowAt({ scale }, mark.t) ?? this.pose;
+        const x = box.x + this.bearings.shareOf(mark.azimuth, pose) * box.width;
+        pen.strokeStyle = palette[name.toLowerCase()];
+        pen.lineWidth = 1.5;
+        pen.beginPath();
+        pen.moveTo(box.x, y);
+        pen.lineTo(box.x + box.width, y);
+        if (Number.isFinite(x)) {
+          pen.moveTo(x, box.y);
+          pen.lineTo(x, box.y + box.height);
+        }
+        pen.stroke();
+        label(pen, name, Number.isFinite(x) ? x + 4 : box.x + 4, y - 8, pen.strokeStyle, palette.panel);
+      }
+    }
+    pen.lineWidth = 1;
+  }
+
+  drawHover(pen) {
+    const { t, azimuth, cone, pose, frame, share } = this.hover;
+    pen.strokeStyle = palette.accent;
+    pen.globalAlpha = 0.8;
+    for (const { box, ring } of this.panels) {
+      if (!box) continue;
+      const y = box.y + ring.yOf(t, box, this.wrap.isOn);
+      const x = box.x + share * box.width;
+      pen.beginPath();
+      pen.moveTo(x, box.y);
+      pen.lineTo(x, box.y + box.height);
+      if (Number.isFinite(y)) {
+        pen.moveTo(box.x, y);
+        pen.lineTo(box.x + box.width, y);
+      }
+      pen.stroke();
+    }
+    pen.globalAlpha = 1;
+    const words = [clock(t), `−${duration(this.page.time.now - t)}`];
+    if (pose.angles.of === "sine") {
+      const mirrored = 2 * pose.axis_azimuth - azimuth;
+      words.push(`${bearing(azimuth)}° or ${bearing(mirrored)}°`);
+    } else words.push(`${bearing(azimuth)}°`);
+    words.push(relativeText(azimuth, pose.heading), `cone ${degrees(cone)}°`);
+    if (frame) words.push(`${fixed(this.levelAt(frame, share), 1)} dB`);
+    readout(pen, this.canvas, words.join("   "));
+  }
+
+  levelAt(frame, share) {
+    const count = 4096;
+    const levels = this.bearings.levels(frame, (this.probe ??= new Float32Array(count)));
+    return levels[Math.min(count - 1, Math.floor(share * count))];
+  }
+}
+
+/** One line of values at the bottom of a canvas. */
+export function readout(pen, canvas, text) {
+  pen.save();
+  pen.font = "12px system-ui, sans-serif";
+  const width = Math.min(pen.measureText(text).width + 12, canvas.width);
+  pen.fillStyle = palette.panel;
+  pen.globalAlpha = 0.88;
+  pen.fillRect(canvas.width - width, canvas.height - 20, width, 20);
+  pen.globalAlpha = 1;
+  pen.fillStyle = palette.text;
+  pen.textAlign = "right";
+  pen.fillText(text, canvas.width - 6, canvas.height - 10, canvas.width - 8);
+  pen.restore();
+}
+
+function sized(array, length) {
+  return array?.length === length ? array : new Float32Array(length);
+}
+
+/** At most so many frames, evenly chosen, the newest among them. */
+function thinned(frames, most) {
+  const step = Math.ceil(frames.length / Math.max(most, 1));
+  return step <= 1 ? frames : frames.filter((_, i) => (frames.length - 1 - i) % step === 0);
+}

@@ -1,0 +1,406 @@
+// LOFAR: the spectrum of one beam over time, with its lines, a zoom and a harmonic cursor.
+
+import { Canvas, element, label } from "../canvas.js";
+import { clock, degrees, duration, fixed, niceStep } from "../format.js";
+import { chosenBeam, heardTracks } from "../heard_track.js";
+import { IntegratedRows, levelsOf, overBackground } from "../integrated_rows.js";
+import { keptSelect, keptToggle, offer } from "../kept_choice.js";
+import { palette } from "../palette.js";
+import { RowRing, floorOf, resample } from "../row_ring.js";
+import { readout } from "./bearing_time.js";
+
+const LINE_HEIGHT = 2; // CSS pixels
+const TOP = 17; // axis of frequencies
+const CURVE = 46; // spectrum above the rows
+const HALF_WIDTH = 20; // Hz, of the background
+const NARROWEST = 4; // Hz shown
+const MOST_HARMONICS = 40;
+
+export class Lofar {
+  static id = "lofar";
+  static title = "LOFAR";
+
+  constructor(body, tools, page) {
+    this.page = page;
+    this.canvas = new Canvas(body, "LOFAR: spectrum of one beam over time");
+    this.empty = element("div", { class: "empty" });
+    body.append(this.empty);
+    const ask = () => page.askDraw();
+    this.beam = element("select", { title: "Which beam", "aria-label": "Which beam" });
+    this.beam.addEventListener("change", () => {
+      this.picked = this.beam.value;
+      ask();
+    });
+    this.seconds = keptSelect("lofar seconds", "Seconds a line", { 1: "1 s", 5: "5 s", 20: "20 s" }, "1", ask);
+    this.range = keptSelect("lofar range", "Range of levels", { 10: "10 dB", 15: "15 dB", 25: "25 dB", 40: "40 dB" }, "15", ask);
+    this.flat = keptToggle("lofar flat", "⎯", "Levels over their background", true, ask);
+    this.lines = keptToggle("lofar lines", "┊", "Lines that are followed", true, ask);
+    this.harmonics = keptToggle("lofar harmonics", "♒", "Harmonic cursor (H): multiples of the frequency under the pointer; a click holds it", false, ask);
+    this.order = keptSelect("lofar order", "Which harmonic the cursor is", Object.fromEntries([1, 2, 3, 4, 5, 6, 8, 10].map((n) => [n, `${n}.`])), "1", ask);
+    const zoomOut = element("button", { title: "All frequencies (double click)", "aria-label": "All frequencies", onclick: () => this.zoomTo(null) }, "⤢ Hz");
+    tools.append(this.beam, this.seconds, this.range, this.flat, this.lines, this.harmonics, this.order, zoomOut);
+    this.ring = new RowRing();
+    this.integrated = new IntegratedRows();
+    this.band = null;
+    this.hover = null;
+    this.held = NaN; // frequency the harmonic cursor is held at, Hz
+    this.listen(this.canvas.element);
+  }
+
+  listen(canvas) {
+    canvas.tabIndex = 0;
+    canvas.addEventListener("pointermove", (event) => this.move(event));
+    canvas.addEventListener("pointerleave", () => this.move(null));
+    canvas.addEventListener("pointerdown", (event) => (this.drag = { x: event.offsetX, band: this.shownBand, moved: false }));
+    addEventListener("pointerup", () => (this.drag = null));
+    canvas.addEventListener("click", (event) => this.click(event));
+    canvas.addEventListener("dblclick", () => this.zoomTo(null));
+    canvas.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
+    canvas.addEventListener("keydown", (event) => this.key(event));
+  }
+
+  key(event) {
+    if (event.key.toLowerCase() === "h") this.harmonics.click();
+    else if (event.key === "+") this.zoomAround(0.5, 0.6);
+    else if (event.key === "-") this.zoomAround(0.5, 1 / 0.6);
+    else return;
+    event.preventDefault();
+  }
+
+  move(event) {
+    this.hover = event && { x: event.offsetX, y: event.offsetY };
+    if (event && this.drag?.band && event.buttons) {
+      const [low, high] = this.drag.band;
+      const shift = ((this.drag.x - event.offsetX) / this.canvas.width) * (high - low);
+      if (Math.abs(event.offsetX - this.drag.x) > 4) this.drag.moved = this.moved = true;
+      if (this.drag.moved) this.zoomTo([low + shift, high + shift]);
+    }
+    this.page.askDraw();
+  }
+
+  click(event) {
+    if (this.moved) {
+      this.moved = false;
+      return;
+    }
+    const frequency = this.frequencyAt(event.offsetX);
+    const t = this.ring.timeAt(event.offsetY - TOP - CURVE, this.box, false);
+    if (event.shiftKey) this.page.time.markNext({ t, frequency });
+    else if (this.harmonics.isOn) this.held = Number.isFinite(this.held) ? NaN : frequency;
+    this.page.askDraw();
+  }
+
+  wheel(event) {
+    event.preventDefault();
+    this.zoomAround(event.offsetX / this.canvas.width, event.deltaY > 0 ? 1.25 : 0.8);
+  }
+
+  zoomAround(share, factor) {
+    if (!this.shownBand) return;
+    const [low, high] = this.shownBand;
+    const fixedAt = low + share * (high - low);
+    this.zoomTo([fixedAt - (fixedAt - low) * factor, fixedAt + (high - fixedAt) * factor]);
+  }
+
+  zoomTo(band) {
+    this.band = band;
+    if (band && this.whole) {
+      const most = this.whole[1] - this.whole[0];
+      const width = Math.min(Math.max(band[1] - band[0], NARROWEST), most);
+      const low = Math.min(Math.max(band[0], this.whole[0]), this.whole[1] - width);
+      this.band = width >= most * 0.999 ? null : [low, low + width];
+    }
+    this.page.askDraw();
+  }
+
+  frequencyAt(x) {
+    const [low, high] = this.shownBand ?? [NaN, NaN];
+    return low + (x / this.canvas.width) * (high - low);
+  }
+
+  xOf(frequency) {
+    const [low, high] = this.shownBand;
+    return ((frequency - low) / (high - low)) * this.canvas.width;
+  }
+
+  /** The beam that is shown; it is asked for where it is a new one, or the connection is. */
+  chooseBeam(t) {
+    const { history, selection, socket } = this.page;
+    const heard = heardTracks(history, t);
+    const chosen = chosenBeam(history, selection.track, t);
+    const entries = [["", chosen ? `chosen: ${beamText(chosen)}` : "chosen track"]];
+    for (const each of heard) entries.push([`${each.sensor} ${each.track}`, `${each.sensor}, track ${each.track}`]);
+    offer(this.beam, entries);
+    const picked = heard.find((each) => `${each.sensor} ${each.track}` === this.beam.value);
+    const beam = picked ?? chosen ?? (selection.track ? null : heard[0]) ?? null;
+    if (!beam) return null;
+    const key = beam.track ? `${beam.sensor} ${beam.track}` : `${beam.sensor} ${beam.beam.toFixed(4)}`;
+    if (socket.open && (key !== this.asked || socket.link !== this.link)) {
+      [this.asked, this.link] = [key, socket.link];
+      const which = beam.track ? { track: beam.track } : { beam: Number(beam.beam.toFixed(4)) };
+      socket.send({ kind: "select", view: "lofar", sensor: beam.sensor, ...which });
+    }
+    return { ...beam, key };
+  }
+
+  streamOf(beam) {
+    const { history } = this.page;
+    for (const name of history.names("lofar")) {
+      const stream = history.stream(name);
+      const frame = stream.frames[stream.frames.length - 1];
+      if (frame.sensor !== beam.sensor || frame.track !== beam.track) continue;
+      if (beam.track || Math.abs(frame.beam - beam.beam) < 1e-3) return stream;
+    }
+    return null;
+  }
+
+  draw(t) {
+    const pen = this.canvas.begin(palette.panel);
+    const beam = this.chooseBeam(t);
+    const stream = beam && this.streamOf(beam);
+    const rows = stream ? this.rowsFor(stream, beam, t) : null;
+    this.empty.hidden = Boolean(stream);
+    this.empty.textContent = this.page.selection.track && !beam
+      ? "The chosen track is not heard by an array with samples."
+      : beam ? "Waiting for the spectrum of this beam." : "No samples of an array yet: its beams have spectra.";
+    if (!pen || !stream) return;
+    const newest = stream.frames[stream.frames.length - 1];
+    const { first, step, count } = newest.frequency;
+    this.whole = [Math.max(0, first - step / 2), first + (count - 0.5) * step];
+    this.shownBand = this.band ?? this.whole;
+    this.box = { x: 0, y: TOP + CURVE, width: this.canvas.width, height: this.canvas.height - TOP - CURVE };
+    this.drawRows(pen, rows, t, newest, beam);
+    this.drawAxis(pen);
+    this.drawCurve(pen, rows(t - 30, t), newest);
+    if (this.lines.isOn && beam.track) this.drawLines(pen, beam, t);
+    this.drawMarks(pen);
+    const cursor = Number.isFinite(this.held) ? this.held : this.hover ? this.frequencyAt(this.hover.x) : NaN;
+    if (this.harmonics.isOn && Number.isFinite(cursor)) this.drawHarmonics(pen, cursor);
+    label(pen, beamText(beam), 4, this.canvas.height - 9, palette.text, palette.panel);
+    if (this.hover) this.drawHover(pen, rows);
+  }
+
+  rowsFor(stream, beam) {
+    const key = `${beam.key} ${this.page.history.version}`;
+    return (t0, t1) => this.integrated.between(stream, Number(this.seconds.value), t0, t1, key);
+  }
+
+  drawRows(pen, rows, t, newest, beam) {
+    const { history } = this.page;
+    const ramp = palette.ramp();
+    const range = Number(this.range.value);
+    const { first, step } = newest.frequency;
+    const width = Math.max(1, Math.round(this.box.width * this.canvas.ratio));
+    const [low, high] = this.shownBand;
+    const perPixel = (high - low) / step / width;
+    const from = (low - first) / step + 0.5;
+    this.pixels = this.pixels?.length === width ? this.pixels : new Float32Array(width);
+    pen.fillStyle = palette.dark ? "#04080d" : "#f4f6f8";
+    pen.fillRect(0, this.box.y, this.box.width, this.box.height);
+    this.ring.show(pen, this.box, {
+      now: t,
+      ratio: this.canvas.ratio,
+      lineSeconds: Number(this.seconds.value) / LINE_HEIGHT,
+      newestOnTop: true,
+      wrap: false,
+      key: `${beam.key} ${this.seconds.value} ${range} ${this.flat.isOn} ${low} ${high} ${palette.dark} ${history.version}`,
+      rows: (t0, t1) => rows(t0 - Number(this.seconds.value), t1),
+      paint: (sum, line) => {
+        const levels = resample(this.levelsFor(sum), from, perPixel, this.pixels);
+        const floor = this.flat.isOn ? 1 : (sum.floor ??= floorOf(levelsOf(sum), 0.5));
+        const unit = 255 / range;
+        for (let x = 0; x < line.length; x++) {
+          const shade = (levels[x] - floor) * unit;
+          line[x] = shade >= 0 ? ramp[Math.min(255, shade | 0)] : shade < 0 ? ramp[0] : 0;
+        }
+      },
+    });
+  }
+
+  levelsFor(sum) {
+    const row = levelsOf(sum);
+    if (!this.flat.isOn) return row;
+    this.over = this.over?.length === row.length ? this.over : new Float32Array(row.length);
+    return overBackground(row, Math.round(HALF_WIDTH / sum.frequency.step), this.over);
+  }
+
+  drawAxis(pen) {
+    const [low, high] = this.shownBand;
+    const step = niceStep(((high - low) / this.canvas.width) * 64);
+    pen.save();
+    pen.font = "11px system-ui, sans-serif";
+    pen.textAlign = "center";
+    for (let f = Math.ceil(low / step) * step; f <= high; f += step) {
+      const x = this.xOf(f);
+      pen.strokeStyle = palette.faint;
+      pen.globalAlpha = 0.3;
+      pen.beginPath();
+      pen.moveTo(x, TOP);
+      pen.lineTo(x, this.canvas.height);
+      pen.stroke();
+      pen.globalAlpha = 1;
+      pen.fillStyle = palette.faint;
+      if (x > 14 && x < this.canvas.width - 44) pen.fillText(String(Number(f.toFixed(3))), x, TOP / 2);
+    }
+    pen.textAlign = "right";
+    pen.fillStyle = palette.faint;
+    pen.fillText("Hz", this.canvas.width - 4, TOP / 2);
+    pen.textAlign = "left";
+    const { ring, box } = this;
+    const seconds = Number(this.seconds.value);
+    const every = [10, 30, 60, 120, 300, 600, 1200, 3600].find((s) => (s / seconds) * LINE_HEIGHT >= 42) ?? 7200;
+    const oldest = (ring.last - ring.height + 1) * ring.span;
+    for (let time = Math.ceil(oldest / every) * every; time <= ring.last * ring.span; time += every) {
+      const y = box.y + ring.yOf(time, box, false);
+      if (y > box.y + 7 && y < box.y + box.height - 22) label(pen, every % 60 ? clock(time) : clock(time).slice(0, 5), 3, y, palette.text, palette.panel);
+    }
+    pen.restore();
+  }
+
+  /** The mean spectrum of the last half minute, above the rows. */
+  drawCurve(pen, sums, newest) {
+    if (!sums.length) return;
+    const count = newest.frequency.count;
+    const mean = { power: new Float64Array(count), weight: 0, row: null };
+    for (const sum of sums) {
+      for (let i = 0; i < count; i++) mean.power[i] += sum.power[i];
+      mean.weight += sum.weight;
+    }
+    mean.frequency = newest.frequency;
+    const { first, step } = newest.frequency;
+    const [low, high] = this.shownBand;
+    const pixels = new Float32Array(Math.round(this.canvas.width));
+    resample(this.levelsFor(mean), (low - first) / step + 0.5, (high - low) / step / pixels.length, pixels);
+    let [least, most] = [Infinity, -Infinity];
+    for (const level of pixels) {
+      if (level < least) least = level;
+      if (level > most) most = level;
+    }
+    if (this.flat.isOn) [least, most] = [-3, Math.max(most, 10)];
+    const yOf = (level) => TOP + CURVE - 3 - ((Math.max(level, least) - least) / Math.max(most - least, 1)) * (CURVE - 6);
+    pen.strokeStyle = palette.accent;
+    pen.lineWidth = 1.2;
+    pen.beginPath();
+    pixels.forEach((level, x) => (Number.isFinite(level) ? pen.lineTo(x, yOf(level)) : null));
+    pen.stroke();
+    pen.lineWidth = 1;
+    pen.textAlign = "left";
+    pen.font = "11px system-ui, sans-serif";
+    label(pen, `${most.toFixed(0)} dB`, 3, TOP + 7, palette.faint, palette.panel);
+    pen.font = "12px system-ui, sans-serif";
+  }
+
+  drawLines(pen, beam, t) {
+    const { history } = this.page;
+    const { ring, box } = this;
+    pen.save();
+    for (const topic of history.topics("lines")) {
+      const frames = history.between(`lines ${topic}`, t - ring.height * ring.span, t);
+      if (!frames.length || frames[0].sensor.id !== beam.sensor) continue;
+      const newest = new Map();
+      for (const frame of frames) {
+        for (let i = 0; i < frame.line_id.length; i++) {
+          if (frame.track_id[i] !== beam.track) continue;
+          const x = this.xOf(frame.frequency[i]);
+          const y = box.y + ring.yOf(frame.t, box, false);
+          if (!Number.isFinite(y) || x < 0 || x > box.width) continue;
+          pen.fillStyle = palette.track(frame.line_id[i]);
+          pen.fillRect(x - 4.5, y - 0.5, 2, 1.5);
+          pen.fillRect(x + 2.5, y - 0.5, 2, 1.5);
+          newest.set(frame.line_id[i], { x, t: frame.t, f: frame.frequency[i] });
+        }
+      }
+      pen.font = "11px system-ui, sans-serif";
+      pen.textAlign = "center";
+      let right = -Infinity;
+      for (const [id, { x, t: heard, f }] of [...newest].sort((a, b) => a[1].x - b[1].x)) {
+        if (t - heard > 15 || x < right + 46) continue;
+        label(pen, f.toFixed(1), Math.min(Math.max(x, 20), box.width - 20), box.y + 8, palette.track(id), palette.panel);
+        right = x;
+      }
+    }
+    pen.restore();
+  }
+
+  drawMarks(pen) {
+    for (const [name, mark] of Object.entries(this.page.time.marks)) {
+      if (!mark) continue;
+      const y = this.box.y + this.ring.yOf(mark.t, this.box, false);
+      const x = Number.isFinite(mark.frequency) ? this.xOf(mark.frequency) : NaN;
+      pen.strokeStyle = palette[name.toLowerCase()];
+      pen.lineWidth = 1.5;
+      pen.beginPath();
+      if (Number.isFinite(y)) {
+        pen.moveTo(0, y);
+        pen.lineTo(this.box.width, y);
+      }
+      if (Number.isFinite(x)) {
+        pen.moveTo(x, TOP);
+        pen.lineTo(x, this.canvas.height);
+      }
+      pen.stroke();
+      if (Number.isFinite(y)) label(pen, name, Number.isFinite(x) ? x + 4 : 4, y - 8, pen.strokeStyle, palette.panel);
+    }
+    pen.lineWidth = 1;
+  }
+
+  drawHarmonics(pen, cursor) {
+    const fundamental = cursor / Number(this.order.value);
+    const [, high] = this.shownBand;
+    pen.save();
+    pen.strokeStyle = palette.warn;
+    pen.font = "11px system-ui, sans-serif";
+    pen.textAlign = "center";
+    let right = -Infinity;
+    for (let k = 1; k <= MOST_HARMONICS && k * fundamental <= high; k++) {
+      const x = this.xOf(k * fundamental);
+      if (x < 0) continue;
+      pen.setLineDash(k === Number(this.order.value) ? [] : [5, 4]);
+      pen.beginPath();
+      pen.moveTo(x, TOP);
+      pen.lineTo(x, this.canvas.height);
+      pen.stroke();
+      if (x > right + 20) {
+        label(pen, String(k), x, TOP + CURVE - 8, palette.warn, palette.panel);
+        right = x;
+      }
+    }
+    pen.restore();
+  }
+
+  drawHover(pen, rows) {
+    const { x, y } = this.hover;
+    const frequency = this.frequencyAt(x);
+    pen.strokeStyle = palette.accent;
+    pen.globalAlpha = 0.8;
+    pen.beginPath();
+    pen.moveTo(x, TOP);
+    pen.lineTo(x, this.canvas.height);
+    if (y > this.box.y) {
+      pen.moveTo(0, y);
+      pen.lineTo(this.box.width, y);
+    }
+    pen.stroke();
+    pen.globalAlpha = 1;
+    const words = [`${fixed(frequency, 2)} Hz`];
+    if (this.harmonics.isOn) {
+      const at = Number.isFinite(this.held) ? this.held : frequency;
+      words.unshift(`f₀ ${fixed(at / Number(this.order.value), 3)} Hz`);
+    }
+    if (y > this.box.y) {
+      const t = this.ring.timeAt(y - this.box.y, this.box, false);
+      words.push(clock(t), `−${duration(this.page.time.now - t)}`);
+      const sum = rows(t, t + 1e-3)[0];
+      if (sum) {
+        const place = Math.round((frequency - sum.frequency.first) / sum.frequency.step);
+        words.push(`${fixed(levelsOf(sum)[place], 1)} dB/Hz`, `${fixed(this.levelsFor(sum)[place], 1)} dB over`);
+        words.push(`beam ${degrees(sum.angle)}°`);
+      }
+    }
+    readout(pen, this.canvas, words.join("   "));
+  }
+}
+
+function beamText(beam) {
+  return beam.track ? `${beam.sensor}, track ${beam.track}` : `${beam.sensor}, beam ${degrees(beam.beam)}°`;
+}
