@@ -105,10 +105,10 @@ def test_broadband_energy_is_the_power_in_the_band(degrees: float) -> None:
     assert outside is not None and outside.power.max() < 1e-3 * POWER
 
 
-def test_the_band_is_that_of_one_beam() -> None:
-    assert array_band(LINE, RATE, SPEED) == (400.0, 1500.0)
+def test_the_band_is_the_highest_octave_with_one_beam() -> None:
+    assert array_band(LINE, RATE, SPEED) == (750.0, 1500.0)
     assert array_band(LINE, 2000.0, SPEED) == (400.0, 800.0)
-    assert array_band(LINE[:1], 2000.0, SPEED) == (0.0, 800.0)
+    assert array_band(LINE[:1], 2000.0, SPEED) == (400.0, 800.0)
 
 
 def test_blocks_of_any_length_give_the_same_energy_and_touching_rows() -> None:

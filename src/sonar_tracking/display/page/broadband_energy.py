@@ -9,8 +9,8 @@ so that a plane wave gives in its own direction the power it has in the band on 
 Frames are eight times as long as sound takes along the array: then the delays do not shift a
 wave out of its frame.
 
-The band of an array is that in which it has a beam and no second one: its aperture is at least two
-wavelengths, and its spacing at most half of one.
+The band of an array is the octave below the frequency at which its elements are half a wavelength
+apart, or below what was recorded: there its beams are narrowest, and each is a single one.
 
 References
 ----------
@@ -49,7 +49,7 @@ Band = tuple[float, float]
 
 
 def array_band(positions: FloatArray, sample_rate: float, sound_speed: float) -> Band:
-    """Return the band in which an array has one beam, Hz.
+    """Return the highest octave in which an array has no second beam, Hz.
 
     Parameters
     ----------
@@ -61,10 +61,9 @@ def array_band(positions: FloatArray, sample_rate: float, sound_speed: float) ->
         m/s.
     """
     usable = USABLE_SHARE * 0.5 * sample_rate
-    spacing, length = largest_spacing(positions), aperture(positions)
+    spacing = largest_spacing(positions)
     highest = min(usable, 0.5 * sound_speed / spacing) if spacing > 0.0 else usable
-    lowest = 2.0 * sound_speed / length if length > 0.0 else 0.0
-    return (lowest if lowest < 0.5 * highest else 0.5 * highest, highest)
+    return 0.5 * highest, highest
 
 
 class BroadbandEnergy:

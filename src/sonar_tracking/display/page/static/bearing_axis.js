@@ -8,10 +8,10 @@ import { DEGREE, turn } from "./format.js";
 const WHOLE = 2 * Math.PI;
 
 export const AXES = {
-  cone: "cone angle",
+  cone: "cone",
   relative: "relative",
-  north: "true, 000–360",
-  south: "true, 180–180",
+  north: "true",
+  south: "true, N in the middle",
 };
 
 /** Frames of beam power say how the array lay: everything is seen from there. */

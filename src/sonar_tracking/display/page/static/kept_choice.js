@@ -15,12 +15,13 @@ export function keptSelect(name, title, options, fallback, act) {
   return select;
 }
 
-/** A button that is on or off, which is kept. */
+/** A button that is on or off, which is kept; without a text it says which. */
 export function keptToggle(name, text, title, fallback, act) {
   const button = element("button", { title, "aria-label": title }, text);
   const show = () => {
     button.classList.toggle("on", button.isOn);
     button.setAttribute("aria-pressed", button.isOn);
+    if (text === "") button.textContent = button.isOn ? "on" : "off";
   };
   button.isOn = (localStorage.getItem(name) ?? String(fallback)) === "true";
   button.addEventListener("click", () => {
@@ -41,4 +42,19 @@ export function offer(select, entries) {
   const before = select.value;
   select.replaceChildren(...entries.map(([value, words]) => element("option", { value }, words)));
   if (entries.some(([value]) => value === before)) select.value = before;
+}
+
+/** A button that opens a list of further choices: [words, control] each. */
+export function moreChoices(...rows) {
+  const list = element("div", { class: "menu more", popover: "auto" });
+  for (const [words, control] of rows) list.append(element("label", {}, element("span", {}, words), control));
+  const button = element("button", { title: "More choices", "aria-label": "More choices" }, "…");
+  button.addEventListener("click", () => {
+    list.togglePopover();
+    const [box, own] = [button.getBoundingClientRect(), list.getBoundingClientRect()];
+    list.style.left = `${Math.max(4, Math.min(box.right - own.width, innerWidth - own.width - 4))}px`;
+    list.style.top = `${Math.min(box.bottom + 4, innerHeight - own.height - 4)}px`;
+  });
+  document.body.append(list);
+  return button;
 }

@@ -3,7 +3,7 @@
 import { AXES, BearingAxis, coneOf, relativeText } from "../bearing_axis.js";
 import { Canvas, element, label } from "../canvas.js";
 import { bearing, clock, degrees, duration, fixed } from "../format.js";
-import { keptSelect, keptToggle, offer } from "../kept_choice.js";
+import { keptSelect, keptToggle, moreChoices, offer } from "../kept_choice.js";
 import { palette } from "../palette.js";
 import { bearingTopics, pictureTopics, polar, tracksAt, ownShipAt } from "../picture.js";
 import { RowRing, floorOf } from "../row_ring.js";
@@ -13,7 +13,6 @@ const LINE_HEIGHT = 2; // CSS pixels
 const TOP = 17; // axis of bearings
 const BETWEEN = 5; // panels
 const NEAR = 9; // pixels from a track that count as on it
-const CONTENT = { narrowband: "narrowband", broadband: "broadband" };
 
 export class BearingTime {
   static id = "bearing_time";
@@ -28,12 +27,16 @@ export class BearingTime {
     this.source = element("select", { title: "Which beams", "aria-label": "Which beams" });
     this.source.addEventListener("change", ask);
     this.axis = keptSelect("btr axis", "Axis of bearings", AXES, "cone", ask);
-    this.scales = keptSelect("btr scales", "Seconds a line", { all: "1·5·20 s", 1: "1 s", 5: "5 s", 20: "20 s" }, "all", ask);
-    this.range = keptSelect("btr range", "Range of levels", { 6: "6 dB", 10: "10 dB", 15: "15 dB", 25: "25 dB" }, "10", ask);
-    this.over = keptSelect("btr tracks", "Tracks over it", { bearings: "bearing tracks", picture: "fused tracks", none: "no tracks" }, "bearings", ask);
-    this.top = keptToggle("btr top", "↧", "Newest on top", true, ask);
-    this.wrap = keptToggle("btr wrap", "↻", "Wrap instead of scroll", false, ask);
-    tools.append(this.source, this.axis, this.scales, this.range, this.over, this.top, this.wrap);
+    this.scales = keptSelect("btr scales", "Seconds a line", { all: "1, 5 and 20 s", 1: "1 s", 5: "5 s", 20: "20 s" }, "all", ask);
+    this.range = keptSelect("btr range", "Range of levels", { 6: "6 dB", 10: "10 dB", 15: "15 dB", 20: "20 dB", 30: "30 dB" }, "15", ask);
+    this.over = keptSelect("btr tracks", "Tracks over it", { bearings: "bearing tracks", picture: "fused tracks", none: "none" }, "bearings", ask);
+    this.top = keptToggle("btr top", "", "Newest on top", true, ask);
+    this.wrap = keptToggle("btr wrap", "", "Wrap instead of scroll", false, ask);
+    const more = moreChoices(
+      ["Seconds a line", this.scales], ["Range of levels", this.range], ["Tracks over it", this.over],
+      ["Newest on top", this.top], ["Wrap, not scroll", this.wrap],
+    );
+    tools.append(this.source, this.axis, more);
     this.panels = SCALES.map((scale) => ({ scale, ring: new RowRing(), box: null }));
     this.hover = null;
     const canvas = this.canvas.element;
@@ -129,8 +132,10 @@ export class BearingTime {
       if (Number(scale) !== SCALES[0]) continue;
       const stream = history.stream(name);
       const frame = stream.frames[stream.frames.length - 1];
-      entries.push([topic, `${frame.sensor} ${CONTENT[frame.content] ?? frame.content}`]);
+      entries.push([topic, frame.content, frame.sensor]);
     }
+    const sensors = new Set(entries.map(([, , sensor]) => sensor));
+    for (const entry of entries) if (sensors.size > 1) entry[1] = `${entry[2]} ${entry[1]}`;
     offer(this.source, entries);
     this.source.hidden = entries.length < 2;
     this.topic = this.source.value || null;
@@ -262,27 +267,51 @@ export class BearingTime {
   }
 
   drawTracks(pen, panel, t) {
-    const { selection } = this.page;
     const { box, ring } = panel;
     pen.save();
     pen.beginPath();
     pen.rect(box.x, box.y, box.width, box.height);
     pen.clip();
+    pen.lineJoin = "round";
+    const names = [];
     for (const line of this.trackLines(panel, t - ring.height * ring.span, t)) {
       const chosen = this.isChosen(line);
-      pen.strokeStyle = palette.track(line.id);
-      pen.lineWidth = chosen ? 2.5 : 1.3;
-      for (const side of ["share", "other"]) this.drawLine(pen, panel, line, side);
+      for (const side of ["share", "other"]) {
+        // A rim of the ground keeps the line apart from the loudest and the quietest beams.
+        pen.strokeStyle = palette.panel;
+        pen.globalAlpha = 0.65;
+        pen.lineWidth = chosen ? 5 : 3.2;
+        this.drawLine(pen, panel, line, side);
+        pen.globalAlpha = 1;
+        pen.strokeStyle = palette.track(line.id);
+        pen.lineWidth = chosen ? 2.6 : 1.3;
+        this.drawLine(pen, panel, line, side);
+      }
       const newest = line.points[line.points.length - 1];
       const y = box.y + ring.yOf(newest.t, box, this.wrap.isOn);
-      if (!Number.isFinite(y)) continue;
-      const x = box.x + newest.share * box.width;
-      pen.textAlign = newest.share > 0.93 ? "right" : "left";
-      pen.font = chosen ? "bold 12px system-ui, sans-serif" : "11px system-ui, sans-serif";
-      const yText = Math.min(Math.max(y + (this.top.isOn ? 8 : -8), box.y + 8), box.y + box.height - 8);
-      label(pen, selection.nameOf(line.topic, line.id), x + (newest.share > 0.93 ? -4 : 4), yText, palette.track(line.id), palette.panel);
+      if (Number.isFinite(y)) names.push({ line, chosen, x: box.x + newest.share * box.width, y });
     }
+    this.drawNames(pen, box, names);
     pen.restore();
+  }
+
+  /** Names at the newest ends of the lines; those that would cover another stand a row further in. */
+  drawNames(pen, box, names) {
+    const inwards = this.top.isOn ? 1 : -1;
+    const taken = [];
+    names.sort((a, b) => a.x - b.x);
+    for (const { line, chosen, x, y } of names) {
+      const text = this.page.selection.nameOf(line.topic, line.id);
+      pen.font = chosen ? "bold 12px system-ui, sans-serif" : "12px system-ui, sans-serif";
+      const width = pen.measureText(text).width + 4;
+      const left = x + 4 + width > box.x + box.width ? x - 2 - width : x + 4;
+      let row = Math.min(Math.max(y + 9 * inwards, box.y + 9), box.y + box.height - 9);
+      const covers = (other) => Math.abs(other.row - row) < 13 && left < other.right && left + width > other.left;
+      for (let tries = 0; tries < 8 && taken.some(covers); tries++) row += 13 * inwards;
+      taken.push({ left, right: left + width, row });
+      pen.textAlign = "left";
+      label(pen, text, left, row, palette.track(line.id), palette.panel);
+    }
   }
 
   drawLine(pen, { box, ring }, line, side) {

@@ -4,7 +4,7 @@ import { Canvas, element, label } from "../canvas.js";
 import { clock, degrees, duration, fixed, niceStep } from "../format.js";
 import { chosenBeam, heardTracks } from "../heard_track.js";
 import { IntegratedRows, levelsOf, overBackground } from "../integrated_rows.js";
-import { keptSelect, keptToggle, offer } from "../kept_choice.js";
+import { keptSelect, keptToggle, moreChoices, offer } from "../kept_choice.js";
 import { palette } from "../palette.js";
 import { RowRing, floorOf, resample } from "../row_ring.js";
 import { readout } from "./bearing_time.js";
@@ -33,12 +33,19 @@ export class Lofar {
     });
     this.seconds = keptSelect("lofar seconds", "Seconds a line", { 1: "1 s", 5: "5 s", 20: "20 s" }, "1", ask);
     this.range = keptSelect("lofar range", "Range of levels", { 10: "10 dB", 15: "15 dB", 25: "25 dB", 40: "40 dB" }, "15", ask);
-    this.flat = keptToggle("lofar flat", "⎯", "Levels over their background", true, ask);
-    this.lines = keptToggle("lofar lines", "┊", "Lines that are followed", true, ask);
-    this.harmonics = keptToggle("lofar harmonics", "♒", "Harmonic cursor (H): multiples of the frequency under the pointer; a click holds it", false, ask);
-    this.order = keptSelect("lofar order", "Which harmonic the cursor is", Object.fromEntries([1, 2, 3, 4, 5, 6, 8, 10].map((n) => [n, `${n}.`])), "1", ask);
-    const zoomOut = element("button", { title: "All frequencies (double click)", "aria-label": "All frequencies", onclick: () => this.zoomTo(null) }, "⤢ Hz");
-    tools.append(this.beam, this.seconds, this.range, this.flat, this.lines, this.harmonics, this.order, zoomOut);
+    this.flat = keptToggle("lofar flat", "", "Levels over their background", true, ask);
+    this.lines = keptToggle("lofar lines", "", "Lines that are followed", true, ask);
+    this.harmonics = keptToggle("lofar harmonics", "harmonics", "Harmonic cursor (H): multiples of the frequency under the pointer; a click holds it", false, ask);
+    this.order = keptSelect("lofar order", "Which harmonic the cursor is", Object.fromEntries([1, 2, 3, 4, 5, 6, 8, 10].map((n) => [n, `no. ${n}`])), "1", ask);
+    const button = (text, title, act) => element("button", { title, "aria-label": title, onclick: act }, text);
+    const more = moreChoices(
+      ["Seconds a line", this.seconds], ["Range of levels", this.range],
+      ["Levels over their background", this.flat], ["Lines that are followed", this.lines],
+      ["The cursor is harmonic", this.order],
+      ["Frequencies (wheel, drag)", element("span", {}, button("+", "Closer (+)", () => this.zoomAround(0.5, 0.6)),
+        button("−", "Wider (−)", () => this.zoomAround(0.5, 1 / 0.6)), button("all", "All (double click)", () => this.zoomTo(null)))],
+    );
+    tools.append(this.beam, this.harmonics, more);
     this.ring = new RowRing();
     this.integrated = new IntegratedRows();
     this.band = null;

@@ -12,7 +12,7 @@ import { palette } from "../palette.js";
 import { readout } from "./bearing_time.js";
 
 const TOP = 34; // names and axes of the columns
-const LEFT = 58; // axis of time and courses
+const LEFT = 88; // axis of time and courses
 const BETWEEN = 10;
 const NARROWEST = 90; // of a column, CSS pixels
 const DEGREE = Math.PI / 180;
@@ -29,7 +29,7 @@ export class StackedDots {
     body.append(this.empty);
     const ask = () => page.askDraw();
     this.span = keptSelect("dots span", "Time shown", SPANS, "0", ask);
-    this.scaled = keptToggle("dots scaled", "σ", "Residuals in deviations", false, ask);
+    this.scaled = keptToggle("dots scaled", "in σ", "Residuals in deviations", false, ask);
     tools.append(this.span, this.scaled);
     this.hover = null;
     const canvas = this.canvas.element;
