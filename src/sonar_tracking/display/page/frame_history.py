@@ -14,8 +14,8 @@ LARGEST = 192 * 1024 * 1024
 BACKWARDS = 5.0
 """Data times of a stream that go back by more than this begin anew, s."""
 
-STEADY = frozenset({"sources", "health", "command_result"})
-"""Kinds that are no part of the past."""
+STEADY = frozenset({"sources", "health", "command_result", "waterfall_open", "lofar", "dots"})
+"""Kinds that are no part of the past, or whose past is sent to who asks for it."""
 
 
 class FrameHistory:

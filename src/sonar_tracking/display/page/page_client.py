@@ -18,6 +18,7 @@ from tornado.websocket import WebSocketClosedError, WebSocketHandler
 from sonar_tracking.display.page.page_address import is_loopback
 from sonar_tracking.display.page.page_feed import PageFeed
 from sonar_tracking.display.page.page_frames import VERSION, Frame, text_frame
+from sonar_tracking.errors import InputError
 
 LONGEST_BACKLOG = 64 * 1024 * 1024
 """Bytes that may wait for a browser before it is told to begin anew."""
@@ -52,8 +53,8 @@ class ServedPage(Protocol):
     def command(self, fields: Mapping[str, Any]) -> tuple[bool, str]:
         """Do what a browser commands."""
 
-    def select(self, fields: Mapping[str, Any]) -> None:
-        """Take what a browser has selected."""
+    def select(self, fields: Mapping[str, Any]) -> list[Frame]:
+        """Return what is known of what a browser has selected."""
 
 
 _log = logging.getLogger("sonar_tracking.page")
@@ -130,9 +131,20 @@ class PageClient(WebSocketHandler):
         if kind == "command":
             self._command(said)
         elif kind == "select" and isinstance(said, dict):
-            self._server.select(said)
+            self._select(said)
         else:
             self._refuse(f"the page has sent {str(kind)[:40]!r}, which is not known.")
+
+    def _select(self, said: dict[str, Any]) -> None:
+        """Send what is known of what is selected."""
+        try:
+            frames = self._server.select(said)
+        except InputError as error:
+            self._refuse(str(error))
+            return
+        for frame in frames:
+            self._keep(frame)
+        self._pump()
 
     def _command(self, said: dict[str, Any]) -> None:
         """Do what is asked by who may ask."""

@@ -7,7 +7,7 @@ counted and named; nothing a message holds stops the feed.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
 from sonar_tracking.display.page.contact_frames import ContactFrames, threshold_frame
@@ -24,9 +24,13 @@ from sonar_tracking.display.page.track_frames import (
     own_ship_frame,
     tracks_frame,
 )
+from sonar_tracking.display.page.waterfall_frames import WaterfallFrames
 from sonar_tracking.errors import InputError
 from sonar_tracking.message_reading.alignment_reading import alignments_from_message
-from sonar_tracking.message_reading.array_reading import directions_from_message
+from sonar_tracking.message_reading.array_reading import (
+    directions_from_message,
+    snapshots_from_message,
+)
 from sonar_tracking.message_reading.contact_reading import (
     contacts_from_message,
     thresholds_from_message,
@@ -35,6 +39,7 @@ from sonar_tracking.message_reading.field_reading import type_name
 from sonar_tracking.message_reading.line_reading import frequency_lines_from_message
 from sonar_tracking.message_reading.own_ship_reading import OwnShipReader
 from sonar_tracking.message_reading.position_reading import position_tracks_from_message
+from sonar_tracking.message_reading.sample_reading import samples_from_message
 
 
 class PageFeed:
@@ -62,6 +67,8 @@ class PageFeed:
             "FrequencyLines": self._lines,
             "Contacts": self._contacts,
             "DetectionThreshold": self._thresholds,
+            "ArraySnapshots": self._snapshots,
+            "ArraySamples": self._samples,
             "ArrayAlignments": self._alignments,
             "DiagnosticArray": self._diagnostics,
         }
@@ -73,6 +80,8 @@ class PageFeed:
         self._log = OwnShipLog()
         self._places = StationPlaces(configuration, self._log)
         self._pings = ContactFrames(configuration, self._log)
+        seconds = 60.0 * configuration.history_minutes
+        self._waterfalls = WaterfallFrames(self._log, self._places, seconds)
 
     def take(self, topic: str, message: Any, size: int = 0) -> None:
         """Take a message, and send the frames it makes.
@@ -116,6 +125,16 @@ class PageFeed:
         self.history.add(frame)
         self._send(frame)
 
+    def select(self, said: Mapping[str, Any]) -> list[Frame]:
+        """Select what is sent from now on, and return what is known of it.
+
+        Raises
+        ------
+        InputError
+            If it makes no sense.
+        """
+        return list(self._waterfalls.select(said))
+
     def report_health(self) -> None:
         """Send the state of the graph as it is now."""
         self.emit(self.health.frame())
@@ -129,16 +148,29 @@ class PageFeed:
         state = self._read_own_ship(message)
         self._log.add(state)
         yield own_ship_frame(state)
+        yield from self._waterfalls.own_ship(state)
 
     def _tracks(self, topic: str, message: Any) -> Iterator[Frame]:
-        yield tracks_frame(topic, position_tracks_from_message(message))
+        tracks = position_tracks_from_message(message)
+        yield tracks_frame(topic, tracks)
+        yield from self._waterfalls.tracks(topic, tracks)
 
     def _bearings(self, topic: str, message: Any) -> Iterator[Frame]:
         tracks = directions_from_message(message)
-        yield bearings_frame(topic, tracks, self._places.view(tracks.sensor, tracks.stamp))
+        view = self._places.view(tracks.sensor, tracks.stamp)
+        yield bearings_frame(topic, tracks, view)
+        self._waterfalls.bearings(topic, tracks, view)
 
     def _lines(self, topic: str, message: Any) -> Iterator[Frame]:
-        yield lines_frame(topic, frequency_lines_from_message(message))
+        lines = frequency_lines_from_message(message)
+        yield lines_frame(topic, lines)
+        self._waterfalls.lines(lines)
+
+    def _snapshots(self, topic: str, message: Any) -> Iterator[Frame]:
+        yield from self._waterfalls.snapshots(topic, snapshots_from_message(message))
+
+    def _samples(self, topic: str, message: Any) -> Iterator[Frame]:
+        yield from self._waterfalls.samples(topic, samples_from_message(message))
 
     def _contacts(self, topic: str, message: Any) -> Iterator[Frame]:
         yield self._pings.frame(topic, contacts_from_message(message))

@@ -122,8 +122,15 @@ class PageServer:
             return False, "nothing here takes commands."
         return self._command(fields)
 
-    def select(self, fields: Mapping[str, Any]) -> None:
-        """Take what a browser has selected."""
+    def select(self, fields: Mapping[str, Any]) -> list[Frame]:
+        """Return what is known of what a browser has selected; it is sent from now on.
+
+        Raises
+        ------
+        InputError
+            If it makes no sense.
+        """
+        return self.feed.select(fields)
 
     def check_host(self, handler: RequestHandler) -> None:
         """Refuse a request by a name that is not this machine's: a page elsewhere has made it."""

@@ -10,6 +10,8 @@ SHOWN_TYPES = (
     "sonar_tracking_msgs/msg/Contacts",
     "sonar_tracking_msgs/msg/DetectionThreshold",
     "sonar_tracking_msgs/msg/ArrayAlignments",
+    "sonar_tracking_msgs/msg/ArraySnapshots",
+    "sonar_tracking_msgs/msg/ArraySamples",
     "diagnostic_msgs/msg/DiagnosticArray",
 )
 """What the feed takes."""

@@ -6,6 +6,7 @@ from when one of them has selected it, with what is known of the past.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import chain
@@ -39,6 +40,7 @@ from sonar_tracking.records.own_ship import OwnShipState
 from sonar_tracking.records.positions import PositionTracks
 from sonar_tracking.records.samples import ArraySamples
 from sonar_tracking.records.time import NANOSECONDS, nanoseconds
+from sonar_tracking.tma.targets.station_view import StationView
 
 MOST_SELECTED = 3
 """Beams and tracks that are sent at the same time, those selected last."""
@@ -70,6 +72,7 @@ class WaterfallFrames:
         self._beams: dict[str, LofarBeams] = {}
         self._spectra = LofarHistory(history_seconds)
         self._log = HearingLog()
+        self._heard: dict[str, str] = {}
         self._legs = OwnShipLegs()
         self._newest: dict[str, PositionTracks] = {}
         self._lofar_selected: dict[tuple[str, int, float], None] = {}
@@ -97,10 +100,15 @@ class WaterfallFrames:
             if _selection(spectrum) in self._lofar_selected:
                 yield _lofar_frame(spectrum)
 
-    def bearings(self, tracks: BearingTracks) -> None:
-        """Take what a sensor has heard: beams follow it, and dots are made of it."""
-        view = self._places.view(tracks.sensor, tracks.stamp)
-        self._beams_of(tracks.sensor.sensor_id).take_tracks(tracks)
+    def bearings(self, topic: str, tracks: BearingTracks, view: StationView | None) -> None:
+        """Take what a sensor has heard, and where it was: beams follow, dots are made of it.
+
+        Of a sensor with several lists the first counts; truth is not heard.
+        """
+        sensor_id = tracks.sensor.sensor_id
+        if "truth" in topic.split("/") or self._heard.setdefault(sensor_id, topic) != topic:
+            return
+        self._beams_of(sensor_id).take_tracks(tracks)
         if view is not None:
             self._log.add_bearings(tracks, view)
 
@@ -135,7 +143,7 @@ class WaterfallFrames:
         try:
             if said["view"] == "lofar":
                 sensor, track = str(said["sensor"]), int(said.get("track") or 0)
-                beam = 0.0 if track else round(float(said["beam"]), 4)
+                beam = 0.0 if track else round(_wrapped(float(said["beam"])), 4)
                 yield from self._select_spectrum(sensor, track, beam)
             elif said["view"] == "dots":
                 topic, track = str(said["topic"]), int(said["track"])
@@ -215,6 +223,13 @@ class WaterfallFrames:
             for leg in self._legs.legs()
         ]
         return text_frame("legs", seconds_of(stamp), "", legs=legs)
+
+
+def _wrapped(angle: float) -> float:
+    """Return an angle in [-pi, pi], rad; NaN and infinity raise ValueError."""
+    if not math.isfinite(angle):
+        raise ValueError
+    return math.remainder(angle, 2.0 * math.pi)
 
 
 def _selection(row: LofarRow) -> tuple[str, int, float]:

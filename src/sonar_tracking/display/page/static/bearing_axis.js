@@ -11,7 +11,7 @@ export const AXES = {
   cone: "cone",
   relative: "relative",
   north: "true",
-  south: "true, N in the middle",
+  south: "true, N mid",
 };
 
 /** Frames of beam power say how the array lay: everything is seen from there. */

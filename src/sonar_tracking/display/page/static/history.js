@@ -5,6 +5,7 @@
 
 const KEPT_SECONDS = 45 * 60;
 const MOST_FRAMES = 60000; // of one stream: 20 rows a second for 50 minutes
+const REPLACED = new Set(["waterfall_open"]); // only the newest counts
 const TOLD = new Set(["hello", "health", "sources", "history", "live", "begin", "command_result"]);
 
 export function streamName(frame) {
@@ -86,6 +87,7 @@ export class History {
     const name = streamName(frame);
     let stream = this.streams.get(name);
     if (!stream) this.streams.set(name, (stream = new Stream()));
+    if (REPLACED.has(frame.kind)) stream.frames.length = 0;
     stream.add(frame);
     if (frame.t > this.newest) this.newest = frame.t;
     if (frame.t < this.oldest) this.oldest = frame.t;

@@ -1,10 +1,13 @@
 // The views, by the cell they are in; the first of a cell is shown first.
 
+import { BearingTime } from "./views/bearing_time.js";
 import { Health } from "./views/health.js";
+import { Lofar } from "./views/lofar.js";
 import { Plan } from "./views/plan.js";
+import { StackedDots } from "./views/stacked_dots.js";
 import { TrackTable } from "./views/track_table.js";
 
-export const cells = [[Plan], [], [Health], [TrackTable]].filter((classes) => classes.length);
+export const cells = [[Plan], [BearingTime], [Lofar, StackedDots, Health], [TrackTable]];
 
 export const keyTexts = [
   ["Space", "pause, or play"],
@@ -14,6 +17,7 @@ export const keyTexts = [
   ["F", "the view large, or all again"],
   ["Shift and click", "cursor A, then B: differences in time, bearing and frequency are shown below"],
   ["Escape", "back: closes what is open, takes the cursors and the choice away"],
+  ["H, + and −", "in the LOFAR: harmonic cursor, closer and wider; the wheel zooms, dragging moves, a double click shows all"],
   ["T", "colours: light, dark, as the machine"],
   ["⊕", "own ship"],
   ["□ ◇ ○ △", "a track of echoes and bearings, of echoes, of bearings, and something fixed; dashed: tentative; dotted: coasted"],
