@@ -39,6 +39,7 @@ class ServedPage(Protocol):
     clients: set[PageClient]
     token: str
     title: str
+    namespace: str
     recording: Mapping[str, float] | None
     remote_commands: bool
     refused: int
@@ -90,6 +91,7 @@ class PageClient(WebSocketHandler):
             float("nan"),
             version=VERSION,
             title=self._server.title,
+            namespace=self._server.namespace,
             token_needed=commands,
             may_command=commands and not (self.is_remote and not self._server.remote_commands),
             recording=self._server.recording,

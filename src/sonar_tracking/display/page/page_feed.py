@@ -14,6 +14,7 @@ from sonar_tracking.display.page.contact_frames import ContactFrames, threshold_
 from sonar_tracking.display.page.frame_history import FrameHistory
 from sonar_tracking.display.page.health_frames import Health
 from sonar_tracking.display.page.own_ship_log import OwnShipLog
+from sonar_tracking.display.page.page_commands import command_frame
 from sonar_tracking.display.page.page_configuration import PageConfiguration
 from sonar_tracking.display.page.page_frames import Frame, text_frame
 from sonar_tracking.display.page.track_frames import (
@@ -31,6 +32,7 @@ from sonar_tracking.message_reading.array_reading import (
     directions_from_message,
     snapshots_from_message,
 )
+from sonar_tracking.message_reading.command_reading import command_from_message
 from sonar_tracking.message_reading.contact_reading import (
     contacts_from_message,
     thresholds_from_message,
@@ -70,6 +72,7 @@ class PageFeed:
             "ArraySnapshots": self._snapshots,
             "ArraySamples": self._samples,
             "ArrayAlignments": self._alignments,
+            "OperatorCommand": self._commands,
             "DiagnosticArray": self._diagnostics,
         }
 
@@ -180,6 +183,9 @@ class PageFeed:
 
     def _alignments(self, topic: str, message: Any) -> Iterator[Frame]:
         yield alignment_frame(topic, alignments_from_message(message))
+
+    def _commands(self, topic: str, message: Any) -> Iterator[Frame]:
+        yield command_frame(command_from_message(message))
 
     def _diagnostics(self, topic: str, message: Any) -> Iterable[Frame]:
         self.health.diagnosed(message)

@@ -56,6 +56,8 @@ class PageServer:
         Does what a browser commands; None = nothing is commanded here.
     recording : mapping, optional
         Of a recording: its first and last data time ``t0`` and ``t1``, s.
+    namespace : str
+        Of the graph; empty = the root.
 
     Attributes
     ----------
@@ -73,12 +75,14 @@ class PageServer:
         token: str,
         command: Command | None = None,
         recording: Mapping[str, float] | None = None,
+        namespace: str = "",
     ) -> None:
         self.feed = PageFeed(configuration, self._send)
         self.clients: set[PageClient] = set()
         self.token = token
         self.title = configuration.title
         self.recording = recording
+        self.namespace = namespace
         self.remote_commands = configuration.remote_commands
         self.refused = 0
         self._command = command

@@ -12,6 +12,7 @@ SHOWN_TYPES = (
     "sonar_tracking_msgs/msg/ArrayAlignments",
     "sonar_tracking_msgs/msg/ArraySnapshots",
     "sonar_tracking_msgs/msg/ArraySamples",
+    "sonar_tracking_msgs/msg/OperatorCommand",
     "diagnostic_msgs/msg/DiagnosticArray",
 )
 """What the feed takes."""
@@ -20,5 +21,6 @@ KEPT_TYPES = (
     "sonar_tracking_msgs/msg/Tracks",
     "sonar_tracking_msgs/msg/BearingTracks",
     "sonar_tracking_msgs/msg/ArrayAlignments",
+    "sonar_tracking_msgs/msg/OperatorCommand",
 )
-"""Complete pictures, whose last one is kept for late readers."""
+"""Complete pictures and commands, which are kept for late readers."""

@@ -74,5 +74,7 @@ def planned_page(
             subscriptions=(*shown.values(), DIAGNOSTICS),
             parameters=parameters,
             needs_clock=False,
+            comes_back=True,
+            parameters_again={"open_browser": False},
         ),
     )

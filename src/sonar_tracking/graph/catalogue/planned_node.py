@@ -27,6 +27,10 @@ class PlannedNode:
         Whether it listens to ``/clock``; to hear every tick costs more than to draw a picture.
     remaps : mapping of str to str
         Full name of a topic in the namespace of the node to its name in the graph.
+    comes_back : bool
+        Of a display: whether it is started again when it has died.
+    parameters_again : mapping
+        Its parameters that are others then.
     """
 
     name: str
@@ -37,3 +41,5 @@ class PlannedNode:
     gives_identifiers: bool = False
     needs_clock: bool = True
     remaps: Mapping[str, str] = field(default_factory=dict)
+    comes_back: bool = False
+    parameters_again: Mapping[str, Any] = field(default_factory=dict)

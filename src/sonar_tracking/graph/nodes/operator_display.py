@@ -11,6 +11,7 @@ from __future__ import annotations
 import sys
 import threading
 from collections import deque
+from collections.abc import Mapping
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -21,19 +22,23 @@ from rclpy.serialization import deserialize_message
 
 from sonar_tracking.bags.storage.log_time import head_stamp
 from sonar_tracking.display.page.page_address import page_token
+from sonar_tracking.display.page.page_commands import command_from_page
 from sonar_tracking.display.page.page_configuration import PageConfiguration
 from sonar_tracking.display.page.page_server import PageServer
 from sonar_tracking.display.page.shown_types import KEPT_TYPES, SHOWN_TYPES
 from sonar_tracking.display.page.web_browser import open_browser
-from sonar_tracking.errors import ConfigurationError, Severity
+from sonar_tracking.errors import ConfigurationError, InputError, Severity
+from sonar_tracking.graph.catalogue.command_kinds import check_command
 from sonar_tracking.graph.catalogue.page_nodes import OPERATOR_DISPLAY
 from sonar_tracking.graph.catalogue.topics import DIAGNOSTICS
 from sonar_tracking.graph.message_writing.field_writing import message_class
 from sonar_tracking.graph.node_base import parameters, quality_of_service
+from sonar_tracking.graph.node_base.command_sender import CommandSender
 from sonar_tracking.graph.node_base.diagnostics import MATCHED, Diagnostics
 from sonar_tracking.graph.node_base.node_process import run_node
 from sonar_tracking.graph.node_base.node_watch import STATUS_PERIOD
 from sonar_tracking.graph.node_base.ready_reports import ReadyReports
+from sonar_tracking.records.time import nanoseconds
 
 PAGE = "page"
 """Concern: where the page is, and how many look at it."""
@@ -44,6 +49,9 @@ DEPTH = 100
 LONGEST_QUEUE = 5000
 LARGEST_QUEUE = 64 * 1024 * 1024
 """Messages, and bytes, that may wait for the thread of the server."""
+
+BACKWARDS = nanoseconds(30.0)
+"""Stamps that are earlier than the newest by more tell that the clock has gone back, ns."""
 
 LOOK_PERIOD = 0.5
 """Between two looks for new topics, s of steady time."""
@@ -74,7 +82,10 @@ class OperatorDisplay(Node):
         self._missed = 0
         self._heard: dict[str, Any] = {}
         self._received = False
-        self._server = PageServer(configuration, page_token())
+        self._newest = 0
+        self._sender = CommandSender(self)
+        namespace = self.get_namespace().rstrip("/")
+        self._server = PageServer(configuration, page_token(), self._command, namespace=namespace)
         self._server.start()
         self.get_logger().info(f"the page is at {self._server.address}")
         for topic, type_name in zip(configuration.topics, configuration.types, strict=True):
@@ -121,7 +132,10 @@ class OperatorDisplay(Node):
     def _receive(self, topic: str, kind: type, data: bytes) -> None:
         if kind is not DiagnosticArray:
             self._received = True
-            self._diagnostics.advance(head_stamp(data))
+            stamp = head_stamp(data)
+            back = stamp < self._newest - BACKWARDS
+            self._newest = stamp if back else max(self._newest, stamp)
+            self._diagnostics.advance(self._newest)
         with self._lock:
             full = len(self._waiting) >= LONGEST_QUEUE or self._waiting_bytes > LARGEST_QUEUE
             if full:
@@ -142,6 +156,16 @@ class OperatorDisplay(Node):
         feed.health.missed = self._missed
         for topic, kind, data in taken:
             feed.take(topic, deserialize_message(data, kind))
+
+    def _command(self, fields: Mapping[str, Any]) -> tuple[bool, str]:
+        """Ask for what an operator commands; called by the thread of the server."""
+        try:
+            command = command_from_page(fields)
+            check_command(command)
+        except InputError as error:
+            return False, str(error)
+        self._sender.send(command, self._newest)
+        return True, f"{command.kind.name.lower().replace('_', ' ')}: sent."
 
     def _report(self) -> None:
         if self._missed:

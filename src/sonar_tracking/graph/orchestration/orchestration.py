@@ -29,7 +29,7 @@ from sonar_tracking.graph.orchestration.process_supervisor import (
     SupervisedProcess,
 )
 from sonar_tracking.graph.orchestration.rate_watch import RateWatch
-from sonar_tracking.graph.orchestration.restart_plan import restarted_process
+from sonar_tracking.graph.orchestration.restart_plan import restarted_display, restarted_process
 from sonar_tracking.graph.orchestration.run_report import RunReport
 from sonar_tracking.graph.orchestration.server_watch import ServerWatch
 from sonar_tracking.graph.orchestration.stall_watch import StallWatch
@@ -324,10 +324,12 @@ class Orchestration:
             self._display.show(state, wall)
 
     def _go_on_without(self, process: SupervisedProcess) -> None:
-        """Tell that a node has ended which only showed what the others find."""
+        """Tell that a display has ended; what people look at from outside comes back."""
         self.edges.forget(process.plan.name)
-        words = f"{process.plan.name} {process.end_in_words}; the run goes on without it"
+        again, words = restarted_display(self._plan, process, self._log_directory)
         self._warn(f"{words}; its log is {process.log}.")
+        if again is not None:
+            self.supervisor.start(again)
 
     def _warn(self, text: str) -> None:
         self.warnings.append(text)

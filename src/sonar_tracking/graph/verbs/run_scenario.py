@@ -198,7 +198,7 @@ def plan_scenario(
         transport=choose_transport(largest, n_publishers=2),
         displays=(
             *names.planned(planned_displays(planned, options.record is not None)),
-            *planned_page(options.page, _published(nodes), given, scenario.name),
+            *planned_page(options.page, (*_published(nodes), *offered), given, scenario.name),
         ),
         naming=names,
         flow_window=flow_window(options.rate, largest),

@@ -14,9 +14,13 @@ export class Commands {
     return this.allowed && this.socket.token !== "";
   }
 
+  explain() {
+    this.toast("Read only: open the page by the address that was printed, with its token, to command.");
+  }
+
   send(fields) {
     if (!this.possible) {
-      this.toast("Read only: open the page by the address that was printed to command.");
+      this.explain();
     } else if (!this.socket.command(fields)) {
       this.toast("Not sent: there is no connection.");
     }

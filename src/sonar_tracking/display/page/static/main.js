@@ -68,6 +68,13 @@ class Page {
     this.health = frame;
   }
 
+  /** A command takes effect: names are shown in every page, and in replays. */
+  on_command(frame) {
+    (this.incoming ?? this.history).add(frame);
+    const topic = `${this.hello?.namespace ?? ""}/${frame.topic}`;
+    if (frame.command === "rename_track") this.selection.rename(topic, frame.id, frame.name);
+  }
+
   on_command_result(frame) {
     this.toast(frame.sentence, !frame.ok);
   }
