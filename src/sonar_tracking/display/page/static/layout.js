@@ -1,6 +1,6 @@
 // Four cells with views behind tabs; any view can be shown large; on a phone one at a time.
 
-import { element } from "./canvas.js";
+import { element, icon } from "./canvas.js";
 
 export class Layout {
   /** cells: lists of view classes; make(viewClass, body, tools) returns the view. */
@@ -24,7 +24,7 @@ export class Layout {
   makeCell(classes, make) {
     const strip = element("div", { class: "strip", role: "tablist" });
     const tools = element("div", { class: "tools" });
-    const enlarge = element("button", { class: "enlarge", title: "Show large, or all again (F)", "aria-label": "Show large" }, "⤢");
+    const enlarge = element("button", { class: "enlarge", title: "Show large, or all again (F)", "aria-label": "Show large" }, icon("large"));
     const body = element("div", { class: "body" });
     const root = element("section", { class: "cell" }, element("header", {}, strip, tools, enlarge), body);
     const cell = { root, ids: [], current: null };

@@ -1,6 +1,6 @@
 // Puts the page together: the connection feeds the history, the views draw what the time control asks.
 
-import { element } from "./canvas.js";
+import { element, icon } from "./canvas.js";
 import { Commands, closeMenu } from "./commands.js";
 import { bearing, clock, duration, fixed } from "./format.js";
 import { History } from "./history.js";
@@ -31,6 +31,7 @@ class Page {
     this.commands = new Commands(this.socket, (sentence) => this.toast(sentence));
     this.bar = new TimeBar(byId("bottom"), this.time, this.history);
     this.layout = new Layout(byId("cells"), byId("tabs"), cells, (one, body, tools) => new one(body, tools, this));
+    byId("theme").append(icon("shade"));
     byId("theme").addEventListener("click", () => this.toast(`Colours: ${palette.next()}`));
     byId("help").addEventListener("click", () => this.help());
     addEventListener("keydown", (event) => this.key(event));

@@ -1,6 +1,6 @@
 // The time that is looked at: the live edge, or a time in the past; and the cursors A and B.
 
-import { element } from "./canvas.js";
+import { element, icon } from "./canvas.js";
 import { clock, duration } from "./format.js";
 
 const STEP = 2; // s of data
@@ -104,8 +104,8 @@ export class TimeBar {
   constructor(parent, time, history) {
     this.time = time;
     this.history = history;
-    const button = (text, title, act) => element("button", { title, "aria-label": title, onclick: act }, text);
-    this.toggle = button("⏸", "Pause or play (space)", () => time.toggle());
+    const button = (inside, title, act) => element("button", { title, "aria-label": title, onclick: act }, inside);
+    this.toggle = button(icon("pause"), "Pause or play (space)", () => time.toggle());
     this.rate = element("select", { title: "Speed of playing", "aria-label": "Speed of playing" });
     for (const rate of RATES) this.rate.append(element("option", { value: rate }, `${rate}×`));
     this.rate.addEventListener("change", () => {
@@ -122,9 +122,9 @@ export class TimeBar {
     this.edge.className = "live";
     this.marks = element("span", { class: "figures marks", title: "Cursors A and B: Shift and click in a view; Escape clears them" });
     parent.append(
-      button("⏮", "A step back (←; Shift: half a minute)", (e) => time.step(e.shiftKey ? -30 : -STEP)),
+      button(icon("back"), "A step back (←; Shift: half a minute)", (e) => time.step(e.shiftKey ? -30 : -STEP)),
       this.toggle,
-      button("⏭", "A step on (→; Shift: half a minute)", (e) => time.step(e.shiftKey ? 30 : STEP)),
+      button(icon("on"), "A step on (→; Shift: half a minute)", (e) => time.step(e.shiftKey ? 30 : STEP)),
       this.rate, this.slider, this.shown, this.edge, this.marks,
     );
   }
@@ -138,7 +138,11 @@ export class TimeBar {
     if (document.activeElement !== this.slider || time.live || time.playing) this.slider.value = 1000 * share;
     this.slider.setAttribute("aria-valuetext", known ? clock(time.now) : "no data");
     const runs = time.live || time.playing;
-    this.toggle.textContent = runs ? "⏸" : "▶";
+    const wanted = runs ? "pause" : "play";
+    if (this.toggle.dataset.icon !== wanted) {
+      this.toggle.dataset.icon = wanted;
+      this.toggle.replaceChildren(icon(wanted));
+    }
     this.edge.textContent = time.recording ? "end" : "live";
     this.edge.classList.toggle("on", time.live);
     const behind = history.newest - time.now;

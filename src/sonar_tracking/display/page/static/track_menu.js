@@ -14,9 +14,9 @@ export function listOf(page, topic) {
 }
 
 /** The menu of a track of the picture, of a bearing track ({topic, id, bearing: true}), or of a direction. */
-export function openTrackMenu(page, event, row, azimuth) {
+export function openTrackMenu(page, event, row, azimuth, point = null) {
   const place = { x: event.clientX, y: event.clientY };
-  const entries = row ? trackEntries(page, row, place) : directionEntries(page, azimuth);
+  const entries = row ? trackEntries(page, row, place) : directionEntries(page, azimuth, point);
   const title = row ? `Track ${page.selection.nameOf(row.topic, row.id)}` : `Bearing ${bearing(azimuth)}°`;
   if (!page.commands.possible) entries.push(["Read only: no commands", () => page.commands.explain()]);
   openMenu(place.x, place.y, title, entries);
@@ -69,9 +69,19 @@ function bearingRows(page, topic) {
   return frame ? [...frame.id].map((id) => ({ topic, id })) : [];
 }
 
-/** Start a bearing track: a direction of the map is an angle from broadside of the array. */
-function directionEntries(page, azimuth) {
-  const array = page.commands.possible ? arrayFrame(page) : null;
+/** Start a track: of bearings, where a direction is an angle from broadside, or of echoes at a point. */
+function directionEntries(page, azimuth, point) {
+  if (!page.commands.possible) return [];
+  const entries = bearingEntries(page, azimuth);
+  if (point && page.history.names("contacts").length) {
+    const act = () => page.commands.send({ command: "start_track", topic: "active/tracks", x: point.x, y: point.y });
+    entries.push(["Start a track of echoes here", act]);
+  }
+  return entries;
+}
+
+function bearingEntries(page, azimuth) {
+  const array = arrayFrame(page);
   if (!array || !Number.isFinite(azimuth)) return [];
   const angle = Math.asin(Math.max(-1, Math.min(1, Math.cos(azimuth - array.sensor.axis_azimuth))));
   const act = () => page.commands.send({ command: "start_track", topic: "passive/bearing_tracks", arrival_angle: angle });

@@ -4,10 +4,11 @@ import { BearingTime } from "./views/bearing_time.js";
 import { Health } from "./views/health.js";
 import { Lofar } from "./views/lofar.js";
 import { Plan } from "./views/plan.js";
+import { RangeBearing } from "./views/range_bearing.js";
 import { StackedDots } from "./views/stacked_dots.js";
 import { TrackTable } from "./views/track_table.js";
 
-export const cells = [[Plan], [BearingTime], [Lofar, StackedDots, Health], [TrackTable]];
+export const cells = [[Plan], [BearingTime, Lofar], [RangeBearing, StackedDots, Health], [TrackTable]];
 
 export const keyTexts = [
   ["Space", "pause, or play"],

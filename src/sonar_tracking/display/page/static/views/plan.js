@@ -1,6 +1,6 @@
 // The plan: own ship, tracks with their ellipses, trails, bearings, contacts and the truth.
 
-import { Canvas, element, label } from "../canvas.js";
+import { Canvas, Labels, element, icon, label } from "../canvas.js";
 import { openTrackMenu } from "../track_menu.js";
 import { DEGREE, bearing, distance, fixed, niceStep } from "../format.js";
 import { palette } from "../palette.js";
@@ -12,6 +12,7 @@ import { trackSymbol, ownShipSymbol } from "../symbols.js";
 const CHI_95 = Math.sqrt(5.991); // of an ellipse that holds 95 % of the plane's normal distribution
 const TRAIL_SECONDS = 600;
 const LEADER_SECONDS = 180;
+const FASTEST = 30; // m/s
 const RAY_AGE = 20;
 const NEAREST = 20; // pixels from a click to what it means
 const LAYERS = [
@@ -53,11 +54,11 @@ export class Plan {
       this.up.textContent = this.courseUp ? "C up" : "N up";
       this.page.askDraw();
     });
-    this.home = element("button", { title: "Own ship in the centre", "aria-label": "Own ship in the centre" }, "⊕");
+    this.home = element("button", { title: "Own ship in the centre", "aria-label": "Own ship in the centre" }, icon("home"));
     this.home.addEventListener("click", () => this.recentre(null));
     const zoom = (factor, text, title) =>
       element("button", { title, "aria-label": title, onclick: () => this.zoom(factor) }, text);
-    tools.append(this.up, this.home, zoom(0.7, "+", "Nearer"), zoom(1 / 0.7, "−", "Farther"));
+    tools.append(this.up, this.home, zoom(0.7, icon("nearer"), "Nearer (+)"), zoom(1 / 0.7, icon("farther"), "Farther (−)"));
   }
 
   recentre(place) {
@@ -135,7 +136,7 @@ export class Plan {
     const azimuth = ship ? Math.atan2(place.y - ship.y, place.x - ship.x) : NaN;
     if (event.shiftKey) return this.page.time.markNext({ t: this.page.time.now, azimuth, ...place });
     if (row) this.page.selection.choose({ topic: row.topic, id: row.id });
-    if (event.button === 2 || event.detail === 2) openTrackMenu(this.page, event, row, azimuth);
+    if (event.button === 2 || event.detail === 2) openTrackMenu(this.page, event, row, azimuth, place);
     else if (!row) this.page.selection.choose(null);
   }
 
@@ -189,6 +190,8 @@ export class Plan {
     if (this.layers.truth) this.drawTruth(pen, t);
     if (this.layers.trails) this.drawTrails(pen, t);
     for (const row of this.rows) if (this.layers.ellipses) this.drawEllipse(pen, row);
+    this.labels = new Labels();
+    for (const row of this.rows) this.labels.keepFree(this.toScreen(row.x, row.y));
     for (const row of this.rows) this.drawTrack(pen, row);
     if (this.ship) ownShipSymbol(pen, this.toScreen(this.ship.x, this.ship.y), this.ship, this.up_angle, this.scale * LEADER_SECONDS, palette.own);
     this.drawMarks(pen);
@@ -200,30 +203,35 @@ export class Plan {
     const middle = this.ship ?? this.origin;
     const place = this.toScreen(middle.x, middle.y);
     const { width, height } = this.canvas;
-    const step = niceStep(this.span / 6);
+    const step = niceStep(this.span / 9);
     const farthest = Math.hypot(Math.max(place.x, width - place.x), Math.max(place.y, height - place.y)) / this.scale;
-    pen.strokeStyle = palette.line;
-    pen.textAlign = "center";
     pen.font = "11px system-ui, sans-serif";
+    pen.strokeStyle = palette.line;
     for (let r = step, i = 0; r < farthest && i < 40; r += step, i++) {
       pen.beginPath();
       pen.arc(place.x, place.y, r * this.scale, 0, 2 * Math.PI);
       pen.stroke();
-      label(pen, distance(r), place.x, place.y + r * this.scale, palette.faint, palette.panel);
     }
+    const names = [];
     for (let degree = 0; degree < 360; degree += 30) {
       const angle = Math.PI / 2 - degree * DEGREE - this.up_angle;
       const [ux, uy] = [Math.cos(angle), -Math.sin(angle)];
+      pen.globalAlpha = 0.5;
       pen.beginPath();
-      pen.moveTo(place.x + ux * step * this.scale * 0.5, place.y + uy * step * this.scale * 0.5);
+      pen.moveTo(place.x + ux * step * this.scale, place.y + uy * step * this.scale);
       pen.lineTo(place.x + ux * farthest * this.scale, place.y + uy * farthest * this.scale);
-      pen.globalAlpha = 0.45;
       pen.stroke();
       pen.globalAlpha = 1;
-      const reach = 2 * step * this.scale;
-      label(pen, String(degree).padStart(3, "0"), place.x + ux * reach, place.y + uy * reach, palette.faint, palette.panel);
+      const edge = reach(place, ux, uy, width, height, 15);
+      if (edge > 60) names.push([String(degree).padStart(3, "0"), place.x + ux * edge, place.y + uy * edge]);
     }
+    pen.textAlign = "center";
+    for (const [text, x, y] of names) label(pen, text, x, y, palette.faint, palette.panel);
     pen.textAlign = "left";
+    for (let r = step, i = 0; r < farthest && i < 40; r += step, i++) {
+      const y = place.y + r * this.scale;
+      if (y < height - 26) label(pen, distance(r), place.x + 4, y, palette.faint, palette.panel);
+    }
     pen.font = "12px system-ui, sans-serif";
   }
 
@@ -300,14 +308,14 @@ export class Plan {
           const key = `${topic} ${frame.id[i]}`;
           if (!wanted.has(key)) continue;
           if (!trails.has(key)) trails.set(key, []);
-          trails.get(key).push(this.toScreen(frame.x[i], frame.y[i]));
+          trails.get(key).push({ ...this.toScreen(frame.x[i], frame.y[i]), t: frame.t });
         }
       }
     }
     for (const row of this.rows) this.polyline(pen, trails.get(row.key), palette.track(row.id), 0.75);
     const states = history.between("own_ship", t - TRAIL_SECONDS, t);
     const step = Math.max(1, Math.floor(states.length / 200));
-    const own = states.filter((_, n) => n % step === 0).map((state) => this.toScreen(state.x, state.y));
+    const own = states.filter((_, n) => n % step === 0).map((state) => ({ ...this.toScreen(state.x, state.y), t: state.t }));
     this.polyline(pen, own, palette.own, 0.6);
   }
 
@@ -317,7 +325,15 @@ export class Plan {
     pen.globalAlpha = alpha;
     pen.lineWidth = 1.3;
     pen.beginPath();
-    for (const { x, y } of places) if (Number.isFinite(x)) pen.lineTo(x, y);
+    let before = null;
+    for (const place of places) {
+      if (!Number.isFinite(place.x)) continue;
+      // A solution that jumps is no motion: no line is drawn to it.
+      const far = before && Math.hypot(place.x - before.x, place.y - before.y) / this.scale > FASTEST * (place.t - before.t) + 50;
+      if (before && !far) pen.lineTo(place.x, place.y);
+      else pen.moveTo(place.x, place.y);
+      before = place;
+    }
     pen.stroke();
     pen.globalAlpha = 1;
     pen.lineWidth = 1;
@@ -357,7 +373,7 @@ export class Plan {
     trackSymbol(pen, place.x, place.y, row, colour, palette.panel, chosen ? palette.text : null);
     const side = SIDE[row.side] ? ` ${SIDE[row.side][0].toUpperCase()}` : "";
     pen.font = `${chosen ? "bold " : ""}12px system-ui, sans-serif`;
-    label(pen, this.page.selection.nameOf(row.topic, row.id) + side, place.x + 9, place.y - 9, palette.text, palette.panel);
+    this.labels.put(pen, this.page.selection.nameOf(row.topic, row.id) + side, place.x, place.y, palette.text, palette.panel);
     pen.font = "12px system-ui, sans-serif";
   }
 
@@ -403,6 +419,13 @@ export class Plan {
     }
     if (this.readout.textContent !== text) this.readout.textContent = text;
   }
+}
+
+/** How far a ray from a place goes until it is so near to the edge of the picture. */
+function reach(place, ux, uy, width, height, inset) {
+  const across = ux > 0 ? (width - inset - place.x) / ux : ux < 0 ? (inset - place.x) / ux : Infinity;
+  const down = uy > 0 ? (height - inset - place.y) / uy : uy < 0 ? (inset - place.y) / uy : Infinity;
+  return Math.min(across, down);
 }
 
 /** Standard deviations along the axes of a covariance, and the direction of the larger one. */
