@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Collection, Mapping
 from dataclasses import replace
-from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -36,8 +35,6 @@ from sonar_tracking.graph.catalogue.scenario_graph import NO_TOPIC, planned_node
 from sonar_tracking.graph.catalogue.topics import (
     BEARING_TRACKS,
     COMMANDS,
-    SAMPLES,
-    SNAPSHOTS,
     TRUE_BEARING_TRACKS,
     TRUE_TRACKS,
     Topic,
@@ -51,8 +48,8 @@ from sonar_tracking.graph.verbs.inferred_nodes import inferred_nodes, recorded_t
 from sonar_tracking.graph.verbs.recording_plan import planned_recorder, recording_hint
 from sonar_tracking.graph.verbs.replay_comparison import ReplayComparison
 from sonar_tracking.graph.verbs.replay_selection import Selection
+from sonar_tracking.graph.verbs.replay_sizes import block_seconds, largest_input_bytes
 from sonar_tracking.graph.verbs.run_options import RunOptions
-from sonar_tracking.records.time import NANOSECONDS
 
 if TYPE_CHECKING:
     from sonar_tracking.graph.orchestration.player import Player
@@ -173,7 +170,7 @@ def plan_replay(
         If the bag holds nothing the nodes take.
     """
     descriptions = [NODES[name] for name in settings]
-    settings = with_room_for_bursts(settings, _block_seconds(bag))
+    settings = with_room_for_bursts(settings, block_seconds(bag))
     if not options.display_topics:
         descriptions = [node for node in descriptions if not node.is_display]
     planned = planned_nodes(descriptions, settings)
@@ -187,7 +184,7 @@ def plan_replay(
         nodes += (
             planned_recorder(options.record, topics, shown, information, ROOT_NAMES, log_directory),
         )
-    largest = _largest_input_bytes(bag, offered)
+    largest = largest_input_bytes(bag, offered)
     played = [*offered, *(topic for node in nodes for topic in node.publishers)]
     return GraphPlan(
         scenario=str(scenario.get("name") or bag.path.name),
@@ -323,24 +320,6 @@ def _true_pictures(bag: Bag, inputs: set[str]) -> tuple[Topic, ...]:
         and topic.type_name in pictures
         and name not in inputs
     )
-
-
-def _block_seconds(bag: Bag) -> float:
-    """Return the longest time between the first two blocks of a topic, s; 0 = there are none."""
-    longest = 0
-    for topic in (SNAPSHOTS, SAMPLES):
-        stamps = [m.log_time for m in islice(bag.messages({resolved(topic)}), 2)]
-        longest = max(longest, stamps[-1] - stamps[0] if stamps else 0)
-    return longest / NANOSECONDS
-
-
-def _largest_input_bytes(bag: Bag, offered: tuple[Topic, ...]) -> int:
-    """Return the size of the first message of the largest input topic."""
-    largest = 0
-    for topic in offered:
-        message = next(iter(bag.messages({resolved(topic)})), None)
-        largest = max(largest, len(message.data) if message else 0)
-    return largest
 
 
 def _compared(report: RunReport, comparison: ReplayComparison, same_parameters: bool) -> RunReport:
