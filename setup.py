@@ -50,6 +50,7 @@ compiled = [
         "active.tracks.compiled_clouds",
         "active.tracks.compiled_gates",
         "active.tracks.compiled_modes",
+        "tma.batch.compiled_linear",
     )
 ]
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from sonar_tracking.filtering.kalman import KalmanState
-from sonar_tracking.tma.batch.linear_smoother import LinearSystem, log_student, smooth_linear
+from sonar_tracking.tma.batch import linear_recursion
+from sonar_tracking.tma.batch.linear_smoother import LinearSystem, smooth_linear
 
 SIZE, N_TIMES, ROWS = 3, 6, 2
 
@@ -59,10 +60,36 @@ def test_means_and_covariances_are_those_of_least_squares() -> None:
 
 def test_a_system_that_explains_the_data_is_the_more_likely_one() -> None:
     """Student's t tends to the normal density: -ln sd - z^2 / 2 at 3 m and 2 m deviation."""
-    assert log_student(np.array([3.0]), np.array([[4.0]]), 1e9) == pytest.approx(
-        -np.log(2.0) - 0.5 * 1.5**2, rel=1e-6
+    still = LinearSystem(
+        start=KalmanState(np.zeros(1), np.array([[1.0]])),
+        transition=np.ones((1, 1, 1)),
+        noise=np.zeros((1, 1, 1)),
+        matrix=np.ones((1, 1, 1)),
+        measured=np.array([[3.0]]),
+        weight=np.array([[0.1]]),
+        variance=np.array([[3.0]]),
+        degrees_of_freedom=1e9,
     )
+    expected = -np.log(2.0) - 0.5 * 1.5**2
+    assert smooth_linear(still).log_likelihood == pytest.approx(expected, rel=1e-6)
     generator = np.random.default_rng(2)
     one = system()
     far = LinearSystem(**{**vars(one), "measured": 20.0 * generator.standard_normal((N_TIMES, 2))})
     assert smooth_linear(far).log_likelihood < smooth_linear(one).log_likelihood
+
+
+def test_the_instant_without_a_covariance_is_named() -> None:
+    one = system()
+    noise = one.noise.copy()
+    noise[3] = np.diag([-50.0, 0.2, 0.1])
+    with pytest.raises(np.linalg.LinAlgError, match="instant 3"):
+        smooth_linear(LinearSystem(**{**vars(one), "noise": noise}))
+
+
+@pytest.mark.skipif(linear_recursion.COMPILED is None, reason="no compiler was there")
+def test_compiled_recursions_give_the_bits_of_numpy(monkeypatch: pytest.MonkeyPatch) -> None:
+    compiled = smooth_linear(system())
+    monkeypatch.setattr(linear_recursion, "COMPILED", None)
+    plain = smooth_linear(system())
+    for name in ("mean", "covariance", "crossed", "log_likelihood"):
+        assert np.array_equal(getattr(compiled, name), getattr(plain, name)), name

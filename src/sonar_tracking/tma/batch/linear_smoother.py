@@ -1,7 +1,6 @@
 """Fixed-interval smoother of a linear system with Gaussian noise, any number of rows an instant.
 
-A Kalman filter forwards in information form, so that a row of no weight need not be cut out, and
-the recursion of Rauch, Tung and Striebel backwards.
+A Kalman filter forwards, and the recursion of Rauch, Tung and Striebel backwards.
 
 References
 ----------
@@ -17,6 +16,7 @@ import numpy as np
 
 from sonar_tracking.filtering.kalman import KalmanState, symmetrised
 from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.tma.batch.linear_recursion import Recursion, run_recursion
 
 
 @dataclass(frozen=True)
@@ -83,55 +83,32 @@ def smooth_linear(system: LinearSystem) -> SmoothedStates:
     system : LinearSystem
         Dynamics and measurements.
     """
-    n_times, _, size = system.matrix.shape
-    mean, covariance = np.empty((n_times, size)), np.empty((n_times, size, size))
-    ahead_mean, ahead = np.empty_like(mean), np.empty_like(covariance)
-    state, spread = system.start.mean, system.start.covariance
-    log_likelihood = 0.0
-    for index in range(n_times):
-        transition = system.transition[index]
-        state = transition @ state
-        spread = transition @ spread @ transition.T + system.noise[index]
-        ahead_mean[index], ahead[index] = state, spread
-        there = np.flatnonzero(system.weight[index])
-        if len(there):
-            matrix = system.matrix[index, there]
-            crossed = spread @ matrix.T
-            inner = matrix @ crossed
-            innovation = system.measured[index, there] - matrix @ state
-            judged = inner + np.diag(system.variance[index, there])
-            log_likelihood += log_student(innovation, judged, system.degrees_of_freedom)
-            inner.flat[:: len(there) + 1] += 1.0 / system.weight[index, there]
-            gain = np.linalg.solve(inner, crossed.T).T
-            state = state + gain @ innovation
-            spread = spread - gain @ crossed.T
-            spread = 0.5 * (spread + spread.T)
-        mean[index], covariance[index] = state, spread
-    # The gains backwards do not depend on each other.
-    forwards = system.transition[1:] @ covariance[:-1]
-    back = np.linalg.solve(ahead[1:], forwards).swapaxes(-1, -2)
-    for index in range(n_times - 2, -1, -1):
-        mean[index] += back[index] @ (mean[index + 1] - ahead_mean[index + 1])
-        later = covariance[index + 1] - ahead[index + 1]
-        covariance[index] += back[index] @ later @ back[index].T
-    return SmoothedStates(mean, symmetrised(covariance), back @ covariance[1:], log_likelihood)
+    run = run_recursion(
+        system.start,
+        (system.transition, system.noise),
+        (system.matrix, system.measured, system.weight, system.variance),
+    )
+    return SmoothedStates(
+        run.mean,
+        symmetrised(run.covariance),
+        run.backward @ run.covariance[1:],
+        log_student(system, run),
+    )
 
 
-def log_student(error: FloatArray, covariance: FloatArray, freedom: float) -> float:
-    """Return the logarithm of Student's t density, without what depends on the size only.
+def log_student(system: LinearSystem, run: Recursion) -> float:
+    """Return the logarithm of Student's t density of what was measured.
+
+    What depends on the number of rows alone is left out.
 
     Parameters
     ----------
-    error : ndarray, shape (n,)
-        In any units.
-    covariance : ndarray, shape (n, n)
-        Scale matrix, in the same units squared.
-    freedom : float
-        Degrees of freedom.
+    system : LinearSystem
+        What was measured.
+    run : Recursion
+        How well it agreed with the predictions.
     """
-    root = np.linalg.cholesky(covariance)
-    squared = error @ np.linalg.solve(covariance, error)
-    size = len(error)
-    return float(
-        -np.sum(np.log(np.diagonal(root))) - 0.5 * (freedom + size) * np.log1p(squared / freedom)
-    )
+    freedom = system.degrees_of_freedom
+    found = np.count_nonzero(system.weight, axis=-1)
+    distance = 0.5 * (freedom + found) * np.log1p(run.squared / freedom)
+    return float(-np.sum(np.log(run.roots)) - np.sum(distance))
