@@ -51,6 +51,7 @@ compiled = [
         "active.tracks.compiled_gates",
         "active.tracks.compiled_modes",
         "tma.batch.compiled_linear",
+        "tma.estimators.compiled_conditioning",
     )
 ]
 

@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sonar_tracking.records.arrays import BoolArray, FloatArray
+from sonar_tracking.tma.estimators.conditioning import condition
 from sonar_tracking.tma.estimators.measurement_model import (
     LinearisedRows,
     doppler_factor,
@@ -251,9 +252,6 @@ def condition_bank(
 ) -> HypothesisBank:
     """Return the bank after the rows, its weights not normalised.
 
-    The rows' errors are independent, so that they are taken in one after the other: the same
-    result as all at once, without solving a system of equations in every component.
-
     Parameters
     ----------
     bank : HypothesisBank
@@ -267,38 +265,13 @@ def condition_bank(
     in_place : bool
         Whether the covariance of the bank given may be overwritten.
     """
+    whole = np.zeros(bank.log_weight.shape, dtype=bool)
+    whole[further] = True
     covariance = bank.covariance if in_place else bank.covariance.copy()
-    size = rows.derivative.shape[-1]
-    shift = np.zeros_like(bank.mean)
-    direct, directly = covariance[..., :size, :size], shift[..., :size]
-    taken = np.empty(direct.shape)
-    rest, indirectly = covariance[further, ..., size:, :], shift[further, ..., size:]
-    squared, log_spread = np.zeros(bank.log_weight.shape), np.zeros(bank.log_weight.shape)
-    n_rows = rows.variance.shape[-1]
-    for row in np.flatnonzero(np.any(rows.present.reshape(-1, n_rows), axis=0)):
-        derivative = rows.derivative[..., row, :]
-        cross = (direct @ derivative[..., None])[..., 0]
-        spread = np.einsum("...n,...n->...", derivative, cross) + rows.variance[..., row]
-        left = rows.innovation[..., row] - np.einsum("...n,...n->...", derivative, directly)
-        # A row that a component does not have has derivative 0, innovation 0 and variance 1.
-        scaled = cross / np.sqrt(spread)[..., None]
-        step = (left / np.sqrt(spread))[..., None]
-        directly += scaled * step
-        np.multiply(scaled[..., :, None], scaled[..., None, :], out=taken)
-        direct -= taken
-        if rest.size:
-            own = (rest[..., :size] @ derivative[further][..., None])[..., 0]
-            own /= np.sqrt(spread)[further][..., None]
-            indirectly += own * step[further]
-            every = np.concatenate([scaled[further], own], axis=-1)
-            rest -= own[..., :, None] * every[..., None, :]
-        squared += left**2 / spread
-        log_spread += np.log(spread)
-    if rest.size:
-        covariance[further, ..., :size, size:] = np.swapaxes(rest[..., :size], -1, -2)
+    seen = condition(covariance, rows, whole)
     constant = np.log(2.0 * np.pi) * np.sum(rows.present, axis=-1)
-    weight = bank.log_weight - 0.5 * (squared + log_spread + constant) + log_penalty
-    return replace(bank, mean=bank.mean + shift, covariance=covariance, log_weight=weight)
+    weight = bank.log_weight - 0.5 * (seen.squared + seen.log_spread + constant) + log_penalty
+    return replace(bank, mean=bank.mean + seen.shift, covariance=seen.covariance, log_weight=weight)
 
 
 def mixture_moments(bank: HypothesisBank) -> tuple[FloatArray, FloatArray]:
