@@ -52,6 +52,7 @@ compiled = [
         "active.tracks.compiled_modes",
         "tma.batch.compiled_linear",
         "tma.estimators.compiled_conditioning",
+        "tma.estimators.compiled_modes",
     )
 ]
 

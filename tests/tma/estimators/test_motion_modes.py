@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sonar_tracking.tma.estimators import motion_modes
 from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank, mixture_moments
 from sonar_tracking.tma.estimators.motion_modes import (
     MODES,
@@ -100,3 +101,25 @@ def test_what_speaks_for_weaving_adds_up() -> None:
         weight = bank.log_weight + 0.05 * np.array([[0.0], [0.0], [1.0]])
         bank = replace(bank, log_weight=weight - np.logaddexp.reduce(weight, axis=0))
     assert np.exp(bank.log_weight[WEAVING, 0]) > 0.95
+
+
+@pytest.mark.skipif(motion_modes.COMPILED is None, reason="no compiler was there")
+@pytest.mark.parametrize("elapsed", [0.0, 0.05, 1.0, 300.0])
+def test_compiled_modes_give_the_bits_of_numpy(
+    elapsed: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    generator = np.random.default_rng(5)
+    n_hypotheses, size, lines = 7, 10, 2
+    root = generator.standard_normal((n_hypotheses * MODES, 1, size, size))
+    before = HypothesisBank(
+        generator.standard_normal((n_hypotheses * MODES, 1, size)),
+        root @ np.swapaxes(root, -1, -2),
+        np.log(generator.dirichlet(np.ones(n_hypotheses * MODES)))[:, None],
+        np.ones((n_hypotheses * MODES, lines), dtype=bool),
+    )
+    times = elapsed * np.repeat(generator.uniform(0.5, 1.5, n_hypotheses), MODES)
+    compiled = predict_modes(before, times, targets(1000.0, 50.0))
+    monkeypatch.setattr(motion_modes, "COMPILED", None)
+    plain = predict_modes(before, times, targets(1000.0, 50.0))
+    for name in ("mean", "covariance", "log_weight"):
+        assert np.array_equal(getattr(compiled, name), getattr(plain, name)), name

@@ -11,6 +11,8 @@ over all that was measured. One that goes straight is soon known to, one that we
 again and again, which is less probable.
 
 The modes of a hypothesis are neighbours in the bank: straight, manoeuvring, weaving.
+``compiled_modes``, which is there if a compiler was when the package was installed, gives the bits
+of what is here in numpy.
 
 References
 ----------
@@ -24,12 +26,20 @@ from dataclasses import replace
 
 import numpy as np
 
+from sonar_tracking.compiled_modules import compiled_module
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank, move_straight
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.sensor_frame import DEVIATION
 from sonar_tracking.tma.estimators.vertical_prediction import predict_vertical
-from sonar_tracking.tma.estimators.weaving import begin_weave, move_deviation
+from sonar_tracking.tma.estimators.weaving import (
+    begin_weave,
+    deviation_noise,
+    deviation_transition,
+    move_deviation,
+)
+
+COMPILED = compiled_module("tma.estimators.compiled_modes")
 
 MODES = 3
 """Of motion: straight, manoeuvring, weaving."""
@@ -79,20 +89,31 @@ def predict_modes(
         How targets move, and how often they manoeuvre and weave.
     """
     bank = mix_modes(bank, elapsed, configuration)
+    _move(bank, elapsed[::MODES], configuration)
+    if not bank.vertical:
+        return bank
+    moved = predict_vertical(bank.mean, bank.covariance, elapsed[:, None], bank.height)
+    return replace(bank, mean=moved[0], covariance=moved[1])
+
+
+def _move(bank: HypothesisBank, step: FloatArray, configuration: RangeBankConfiguration) -> None:
+    """Move each mode for so many seconds, shape (n_hypotheses,), in place."""
     straight, manoeuvring = configuration.acceleration, configuration.manoeuvre_acceleration
+    density = np.array([straight, manoeuvring]) ** 2
+    if COMPILED is not None:
+        weave, step = configuration.weave, np.ascontiguousarray(step, dtype=float)
+        change = np.ascontiguousarray(deviation_transition(step, weave))
+        noise = np.ascontiguousarray(deviation_noise(step, weave))
+        shape = len(step), bank.mean.shape[-1]
+        COMPILED.move(bank.mean, bank.covariance, step, change, noise, tuple(density), shape)
+        return
     mean, covariance = _of_modes(bank)
     states = mean.shape[-1] - DEVIATION
-    step = elapsed[::MODES]
-    density = np.array([straight, manoeuvring]) ** 2
     turning = mean[:, :MIXED, :states], covariance[:, :MIXED, :states, :states]
     move_straight(*turning, step[:, None], density)
     weaving = mean[:, WEAVING], covariance[:, WEAVING]
     move_straight(*weaving, step, density[STRAIGHT])
     move_deviation(*weaving, step, configuration.weave)
-    if not bank.vertical:
-        return bank
-    moved = predict_vertical(bank.mean, bank.covariance, elapsed[:, None], bank.height)
-    return replace(bank, mean=moved[0], covariance=moved[1])
 
 
 def mix_modes(
@@ -120,10 +141,20 @@ def mix_modes(
     weight = _exchanged(after, before[:, WEAVING], elapsed[::MODES], configuration)
     bank = replace(
         bank,
-        mean=bank.mean.copy(),
-        covariance=bank.covariance.copy(),
+        mean=np.array(bank.mean, dtype=float, order="C"),
+        covariance=np.array(bank.covariance, dtype=float, order="C"),
         log_weight=weight.reshape(bank.log_weight.shape),
     )
+    if COMPILED is None:
+        _mix(bank, other)
+    else:
+        shape = len(other), bank.mean.shape[-1]
+        COMPILED.mix(bank.mean, bank.covariance, other, shape)
+    return bank
+
+
+def _mix(bank: HypothesisBank, other: FloatArray) -> None:
+    """Let the first two modes take over their shares of each other, in place."""
     means, covariances = _of_modes(bank)
     states = means.shape[-1] - DEVIATION
     mean, covariance = means[:, :MIXED, :states], covariances[:, :MIXED, :states, :states]
@@ -132,7 +163,6 @@ def mix_modes(
     swapped += (1.0 - other)[..., None, None] * (apart[:, None, :, None] * apart[:, None, None, :])
     covariance += other[..., None, None] * swapped
     mean += other[..., None] * (mean[:, ::-1] - mean)
-    return bank
 
 
 def _of_modes(bank: HypothesisBank) -> tuple[FloatArray, FloatArray]:
