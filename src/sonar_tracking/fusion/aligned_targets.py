@@ -151,6 +151,13 @@ def with_array(targets: AlignedTargets, variance: float) -> AlignedTargets:
     return AlignedTargets(mean, covariance, targets.mode)
 
 
+def with_arrays(targets: AlignedTargets, prior: FloatArray) -> AlignedTargets:
+    """Return targets with arrays more, of prior variances (rad^2), shape (n_arrays,)."""
+    for variance in prior:
+        targets = with_array(targets, float(variance))
+    return targets
+
+
 def predicted(
     targets: AlignedTargets, interval: float, strengths: MotionStrengths
 ) -> AlignedTargets:

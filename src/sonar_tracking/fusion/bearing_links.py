@@ -103,6 +103,21 @@ class BearingLinks:
             link = self._links[one.key]
             link.evidence = min(link.evidence + float(gain), HIGHEST_EVIDENCE)
 
+    def weigh_positions(self, targets: Sequence[FusedTarget], gain: FloatArray) -> None:
+        """Go on with the evidence of the links of some targets.
+
+        Parameters
+        ----------
+        targets : sequence of FusedTarget
+            Whose echoes were measured.
+        gain : ndarray, shape (n,)
+            How much likelier with the bearings of each than without; a log.
+        """
+        gained = dict(zip(targets, gain.tolist(), strict=True))
+        for link in self._links.values():
+            evidence = link.evidence + gained.get(link.target, 0.0)
+            link.evidence = min(evidence, HIGHEST_EVIDENCE)
+
     def broken(self, odds: float) -> list[BearingKey]:
         """Return the bearing tracks that are of something else, by odds to one."""
         return [key for key, link in self._links.items() if link.evidence < -np.log(odds)]

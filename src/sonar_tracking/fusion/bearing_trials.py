@@ -5,14 +5,15 @@ of a line array, that which is nearer. The evidence that both are one is
 
     log p(bearings | target) - log p(bearings | anywhere, with a rate of their own),
 
-summed innovation by innovation. A trial wins once it beats chance and every rival, that is every
-other trial of the same bearing track or of the same target with the same station, by the stated
-odds, divided among all targets there are.
+summed innovation by innovation. A trial wins once it beats chance, divided among all targets there
+are, and every choice of pairs of that station without it (:mod:`.joint_decisions`)
+by the stated odds.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +29,7 @@ from sonar_tracking.fusion.aligned_targets import (
 )
 from sonar_tracking.fusion.fused_target import FusedTarget
 from sonar_tracking.fusion.fusion_records import BearingKey, HeardBearing
+from sonar_tracking.fusion.joint_decisions import spoken_for, sure_pairs
 from sonar_tracking.fusion.lone_bearings import (
     guarded,
     heard,
@@ -171,15 +173,35 @@ class BearingTrials:
 
     def winners(self, odds: float, n_targets: int) -> list[int]:
         """Return the rows of the trials that have won."""
-        needed = np.log(odds)
-        won = []
-        for row, trial in enumerate(self.trials):
-            if trial.evidence < needed + np.log(max(n_targets, 1)):
-                continue
-            rivals = [one.evidence for one in self.trials if _are_rivals(one, trial)]
-            if trial.evidence - max(rivals, default=-np.inf) >= needed:
-                won.append(row)
-        return won
+        least, margin = np.log(odds * max(n_targets, 1)), np.log(odds)
+        place = {(one.target, one.key): row for row, one in enumerate(self.trials)}
+        return [
+            place[targets[row], keys[column]]
+            for targets, keys, evidence in self._stations()
+            for row, column in sure_pairs(evidence, least, margin)
+        ]
+
+    def spoken_for(self, odds: float, n_targets: int) -> set[BearingKey]:
+        """Return the bearing tracks that are surely of one of the targets, whichever."""
+        margin = np.log(odds * max(n_targets, 1))
+        return {
+            keys[column]
+            for _, keys, evidence in self._stations()
+            for column in spoken_for(evidence, margin)
+        }
+
+    def _stations(self) -> Iterator[tuple[list[FusedTarget], list[BearingKey], FloatArray]]:
+        """Yield the targets, bearing tracks and evidence, (n_targets, n_tracks), by station."""
+        by_station: dict[str, list[Trial]] = defaultdict(list)
+        for trial in self.trials:
+            by_station[trial.key[0]].append(trial)
+        for own in by_station.values():
+            targets = list(dict.fromkeys(one.target for one in own))
+            keys = list(dict.fromkeys(one.key for one in own))
+            evidence = np.full((len(targets), len(keys)), -np.inf)
+            for one in own:
+                evidence[targets.index(one.target), keys.index(one.key)] = one.evidence
+            yield targets, keys, evidence
 
     def give_up(self, odds: float) -> list[Trial]:
         """End the trials that have fallen behind, and return them."""
@@ -229,10 +251,3 @@ def _log_density(mean: FloatArray, covariance: FloatArray, bearings: Bearings) -
     innovation, derivative = bearings.linearised(mean)
     spread = np.einsum("ni,nij,nj->n", derivative, covariance, derivative) + bearings.variance
     return np.asarray(-0.5 * (innovation**2 / spread + np.log(2.0 * np.pi * spread)))
-
-
-def _are_rivals(one: Trial, other: Trial) -> bool:
-    if one is other:
-        return False
-    same_track = one.key == other.key
-    return same_track or (one.target is other.target and one.key[0] == other.key[0])

@@ -25,7 +25,7 @@ ANYWHERE = 1.0 / (2.0 * np.pi)
 
 
 WILD_SHARE = 0.01
-"""Of the bearings may be from anywhere: one outlier decides nothing."""
+"""Of the measurements may be from anywhere: one outlier decides nothing."""
 
 
 @dataclass(frozen=True)
@@ -107,18 +107,20 @@ def heard(
     return LoneBearings(mean, covariance), np.where(new, np.log(ANYWHERE), density)
 
 
-def guarded(log_density: FloatArray) -> FloatArray:
-    """Return logs of densities in which some bearings may be from anywhere.
+def guarded(log_density: FloatArray, anywhere: float = ANYWHERE) -> FloatArray:
+    """Return logs of densities in which some measurements may be from anywhere.
 
     Parameters
     ----------
     log_density : ndarray, shape (n,)
-        Of bearings that are not, 1/rad.
+        Of measurements that are not; 1/rad, or 1/m^2 of positions.
+    anywhere : float
+        Density of those that are, in the same unit.
 
     Returns
     -------
     ndarray, shape (n,)
-        1/rad.
+        In the same unit.
     """
     likely = np.log1p(-WILD_SHARE) + log_density
-    return np.asarray(np.logaddexp(likely, np.log(WILD_SHARE * ANYWHERE)))
+    return np.asarray(np.logaddexp(likely, np.log(WILD_SHARE * anywhere)))

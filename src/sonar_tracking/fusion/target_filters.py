@@ -17,11 +17,13 @@ from sonar_tracking.fusion.aligned_targets import (
     predicted,
     replaced,
     with_array,
+    with_arrays,
 )
 from sonar_tracking.fusion.bearing_errors import BearingErrors
 from sonar_tracking.fusion.bearing_trials import GATE, BearingTrials, Trial
 from sonar_tracking.fusion.fused_target import FusedTarget
 from sonar_tracking.fusion.fusion_records import HeardBearing
+from sonar_tracking.fusion.lone_bearings import guarded
 from sonar_tracking.fusion.shared_alignment import (
     AlignmentInformation,
     SharedAlignment,
@@ -43,6 +45,9 @@ from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
 SMALLEST_VARIANCE = 1e-12
 """Of a misalignment that is taken to be none, rad^2."""
 
+
+WILD_POSITION = 1e-8
+"""Density of a measured position that is of something else: anywhere within 10 km, 1/m^2."""
 
 MEASURED = 0.5
 """An alignment has been measured once its deviation is this part of what it was before."""
@@ -72,6 +77,7 @@ class TargetFilters:
         self._errors: list[BearingErrors] = []
         self.targets: list[FusedTarget] = []
         self._aligned = begun(np.empty((0, 4)), np.empty((0, 4, 4)), strengths, np.empty(0))
+        self._echoes_alone = self._aligned
         self.trials = BearingTrials(self._aligned)
 
     @property
@@ -92,6 +98,7 @@ class TargetFilters:
     def predict(self, interval: float) -> None:
         """Go on by an interval, s."""
         self._aligned = predicted(self._aligned, interval, self._strengths)
+        self._echoes_alone = predicted(self._echoes_alone, interval, self._strengths)
         self.trials.predict(interval, self._strengths)
 
     def begin(self, target: FusedTarget, state: FloatArray, covariance: FloatArray) -> None:
@@ -104,22 +111,16 @@ class TargetFilters:
         state, covariance : ndarray, shapes (4,) and (4, 4)
             x, y, vx, vy; m and m/s; m^2, m^2/s, m^2/s^2.
         """
-        new = begun(state[None], covariance[None], self._strengths, self.prior)
+        new = begun(state[None], covariance[None], self._strengths, np.empty(0))
         self.targets.append(target)
-        self._aligned = joined(self._aligned, new)
+        self._echoes_alone = joined(self._echoes_alone, new)
+        self._aligned = joined(self._aligned, with_arrays(new, self.prior))
 
-    def begin_again(self, target: FusedTarget, state: FloatArray, covariance: FloatArray) -> None:
-        """Forget what was measured of a target: what the bearings of another one told is wrong.
-
-        Parameters
-        ----------
-        target : FusedTarget
-            Which.
-        state, covariance : ndarray, shapes (4,) and (4, 4)
-            x, y, vx, vy; m and m/s; m^2, m^2/s, m^2/s^2.
-        """
-        new = begun(state[None], covariance[None], self._strengths, self.prior)
-        self._aligned = replaced(self._aligned, self._rows([target]), new)
+    def forget_bearings(self, target: FusedTarget) -> None:
+        """Go on with what echoes alone have told of a target: its bearings were of another one."""
+        rows = self._rows([target])
+        new = with_arrays(self._echoes_alone.rows(rows), self.prior)
+        self._aligned = replaced(self._aligned, rows, new)
         self.trials.end({target}, set())
 
     def end(self, targets: Sequence[FusedTarget]) -> None:
@@ -132,11 +133,12 @@ class TargetFilters:
         kept = np.setdiff1d(np.arange(len(self.targets)), rows)
         self.targets = [self.targets[row] for row in kept]
         self._aligned = self._aligned.rows(kept)
+        self._echoes_alone = self._echoes_alone.rows(kept)
         self.trials.end(set(targets), set())
 
     def take_positions(
         self, targets: Sequence[FusedTarget], position: FloatArray, noise: FloatArray
-    ) -> None:
+    ) -> FloatArray:
         """Let targets take in a measured position each.
 
         Parameters
@@ -147,15 +149,24 @@ class TargetFilters:
             m.
         noise : ndarray, shape (n, 2, 2)
             m^2.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            How much likelier each position was with the bearings the target has than by the echoes
+            before alone; a log.
         """
         if not targets:
-            return
+            return np.empty(0)
         rows = self._rows(targets)
-        updated, _ = updated_by_positions(self._aligned.rows(rows), position, noise)
+        updated, likelihood = updated_by_positions(self._aligned.rows(rows), position, noise)
         self._aligned = replaced(self._aligned, rows, updated)
+        alone, apart = updated_by_positions(self._echoes_alone.rows(rows), position, noise)
+        self._echoes_alone = replaced(self._echoes_alone, rows, alone)
         trials, owner = self._trials_of(targets)
         if trials.size:
             self.trials.take_positions(trials, position[owner], noise[owner])
+        return guarded(likelihood, WILD_POSITION) - guarded(apart, WILD_POSITION)
 
     def take_bearings(
         self, targets: Sequence[FusedTarget], found: Sequence[HeardBearing]

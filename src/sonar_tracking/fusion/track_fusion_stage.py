@@ -91,11 +91,11 @@ class TrackFusionStage:
         )
         self._links = BearingLinks()
         self._target_of: dict[ListKey, FusedTarget] = {}
+        self._spoken_for: set[BearingKey] = set()
         self._alive: dict[str, dict[BearingKey, Contributor]] = {}
         self._stations: dict[str, FloatArray] = {}
         self._copies = CopiedLists(self._new_id)
         self._paused: dict[tuple[FusedTarget, BearingKey], int] = {}
-        self._stale: set[FusedTarget] = set()
         self._foreign = ForeignTracks(self.configuration, self._new_id)
         self._own_rows_shown, self._all_rows_shown = ShownRows(), ShownRows()
         self._own_ship: KinematicState | None = None
@@ -167,17 +167,14 @@ class TrackFusionStage:
             if target is None:
                 continue
             target.note(key, tracks, row)
-            if target in self._stale and sound[row]:
-                self._stale.discard(target)
-                self._filters.begin_again(target, tracks.state[row], tracks.covariance[row])
-            elif told[row]:
+            if told[row]:
                 measured.append((target, row))
         rows = [row for _, row in measured]
-        self._filters.take_positions(
-            [target for target, _ in measured],
-            tracks.measurement[rows],
-            tracks.measurement_covariance[rows],
+        targets = [target for target, _ in measured]
+        gain = self._filters.take_positions(
+            targets, tracks.measurement[rows], tracks.measurement_covariance[rows]
         )
+        self._links.weigh_positions(targets, gain)
         new = {
             key: row
             for key, row in going_on.items()
@@ -274,7 +271,7 @@ class TrackFusionStage:
             target = self._links.target_of(key)
             self._unlink(key)
             if target is not None and target.echoes:
-                self._stale.add(target)
+                self._filters.forget_bearings(target)
 
     def _accept(self, trial: Trial) -> None:
         """Let a bearing track be of a target: what was shown for it becomes the same target."""
@@ -319,7 +316,6 @@ class TrackFusionStage:
             self._forget(target)
 
     def _forget(self, target: FusedTarget) -> None:
-        self._stale.discard(target)
         self._paused = {
             place: until for place, until in self._paused.items() if place[0] is not target
         }
@@ -338,10 +334,14 @@ class TrackFusionStage:
         ]
         alignments = self._filters.measured_alignments(seen)
         taken = {row.id for row in rows}
+        odds, n_targets = self.configuration.association_odds, len(self._filters.targets)
+        self._spoken_for = self._filters.trials.spoken_for(odds, n_targets)
         rows += self._copies.rows(self._stamp, self._stands_for, self._stations, alignments, taken)
         heading = self.configuration.heading_variance
         return [turned_by_heading(row, self._own_ship, heading) for row in rows]
 
     def _stands_for(self, key: ListKey, heard: tuple[BearingKey, ...]) -> bool:
         """Return whether a target with echoes stands for a row of another list."""
-        return key in self._target_of or any(self._links.target_of(one) for one in heard)
+        return key in self._target_of or any(
+            self._links.target_of(one) is not None or one in self._spoken_for for one in heard
+        )

@@ -16,6 +16,7 @@ from sonar_tracking.evaluation.offline.offline_fusion_chain import (
 )
 from sonar_tracking.evaluation.studies.track_fusion.central_filter import CentralFilter
 from sonar_tracking.evaluation.studies.track_fusion.conditions import CONDITIONS, Condition
+from sonar_tracking.evaluation.studies.track_fusion.held_rows import NEAR, HeldRows
 from sonar_tracking.evaluation.studies.track_fusion.list_rules import RULES
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.records.arrays import FloatArray
@@ -29,12 +30,6 @@ SYSTEMS = (CENTRAL, FUSED, *RULES, ECHOES_ALONE, BEARINGS_ALONE, BOUND)
 
 SETTLED = 100.0
 """Rows count from here on, s."""
-
-NEAR = 300.0
-"""A row within this distance of a ship is the ship's, m."""
-
-DOUBLE_AFTER = 60.0
-"""So long after the later of two confirmed rows of one ship began they should be one, s."""
 
 
 @dataclass(frozen=True)
@@ -114,8 +109,7 @@ def fusion_run(name: str, seed: np.random.SeedSequence) -> FusionRun:
     central = CentralFilter(stage.configuration)
     bound = CentralFilter(stage.configuration, exact=True)
     run = FusionRun(name)
-    begun: dict[int, float] = {}
-    names: dict[int, set[int]] = defaultdict(set)
+    held = HeldRows()
     latest: PositionTracks | None = None
     for moment in fused_moments(scenario):
         heard = _without_lost(moment, condition, seconds(moment.frame.stamp - scenario.epoch))
@@ -128,7 +122,7 @@ def fusion_run(name: str, seed: np.random.SeedSequence) -> FusionRun:
         time = seconds(moment.frame.stamp - scenario.epoch)
         if moment.contacts is None:
             continue
-        seen = _count_fused(run, update.tracks, heard.truth, time, begun, names)
+        seen = _count_fused(run, update.tracks, heard.truth, time, held)
         if time >= SETTLED:
             true = _true_states(heard.truth)
             for system, filters in ((CENTRAL, central), (BOUND, bound)):
@@ -136,7 +130,7 @@ def fusion_run(name: str, seed: np.random.SeedSequence) -> FusionRun:
                 for ship in seen & set(states):
                     run.count(system, true[ship], *states[ship])
             _count_lists(run, heard, latest)
-    run.names = sum(len(own) - 1 for own in names.values())
+    run.names, run.doubled = sum(len(own) - 1 for own in held.names.values()), held.doubled
     known = update.alignments
     place = known.sensor_id.index("array")
     turned = np.radians(condition.misalignment_deg)
@@ -161,33 +155,19 @@ def _true_states(truth: TruthTracks) -> dict[int, FloatArray]:
 
 
 def _count_fused(
-    run: FusionRun,
-    tracks: PositionTracks,
-    truth: TruthTracks,
-    time: float,
-    begun: dict[int, float],
-    names: dict[int, set[int]],
+    run: FusionRun, tracks: PositionTracks, truth: TruthTracks, time: float, held: HeldRows
 ) -> set[int]:
     """Count the established rows of the fused list, and return the ships that have one."""
-    rows: dict[int, list[int]] = defaultdict(list)
-    for row in np.flatnonzero(established(tracks.status)):
-        begun.setdefault(int(tracks.id[row]), time)
-        ship = _nearest(tracks.state[row], truth)
-        if ship is not None:
-            rows[ship].append(int(row))
-    states = _true_states(truth)
-    for ship, own in rows.items():
-        since = sorted(begun[int(tracks.id[row])] for row in own)
-        if len(own) > 1 and time - since[1] > DOUBLE_AFTER:
-            run.doubled = True
-        if time >= SETTLED:
-            names[ship].update(int(tracks.id[row]) for row in own)
-            for each in own:
-                run.count(FUSED, states[ship], tracks.state[each], tracks.covariance[each])
-    if time >= SETTLED:
+    settled = time >= SETTLED
+    pairs = held.take(tracks, truth, time, settled)
+    ships = {ship for ship, _ in pairs}
+    if settled:
+        states = _true_states(truth)
+        for ship, row in pairs:
+            run.count(FUSED, states[ship], tracks.state[row], tracks.covariance[row])
         run.rows += len(truth.id)
-        run.missing += len(truth.id) - len(rows)
-    return set(rows)
+        run.missing += len(truth.id) - len(ships)
+    return ships
 
 
 def _count_lists(run: FusionRun, moment: FusedMoment, passive: PositionTracks | None) -> None:
