@@ -130,6 +130,36 @@ def test_bearing_tracks_that_change_their_sources_are_given_back() -> None:
     assert of_ship[0] == 202 and of_ship[1] == 201
 
 
+def test_echoes_show_that_a_bearing_track_is_of_something_else() -> None:
+    """Bearings alone never contradict: the row would follow them away from its echoes."""
+    stage = TrackFusionStage(AT_ONCE)
+    for moment in moments(Ships(FOUR), 400.0):
+        (bearings,) = moment.frame.bearings
+        away = np.radians(0.08) * max(moment.time - 100.0, 0.0) * np.eye(4)[0]
+        measured = bearings.measurement + away
+        drifting = replace(bearings, measurement=measured, arrival_angle=measured)
+        update = stage.update(replace(moment.frame, bearings=(drifting,)))
+        error, _ = errors(moment, update)
+        assert moment.time < 50.0 or np.all(np.hypot(error[:, 0], error[:, 1]) < 250.0)
+    heard = update.tracks.contributor_id[update.tracks.contributor_source == TrackSource.TMA]
+    assert set(heard.tolist()) == {202, 203, 204}
+
+
+def test_echoes_far_from_where_a_lost_ship_may_be_wait_for_its_bearings() -> None:
+    """Neither surely the old ship nor surely a new one: no second row is confirmed meanwhile."""
+    stage, names = TrackFusionStage(AT_ONCE), set()
+    for moment in moments(Ships(FOUR, silent_sonar=(200.0, 500.0)), 600.0):
+        frame = moment.frame
+        if moment.time >= 500.0 and frame.active:
+            tracks = frame.active[ECHOES]
+            frame = replace(frame, active={ECHOES: replace(tracks, id=tracks.id + np.uint64(1000))})
+        tracks = stage.update(frame).tracks
+        if moment.time >= 60.0:
+            assert len(tracks.selected(tracks.status == TrackStatus.CONFIRMED)) <= 4
+            names |= set(tracks.id[tracks.established].tolist())
+    assert len(names) == 4
+
+
 def both_sides(moment: Moment, number: int) -> PositionTracks:
     """Return what target motion analysis tells of one bearing track: both sides, confirmed left."""
     ship = moment.truth[number]

@@ -111,7 +111,7 @@ class BearingLinks:
         targets : sequence of FusedTarget
             Whose echoes were measured.
         gain : ndarray, shape (n,)
-            How much likelier with the bearings of each than without; a log.
+            How much likelier with the bearings of each than without; log of a pure number.
         """
         gained = dict(zip(targets, gain.tolist(), strict=True))
         for link in self._links.values():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,14 +17,30 @@ ANY_SPEED = 10.0
 """Deviation of each component of the velocity of a target of which nothing is known, m/s."""
 
 
-def known_targets(
+@dataclass(frozen=True)
+class Met:
+    """Whose a new track may be.
+
+    Attributes
+    ----------
+    target : FusedTarget or None
+        Of which target it is, or may be; None = it is a new one.
+    sure : bool
+        Whether it is of that target; if not, it may be of a new one just as well.
+    """
+
+    target: FusedTarget | None
+    sure: bool = True
+
+
+def met_targets(
     state: FloatArray,
     covariance: FloatArray,
     lost: Sequence[FusedTarget],
     filters: TargetFilters,
     configuration: TrackFusionConfiguration,
-) -> list[FusedTarget | None]:
-    """Return the target of each new track; None = it is a new one.
+) -> list[Met]:
+    """Return the target of each new track.
 
     Parameters
     ----------
@@ -37,7 +54,7 @@ def known_targets(
         Odds and the area in which tracks begin.
     """
     if not lost:
-        return [None] * len(state)
+        return [Met(None)] * len(state)
     seen = filters.picture()
     rows = [filters.targets.index(one) for one in lost]
     odds = log_odds_of_one_target(
@@ -48,8 +65,11 @@ def known_targets(
         configuration.clutter_area,
     )
     needed = np.log(configuration.association_odds * len(lost))
-    chosen = associate(odds - needed, 1.0)
-    return [None if row == FREE else lost[row] for row in chosen]
+    chosen = associate(odds + needed, 1.0)
+    return [
+        Met(None) if row == FREE else Met(lost[row], bool(odds[row, column] >= needed))
+        for column, row in enumerate(chosen)
+    ]
 
 
 def log_odds_of_one_target(

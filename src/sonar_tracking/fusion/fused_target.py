@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -9,6 +10,9 @@ import numpy as np
 from sonar_tracking.fusion.fusion_records import BearingKey, ListKey
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks, TrackSource
+
+LONGEST_DOUBT = 60.0
+"""So long bearings may decide whether a target with echoes has been known before, s."""
 
 
 @dataclass(eq=False)
@@ -48,6 +52,10 @@ class FusedTarget:
         Stamp time at which the last of them ended, s; NaN = there are some.
     updated : float
         Stamp time of the last measurement of any of them, s.
+    rival : FusedTarget or None
+        A target that this one may be, its echoes having been lost; None = it is none known before.
+    doubted : float
+        Since when, stamp time, s.
     """
 
     id: int
@@ -56,12 +64,35 @@ class FusedTarget:
     heard: dict[BearingKey, Contributor] = field(default_factory=dict)
     orphaned: float = np.nan
     updated: float = np.nan
+    rival: FusedTarget | None = None
+    doubted: float = np.nan
 
     def note(self, key: ListKey, tracks: PositionTracks, row: int) -> None:
         """Let a row of a list of echoes be one of the tracks it is made of."""
         status, updated = TrackStatus(tracks.status[row]), float(tracks.updated[row])
         self.echoes[key] = Contributor(status, float(tracks.existence_probability[row]), updated)
         self.updated = float(np.fmax(self.updated, updated))
+
+    def begin_doubt(self, rival: FusedTarget, now: float) -> None:
+        """Let it be open, from now (stamp time, s) on, whether this is a target known before."""
+        self.rival, self.doubted = rival, now
+
+    def settle_doubt(self, known: Collection[FusedTarget], now: float) -> None:
+        """Let it be another target than its rival if nothing can show any more that it is not.
+
+        Parameters
+        ----------
+        known : collection of FusedTarget
+            All that there are.
+        now : float
+            Stamp time, s.
+        """
+        rival = self.rival
+        if rival is None:
+            return
+        found = rival.echoes or not rival.heard or rival not in known
+        if found or now - self.doubted > LONGEST_DOUBT:
+            self.rival = None
 
     @property
     def contributors(self) -> list[Contributor]:
@@ -70,7 +101,9 @@ class FusedTarget:
 
     @property
     def status(self) -> TrackStatus:
-        """Confirmed as long as one of its tracks is."""
+        """Confirmed as long as one of its tracks is, unless it may be known already."""
+        if self.rival is not None:
+            return TrackStatus.TENTATIVE
         if any(one.status == TrackStatus.CONFIRMED for one in self.contributors):
             return TrackStatus.CONFIRMED
         return TrackStatus.COASTED
@@ -83,6 +116,6 @@ class FusedTarget:
 
 
 def moves(tracks: PositionTracks, row: int) -> bool:
-    """Return whether a row of a list is a confirmed target that moves."""
+    """Return whether a row of a list is a target that moves, and has been confirmed."""
     fixed = tracks.source[row] == TrackSource.STATIC
-    return bool(not fixed and tracks.status[row] == TrackStatus.CONFIRMED)
+    return bool(not fixed and tracks.established[row])

@@ -21,7 +21,7 @@ def sure_pairs(evidence: FloatArray, least: float, margin: float) -> list[tuple[
     Parameters
     ----------
     evidence : ndarray, shape (n_targets, n_tracks)
-        Logs of odds; -inf = not considered.
+        Logs of odds, pure numbers; -inf = not considered.
     least : float
         Evidence that a pair needs.
     margin : float
@@ -46,7 +46,7 @@ def spoken_for(evidence: FloatArray, margin: float) -> IndexArray:
     Parameters
     ----------
     evidence : ndarray, shape (n_targets, n_tracks)
-        Logs of odds; -inf = not considered.
+        Logs of odds, pure numbers; -inf = not considered.
     margin : float
         By which the best choice must beat the best one without the bearing track.
     """

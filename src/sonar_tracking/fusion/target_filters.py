@@ -154,7 +154,7 @@ class TargetFilters:
         -------
         ndarray, shape (n,)
             How much likelier each position was with the bearings the target has than by the echoes
-            before alone; a log.
+            before alone; log of a pure number.
         """
         if not targets:
             return np.empty(0)

@@ -15,9 +15,9 @@ import numpy as np
 from sonar_tracking.errors import InputError, Notice
 from sonar_tracking.fusion.alignment_notices import beyond_prior
 from sonar_tracking.fusion.bearing_links import BearingLinks
-from sonar_tracking.fusion.bearing_trials import GATE, Trial
+from sonar_tracking.fusion.bearing_trials import Trial
 from sonar_tracking.fusion.copied_lists import CopiedLists
-from sonar_tracking.fusion.echo_association import known_targets
+from sonar_tracking.fusion.echo_association import met_targets
 from sonar_tracking.fusion.echo_checks import unusable_rows, usable_measurements, usable_states
 from sonar_tracking.fusion.foreign_tracks import ForeignTracks
 from sonar_tracking.fusion.fused_rows import (
@@ -34,6 +34,7 @@ from sonar_tracking.fusion.fusion_records import (
     HeardBearing,
     ListKey,
 )
+from sonar_tracking.fusion.new_trials import new_trials
 from sonar_tracking.fusion.shared_alignment import SharedAlignment
 from sonar_tracking.fusion.station_bearings import (
     StationBearings,
@@ -42,7 +43,7 @@ from sonar_tracking.fusion.station_bearings import (
 )
 from sonar_tracking.fusion.target_filters import TargetFilters
 from sonar_tracking.fusion.track_fusion_configuration import STRENGTHS, TrackFusionConfiguration
-from sonar_tracking.motion import KinematicState, wrap_angle
+from sonar_tracking.motion import KinematicState
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
 from sonar_tracking.records.positions import PositionTracks
@@ -188,12 +189,15 @@ class TrackFusionStage:
             return
         rows = list(new.values())
         lost = [one for one in self._filters.targets if all(key[0] != topic for key in one.echoes)]
-        known = known_targets(
+        met = met_targets(
             tracks.state[rows], tracks.covariance[rows], lost, self._filters, self.configuration
         )
-        for (key, row), target in zip(new.items(), known, strict=True):
+        for (key, row), whose in zip(new.items(), met, strict=True):
+            target = whose.target if whose.sure else None
             if target is None:
                 target = FusedTarget(self._copies.name(key), float(tracks.initiated[row]))
+                if whose.target is not None and whose.target.heard:
+                    target.begin_doubt(whose.target, self._stamp / NANOSECONDS)
                 self._filters.begin(target, tracks.state[row], tracks.covariance[row])
             elif usable_measurements(tracks)[row]:
                 one = slice(row, row + 1)
@@ -219,7 +223,8 @@ class TrackFusionStage:
             found = self._filters.widened(told.found)
             self._take_linked([one for one in found if self._links.target_of(one.key)])
             free = [one for one in found if self._may_be_tried(one.key, told)]
-            self._begin_trials(free)
+            begun = new_trials(free, self._filters, self._paused, self._stamp)
+            self._filters.begin_trials(begun)
             self._filters.try_bearings(free)
         return told.notices
 
@@ -239,25 +244,6 @@ class TrackFusionStage:
         if target is not None and target.echoes:
             return False
         return told.alive[key].status == TrackStatus.CONFIRMED
-
-    def _begin_trials(self, found: list[HeardBearing]) -> None:
-        """Try bearing tracks with all targets that may be heard there."""
-        if not found or not self._filters.targets:
-            return
-        expected, variance = self._filters.expected(found[0].array, found[0].station)
-        sensor = found[0].key[0]
-        under_way = {(one.target, one.key) for one in self._filters.trials.trials}
-        begun = []
-        for one in found:
-            azimuth = np.array([one.nearest(float(near)) for near in expected])
-            near = wrap_angle(azimuth - expected) ** 2 <= GATE**2 * (variance + one.variance)
-            for row in np.flatnonzero(near):
-                pair = self._filters.targets[row], one.key
-                if not pair[0].echoes or any(key[0] == sensor for key in pair[0].heard):
-                    continue
-                if pair not in under_way and self._paused.get(pair, 0) <= self._stamp:
-                    begun.append(Trial(*pair))
-        self._filters.begin_trials(begun)
 
     def _decide(self) -> None:
         odds = self.configuration.association_odds
@@ -305,6 +291,7 @@ class TrackFusionStage:
         now = self._stamp / NANOSECONDS
         over = []
         for target in self._filters.targets:
+            target.settle_doubt(self._filters.targets, now)
             if target.contributors:
                 target.orphaned = np.nan
             elif np.isnan(target.orphaned):
