@@ -9,30 +9,24 @@ import numpy as np
 import pytest
 
 from sonar_tracking.bags.storage.writer import BagWriter
-from sonar_tracking.display.bearing_time_record import N_BEAMS, beam_picture
+from sonar_tracking.display.bearing_time_record import MOST_LINES, Waterfall, beam_picture
+from sonar_tracking.display.page.beam_rows import BeamAxis, BeamRow
 from sonar_tracking.display.plot_bag import plot_bag
 from sonar_tracking.display.summary_table import bearing_summary
 from sonar_tracking.display.track_history import track_histories
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.geometry import line_array, steering_vectors, wavenumber
-from sonar_tracking.records.bearings import AngleKind, ArraySnapshots, BearingTracks, TrackStatus
+from sonar_tracking.records.bearings import AngleKind, BearingTracks, TrackStatus
 from tests.bags.bag_fixtures import CLOCK, EPOCH, SECOND, TRACKS, open_writer, write_messages
 
-POSITIONS = line_array(10, 0.5)
+AXIS = BeamAxis(-1.0, 0.1, 21, sine=True)
 
 
-def block(second: int, angle_deg: float) -> ArraySnapshots:
-    """Return four snapshots of one source in wavelength units."""
-    vector = steering_vectors(POSITIONS, np.radians([angle_deg]), wavenumber(1500.0, 1500.0))
-    return ArraySnapshots(
-        stamp=(EPOCH + second) * SECOND,
-        data=np.tile(3.0 * vector.T, (4, 1)),
-        element_positions=POSITIONS,
-        sample_period=0.25,
-        center_frequency=1500.0,
-        bandwidth=4.0,
-        sound_speed=1500.0,
-    )
+def row(begin: float, duration: float, sine: float, power: float = 100.0) -> BeamRow:
+    """Return a row with one source over noise of power 1."""
+    stamp = EPOCH * SECOND + round(begin * SECOND)
+    levels = np.ones(AXIS.count)
+    levels[round((sine + 1.0) / AXIS.step)] = power
+    return BeamRow(stamp, stamp + round(duration * SECOND), AXIS, levels, duration)
 
 
 def tracks(second: int, **columns: object) -> BearingTracks:
@@ -54,25 +48,35 @@ def tracks(second: int, **columns: object) -> BearingTracks:
     return replace(values, **columns)  # type: ignore[arg-type]
 
 
-def test_the_strongest_beam_points_at_the_source() -> None:
-    picture = beam_picture([block(0, -30.0), block(1, 45.0)], 1)
-    assert picture.levels_db.shape == (2, N_BEAMS)
-    strongest = np.degrees(picture.angles[np.argmax(picture.levels_db, axis=1)])
-    np.testing.assert_allclose(strongest, [-30.0, 45.0], atol=0.5)
-    np.testing.assert_array_equal(picture.levels_db.max(axis=1), 0.0)
+def test_the_source_stands_over_the_noise_at_its_angle_and_time() -> None:
+    picture = beam_picture([row(0.0, 1.0, -0.5), row(1.0, 1.0, 0.5)], EPOCH * SECOND)
+    np.testing.assert_allclose(picture.edges, [0.0, 1.0, 2.0])
+    assert picture.levels_db.shape == (2, AXIS.count)
+    assert len(picture.degrees) == AXIS.count + 1
+    np.testing.assert_allclose(picture.levels_db.max(axis=1), 20.0, atol=1e-4)
+    loudest = np.argmax(picture.levels_db, axis=1)
+    inside = picture.degrees[loudest] < [-30.0, 30.0]
+    assert inside.all() and (picture.degrees[loudest + 1] > [-30.0, 30.0]).all()
+    np.testing.assert_allclose(picture.degrees[[0, -1]], [-90.0, 90.0])
 
 
-def test_a_line_holds_the_mean_of_its_blocks() -> None:
-    picture = beam_picture([block(0, -30.0), block(1, 30.0), block(2, 30.0)], 2)
-    assert list(picture.stamps) == [EPOCH * SECOND, (EPOCH + 2) * SECOND]
-    both = picture.levels_db[0, [120, 240]]
-    np.testing.assert_allclose(both, 0.0, atol=0.1)
+def test_a_gap_is_left_empty_and_rows_keep_their_times() -> None:
+    picture = beam_picture([row(0.0, 1.0, 0.0), row(5.0, 2.0, 0.0)], EPOCH * SECOND)
+    np.testing.assert_allclose(picture.edges, [0.0, 1.0, 5.0, 7.0])
+    assert np.isnan(picture.levels_db).all(axis=1).tolist() == [False, True, False]
 
 
-def test_blocks_that_are_not_finite_are_left_out() -> None:
-    spoilt = replace(block(0, 0.0), data=np.full((4, 10), np.nan, complex))
-    assert len(beam_picture([spoilt, block(1, 0.0)], 1).stamps) == 1
-    assert len(beam_picture([], 1).stamps) == 0
+def test_a_waterfall_has_all_time_scales_in_bounded_memory() -> None:
+    waterfall = Waterfall("narrowband")
+    for second in range(3 * MOST_LINES):
+        waterfall.add(row(second, 1.0, 0.0, power=float(second % 2) + 1.0))
+    scales = waterfall.finished()
+    assert list(scales) == [1.0, 5.0, 20.0]
+    for rows in scales.values():
+        assert len(rows) <= MOST_LINES
+        assert sum(each.integrated for each in rows) == pytest.approx(3 * MOST_LINES)
+        energy = sum(each.integrated * each.power[10] for each in rows)
+        assert energy == pytest.approx(1.5 * 3 * MOST_LINES)
 
 
 def test_histories_follow_identifiers_and_do_not_jump_across_the_half_circle() -> None:

@@ -8,7 +8,14 @@ import numpy as np
 import pytest
 
 from sonar_tracking.display.line_record import MOST_LINES, draw_line_record, line_histories
-from sonar_tracking.display.lofar_gram import MOST_COLUMNS, beam_grams, draw_lofar_gram
+from sonar_tracking.display.lofar_gram import (
+    MOST_BEAMS,
+    MOST_COLUMNS,
+    MOST_ROWS,
+    BeamGram,
+    GramRows,
+    draw_lofar_gram,
+)
 from sonar_tracking.records.lines import FrequencyLines, LofarRows
 
 EPOCH = 1_767_225_600
@@ -43,12 +50,44 @@ def rows(second: int, beams: list[int], n_bins: int = 50, loud: int = 7) -> Lofa
     )
 
 
+def beam_grams(entries: list[LofarRows], start: int) -> tuple[BeamGram, ...]:
+    collected = GramRows()
+    for entry in entries:
+        collected.add(entry)
+    return collected.grams(start)
+
+
 def test_each_beam_has_its_rows_and_times() -> None:
     one, two = beam_grams([rows(0, [1, 2]), rows(1, [2]), rows(2, [2, 1])], EPOCH * SECOND)
     assert (one.track_id, two.track_id) == (1, 2)
     assert one.times.tolist() == [0.0, 2.0] and two.times.tolist() == [0.0, 1.0, 2.0]
     assert one.frequencies[7] == pytest.approx(103.5)
-    assert one.levels_db[:, 7].tolist() == [10.0, 10.0] and two.levels_db[1, 7] == 20.0
+    np.testing.assert_allclose(one.levels_db[:, 7], 10.0, atol=1e-4)
+    assert two.levels_db[1, 7] == pytest.approx(20.0, abs=1e-4)
+
+
+def test_of_too_many_rows_neighbours_are_integrated() -> None:
+    count = 2 * MOST_ROWS + 100
+    (gram,) = beam_grams([rows(n, [n % 2 + 1]) for n in range(0, 2 * count, 2)], EPOCH * SECOND)
+    assert MOST_ROWS // 2 <= len(gram.times) <= MOST_ROWS
+    np.testing.assert_allclose(gram.levels_db[:, 7], 10.0, atol=1e-3)
+    assert (np.diff(gram.times) > 0.0).all()
+    mixed = GramRows()
+    for n in range(MOST_ROWS + 1):
+        entry = rows(n, [1])
+        entry.level_db[:, 7] = 20.0 if n % 2 else -90.0
+        mixed.add(entry)
+    (gram,) = mixed.grams(EPOCH * SECOND)
+    # The mean power of 100 and nothing is 50, 17 dB, and the first pair lies half a second in.
+    assert gram.levels_db[0, 7] == pytest.approx(16.99, abs=0.01)
+    assert gram.times[0] == pytest.approx(0.5)
+
+
+def test_beams_without_end_are_not_kept_without_end() -> None:
+    collected = GramRows()
+    for beam in range(1, 10 * MOST_BEAMS):
+        collected.add(rows(beam, [beam]))
+    assert len(collected._rows) <= MOST_BEAMS + 1
 
 
 def test_a_line_one_bin_wide_survives_the_thinning() -> None:
@@ -56,7 +95,7 @@ def test_a_line_one_bin_wide_survives_the_thinning() -> None:
     (gram,) = beam_grams([rows(0, [1], n_bins, loud)], 0)
     assert len(gram.frequencies) <= MOST_COLUMNS
     strongest = int(np.argmax(gram.levels_db[0]))
-    assert gram.levels_db[0, strongest] == 10.0
+    assert gram.levels_db[0, strongest] == pytest.approx(10.0, abs=1e-4)
     assert gram.frequencies[strongest] == pytest.approx(100.0 + 0.5 * loud, abs=2.0)
 
 

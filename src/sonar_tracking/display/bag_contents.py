@@ -1,4 +1,8 @@
-"""What a bag holds for people to look at, as records in memory."""
+"""What a bag holds for people to look at, as records in memory.
+
+The bag is read once, in log order. Of long recordings evenly chosen entries are kept, and rows of
+pictures are integrated, so that memory is bounded whatever the length.
+"""
 
 from __future__ import annotations
 
@@ -14,25 +18,29 @@ from sonar_tracking.bags.storage.bag_records import (
     IMAGE_TYPE,
     ODOMETRY_TYPE,
     POSITION_TRACKS_TYPE,
-    contacts_of,
-    directions_of,
-    frequency_lines_of,
-    lofar_rows_of,
-    own_ship_of,
-    position_tracks_of,
+    SAMPLES_TYPE,
+    SNAPSHOTS_TYPE,
+    records_in_order,
     topics_of_type,
 )
 from sonar_tracking.bags.storage.reader import Bag
+from sonar_tracking.display.bearing_time_record import Waterfall
 from sonar_tracking.display.located_pings import located_pings, recorded_mounting
+from sonar_tracking.display.lofar_gram import GramRows
+from sonar_tracking.display.page.own_ship_legs import Leg, own_ship_legs
 from sonar_tracking.display.position_history import (
     PositionHistory,
     open_histories,
     position_histories,
 )
+from sonar_tracking.display.recorded_dots import RecordedDots
+from sonar_tracking.display.recorded_waterfalls import RecordedWaterfalls
+from sonar_tracking.display.stacked_dots_record import TrackDots
+from sonar_tracking.display.thinned_lists import Thinned
 from sonar_tracking.display.track_history import TrackHistory, track_histories
 from sonar_tracking.records.bearings import BearingTracks
 from sonar_tracking.records.contacts import Contacts
-from sonar_tracking.records.lines import FrequencyLines, LofarRows
+from sonar_tracking.records.lines import FrequencyLines
 from sonar_tracking.records.own_ship import OwnShipState
 
 Value = TypeVar("Value")
@@ -40,10 +48,22 @@ Value = TypeVar("Value")
 CONTACT_TRACKER = "hpda_tracker"
 """Node whose parameters tell where the sensor of contacts is mounted, and the sound speed."""
 
+MOST_KEPT = 6000
+"""Records kept of one topic."""
+
+_LISTED = (
+    BEARING_TRACKS_TYPE,
+    POSITION_TRACKS_TYPE,
+    CONTACTS_TYPE,
+    FREQUENCY_LINES_TYPE,
+    ODOMETRY_TYPE,
+)
+_ROWS = (SNAPSHOTS_TYPE, SAMPLES_TYPE, IMAGE_TYPE)
+
 
 @dataclass(frozen=True)
 class BagContents:
-    """Tracks, truth, contacts and own ship of a bag, by topic.
+    """Tracks, truth, contacts, own ship and rows of pictures of a bag, by topic.
 
     Attributes
     ----------
@@ -57,8 +77,12 @@ class BagContents:
         Positions of bearing tracks that do not claim a target yet.
     frequency_lines : mapping of str to tuple of FrequencyLines
         Lines heard, by topic.
-    lofar_rows : mapping of str to tuple of LofarRows
-        Of topics called ``lofar``.
+    waterfalls : mapping of str to Waterfall
+        Beam power of snapshots and samples.
+    grams : mapping of str to GramRows
+        Spectra of beams.
+    dots : tuple of TrackDots
+        Stacked dots of the solutions.
     contacts : tuple of Contacts
         Of the first topic that has any, those that can be placed.
     sound_speed : float
@@ -76,56 +100,91 @@ class BagContents:
     position_truth: Mapping[str, tuple[PositionHistory, ...]] = field(default_factory=dict)
     open_tracks: tuple[PositionHistory, ...] = ()
     frequency_lines: Mapping[str, tuple[FrequencyLines, ...]] = field(default_factory=dict)
-    lofar_rows: Mapping[str, tuple[LofarRows, ...]] = field(default_factory=dict)
+    waterfalls: Mapping[str, Waterfall] = field(default_factory=dict)
+    grams: Mapping[str, GramRows] = field(default_factory=dict)
+    dots: tuple[TrackDots, ...] = ()
     contacts: tuple[Contacts, ...] = ()
     sound_speed: float = ContactTrackerConfiguration().sound_speed
     own_ship: tuple[OwnShipState, ...] = ()
     rejected: tuple[str, ...] = ()
 
+    @property
+    def legs(self) -> list[Leg]:
+        """Own ship's legs and turns."""
+        return own_ship_legs(self.own_ship)
+
     def begins(self) -> list[int]:
-        """Return the first stamps of all tracks, truths, lines and pings, ns."""
+        """Return the first stamps of all that can be drawn, ns."""
         bearings = (*self.bearing_tracks.values(), *self.bearing_truth.values())
         positions = (*self.position_tracks.values(), *self.position_truth.values())
         begins = [int(history.stamps[0]) for tracks in bearings for history in tracks]
         begins += [int(history.stamps[0]) for tracks in positions for history in tracks]
         begins += [entry.stamp for lists in self.frequency_lines.values() for entry in lists[:1]]
-        begins += [entry.stamp for rows in self.lofar_rows.values() for entry in rows[:1]]
+        begins += [each.begin for each in self.waterfalls.values()]
+        begins += [rows.begin for rows in self.grams.values()]
         return begins + [ping.stamp for ping in self.contacts[:1]]
 
 
-def bag_contents(bag: Bag) -> BagContents:
+def bag_contents(bag: Bag, advance: Callable[[], object] = lambda: None) -> BagContents:
     """Read what a bag holds for people to look at.
 
     Parameters
     ----------
     bag : Bag
         Opened bag.
+    advance : callable
+        Called after each message of :func:`drawn_topics`.
     """
+    topics = drawn_topics(bag)
+    lists: dict[str, Thinned[Any]] = {}
     rejected: list[str] = []
+    waterfalls, dots = RecordedWaterfalls(bag), RecordedDots(bag)
+    for topic, record in records_in_order(bag, topics, rejected):
+        if record is not None:
+            waterfalls.take(topic, record)
+            dots.take(topic, record)
+            if bag.topics[topic].type_name in _LISTED:
+                lists.setdefault(topic, Thinned(MOST_KEPT)).append(record)
+        advance()
     truths = {name for name, topic in bag.topics.items() if topic.role == "truth"}
+
+    def of_type(kind: str) -> dict[str, tuple[Any, ...]]:
+        return {name: tuple(lists.get(name, ())) for name in topics_of_type(bag, kind)}
+
     columns = {
-        **_bearings(bag, truths, rejected),
-        **_positions(bag, truths, rejected),
-        **_contacts(bag, rejected),
-        **_lines(bag, rejected),
+        **_bearings(of_type(BEARING_TRACKS_TYPE), truths),
+        **_positions(of_type(POSITION_TRACKS_TYPE), truths),
+        **_contacts(bag, of_type(CONTACTS_TYPE), of_type(ODOMETRY_TYPE), rejected),
+        "frequency_lines": of_type(FREQUENCY_LINES_TYPE),
+        "waterfalls": waterfalls.waterfalls,
+        "grams": waterfalls.grams,
+        "dots": dots.dots(),
     }
     return BagContents(**columns, rejected=tuple(rejected))
 
 
-def _bearings(bag: Bag, truths: set[str], rejected: list[str]) -> dict[str, Any]:
-    bearings = _by_topic(bag, BEARING_TRACKS_TYPE, directions_of, rejected)
-    histories = {name: _confirmed(lists) for name, lists in bearings.items()}
+def drawn_topics(bag: Bag) -> list[str]:
+    """Return the topics of a bag that are drawn."""
+    return [
+        topic
+        for kind in (*_LISTED, *_ROWS)
+        for topic in topics_of_type(bag, kind)
+        if kind != IMAGE_TYPE or topic.endswith("/lofar")
+    ]
+
+
+def _bearings(by_topic: dict[str, tuple[Any, ...]], truths: set[str]) -> dict[str, Any]:
+    histories = {name: _confirmed(lists) for name, lists in by_topic.items()}
     return {
-        "bearings": _without(bearings, truths),
+        "bearings": _without(by_topic, truths),
         "bearing_tracks": _without(histories, truths),
         "bearing_truth": _only(histories, truths),
     }
 
 
-def _positions(bag: Bag, truths: set[str], rejected: list[str]) -> dict[str, Any]:
-    positions = _by_topic(bag, POSITION_TRACKS_TYPE, position_tracks_of, rejected)
-    histories = {name: position_histories(lists) for name, lists in positions.items()}
-    tracked = _without(positions, truths).values()
+def _positions(by_topic: dict[str, tuple[Any, ...]], truths: set[str]) -> dict[str, Any]:
+    histories = {name: position_histories(lists) for name, lists in by_topic.items()}
+    tracked = _without(by_topic, truths).values()
     return {
         "position_tracks": _without(histories, truths),
         "position_truth": _only(histories, truths),
@@ -133,10 +192,15 @@ def _positions(bag: Bag, truths: set[str], rejected: list[str]) -> dict[str, Any
     }
 
 
-def _contacts(bag: Bag, rejected: list[str]) -> dict[str, Any]:
+def _contacts(
+    bag: Bag,
+    contacts: dict[str, tuple[Any, ...]],
+    odometry: dict[str, tuple[Any, ...]],
+    rejected: list[str],
+) -> dict[str, Any]:
     """Return the contacts in ``map``, by what the bag knows of own ship and the mounting."""
-    pings = next(iter(_by_topic(bag, CONTACTS_TYPE, contacts_of, rejected).values()), ())
-    states = next(iter(_by_topic(bag, ODOMETRY_TYPE, own_ship_of, rejected).values()), ())
+    pings = next(iter(contacts.values()), ())
+    states = next(iter(odometry.values()), ())
     own_ship = tuple(sorted(states, key=lambda state: state.stamp))
     parameters = bag.recording.node_parameters if bag.recording else {}
     given = parameters.get(CONTACT_TRACKER, {})
@@ -147,29 +211,12 @@ def _contacts(bag: Bag, rejected: list[str]) -> dict[str, Any]:
     }
 
 
-def _lines(bag: Bag, rejected: list[str]) -> dict[str, Any]:
-    pictures = [name for name in topics_of_type(bag, IMAGE_TYPE) if name.endswith("/lofar")]
-    return {
-        "frequency_lines": _by_topic(bag, FREQUENCY_LINES_TYPE, frequency_lines_of, rejected),
-        "lofar_rows": {name: tuple(lofar_rows_of(bag, name, rejected)) for name in pictures},
-    }
-
-
 def _without(by_topic: Mapping[str, Value], truths: set[str]) -> dict[str, Value]:
     return {name: value for name, value in by_topic.items() if name not in truths}
 
 
 def _only(by_topic: Mapping[str, Value], truths: set[str]) -> dict[str, Value]:
     return {name: value for name, value in by_topic.items() if name in truths}
-
-
-def _by_topic(
-    bag: Bag,
-    type_name: str,
-    read: Callable[[Bag, str, list[str]], Iterable[Any]],
-    rejected: list[str],
-) -> dict[str, tuple[Any, ...]]:
-    return {name: tuple(read(bag, name, rejected)) for name in topics_of_type(bag, type_name)}
 
 
 def _confirmed(lists: Iterable[BearingTracks]) -> tuple[TrackHistory, ...]:

@@ -1,108 +1,141 @@
-"""Bearing-time record: the tracks of one sensor and the truth over the beamformer's picture.
+"""Bearing-time record: the tracks of one sensor and the truth over the power of its beams.
 
 Bearing to the right, time downwards: arrival angles from broadside, or compass bearings where the
-sensor measures azimuths. Behind the tracks lies the power of the conventional beamformer, each
-line relative to its strongest beam, where there are snapshots.
+sensor measures azimuths. Where there are snapshots or samples the same time is drawn on three time
+scales side by side: the short one shows what moves, the long ones what is weak.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sonar_tracking.display.page.beam_rows import BeamAxis, BeamRow
+from sonar_tracking.display.page.bounded_rows import BoundedRows
+from sonar_tracking.display.page.waterfall_cascade import SCALES, WaterfallCascade
+from sonar_tracking.display.picture_files import loudness_colours, new_figure, save_picture
 from sonar_tracking.display.track_history import TrackHistory
-from sonar_tracking.geometry import wavenumber
-from sonar_tracking.passive.directions.conventional_beamformer import beam_powers
-from sonar_tracking.records.arrays import FloatArray, IntArray
-from sonar_tracking.records.bearings import AngleKind, ArraySnapshots
-from sonar_tracking.records.time import seconds
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.bearings import AngleKind
+from sonar_tracking.records.time import LAST_STAMP, seconds
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.collections import QuadMesh
 
-
-N_BEAMS = 361
-MOST_LINES = 600
-"""Lines of the beamformer picture; longer bags average more snapshots into one."""
+MOST_LINES = 1200
+"""Lines of one time scale; in longer recordings neighbours are integrated to one."""
 
 DYNAMIC_RANGE_DB = 15.0
-HEADROOM_DB = 8.0
-"""The strongest beam is drawn so far below white, for the lines on top to stand out."""
+"""Drawn above the quiet beams of each line, dB."""
 
-MOST_NAMED = 12
-"""More tracks are not listed in a legend."""
+QUIET_SHARE = 0.3
+"""Share of the beams of a line that are taken to hear noise only."""
 
-TRACK_COLOURS = ("#56B4E9", "#E69F00", "#009E73", "#F0E442", "#CC79A7", "#D55E00", "#0072B2")
+TRACK_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#B8860B", "#56B4E9", "#8B5CF6")
+
+
+class Waterfall:
+    """Rows of beam power of one topic, on all time scales.
+
+    Parameters
+    ----------
+    content : str
+        ``narrowband`` or ``broadband``.
+    """
+
+    def __init__(self, content: str) -> None:
+        self.content = content
+        self.sensor_id, self.begin = "", LAST_STAMP
+        self._cascade = WaterfallCascade()
+        self._kept = {scale: BoundedRows(MOST_LINES) for scale in SCALES}
+
+    def add(self, row: BeamRow) -> None:
+        """Take the next row."""
+        self.sensor_id, self.begin = row.sensor_id, min(self.begin, row.begin)
+        for scaled in self._cascade.add(row):
+            self._kept[scaled.scale].add(scaled.row)
+
+    def finished(self) -> Mapping[float, Sequence[BeamRow]]:
+        """Complete the rows that have begun; return all by time scale, s."""
+        for scaled in self._cascade.flush():
+            self._kept[scaled.scale].add(scaled.row)
+        return {scale: kept.rows for scale, kept in self._kept.items() if kept.rows}
 
 
 @dataclass(frozen=True)
 class BeamPicture:
-    """Power over time and bearing.
+    """Rows as they are drawn.
 
     Attributes
     ----------
-    stamps : ndarray of int, shape (n_lines,)
-        Begin of each line, ns.
-    angles : ndarray, shape (N_BEAMS,)
-        rad.
-    levels_db : ndarray, shape (n_lines, N_BEAMS)
-        dB, relative to the strongest beam of the line.
+    edges : ndarray, shape (n_lines + 1,)
+        Times, s.
+    degrees : ndarray, shape (n_beams + 1,)
+        Edges of the beams, deg from broadside.
+    levels_db : ndarray, shape (n_lines, n_beams)
+        dB over the quiet beams of the line; NaN = nothing was received.
     """
 
-    stamps: IntArray
-    angles: FloatArray
+    edges: FloatArray
+    degrees: FloatArray
     levels_db: FloatArray
 
 
-def beam_picture(blocks: Iterable[ArraySnapshots], blocks_per_line: int) -> BeamPicture:
-    """Return the beamformer picture of successive blocks.
+def beam_picture(rows: Sequence[BeamRow], start: int) -> BeamPicture:
+    """Return the picture of rows: each at its own time, gaps empty.
 
     Parameters
     ----------
-    blocks : iterable of ArraySnapshots
-        In order; blocks that are not finite are left out.
-    blocks_per_line : int
-        Blocks averaged into one line.
+    rows : sequence of BeamRow
+        In order; those with other beams than the last one are left out.
+    start : int
+        Stamp of time zero, ns.
     """
-    angles = np.radians(np.linspace(-90.0, 90.0, N_BEAMS))
-    stamps: list[int] = []
+    axis = rows[-1].axis
+    edges: list[float] = []
     lines: list[FloatArray] = []
-    power, count = np.zeros(N_BEAMS), 0
-    for block in blocks:
-        if not np.isfinite(block.data).all() or not len(block.data):
+    nothing = np.full(axis.count, np.nan)
+    for row in rows:
+        begin, end = seconds(row.begin - start), seconds(row.end - start)
+        if row.axis != axis or (edges and end <= edges[-1]):
             continue
-        if count == 0:
-            stamps.append(block.stamp)
-            lines.append(power := np.zeros(N_BEAMS))
-        number = wavenumber(block.center_frequency, block.sound_speed)
-        power += beam_powers(block.data, block.element_positions, angles, number)
-        count = (count + 1) % blocks_per_line
-    powers = np.array(lines).reshape(len(lines), N_BEAMS)
-    strongest = np.maximum(powers.max(axis=1, keepdims=True, initial=0.0), np.finfo(float).tiny)
-    levels = 10.0 * np.log10(np.maximum(powers / strongest, 1e-12))
-    return BeamPicture(np.array(stamps, np.int64), angles, levels)
+        if not edges:
+            edges.append(begin)
+        elif begin > edges[-1] + 1e-3:
+            lines.append(nothing)
+            edges.append(begin)
+        level = row.level_db.astype(np.float64)
+        lines.append(level - np.quantile(level, QUIET_SHARE))
+        edges.append(end)
+    return BeamPicture(np.array(edges), np.degrees(_beam_edges(axis)), np.array(lines))
+
+
+def _beam_edges(axis: BeamAxis) -> FloatArray:
+    middles = np.asarray(axis.first + axis.step * (np.arange(axis.count + 1) - 0.5), np.float64)
+    return np.arcsin(np.clip(middles, -1.0, 1.0)) if axis.sine else middles
 
 
 def draw_bearing_time_record(
-    picture: BeamPicture,
+    scales: Mapping[float, Sequence[BeamRow]],
     tracks: Sequence[TrackHistory],
     truth: Sequence[TrackHistory],
     start: int,
     path: Path,
     title: str = "",
-) -> None:
-    """Draw a bearing-time record into an image file.
+) -> tuple[Path, Path]:
+    """Draw a bearing-time record, and return the files written.
 
     Parameters
     ----------
-    picture : BeamPicture
-        Background; may have no lines.
+    scales : mapping of float to sequence of BeamRow
+        Rows by time scale (s); may be empty.
     tracks, truth : sequence of TrackHistory
-        Lines on top, all with the same kind of angle; the picture goes with arrival angles only.
+        Lines on top, all with the same kind of angle; beams go with arrival angles only.
     start : int
         Stamp of time zero, ns.
     path : Path
@@ -110,65 +143,76 @@ def draw_bearing_time_record(
     title : str
         Heading.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    count = max(len(scales), 1)
+    figure = new_figure(1.6 + 3.4 * count if scales else 6.5, 7.5)
+    panels = figure.subplots(1, count, sharey=True, squeeze=False)[0]
+    figure.suptitle(title, fontsize=10)
+    ends = [seconds(int(history.stamps[-1]) - start) for history in (*tracks, *truth)]
+    mesh = None
+    for axes, (scale, rows) in zip(panels, scales.items(), strict=False):
+        mesh = _draw_beams(axes, beam_picture(rows, start))
+        longest = float(np.median([row.integrated for row in rows]))
+        axes.set_title(f"{max(scale, round(longest, 1)):g} s a line")
+        ends.append(seconds(rows[-1].end - start))
+    for axes in panels:
+        _draw_tracks(axes, tracks, truth, start)
+        _label_angles(axes, [history.kind for history in (*tracks, *truth)], scales)
+    panels[0].set(ylim=(max([*ends, 0.0]) or 1.0, min(0.0, *ends)), ylabel="time, s")
+    if mesh is not None:
+        label = "power over the quiet beams, dB"
+        figure.colorbar(mesh, ax=list(panels), label=label, shrink=0.5, aspect=30, pad=0.01)
+    return save_picture(figure, path)
 
-    figure = Figure(figsize=(8, 9), layout="constrained")
-    FigureCanvasAgg(figure)
-    axes = figure.add_subplot()
-    axes.set_facecolor("black")
-    last = _draw_picture(axes, picture, start) if len(picture.stamps) else 0.0
+
+def _draw_beams(axes: Axes, picture: BeamPicture) -> QuadMesh:
+    return axes.pcolormesh(
+        picture.degrees,
+        picture.edges,
+        picture.levels_db,
+        cmap=loudness_colours(),
+        vmin=0.0,
+        vmax=DYNAMIC_RANGE_DB,
+        rasterized=True,
+    )
+
+
+def _draw_tracks(
+    axes: Axes, tracks: Sequence[TrackHistory], truth: Sequence[TrackHistory], start: int
+) -> None:
+    from matplotlib.patheffects import withStroke
+
+    rim = [withStroke(linewidth=2.6, foreground="white", alpha=0.8)]
+    for history in truth:
+        times = seconds(history.stamps - start)
+        axes.plot(
+            history.degrees_with_gaps(),
+            times,
+            color="black",
+            linestyle=(0, (4, 3)),
+            linewidth=0.7,
+            path_effects=rim,
+        )
     for number, history in enumerate(tracks):
         colour = TRACK_COLOURS[number % len(TRACK_COLOURS)]
-        last = max(last, _draw_line(axes, history, start, f"track {history.id}", colour, "-", 1.6))
-    for number, history in enumerate(truth):
-        label = "" if number else "truth"
-        last = max(last, _draw_line(axes, history, start, label, "white", "--", 0.8))
-    axes.set(ylim=(last or 1.0, 0.0), ylabel="time, s", title=title)
-    if any(history.kind == AngleKind.AZIMUTH for history in (*tracks, *truth)):
+        times, degrees = seconds(history.stamps - start), history.degrees_with_gaps()
+        axes.plot(degrees, times, color=colour, linewidth=1.2, path_effects=rim)
+        axes.annotate(
+            str(history.id),
+            (float(history.degrees[0]), float(times[0])),
+            xytext=(3, -7),
+            textcoords="offset points",
+            color=colour,
+            fontsize=8,
+            fontweight="bold",
+            path_effects=rim,
+        )
+
+
+def _label_angles(axes: Axes, kinds: Sequence[AngleKind], beams: object) -> None:
+    if AngleKind.AZIMUTH in kinds and not beams:
         axes.set(xlim=(0, 360), xlabel="bearing, deg from north", xticks=range(0, 361, 45))
-    else:
-        axes.set(xlim=(-90, 90), xlabel="arrival angle from broadside, deg")
-        axes.set_xticks(range(-90, 91, 30))
-    if len(tracks) <= MOST_NAMED and axes.get_legend_handles_labels()[0]:
-        axes.legend(loc="upper right", fontsize=8, facecolor="#333333", labelcolor="white")
-    figure.savefig(path, dpi=120)
-
-
-def _draw_line(
-    axes: Axes,
-    history: TrackHistory,
-    start: int,
-    label: str,
-    colour: str,
-    style: str,
-    width: float,
-) -> float:
-    """Draw one track; return the time of its end, s."""
-    times = seconds(history.stamps - start)
-    axes.plot(
-        history.degrees_with_gaps(),
-        times,
-        color=colour,
-        linestyle=style,
-        linewidth=width,
-        label=label,
-    )
-    return float(times[-1])
-
-
-def _draw_picture(axes: Axes, picture: BeamPicture, start: int) -> float:
-    """Draw the background; return the time of its end, s."""
-    times = seconds(picture.stamps - start)
-    step = float(np.median(np.diff(times))) if len(times) > 1 else 1.0
-    edges = np.append(times, times[-1] + step)
-    degrees = np.degrees(picture.angles)
-    half_beam = 0.5 * (degrees[1] - degrees[0])
-    beams = np.append(degrees - half_beam, degrees[-1] + half_beam)
-    image = axes.pcolormesh(
-        beams, edges, picture.levels_db, cmap="bone", vmin=-DYNAMIC_RANGE_DB, vmax=HEADROOM_DB
-    )
-    figure = axes.figure
-    bar = figure.colorbar(image, ax=axes, label="beam power, dB of the strongest", shrink=0.6)
-    bar.ax.set_ylim(-DYNAMIC_RANGE_DB, 0.0)
-    return float(edges[-1])
+        return
+    low, high = axes.get_xlim() if beams else (-90.0, 90.0)
+    widest = 180 if max(-low, high) > 100.0 else 90
+    axes.set(xlim=(-widest, widest), xlabel="arrival angle from broadside, deg")
+    axes.set_xticks(range(-widest, widest + 1, widest // 3))

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sonar_tracking.display.bearing_time_record import TRACK_COLOURS
+from sonar_tracking.display.picture_files import loudness_colours, new_figure, save_picture
 from sonar_tracking.display.position_history import PositionHistory
 from sonar_tracking.motion import compass_from_azimuth
 from sonar_tracking.records.arrays import FloatArray
@@ -64,7 +65,8 @@ class ContactRecord:
         Returns
         -------
         ndarray, shape (n, 3)
-            Time (s), compass bearing (deg), range (m); empty if the sensor's place is unknown.
+            Time (s), compass bearing (deg), range (m), NaN where the track was lost for a while;
+            empty if the sensor's place is unknown.
         """
         times = history.seconds(self.start)
         known = np.all(np.isfinite(self.sensor_positions), axis=1)
@@ -73,7 +75,7 @@ class ContactRecord:
         at, places = self.sensor_times[known], self.sensor_positions[known]
         rows = (times >= at[0]) & (times <= at[-1])
         sensor = np.stack([np.interp(times[rows], at, places[:, k]) for k in (0, 1)], axis=-1)
-        east, north = (history.positions[rows] - sensor).T
+        east, north = (history.positions_with_gaps()[rows] - sensor).T
         bearing = compass_from_azimuth(np.arctan2(north, east))
         return np.stack([times[rows], bearing, np.hypot(east, north)], axis=-1)
 
@@ -120,8 +122,8 @@ def draw_contact_record(
     truth: Sequence[PositionHistory],
     path: Path,
     title: str = "",
-) -> None:
-    """Draw a contact record into an image file.
+) -> tuple[Path, Path]:
+    """Draw a contact record, and return the files written.
 
     Parameters
     ----------
@@ -134,32 +136,28 @@ def draw_contact_record(
     title : str
         Heading.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(12, 8.5), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(11.0, 7.5)
     panels = figure.subplots(1, 2, sharey=True)
-    figure.suptitle(title)
+    figure.suptitle(title, fontsize=10)
     for axes, values in zip(panels, (record.bearings_deg, record.ranges), strict=True):
-        axes.set_facecolor("black")
         dots = _draw_contacts(axes, record, values)
     if np.isfinite(record.levels_db).any():
-        figure.colorbar(dots, ax=list(panels), label="level, dB above the noise", shrink=0.6)
+        label = "level, dB above the noise"
+        figure.colorbar(dots, ax=list(panels), label=label, shrink=0.5, aspect=30, pad=0.01)
     for number, history in enumerate(tracks):
         colour = TRACK_COLOURS[number % len(TRACK_COLOURS)]
         _draw_line(panels, record.seen(history), f"track {history.id}", colour, "-", 1.8)
     for number, history in enumerate(truth):
         label = "" if number else "truth"
-        _draw_line(panels, record.seen(history), label, "white", "--", 0.8)
+        _draw_line(panels, record.seen(history), label, "black", "--", 0.8)
     last = max([*record.sensor_times, 1.0])
     panels[0].set(xlim=(0, 360), xlabel="bearing, deg from north", ylabel="time, s")
     panels[0].set_xticks(range(0, 361, 45))
     panels[0].set_ylim(last, float(min([*record.sensor_times, 0.0])))
     panels[1].set(xlim=(0, 1.02 * max([*record.ranges, 1.0])), xlabel="range, m")
     if len(tracks) <= 12 and panels[1].get_legend_handles_labels()[0]:
-        panels[1].legend(loc="upper right", fontsize=8, facecolor="#333333", labelcolor="white")
-    figure.savefig(path, dpi=120)
+        panels[1].legend(loc="upper right", fontsize=8, framealpha=0.9)
+    return save_picture(figure, path)
 
 
 def _amplitude(ping: Contacts) -> FloatArray:
@@ -176,10 +174,11 @@ def _draw_contacts(axes: Axes, record: ContactRecord, values: FloatArray) -> Pat
         record.times[chosen],
         c=np.nan_to_num(levels, nan=low) if known else np.full(len(levels), 0.6),
         s=float(np.clip(30_000.0 / max(len(levels), 1), 2.0, 9.0)),
-        cmap="bone",
+        cmap=loudness_colours(),
         vmin=low - 0.7 * (high - low),
         vmax=high,
         linewidths=0.0,
+        rasterized=True,
     )
 
 

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from sonar_tracking.display.picture_files import new_figure, save_picture
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.lines import FrequencyLines
 from sonar_tracking.records.time import seconds
@@ -48,8 +49,10 @@ def line_histories(lists: Iterable[FrequencyLines], start: int) -> dict[int, Flo
     return {identifier: np.array(taken[identifier]) for identifier in sorted(longest)}
 
 
-def draw_line_record(histories: dict[int, FloatArray], path: Path, title: str = "") -> None:
-    """Draw the record into an image file.
+def draw_line_record(
+    histories: dict[int, FloatArray], path: Path, title: str = ""
+) -> tuple[Path, Path]:
+    """Draw the record, and return the files written.
 
     Parameters
     ----------
@@ -60,14 +63,10 @@ def draw_line_record(histories: dict[int, FloatArray], path: Path, title: str = 
     title : str
         Heading.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     rows = -(-len(histories) // PANELS_A_ROW)
     columns = -(-len(histories) // rows)
-    figure = Figure(figsize=(1.5 + 2.1 * columns, 1.0 + 5.0 * rows), layout="constrained")
-    FigureCanvasAgg(figure)
-    figure.suptitle(title)
+    figure = new_figure(1.5 + 2.1 * columns, 1.0 + 5.0 * rows)
+    figure.suptitle(title, fontsize=10)
     panels = figure.subplots(rows, columns, sharey=True, squeeze=False).ravel()
     last = max([1.0, *(float(points[-1, 0]) for points in histories.values())])
     for axes in panels[len(histories) :]:
@@ -95,4 +94,4 @@ def draw_line_record(histories: dict[int, FloatArray], path: Path, title: str = 
     panels[0].set_ylim(last, 0.0)
     for axes in panels[::columns]:
         axes.set_ylabel("time, s")
-    figure.savefig(path, dpi=120)
+    return save_picture(figure, path)

@@ -1,36 +1,37 @@
 """``sonar-tracking plot``: pictures of whatever a bag holds, and the table of its tracks.
 
 ===============================  ==================================================================
-``bearing_time_record.png``      bearing tracks or snapshots; one picture a further topic, numbered
+``bearing_time_record.png``      beams of an array on three time scales, bearing tracks over them;
+                                 one picture a further array or topic, numbered
 ``line_record.png``              frequency lines; one picture a further topic, numbered
-``lofar_gram.png``               LOFAR rows
+``lofar_gram.png``               spectra of the beams; one picture a further topic, numbered
+``stacked_dots.png``             what the solutions leave of bearings and lines
 ``tactical_plot.png``            position tracks, true positions or contacts
 ``contact_record.png``           contacts
 ``track_table.png``              what became of every track; as text in ``tracks.txt``
 ===============================  ==================================================================
+
+Each stands beside an SVG of the same name, whose text and lines are sharp at any size.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from sonar_tracking.bags.storage.bag_records import SNAPSHOTS_TYPE, snapshots_of, topics_of_type
 from sonar_tracking.bags.storage.reader import Bag, read_bag
 from sonar_tracking.bags.storage.topic_names import RECORDED_NAMES, TopicNames
-from sonar_tracking.display.bag_contents import BagContents, bag_contents
-from sonar_tracking.display.bearing_time_record import (
-    MOST_LINES,
-    BeamPicture,
-    beam_picture,
-    draw_bearing_time_record,
-)
+from sonar_tracking.display.bag_contents import BagContents, bag_contents, drawn_topics
+from sonar_tracking.display.bearing_time_record import Waterfall, draw_bearing_time_record
 from sonar_tracking.display.contact_record import contact_record, draw_contact_record
 from sonar_tracking.display.line_record import draw_line_record, line_histories
-from sonar_tracking.display.lofar_gram import beam_grams, draw_lofar_gram
+from sonar_tracking.display.lofar_gram import draw_lofar_gram
+from sonar_tracking.display.picture_files import picture_style
+from sonar_tracking.display.stacked_dots_record import draw_stacked_dots
 from sonar_tracking.display.summary_table import (
     SummaryTable,
     bearing_summary,
@@ -79,13 +80,12 @@ def plot_bag(
     opened = read_bag(bag).named(names)
     if opened.recovery:
         console.print(opened.recovery)
-    rejected: list[str] = []
-    contents = bag_contents(opened)
-    picture = _picture(opened, rejected)
-    rejected = [*contents.rejected, *rejected]
-    if rejected:
-        console.print(f"{len(rejected)} messages were left out, the first: {rejected[0]}")
-    begins = contents.begins() + [int(stamp) for stamp in picture.stamps[:1]]
+    contents = _contents(opened, console)
+    if contents.rejected:
+        console.print(
+            f"{len(contents.rejected)} messages were left out, the first: {contents.rejected[0]}"
+        )
+    begins = contents.begins()
     if not begins:
         raise ConfigurationError(
             f"{opened.path} holds neither snapshots nor contacts nor confirmed tracks; its topics "
@@ -93,14 +93,43 @@ def plot_bag(
         )
     directory, start, title = Path(output), min(begins), _title(opened)
     directory.mkdir(parents=True, exist_ok=True)
-    written = _draw_bearings(contents, picture, start, directory, title)
-    written += _draw_lines(contents, start, directory, title)
-    written += _draw_lofar(contents, start, directory, title)
-    written += _draw_places(contents, start, directory, title)
-    written += _write_tables(contents, start, directory, console)
+    written: list[Path] = []
+    with picture_style():
+        with _progress(console) as progress:
+            task = progress.add_task("drawing", total=None)
+            for files in _pictures(contents, start, directory, title):
+                written += files
+                progress.update(task, description=f"drawing, {len(written) // 2} pictures")
+        written += _write_tables(contents, start, directory, console)
     for path in written:
         console.print(f"wrote {path}")
     return tuple(written)
+
+
+def _progress(console: Console) -> Progress:
+    """Return a progress bar; where there is no terminal it is not seen."""
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
+    return Progress(*columns, console=console, transient=True, disable=not console.is_terminal)
+
+
+def _contents(bag: Bag, console: Console) -> BagContents:
+    total = sum(bag.topics[topic].message_count for topic in drawn_topics(bag))
+    with _progress(console) as progress:
+        task = progress.add_task("reading", total=total)
+        return bag_contents(bag, lambda: progress.advance(task))
+
+
+def _pictures(
+    contents: BagContents, start: int, directory: Path, title: str
+) -> Iterator[Sequence[Path]]:
+    """Draw one picture after the other, and yield its files."""
+    yield from _draw_bearings(contents, start, directory, title)
+    yield from _draw_lines(contents, start, directory, title)
+    yield from _draw_lofar(contents, start, directory, title)
+    if contents.dots:
+        path = directory / "stacked_dots.png"
+        yield draw_stacked_dots(contents.dots, contents.legs, start, path, title)
+    yield from _draw_places(contents, start, directory, title)
 
 
 def _title(bag: Bag) -> str:
@@ -108,54 +137,56 @@ def _title(bag: Bag) -> str:
     return str(scenario.get("name", "")) or bag.path.stem
 
 
-def _picture(bag: Bag, rejected: list[str]) -> BeamPicture:
-    """Return the picture of the first snapshot topic; without lines where there is none."""
-    topics = topics_of_type(bag, SNAPSHOTS_TYPE)
-    if not topics:
-        return beam_picture((), 1)
-    blocks_per_line = -(-bag.topics[topics[0]].message_count // MOST_LINES)
-    return beam_picture(snapshots_of(bag, topics[0], rejected), blocks_per_line)
-
-
 def _draw_bearings(
-    contents: BagContents, picture: BeamPicture, start: int, directory: Path, title: str
-) -> list[Path]:
-    """Draw a record for every topic of bearings, the beamformer's picture in the first."""
-    topics = [name for name, tracks in contents.bearing_tracks.items() if tracks]
-    if not topics and (len(picture.stamps) or any(contents.bearing_truth.values())):
-        topics = [""]
-    written = []
-    for number, topic in enumerate(topics):
+    contents: BagContents, start: int, directory: Path, title: str
+) -> Iterator[Sequence[Path]]:
+    """Draw a record for every array, and for every topic of bearings that has no beams."""
+    for number, (waterfall, topic) in enumerate(_records(contents)):
         tracks = contents.bearing_tracks.get(topic, ())
         truth = _truth_of(topic, tracks, contents.bearing_truth)
-        written.append(directory / _numbered("bearing_time_record", number))
-        background = beam_picture((), 1) if number else picture
-        heading = f"{title}  {topic}" if topic else title
-        draw_bearing_time_record(background, tracks, truth, start, written[-1], heading)
-    return written
+        scales = waterfall.finished() if waterfall else {}
+        words = [title, topic, waterfall.content if waterfall else ""]
+        path = directory / _numbered("bearing_time_record", number)
+        heading = "  ".join(word for word in words if word)
+        yield draw_bearing_time_record(scales, tracks, truth, start, path, heading)
 
 
-def _draw_lines(contents: BagContents, start: int, directory: Path, title: str) -> list[Path]:
+def _records(contents: BagContents) -> list[tuple[Waterfall | None, str]]:
+    """Return beams and the topic of the bearing tracks over them, of every record to draw."""
+    topics = [name for name, tracks in contents.bearing_tracks.items() if tracks]
+    sensors = {name: contents.bearings[name][0].sensor.sensor_id for name in topics}
+    records: list[tuple[Waterfall | None, str]] = []
+    for waterfall in contents.waterfalls.values():
+        own = [name for name in topics if sensors[name] == waterfall.sensor_id]
+        records.append((waterfall, own[0] if own else ""))
+    drawn = {topic for _, topic in records}
+    records += [(None, name) for name in topics if name not in drawn]
+    if not records and any(contents.bearing_truth.values()):
+        records.append((None, ""))
+    return records
+
+
+def _draw_lines(
+    contents: BagContents, start: int, directory: Path, title: str
+) -> Iterator[Sequence[Path]]:
     """Draw the lines of every topic that has any."""
-    written: list[Path] = []
+    number = 0
     for topic, lists in contents.frequency_lines.items():
         histories = line_histories(lists, start)
         if histories:
-            written.append(directory / _numbered("line_record", len(written)))
-            draw_line_record(histories, written[-1], f"{title}  {topic}")
-    return written
+            path = directory / _numbered("line_record", number)
+            yield draw_line_record(histories, path, f"{title}  {topic}")
+            number += 1
 
 
-def _draw_lofar(contents: BagContents, start: int, directory: Path, title: str) -> list[Path]:
-    """Draw the gram of every topic of LOFAR rows, with the lines of the same namespace."""
-    written: list[Path] = []
-    for topic, rows in contents.lofar_rows.items():
-        grams = beam_grams(rows, start)
-        if grams:
-            lines = _near(topic, contents.frequency_lines)
-            written.append(directory / _numbered("lofar_gram", len(written)))
-            draw_lofar_gram(grams, lines, start, written[-1], f"{title}  {topic}")
-    return written
+def _draw_lofar(
+    contents: BagContents, start: int, directory: Path, title: str
+) -> Iterator[Sequence[Path]]:
+    """Draw the gram of every topic of spectra, with the lines of the same namespace."""
+    for number, (topic, rows) in enumerate(contents.grams.items()):
+        lines = _near(topic, contents.frequency_lines)
+        path = directory / _numbered("lofar_gram", number)
+        yield draw_lofar_gram(rows.grams(start), lines, start, path, f"{title}  {topic}")
 
 
 def _numbered(name: str, number: int) -> str:
@@ -181,7 +212,9 @@ def _near(topic: str, others: Mapping[str, tuple[Any, ...]]) -> tuple[Any, ...]:
     return next(iter([*near, *others.values()]), ())
 
 
-def _draw_places(contents: BagContents, start: int, directory: Path, title: str) -> list[Path]:
+def _draw_places(
+    contents: BagContents, start: int, directory: Path, title: str
+) -> Iterator[Sequence[Path]]:
     """Draw the chart, and the contacts as the sensor sees them."""
     truth = tuple(history for truth in contents.position_truth.values() for history in truth)
     lists = [entry for topic in contents.bearings.values() for entry in topic]
@@ -195,16 +228,12 @@ def _draw_places(contents: BagContents, start: int, directory: Path, title: str)
         bearings=bearing_lines(lists, start),
         stations=stations_at_rest(lists),
     )
-    written = []
     if not scene.is_empty:
-        written.append(directory / "tactical_plot.png")
-        draw_tactical_plot(scene, written[-1], title)
+        yield draw_tactical_plot(scene, directory / "tactical_plot.png", title)
     if contents.contacts:
         tracks = [each for topic in contents.position_tracks.values() for each in topic]
-        written.append(directory / "contact_record.png")
-        record = contact_record(contents.contacts, start)
-        draw_contact_record(record, tracks, truth, written[-1], title)
-    return written
+        record, path = contact_record(contents.contacts, start), directory / "contact_record.png"
+        yield draw_contact_record(record, tracks, truth, path, title)
 
 
 def _write_tables(
@@ -223,11 +252,10 @@ def _write_tables(
     ]
     if not tables:
         return []
-    written = [directory / "tracks.txt", directory / "track_table.png"]
-    with written[0].open("w", encoding="utf-8") as file:
+    text = directory / "tracks.txt"
+    with text.open("w", encoding="utf-8") as file:
         to_file = Console(file=file, width=TABLE_WIDTH, highlight=False)
         for table in tables:
             console.print(table.to_rich())
             to_file.print(table.to_rich())
-    draw_summary_tables(tables, written[1])
-    return written
+    return [text, *draw_summary_tables(tables, directory / "track_table.png")]

@@ -13,6 +13,9 @@ from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import COLUMNS, PositionTracks
 from sonar_tracking.records.time import seconds
 
+GAP = 3.0
+"""Intervals between rows that are longer than the usual one by this factor are gaps."""
+
 
 @dataclass(frozen=True)
 class PositionHistory:
@@ -38,6 +41,14 @@ class PositionHistory:
     def positions(self) -> FloatArray:
         """Positions, shape (n, 2), m."""
         return self.tracks.state[:, :2]
+
+    def positions_with_gaps(self) -> FloatArray:
+        """Return the positions, shape (n, 2), m; NaN where a line would bridge a time without."""
+        positions = self.positions.copy()
+        intervals = np.diff(self.stamps)
+        if len(intervals):
+            positions[:-1][intervals > GAP * np.median(intervals)] = np.nan
+        return positions
 
     def seconds(self, start: int) -> FloatArray:
         """Return the time of each row since a stamp (ns), shape (n_rows,), s."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sonar_tracking.display.picture_files import new_figure, save_picture
 from sonar_tracking.display.position_history import PositionHistory
 from sonar_tracking.display.position_table import COLUMNS, position_cells, shown_cells
 from sonar_tracking.display.track_history import TrackHistory
@@ -126,8 +127,8 @@ def position_summary(title: str, histories: Iterable[PositionHistory], start: in
     )
 
 
-def draw_summary_tables(tables: Sequence[SummaryTable], path: Path) -> None:
-    """Draw tables below each other into an image file.
+def draw_summary_tables(tables: Sequence[SummaryTable], path: Path) -> tuple[Path, Path]:
+    """Draw tables below each other, and return the files written.
 
     Parameters
     ----------
@@ -136,19 +137,15 @@ def draw_summary_tables(tables: Sequence[SummaryTable], path: Path) -> None:
     path : Path
         Image file.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     shown = [_shortened(table) for table in tables]
     heights = [ROW_HEIGHT * (len(table.rows) + HEAD_ROWS) for table in shown]
-    figure = Figure(figsize=(11, sum(heights) + 0.2))
-    FigureCanvasAgg(figure)
+    figure = new_figure(11.0, sum(heights) + 0.2, layout=None)
     top = 1.0
     for table, height in zip(shown, heights, strict=True):
         share = height / (sum(heights) + 0.2)
         _draw_table(figure.add_axes((0.02, top - share, 0.96, share)), table)
         top -= share
-    figure.savefig(path, dpi=130)
+    return save_picture(figure, path)
 
 
 def _shortened(table: SummaryTable) -> SummaryTable:

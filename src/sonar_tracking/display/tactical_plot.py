@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sonar_tracking.display.picture_files import new_figure, save_picture
 from sonar_tracking.display.position_history import PositionHistory
 from sonar_tracking.display.tactical_scene import TacticalScene
 from sonar_tracking.filtering.uncertainty_ellipse import uncertainty_ellipse
@@ -42,8 +43,8 @@ KILOMETRES_FROM = 4_000.0
 """Charts wider than this are in kilometres, m."""
 
 
-def draw_tactical_plot(scene: TacticalScene, path: Path, title: str = "") -> None:
-    """Draw a tactical plot into an image file.
+def draw_tactical_plot(scene: TacticalScene, path: Path, title: str = "") -> tuple[Path, Path]:
+    """Draw a tactical plot, and return the files written.
 
     Parameters
     ----------
@@ -54,13 +55,9 @@ def draw_tactical_plot(scene: TacticalScene, path: Path, title: str = "") -> Non
     title : str
         Heading.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     low, high = _limits(scene)
     size = _figure_size(high - low)
-    figure = Figure(figsize=size, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(*size)
     axes = figure.add_subplot()
     scale, unit = (1e-3, "km") if float(np.max(high - low)) > KILOMETRES_FROM else (1.0, "m")
     axes.set(xlim=tuple(scale * np.array([low[0], high[0]])))
@@ -90,7 +87,7 @@ def draw_tactical_plot(scene: TacticalScene, path: Path, title: str = "") -> Non
             title=f"marks every {_duration_text(interval)}, ellipses 95 %",
             title_fontsize=8,
         )
-    figure.savefig(path, dpi=130)
+    return save_picture(figure, path)
 
 
 def _limits(scene: TacticalScene) -> tuple[FloatArray, FloatArray]:
@@ -169,6 +166,7 @@ def _draw_contacts(axes: Axes, scene: TacticalScene, scale: float) -> None:
         c=colours,
         linewidths=0.0,
         zorder=1.5,
+        rasterized=True,
         label=f"{len(scene.contacts)} contacts",
     )
 
@@ -217,7 +215,8 @@ def _draw_tracks(axes: Axes, scene: TacticalScene, scale: float, interval: float
                 label = "" if row else f"{topic.lstrip('/')}: {len(histories)} tracks"
             _draw_ellipses(axes, history, colour, scale)
             points = scale * history.positions
-            axes.plot(*points.T, color=colour, linewidth=1.7, zorder=4, label=label)
+            line = scale * history.positions_with_gaps()
+            axes.plot(*line.T, color=colour, linewidth=1.7, zorder=4, label=label)
             marks = points[_marks(history.seconds(scene.start), interval)]
             axes.plot(*marks.T, "o", color=colour, markersize=3.5, zorder=4)
             _name(axes, points[-1], str(history.id), colour)

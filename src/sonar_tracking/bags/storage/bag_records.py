@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from typing import Any, TypeVar
 
 from sonar_tracking.bags.storage.digest import decoded_message
@@ -105,6 +105,43 @@ def records_of(bag: Bag, topic: str, rejected: list[str] | None = None) -> Itera
     if type_name == ODOMETRY_TYPE:
         return own_ship_of(bag, topic, rejected)
     return _converted(bag, topic, _CONVERSIONS[type_name], rejected)
+
+
+def records_in_order(
+    bag: Bag, topics: Collection[str], rejected: list[str]
+) -> Iterator[tuple[str, Any]]:
+    """Yield the records of several topics in log order, each with its topic.
+
+    Parameters
+    ----------
+    bag : Bag
+        The bag.
+    topics : collection of str
+        Of types that carry records.
+    rejected : list of str
+        Takes a sentence for each message that does not hold what it says.
+
+    Yields
+    ------
+    topic : str
+        The topic.
+    record : record or None
+        As of :func:`records_of`; None = the message was rejected.
+    """
+    kinds = {topic: bag.topics[topic].type_name for topic in topics}
+    stores = {topic: typestore_of(bag.topics[topic].definition) for topic in topics}
+    readers = {
+        topic: OwnShipReader() if kind == ODOMETRY_TYPE else _CONVERSIONS[kind]
+        for topic, kind in kinds.items()
+    }
+    for message in bag.messages(topics):
+        topic = message.topic
+        try:
+            decoded = decoded_message(stores[topic], kinds[topic], message.data)
+            yield topic, readers[topic](decoded)
+        except InputError as error:
+            rejected.append(f"{topic}: {error}")
+            yield topic, None
 
 
 def snapshots_of(

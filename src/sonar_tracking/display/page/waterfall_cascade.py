@@ -93,14 +93,14 @@ class WaterfallCascade:
         below: list[BeamRow] = self._parts[0]
         for scale, parts in zip(self.scales[1:], self._parts[1:], strict=True):
             below = [*parts, *below]
-            if below and _joins(below[:1], below[-1]):
+            if below and joins(below[:1], below[-1]):
                 pending.append(ScaledRow(scale, integrated(below), complete=False))
         return pending
 
     def _taken(self, level: int, row: BeamRow) -> list[ScaledRow]:
         """Take a row into a scale."""
         parts = self._parts[level]
-        completed = [] if not parts or _joins(parts, row) else self._completed(level)
+        completed = [] if not parts or joins(parts, row) else self._completed(level)
         self._parts[level].append(row)
         scale = nanoseconds(self.scales[level])
         reached = row.end // scale > self._parts[level][0].begin // scale
@@ -138,8 +138,8 @@ def integrated(parts: list[BeamRow]) -> BeamRow:
     )
 
 
-def _joins(parts: list[BeamRow], row: BeamRow) -> bool:
-    """Return whether a row has the beams of the first part, and about its direction."""
+def joins(parts: list[BeamRow], row: BeamRow) -> bool:
+    """Return whether a row has the beams of the first of some rows, and about its direction."""
     first = parts[0]
     turn = math.remainder(row.axis_azimuth - first.axis_azimuth, 2.0 * math.pi)
     unknown = math.isnan(row.axis_azimuth) and math.isnan(first.axis_azimuth)

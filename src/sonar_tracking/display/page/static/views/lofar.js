@@ -13,6 +13,7 @@ const LINE_HEIGHT = 2; // CSS pixels
 const TOP = 17; // axis of frequencies
 const CURVE = 46; // spectrum above the rows
 const HALF_WIDTH = 20; // Hz, of the background
+const QUIET = 2; // dB over the background that are drawn as ground: most of the noise
 const NARROWEST = 4; // Hz shown
 const MOST_HARMONICS = 40;
 
@@ -168,7 +169,7 @@ export class Lofar {
     const rows = stream ? this.rowsFor(stream, beam, t) : null;
     this.empty.hidden = Boolean(stream);
     this.empty.textContent = this.page.selection.track && !beam
-      ? "The chosen track is not heard by an array with samples."
+      ? "The chosen track is not heard by an array with samples. A click in the bearing–time record listens there."
       : beam ? "Waiting for the spectrum of this beam." : "No samples of an array yet: its beams have spectra.";
     if (!pen || !stream) return;
     const newest = stream.frames[stream.frames.length - 1];
@@ -214,7 +215,7 @@ export class Lofar {
       rows: (t0, t1) => rows(t0 - Number(this.seconds.value), t1),
       paint: (sum, line) => {
         const levels = resample(this.levelsFor(sum), from, perPixel, this.pixels);
-        const floor = this.flat.isOn ? 1 : (sum.floor ??= floorOf(levelsOf(sum), 0.5));
+        const floor = this.flat.isOn ? QUIET : (sum.floor ??= floorOf(levelsOf(sum), 0.5));
         const unit = 255 / range;
         for (let x = 0; x < line.length; x++) {
           const shade = (levels[x] - floor) * unit;
@@ -355,13 +356,13 @@ export class Lofar {
     const fundamental = cursor / Number(this.order.value);
     const [, high] = this.shownBand;
     pen.save();
-    pen.strokeStyle = palette.warn;
     pen.font = "11px system-ui, sans-serif";
     pen.textAlign = "center";
     let right = -Infinity;
     for (let k = 1; k <= MOST_HARMONICS && k * fundamental <= high; k++) {
       const x = this.xOf(k * fundamental);
       if (x < 0) continue;
+      pen.strokeStyle = palette.warn;
       pen.setLineDash(k === Number(this.order.value) ? [] : [5, 4]);
       pen.beginPath();
       pen.moveTo(x, TOP);
