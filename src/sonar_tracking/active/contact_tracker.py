@@ -6,7 +6,7 @@ replaced by :meth:`ContactTracker.coast`, so that there is one picture for each.
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
@@ -51,6 +51,38 @@ class ContactTracker(Protocol):
     @property
     def next_id(self) -> int:
         """Identifier the next track will get."""
+
+
+@runtime_checkable
+class CommandedTracker(Protocol):
+    """A tracker of contacts to which an operator may say what is a target, and what is not."""
+
+    def start_track(self, position: tuple[float, float]) -> None:
+        """Start a track at x and y in ``map``, m.
+
+        Raises
+        ------
+        InputError
+            If that cannot be.
+        """
+
+    def end_track(self, number: int) -> None:
+        """End a track, by its identifier.
+
+        Raises
+        ------
+        InputError
+            If there is no such track.
+        """
+
+    def merge_tracks(self, number: int, other: int) -> None:
+        """Let two tracks, by their identifiers, be one that has the first.
+
+        Raises
+        ------
+        InputError
+            If there is no such track.
+        """
 
 
 def make_contact_tracker(configuration: ContactTrackerConfiguration) -> ContactTracker:

@@ -21,6 +21,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from sonar_tracking.active import operator_steps
 from sonar_tracking.active.association.association_rule import (
     HPDA,
     HPDA_WITH_PARTICLES,
@@ -104,6 +105,36 @@ class MultiTargetTracker:
             If the ping cannot be used; the state is then unchanged.
         """
         return update_scenes(self.method, [self._scene], [contacts])[0]
+
+    def start_track(self, position: tuple[float, float]) -> None:
+        """Start a track at x and y in ``map``, m, since an operator says so.
+
+        Raises
+        ------
+        InputError
+            If that cannot be; see :mod:`sonar_tracking.active.operator_steps`.
+        """
+        operator_steps.start_track(self._scene, self.configuration, self._modes, position)
+
+    def end_track(self, number: int) -> None:
+        """End a track, by its identifier; it is reported once more, as terminated.
+
+        Raises
+        ------
+        InputError
+            If there is no such track.
+        """
+        operator_steps.end_track(self._scene, self._modes, number)
+
+    def merge_tracks(self, number: int, other: int) -> None:
+        """Let two tracks, by their identifiers, be one that has the first.
+
+        Raises
+        ------
+        InputError
+            If there is no such track.
+        """
+        operator_steps.merge_tracks(self._scene, self._modes, number, other)
 
     def coast(self, stamp: int, next_stamp: int) -> ContactTrackerUpdate:
         """Return the tracks predicted to a ping of which nothing else is known.

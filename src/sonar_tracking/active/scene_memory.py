@@ -83,6 +83,8 @@ class SceneMemory:
         Identifiers of the tracks in the last picture.
     last : PingOrigin or None
         The ping before.
+    ended : list of ContactTrackRows
+        Tracks that an operator has ended, which are to be reported once more.
     """
 
     def __init__(
@@ -96,6 +98,7 @@ class SceneMemory:
         self.next_id = configuration.first_id
         self.shown: IntArray = np.zeros(0, dtype=np.int64)
         self.last: PingOrigin | None = None
+        self.ended: list[ContactTrackRows] = []
 
     def admit(self, contacts: Contacts, configuration: ContactTrackerConfiguration) -> AdmittedPing:
         """Check a ping and find out what is known of it.
@@ -162,6 +165,9 @@ class SceneMemory:
         """
         rows = self.lasting.with_it(rows)
         self.shown = rows.id[rows.status != int(TrackStatus.TERMINATED)]
+        for each in self.ended:
+            rows = rows.append(each)
+        self.ended = []
         return ContactTrackerUpdate(
             tracks=shown_tracks(rows, thresholds.stamp, thresholds.next_stamp),
             target_count=float(np.count_nonzero(self.bank.confirmed)),

@@ -60,6 +60,30 @@ class ContactTrackRows:
             None if self.measured is None else (self.measured[0][rows], self.measured[1][rows]),
         )
 
+    def append(self, other: ContactTrackRows) -> ContactTrackRows:
+        """Return the tracks with others after them, which have measured nothing."""
+        static, measured = self.static, self.measured
+        if static is not None and other.static is not None:
+            static = np.concatenate([static, other.static])
+        if measured is not None:
+            count = len(other.id)
+            nothing = np.full((count, 2), np.nan), np.full((count, 2, 2), np.nan)
+            measured = (
+                np.concatenate([measured[0], nothing[0]]),
+                np.concatenate([measured[1], nothing[1]]),
+            )
+        return ContactTrackRows(
+            np.concatenate([self.id, other.id]),
+            np.concatenate([self.status, other.status]),
+            np.concatenate([self.existence, other.existence]),
+            np.concatenate([self.state, other.state]),
+            np.concatenate([self.covariance, other.covariance]),
+            np.concatenate([self.initiated, other.initiated]),
+            np.concatenate([self.updated, other.updated]),
+            static,
+            measured,
+        )
+
 
 def shown_tracks(rows: ContactTrackRows, stamp: int, next_stamp: int) -> PositionTracks:
     """Return tracks as the complete picture at a ping.

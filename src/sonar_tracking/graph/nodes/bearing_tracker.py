@@ -24,6 +24,7 @@ from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
 )
 from sonar_tracking.passive.bearings.bearing_tracker_stage import BearingTrackerStage
 from sonar_tracking.records.bearings import BearingTracks, SubspaceEstimates
+from sonar_tracking.records.commands import CommandKind, OperatorCommand
 
 
 class BearingTracker(SonarNode):
@@ -64,6 +65,16 @@ class BearingTracker(SonarNode):
                 sensor=sensor(rejected.message),
             )
         )
+
+    def carry_out(self, command: OperatorCommand) -> Iterable[Notice]:
+        """Start, end or merge tracks."""
+        if command.kind is CommandKind.START_TRACK:
+            self._stage.start_track(command.arrival_angle)
+        elif command.kind is CommandKind.END_TRACK:
+            self._stage.end_track(command.id)
+        else:
+            self._stage.merge_tracks(command.id, command.other_id)
+        return ()
 
     def warm_up(self) -> None:
         """Let the stage do once what its first data need."""

@@ -8,11 +8,16 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from sonar_tracking.active.contact_tracker import ContactTracker, make_contact_tracker
+from sonar_tracking.active.contact_tracker import (
+    CommandedTracker,
+    ContactTracker,
+    make_contact_tracker,
+)
 from sonar_tracking.active.contacts.contact_defaults import (
     ContactDefaultsConfiguration,
     with_defaults,
 )
+from sonar_tracking.active.contacts.contact_method_registry import CONTACT_METHODS
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.active.contacts.sensor_location import (
     MountingConfiguration,
@@ -20,7 +25,7 @@ from sonar_tracking.active.contacts.sensor_location import (
     needs_own_ship,
     with_pose_judged,
 )
-from sonar_tracking.errors import Notice
+from sonar_tracking.errors import InputError, Notice
 from sonar_tracking.graph.catalogue.active_nodes import HPDA_TRACKER
 from sonar_tracking.graph.catalogue.topics import (
     ACTIVE_THRESHOLD,
@@ -37,6 +42,7 @@ from sonar_tracking.graph.node_base.sonar_node import SonarNode
 from sonar_tracking.message_reading.contact_reading import contacts_from_message
 from sonar_tracking.message_reading.own_ship_reading import OwnShipReader
 from sonar_tracking.own_ship_interpolation import interpolate_own_ship, motion_in_map
+from sonar_tracking.records.commands import CommandKind, OperatorCommand
 from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
 
 
@@ -82,6 +88,21 @@ class HpdaTracker(SonarNode):
         """Publish the tracks predicted to a ping that could not be used."""
         if rejected.source.topic is CONTACTS:
             self._publish(self._tracker.coast(rejected.stamp, rejected.next_stamp))
+
+    def carry_out(self, command: OperatorCommand) -> Iterable[Notice]:
+        """Start, end or merge tracks."""
+        tracker = self._tracker
+        if not isinstance(tracker, CommandedTracker):
+            able = ", ".join(CONTACT_METHODS.names_with("estimates_existence"))
+            method = self._configuration.method
+            raise InputError(f"method {method} takes no commands; these do: {able}.")
+        if command.kind is CommandKind.START_TRACK:
+            tracker.start_track(command.position)
+        elif command.kind is CommandKind.END_TRACK:
+            tracker.end_track(command.id)
+        else:
+            tracker.merge_tracks(command.id, command.other_id)
+        return ()
 
     def warm_up(self) -> None:
         """Let the tracker load what the first ping needs."""

@@ -24,6 +24,7 @@ from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
     subspace_methods_of_covariance,
 )
 from sonar_tracking.passive.bearings.estimate_checks import check_estimates
+from sonar_tracking.passive.bearings.operator_steps import with_ended, with_merged, with_started
 from sonar_tracking.passive.bearings.tracker_state import TrackerState, TrackerUpdate
 from sonar_tracking.passive.bearings.tracking_steps import TrackingSteps
 from sonar_tracking.passive.bearings.tracking_together import follow_together, weak_sources
@@ -60,6 +61,7 @@ class BearingTrackerStage:
         self._steps = TrackingSteps(configuration, configuration.entry.make(configuration))
         self._next_id = configuration.first_id
         self._state: TrackerState | None = None
+        self._last: SubspaceEstimates | None = None
 
     def warm_up(self) -> None:
         """Let a stage like this one track in made-up data: its first use of much is slow."""
@@ -71,7 +73,7 @@ class BearingTrackerStage:
 
     def reset(self) -> None:
         """Forget all tracks; identifiers go on."""
-        self._state = None
+        self._state = self._last = None
 
     def continue_from(self, first_id: int) -> None:
         """Let new tracks have identifiers from one on, if those so far are below it."""
@@ -102,6 +104,45 @@ class BearingTrackerStage:
             If the estimate cannot be used; the stage is then as before.
         """
         return update_together([self], [estimates])[0]
+
+    def start_track(self, arrival_angle: float) -> None:
+        """Start a track at an angle, rad, since an operator says so.
+
+        Raises
+        ------
+        InputError
+            If that cannot be; see :mod:`sonar_tracking.passive.bearings.operator_steps`.
+        """
+        self._change(with_started(self._steps, *self._known(), arrival_angle))
+
+    def end_track(self, number: int) -> None:
+        """End a track, by its identifier; it is reported once more, as terminated.
+
+        Raises
+        ------
+        InputError
+            If there is no such track.
+        """
+        self._change(with_ended(self._steps, self._known()[0], number))
+
+    def merge_tracks(self, number: int, other: int) -> None:
+        """Let two tracks, by their identifiers, be one that has the first.
+
+        Raises
+        ------
+        InputError
+            If there is no such track.
+        """
+        self._change(with_merged(self._steps, self._known()[0], number, other))
+
+    def _known(self) -> tuple[TrackerState, SubspaceEstimates]:
+        if self._state is None or self._last is None:
+            raise InputError("no data have come yet; repeat it when there are some.")
+        return self._state, self._last
+
+    def _change(self, state: TrackerState) -> None:
+        self._state = state
+        self._next_id = max(self._next_id, state.start.next_id)
 
     def _check_method(self, estimates: SubspaceEstimates) -> None:
         configuration = self.configuration
@@ -168,7 +209,7 @@ def update_together(
         raise InputError(
             f"No bearings can be computed from the subspaces and covariance ({error})."
         ) from error
-    for tracker, (state, _) in zip(trackers, after, strict=True):
-        tracker._state = state
-        tracker._next_id = max(tracker._next_id, state.start.next_id)
+    for tracker, own, (state, _) in zip(trackers, estimates, after, strict=True):
+        tracker._last = own
+        tracker._change(state)
     return [update for _, update in after]

@@ -9,6 +9,7 @@ from sonar_tracking.errors import Notice
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.passive.bearings.bearing_filters import BearingFilters
 from sonar_tracking.passive.bearings.bearing_start import BearingStart
+from sonar_tracking.passive.bearings.bearing_track_list import BearingTrackRows
 from sonar_tracking.passive.bearings.steering_uncertainty import SteeringUncertainty
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 from sonar_tracking.records.bearings import BearingTracks
@@ -48,6 +49,8 @@ class TrackerState:
         Probabilities of existence; NaN = not estimated.
     steering : SteeringUncertainty
         What the array differs from its description.
+    ended : tuple of BearingTrackRows
+        Tracks that an operator has ended, which are to be reported once more.
     """
 
     stamp: int
@@ -56,6 +59,7 @@ class TrackerState:
     start: BearingStart
     existence: FloatArray
     steering: SteeringUncertainty = field(default_factory=SteeringUncertainty)
+    ended: tuple[BearingTrackRows, ...] = ()
 
     def keep(self, filters: BearingFilters[Any], rows: IndexArray) -> TrackerState:
         """Return the state with some of the tracks only.

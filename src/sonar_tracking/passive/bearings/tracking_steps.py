@@ -232,7 +232,9 @@ class TrackingSteps:
             self._status(state, followed),
             state.existence if self.automatic else None,
         )
-        state, n_seen = self._end_tracks(state, followed.evidence)
+        for each in before.ended:
+            rows = rows.append(each)
+        state, n_seen = self._end_tracks(replace(state, ended=()), followed.evidence)
         if self.automatic:
             state, new_rows = self._start_tracks(estimates, state, n_seen, n_weak)
             hidden = {pair.track_id: pair.half_separation() for pair in state.start.pairs}
