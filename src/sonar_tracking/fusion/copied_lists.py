@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Set
+from collections.abc import Callable, Iterable, Iterator, Mapping, Set
 
 import numpy as np
 
@@ -46,6 +46,19 @@ class CopiedLists:
         if key not in self._names:
             self._names[key] = self._next_id()
         return self._names[key]
+
+    def keys_named(self, number: int) -> tuple[ListKey, ...]:
+        """Return the rows of lists that have an identifier in the fused list: one, or none."""
+        return tuple(key for key, name in self._names.items() if name == number)
+
+    def heard_of(self, keys: Iterable[ListKey]) -> tuple[BearingKey, ...]:
+        """Return the bearing tracks that rows of the last lists are made of."""
+        found: list[BearingKey] = []
+        for topic, number in keys:
+            tracks = self._lists[topic]
+            for row in np.flatnonzero(tracks.id == number):
+                found += bearing_keys(tracks, int(row))
+        return tuple(found)
 
     def confirmed_names(self, heard: BearingKey, state: KalmanState) -> Iterator[int]:
         """Yield names of confirmed rows of a bearing track and of a target.

@@ -158,6 +158,14 @@ class ShownRows:
         """Return since when a row has been confirmed, ns; infinite = it is not."""
         return self._confirmed.get(number, math.inf)
 
+    def has(self, number: int) -> bool:
+        """Return whether a row was in the last list and goes on."""
+        return number in self._rows
+
+    def identifiers(self) -> list[int]:
+        """Return the rows of the last list that go on."""
+        return sorted(self._rows)
+
     def listed(self, rows: Sequence[FusedRow], stamp: int, next_stamp: int) -> PositionTracks:
         """Return the complete picture, rows that have ended included; stamps in ns."""
         going_on = {row.id: row for row in rows}

@@ -8,15 +8,8 @@ heard are shown as target motion analysis finds them, until an echo tells which 
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-import numpy as np
-
 from sonar_tracking.errors import InputError, Notice
 from sonar_tracking.fusion.alignment_notices import beyond_prior
-from sonar_tracking.fusion.bearing_links import BearingLinks
-from sonar_tracking.fusion.bearing_trials import Trial
-from sonar_tracking.fusion.copied_lists import CopiedLists
 from sonar_tracking.fusion.echo_association import met_targets
 from sonar_tracking.fusion.echo_checks import unusable_rows, usable_measurements, usable_states
 from sonar_tracking.fusion.foreign_tracks import ForeignTracks
@@ -26,7 +19,8 @@ from sonar_tracking.fusion.fused_rows import (
     row_of_target,
     turned_by_heading,
 )
-from sonar_tracking.fusion.fused_target import Contributor, FusedTarget, moves
+from sonar_tracking.fusion.fused_target import FusedTarget, moves
+from sonar_tracking.fusion.fused_targets import FusedTargets
 from sonar_tracking.fusion.fusion_records import (
     BearingKey,
     FusionFrame,
@@ -41,8 +35,7 @@ from sonar_tracking.fusion.station_bearings import (
     station_bearings,
     with_names_of_their_own,
 )
-from sonar_tracking.fusion.target_filters import TargetFilters
-from sonar_tracking.fusion.track_fusion_configuration import STRENGTHS, TrackFusionConfiguration
+from sonar_tracking.fusion.track_fusion_configuration import TrackFusionConfiguration
 from sonar_tracking.motion import KinematicState
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
@@ -51,15 +44,11 @@ from sonar_tracking.records.time import (
     NANOSECONDS,
     UNKNOWN_STAMP,
     common_watermark,
-    nanoseconds,
     seconds,
 )
 
-PAUSE = 60.0
-"""After which a trial that failed is begun again, s: bearing tracks may change their targets."""
 
-
-class TrackFusionStage:
+class TrackFusionStage(FusedTargets):
     """Keeps one target for whatever other lists tell of it.
 
     Parameters
@@ -73,32 +62,15 @@ class TrackFusionStage:
     def __init__(
         self, configuration: TrackFusionConfiguration | None = None, n_sources: int = 1
     ) -> None:
-        self.configuration = configuration or TrackFusionConfiguration()
         self._n_sources = n_sources
-        self._next_id = self.configuration.first_of_all
-        self.reset()
-
-    def continue_from(self, first_id: int) -> None:
-        """Let new tracks have identifiers from one on, if those so far are below it."""
-        again = replace(self.configuration, first_id=first_id)
-        self._next_id = max(self._next_id, again.first_of_all)
+        super().__init__(configuration or TrackFusionConfiguration())
 
     def reset(self) -> None:
         """Forget all targets; identifiers go on."""
-        settings = self.configuration
-        self._stamp = UNKNOWN_STAMP
-        self._filters = TargetFilters(
-            STRENGTHS, settings.alignment_variance, settings.propagation_speed
-        )
-        self._links = BearingLinks()
-        self._target_of: dict[ListKey, FusedTarget] = {}
-        self._spoken_for: set[BearingKey] = set()
-        self._alive: dict[str, dict[BearingKey, Contributor]] = {}
-        self._stations: dict[str, FloatArray] = {}
-        self._copies = CopiedLists(self._new_id)
-        self._paused: dict[tuple[FusedTarget, BearingKey], int] = {}
+        super().reset()
         self._foreign = ForeignTracks(self.configuration, self._new_id)
-        self._own_rows_shown, self._all_rows_shown = ShownRows(), ShownRows()
+        self._all_rows_shown = ShownRows()
+        self._stations: dict[str, FloatArray] = {}
         self._own_ship: KinematicState | None = None
         self._watermarks: dict[str, int] = {}
 
@@ -162,13 +134,13 @@ class TrackFusionStage:
         for key in [key for key in self._target_of if key[0] == topic and key not in going_on]:
             del self._target_of.pop(key).echoes[key]
         sound, told = usable_states(tracks), usable_measurements(tracks)
-        measured = []
+        measured: list[tuple[FusedTarget, int]] = []
         for key, row in going_on.items():
             target = self._target_of.get(key)
             if target is None:
                 continue
             target.note(key, tracks, row)
-            if told[row]:
+            if told[row] and all(one is not target for one, _ in measured):
                 measured.append((target, row))
         rows = [row for _, row in measured]
         targets = [target for target, _ in measured]
@@ -179,7 +151,10 @@ class TrackFusionStage:
         new = {
             key: row
             for key, row in going_on.items()
-            if key not in self._target_of and sound[row] and moves(tracks, row)
+            if key not in self._target_of
+            and key not in self._dismissed
+            and sound[row]
+            and moves(tracks, row)
         }
         self._meet(topic, tracks, new)
 
@@ -221,12 +196,21 @@ class TrackFusionStage:
         if told.found:
             self._stations[sensor] = told.found[0].station
             found = self._filters.widened(told.found)
-            self._take_linked([one for one in found if self._links.target_of(one.key)])
+            self._take_linked(self._once_a_target(found))
             free = [one for one in found if self._may_be_tried(one.key, told)]
             begun = new_trials(free, self._filters, self._paused, self._stamp)
             self._filters.begin_trials(begun)
             self._filters.try_bearings(free)
         return told.notices
+
+    def _once_a_target(self, found: list[HeardBearing]) -> list[HeardBearing]:
+        """Return the bearings that are of targets; of two that an operator has merged, one."""
+        first: dict[FusedTarget, HeardBearing] = {}
+        for one in found:
+            owner = self._links.target_of(one.key)
+            if owner is not None:
+                first.setdefault(owner, one)
+        return list(first.values())
 
     def _take_linked(self, found: list[HeardBearing]) -> None:
         if not found:
@@ -241,75 +225,9 @@ class TrackFusionStage:
     def _may_be_tried(self, key: BearingKey, told: StationBearings) -> bool:
         """Return whether it is open of which target a bearing track is."""
         target = self._links.target_of(key)
-        if target is not None and target.echoes:
+        if key in self._dismissed or (target is not None and target.echoes):
             return False
         return told.alive[key].status == TrackStatus.CONFIRMED
-
-    def _decide(self) -> None:
-        odds = self.configuration.association_odds
-        trials = self._filters.trials
-        for trial in trials.give_up(odds):
-            self._paused[trial.target, trial.key] = self._stamp + nanoseconds(PAUSE)
-        while rows := trials.winners(odds, len(self._filters.targets)):
-            best = max(rows, key=lambda row: trials.trials[row].evidence)
-            self._accept(self._filters.accept(best))
-        for key in self._links.broken(odds):
-            target = self._links.target_of(key)
-            self._unlink(key)
-            if target is not None and target.echoes:
-                self._filters.forget_bearings(target)
-
-    def _accept(self, trial: Trial) -> None:
-        """Let a bearing track be of a target: what was shown for it becomes the same target."""
-        target, key = trial.target, trial.key
-        before = self._links.target_of(key)
-        if before is not None:
-            self._unlink(key)
-            if not before.contributors:
-                self._rename(target, before.id)
-                self._filters.end([before])
-                self._forget(before)
-        for name in self._copies.confirmed_names(key, self._filters.state_of(target)):
-            self._rename(target, name)
-        target.heard[key] = self._alive[key[0]][key]
-        self._links.add(key, target, trial.evidence)
-
-    def _rename(self, target: FusedTarget, number: int) -> None:
-        """Let a target have the name of that of two which has been confirmed for longer."""
-        since = self._own_rows_shown.confirmed_since
-        if since(number) < since(target.id):
-            target.id = number
-
-    def _unlink(self, key: BearingKey) -> None:
-        target = self._links.target_of(key)
-        self._links.remove(key)
-        if target is not None:
-            target.heard.pop(key, None)
-
-    def _end_orphans(self) -> None:
-        """End targets without tracks some time after the last one, and forget old names."""
-        now = self._stamp / NANOSECONDS
-        over = []
-        for target in self._filters.targets:
-            target.settle_doubt(self._filters.targets, now)
-            if target.contributors:
-                target.orphaned = np.nan
-            elif np.isnan(target.orphaned):
-                target.orphaned = now
-            if now - target.orphaned >= self.configuration.coast_duration:
-                over.append(target)
-        self._filters.end(over)
-        for target in over:
-            self._forget(target)
-
-    def _forget(self, target: FusedTarget) -> None:
-        self._paused = {
-            place: until for place, until in self._paused.items() if place[0] is not target
-        }
-
-    def _new_id(self) -> int:
-        self._next_id += 1
-        return self._next_id - 1
 
     def _own_rows(self, seen: SharedAlignment) -> list[FusedRow]:
         """Return what own sensors tell, at the stamp of the last frame."""
@@ -326,9 +244,3 @@ class TrackFusionStage:
         rows += self._copies.rows(self._stamp, self._stands_for, self._stations, alignments, taken)
         heading = self.configuration.heading_variance
         return [turned_by_heading(row, self._own_ship, heading) for row in rows]
-
-    def _stands_for(self, key: ListKey, heard: tuple[BearingKey, ...]) -> bool:
-        """Return whether a target with echoes stands for a row of another list."""
-        return key in self._target_of or any(
-            self._links.target_of(one) is not None or one in self._spoken_for for one in heard
-        )

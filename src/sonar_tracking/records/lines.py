@@ -6,7 +6,8 @@ towards increasing element x.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,8 @@ from sonar_tracking.records.time import UNKNOWN_STAMP
 
 NOT_ATTRIBUTED = 0
 """``track_id`` of a line that belongs to no bearing track."""
+
+_OF_ALL_LINES = ("stamp", "next_stamp", "sensor")
 
 
 @dataclass(frozen=True)
@@ -60,6 +63,14 @@ class FrequencyLines:
     integration_time: FloatArray
     next_stamp: int = UNKNOWN_STAMP
     sensor: Sensor = field(default_factory=Sensor)
+
+    def without(self, rows: Sequence[bool]) -> FrequencyLines:
+        """Return the lines but for some of them; one entry a line, True = is left out."""
+        if not any(rows):
+            return self
+        kept = ~np.array(rows, dtype=bool)
+        columns = [one.name for one in fields(self) if one.name not in _OF_ALL_LINES]
+        return replace(self, **{name: getattr(self, name)[kept] for name in columns})
 
 
 @dataclass(frozen=True)

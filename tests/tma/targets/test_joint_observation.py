@@ -73,7 +73,7 @@ def test_an_observation_that_is_refused_concerns_its_own_target_only() -> None:
     assert isinstance(first, InputError)
     assert isinstance(second, tuple)
     assert len(second) == 1
-    assert (bad.solver.solutions(), bad.updated) == ((), 0)  # type: ignore[union-attr]
+    assert (bad.solver.solutions(), bad.updated) == ((), 0)
 
 
 def test_azimuths_that_nothing_explains_are_counted_where_there_are_several_stations() -> None:

@@ -31,6 +31,7 @@ from sonar_tracking.message_reading.own_ship_reading import OwnShipReader
 from sonar_tracking.motion import KinematicState
 from sonar_tracking.own_ship_interpolation import interpolate_own_ship, motion_in_map
 from sonar_tracking.records.bearings import BearingTracks
+from sonar_tracking.records.commands import CommandKind, OperatorCommand
 from sonar_tracking.records.lines import FrequencyLines
 from sonar_tracking.records.positions import PositionTracks
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame, UnusableBearings
@@ -114,6 +115,19 @@ class TmaTracker(SonarNode):
             tracks = self._stage.picture()
         if tracks is not None:
             self._publish(tracks)
+
+    def carry_out(self, command: OperatorCommand) -> Iterable[Notice]:
+        """End a track, choose its side, or tell own ship's lines from others."""
+        stage, kind = self._stage, command.kind
+        if kind is CommandKind.END_TRACK:
+            stage.end_track(command.id)
+        elif kind is CommandKind.CHOOSE_SIDE:
+            stage.choose_side(command.id, command.side.name.lower())
+        elif kind is CommandKind.MARK_OWN_SHIP_LINE:
+            stage.mark_own_ship_line(command.line)
+        else:
+            stage.unmark_own_ship_line(command.line)
+        return ()
 
     def reset(self) -> None:
         """Forget all tracks; identifiers go on."""

@@ -34,6 +34,7 @@ from sonar_tracking.message_reading.array_reading import measured_directions_fro
 from sonar_tracking.message_reading.own_ship_reading import OwnShipReader
 from sonar_tracking.message_reading.position_reading import position_tracks_from_message
 from sonar_tracking.own_ship_interpolation import interpolate_own_ship, motion_in_map
+from sonar_tracking.records.commands import CommandKind, OperatorCommand
 
 
 class TrackFusion(SonarNode):
@@ -94,6 +95,14 @@ class TrackFusion(SonarNode):
         """Publish the tracks predicted to a stamp at which something unexpected went wrong."""
         if rejected.stamp > self._published:
             self._publish(self._stage.update(FusionFrame(rejected.stamp)))
+
+    def carry_out(self, command: OperatorCommand) -> Iterable[Notice]:
+        """End or merge tracks."""
+        if command.kind is CommandKind.END_TRACK:
+            self._stage.end_track(command.id)
+        else:
+            self._stage.merge_tracks(command.id, command.other_id)
+        return ()
 
     def reset(self) -> None:
         """Forget all tracks; identifiers go on."""

@@ -45,6 +45,7 @@ class BaselineSolver:
         self._received = np.ones(MAXIMUM_LINES)
         self._log: MeasurementLog
         self._last_stamp = 0
+        self._solutions: tuple[TargetSolution, ...] = ()
 
     def update(self, observation: TargetObservation) -> tuple[TargetSolution, ...]:
         """Take one observation in and return the solutions that stand.
@@ -74,10 +75,22 @@ class BaselineSolver:
         self._log.append(measurements[0])
         self._last_stamp = observation.stamp
         solutions = []
-        for index, (side, one) in enumerate(self._estimators.items()):
-            measurement = measurements[min(index, len(measurements) - 1)]
+        for side, one in self._estimators.items():
+            measurement = measurements[-1 if side == RIGHT else 0]
             solutions.append(self._solution(side, one.update(measurement)))
-        return tuple(solutions)
+        self._solutions = tuple(solutions)
+        return self._solutions
+
+    def solutions(self) -> tuple[TargetSolution, ...]:
+        """Return the solutions after the last azimuth."""
+        return self._solutions
+
+    def choose_side(self, side: str) -> None:
+        """Let one side of the line array, ``left`` or ``right``, be certain, if both are open."""
+        if side in self._estimators:
+            self._estimators = {side: self._estimators[side]}
+            own = [one for one in self._solutions if one.side == side]
+            self._solutions = tuple(replace(one, probability=1.0) for one in own)
 
     def _begin(self, measurements: list[TmaMeasurement]) -> None:
         sides = (LEFT, RIGHT) if len(measurements) == 2 else (SINGLE,)

@@ -160,6 +160,14 @@ class StationPairing:
         self._trials = [one for one in self._trials if target not in one.pair]
         self._failed = [one for one in self._failed if target not in one.trial.pair]
 
+    def choose_side(self, target: FollowedTarget, side: str) -> None:
+        """Let the side of a target, ``left`` or ``right``, be certain in all its trials."""
+        for trial in self._trials:
+            if target is trial.first:
+                trial.solver.choose_side(side)
+            if target in trial.alone:
+                trial.alone[target].choose_side(side)
+
     def decide(self, stamp: int) -> tuple[Pair, ...]:
         """Return the pairs that are one at a stamp, ns, and give up for now those that are not."""
         self._give_up(stamp)

@@ -140,6 +140,14 @@ class TargetSolver:
             for index, probability in enumerate(weights)
         )
 
+    def choose_side(self, side: str) -> None:
+        """Let one side of the line array, ``left`` or ``right``, be certain, if both are open."""
+        sides = self._progress.sides
+        if self.state is not None and len(sides) == 2 and side in sides:
+            self._progress.sides = (side,)
+            bank = side_of(self.state.bank, sides.index(side), 2)
+            self.state = replace(self.state, bank=bank)
+
     def expect(self, observation: TargetObservation, splits: Splits | None = None) -> None:
         """Prepare for the first azimuths of another station, which cut across the hypotheses.
 

@@ -15,9 +15,9 @@ import numpy as np
 from sonar_tracking.errors import InputError, Notice, Severity
 from sonar_tracking.motion import KinematicState
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
+from sonar_tracking.records.commands import OwnShipLine
 from sonar_tracking.records.lines import FrequencyLines
-from sonar_tracking.records.positions import PositionTracks
-from sonar_tracking.records.time import UNKNOWN_STAMP, common_watermark, nanoseconds
+from sonar_tracking.records.time import UNKNOWN_STAMP
 from sonar_tracking.tma.targets.bearing_observations import (
     bare_observation,
     left_out,
@@ -25,33 +25,26 @@ from sonar_tracking.tma.targets.bearing_observations import (
     observation_of,
     with_lines,
 )
-from sonar_tracking.tma.targets.followed_target import SILENCE, FollowedTarget, new_solver
+from sonar_tracking.tma.targets.followed_target import new_solver
 from sonar_tracking.tma.targets.joint_observation import observe_together
 from sonar_tracking.tma.targets.line_attribution import LineAttribution
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame, TmaUpdate
-from sonar_tracking.tma.targets.station_pairing import Pair, StationPairing
 from sonar_tracking.tma.targets.station_view import (
     StationRecord,
     StationView,
     station_view,
     track_angles,
 )
-from sonar_tracking.tma.targets.target_notices import misled, unconfirmed
-from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
+from sonar_tracking.tma.targets.target_list import TargetList, TrackKey
+from sonar_tracking.tma.targets.target_notices import unconfirmed
+from sonar_tracking.tma.targets.target_records import TargetObservation
 from sonar_tracking.tma.targets.tma_tracker_configuration import (
     TmaTrackerConfiguration,
     check_tma_tracker,
 )
-from sonar_tracking.tma.targets.track_rows import TrackRow, track_list, track_row
-
-TrackKey = tuple[str, int]
-"""Station and its bearing track."""
-
-RELEASED_AFTER = 10
-"""A station whose azimuths do not fit so many times in a row sees another target."""
 
 
-class TmaTrackerStage:
+class TmaTrackerStage(TargetList):
     """Keeps one target per bearing track, or per bearing tracks of several stations.
 
     Parameters
@@ -70,26 +63,44 @@ class TmaTrackerStage:
     def __init__(
         self, configuration: TmaTrackerConfiguration | None = None, n_stations: int = 1
     ) -> None:
-        self.configuration = configuration or TmaTrackerConfiguration()
-        check_tma_tracker(self.configuration)
-        self._n_stations = n_stations
-        self._next_id = self.configuration.first_id
-        self.reset()
-
-    def continue_from(self, first_id: int) -> None:
-        """Let new tracks have identifiers from one on, if those so far are below it."""
-        self._next_id = max(self._next_id, first_id)
+        configuration = configuration or TmaTrackerConfiguration()
+        check_tma_tracker(configuration)
+        super().__init__(configuration, n_stations)
 
     def reset(self) -> None:
         """Forget all targets; identifiers go on."""
-        self._stamp = UNKNOWN_STAMP
-        self._stations: dict[str, StationRecord] = {}
-        self._target_of: dict[TrackKey, FollowedTarget] = {}
-        self._doubted: dict[TrackKey, int] = {}
-        self._targets: list[FollowedTarget] = []
-        self._ended: list[TrackRow] = []
+        super().reset()
         self._attribution = LineAttribution(self.configuration.attribution_gate)
-        self._pairing = StationPairing(self.configuration.association_odds)
+        self._own_ship_lines: tuple[OwnShipLine, ...] = ()
+
+    def mark_own_ship_line(self, line: OwnShipLine) -> None:
+        """Use lines no longer that an operator takes for one of own ship."""
+        self._own_ship_lines = (*self._own_ship_lines, line)
+
+    def unmark_own_ship_line(self, line: OwnShipLine) -> None:
+        """Use lines again that an operator took for one of own ship.
+
+        Parameters
+        ----------
+        line : OwnShipLine
+            Its frequency lies in the marked band.
+
+        Raises
+        ------
+        InputError
+            If there is no mark.
+        """
+        left = tuple(
+            one
+            for one in self._own_ship_lines
+            if not one.holds(line.frequency, line.sensor_id or one.sensor_id)
+        )
+        if len(left) == len(self._own_ship_lines):
+            marked = ", ".join(f"{one.frequency:g}" for one in self._own_ship_lines) or "none"
+            raise InputError(
+                f"no line of own ship is marked at {line.frequency:g} Hz; marked are {marked}."
+            )
+        self._own_ship_lines = left
 
     def update(self, frame: PassiveFrame) -> TmaUpdate:
         """Take everything of one instant in.
@@ -171,7 +182,7 @@ class TmaTrackerStage:
                     bearings.existence_probability[row]
                 )
                 observed[key] = observation
-            elif self._starts(bearings, int(row), observation, view):
+            elif key not in self._dismissed and self._starts(bearings, int(row), observation, view):
                 observed[key] = observation
                 born.add(key)
 
@@ -192,6 +203,8 @@ class TmaTrackerStage:
         notices: list[Notice],
     ) -> None:
         sensor = lines.sensor.sensor_id
+        if self._own_ship_lines:
+            lines = lines.without([self._is_own_ships(sensor, one) for one in lines.frequency])
         angles = self._stations[sensor].angles if sensor in self._stations else {}
         heard, problem = lines_of(lines, self._attribution.update(lines, angles))
         if problem:
@@ -208,6 +221,9 @@ class TmaTrackerStage:
                     return
                 bare = bare_observation(lines.stamp, view, self.configuration)
                 observed[key] = with_lines(bare, own)
+
+    def _is_own_ships(self, sensor: str, frequency: float) -> bool:
+        return any(one.holds(float(frequency), sensor) for one in self._own_ship_lines)
 
     def _observe(
         self,
@@ -238,113 +254,3 @@ class TmaTrackerStage:
                 notices.append(left_out(key[0], f"track {key[1]} became numerically impossible"))
                 self._pairing.end(target)
                 target.solver = new_solver(self.configuration)
-
-    def _begin(self, key: TrackKey) -> None:
-        target = FollowedTarget(
-            solver=new_solver(self.configuration),
-            members={key[0]: key[1]},
-            initiated=self._stamp,
-            updated=self._stamp,
-            bearing_track_id=key[1],
-            doubted=self._doubted.get(key, 0),
-        )
-        if self.configuration.entry.weighs_hypotheses:
-            self._pairing.begin(target, self._targets)
-        self._targets.append(target)
-        self._target_of[key] = target
-
-    def _leave(self, key: TrackKey) -> None:
-        """Take a bearing track that has ended from its target, which ends with the last one."""
-        target = self._target_of.pop(key)
-        del target.members[key[0]]
-        if target.members:
-            target.bearing_track_id = next(iter(target.members.values()))
-        elif self.configuration.coast_duration == 0.0:
-            self._end(target)
-
-    def _end(self, target: FollowedTarget) -> None:
-        self._targets.remove(target)
-        self._pairing.end(target)
-        self._replace(target, ())
-
-    def _replace(self, target: FollowedTarget, solutions: tuple[TargetSolution, ...]) -> None:
-        """Set the solutions of a target; of sides that are no more the list tells once."""
-        staying = {solution.side for solution in solutions}
-        for solution in target.solutions:
-            if solution.side in target.row_of and solution.side not in staying:
-                self._ended.append(self._row(target, solution, TrackStatus.TERMINATED))
-                del target.row_of[solution.side]
-        target.take(solutions, self.configuration)
-
-    def _end_coasted(self) -> None:
-        for target in [one for one in self._targets if not one.members]:
-            if self._stamp - target.updated > nanoseconds(target.patience(self.configuration)):
-                self._end(target)
-
-    def _join_stations(self) -> None:
-        for pair in self._pairing.decide(self._stamp):
-            if pair.first in self._targets and pair.second in self._targets:
-                self._join(pair)
-
-    def _join(self, pair: Pair) -> None:
-        first, second = pair.first, pair.second
-        self._pairing.join(pair)
-        if not first.members:
-            first.bearing_track_id = second.bearing_track_id
-        first.members |= second.members
-        for key in second.members.items():
-            self._target_of[key] = first
-        first.solver = pair.solver
-        self._replace(first, pair.solver.solutions())
-        first.judge(self.configuration)
-        self._end(second)
-
-    def _release_misfits(self) -> None:
-        """Give a station that sees another target than the rest its own again."""
-        for target in self._targets:
-            for sensor, count in list(target.misfits.items()):
-                if count >= RELEASED_AFTER and len(target.members) > 1:
-                    key = (sensor, target.members[sensor])
-                    self._leave(key)
-                    target.misfits = {}
-
-    def _forsake_misled(self, notices: list[Notice]) -> None:
-        """Let confirmed targets go on without bearings that are of something else by now.
-
-        What these were taken for instead ends when they jump again: they may have come back.
-        """
-        self._doubted = {key: end for key, end in self._doubted.items() if end > self._stamp}
-        waiting = any(one.forsaken for one in self._targets)
-        for target in [one for one in self._targets if one.misled]:
-            if not target.confirmed and not waiting:
-                continue
-            for key in target.members.items():
-                del self._target_of[key]
-                if target.confirmed:
-                    self._doubted[key] = self._stamp + nanoseconds(SILENCE)
-            if target.confirmed:
-                notices.append(misled(target))
-                target.forsake()
-            else:
-                self._end(target)
-
-    def picture(self) -> PositionTracks:
-        """Return the complete picture at the stamp of the last frame; an ended row appears once."""
-        rows = []
-        for target in self._targets:
-            for solution in target.solutions:
-                if solution.side not in target.row_of:
-                    target.row_of[solution.side] = self._next_id
-                    self._next_id += 1
-                status = target.status(solution, self._stamp, self.configuration)
-                rows.append(self._row(target, solution, status))
-        rows += self._ended
-        self._ended = []
-        watermarks = [station.next_stamp for station in self._stations.values()]
-        next_stamp = common_watermark(watermarks, self._n_stations, self._stamp)
-        return track_list(rows, self._stamp, next_stamp)
-
-    def _row(
-        self, target: FollowedTarget, solution: TargetSolution, status: TrackStatus
-    ) -> TrackRow:
-        return track_row(target, solution, status, self._stamp, self.configuration.acceleration)

@@ -1,0 +1,228 @@
+"""The targets of the fused picture: which there are, and of which tracks of other lists."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from sonar_tracking.errors import InputError
+from sonar_tracking.fusion.bearing_links import HIGHEST_EVIDENCE, BearingLinks
+from sonar_tracking.fusion.bearing_trials import Trial
+from sonar_tracking.fusion.copied_lists import CopiedLists
+from sonar_tracking.fusion.fused_rows import ShownRows
+from sonar_tracking.fusion.fused_target import Contributor, FusedTarget
+from sonar_tracking.fusion.fusion_records import BearingKey, ListKey
+from sonar_tracking.fusion.target_filters import TargetFilters
+from sonar_tracking.fusion.track_fusion_configuration import STRENGTHS, TrackFusionConfiguration
+from sonar_tracking.records.time import NANOSECONDS, UNKNOWN_STAMP, nanoseconds
+
+PAUSE = 60.0
+"""After which a trial that failed is begun again, s: bearing tracks may change their targets."""
+
+
+class FusedTargets:
+    """All targets, and what is known of the tracks that they are made of.
+
+    Parameters
+    ----------
+    configuration : TrackFusionConfiguration
+        Its parameters.
+    """
+
+    def __init__(self, configuration: TrackFusionConfiguration) -> None:
+        self.configuration = configuration
+        self._next_id = configuration.first_of_all
+        self.reset()
+
+    def continue_from(self, first_id: int) -> None:
+        """Let new tracks have identifiers from one on, if those so far are below it."""
+        again = replace(self.configuration, first_id=first_id)
+        self._next_id = max(self._next_id, again.first_of_all)
+
+    def reset(self) -> None:
+        """Forget all targets; identifiers go on."""
+        settings = self.configuration
+        self._stamp = UNKNOWN_STAMP
+        self._filters = TargetFilters(
+            STRENGTHS, settings.alignment_variance, settings.propagation_speed
+        )
+        self._links = BearingLinks()
+        self._target_of: dict[ListKey, FusedTarget] = {}
+        self._spoken_for: set[BearingKey] = set()
+        self._alive: dict[str, dict[BearingKey, Contributor]] = {}
+        self._copies = CopiedLists(self._new_id)
+        self._paused: dict[tuple[FusedTarget, BearingKey], int] = {}
+        self._dismissed: set[ListKey | BearingKey] = set()
+        self._own_rows_shown = ShownRows()
+
+    def end_track(self, number: int) -> None:
+        """End a row since an operator says so: the tracks it is made of make no other.
+
+        Parameters
+        ----------
+        number : int
+            Its identifier.
+
+        Raises
+        ------
+        InputError
+            If own sensors have no such row.
+        """
+        target, copied = self._row_of(number)
+        if target is None:
+            self._dismissed.update(copied)
+            return
+        self._dismissed |= {*target.echoes, *target.heard}
+        self._remove(target)
+
+    def merge_tracks(self, number: int, other: int) -> None:
+        """Let two rows be one target, since an operator says so: the first goes on.
+
+        Of two filters the more certain one goes on, with the tracks of both. What was shown only,
+        as another list tells it, gives its bearing tracks to the filter, and is shown no more.
+
+        Parameters
+        ----------
+        number, other : int
+            Identifiers.
+
+        Raises
+        ------
+        InputError
+            If own sensors have no such row.
+        """
+        (first, shown), (second, also_shown) = self._row_of(number), self._row_of(other)
+        if first is not None and second is not None:
+            self._join(first, second).id = number
+        elif first is not None:
+            self._give(first, also_shown)
+        elif second is not None:
+            self._give(second, shown)
+            second.id = number
+        else:
+            self._dismissed.update(also_shown)
+
+    def _row_of(self, number: int) -> tuple[FusedTarget | None, tuple[ListKey, ...]]:
+        """Return the target of a row, or else the keys of the row that is copied."""
+        for target in self._filters.targets:
+            if target.id == number:
+                return target, ()
+        copied = self._copies.keys_named(number)
+        if number == 0 or not copied or not self._own_rows_shown.has(number):
+            shown = ", ".join(map(str, self._own_rows_shown.identifiers())) or "none"
+            raise InputError(f"own sensors have no track {number}; there are {shown}.")
+        return None, copied
+
+    def _join(self, first: FusedTarget, second: FusedTarget) -> FusedTarget:
+        """Let the more certain of two targets have the tracks of both, and return it."""
+        spread = [
+            float(np.trace(self._filters.state_of(one).covariance[:2, :2]))
+            for one in (first, second)
+        ]
+        kept, gone = (second, first) if spread[1] < spread[0] else (first, second)
+        echoes, heard = dict(gone.echoes), tuple(gone.heard)
+        kept.initiated = min(first.initiated, second.initiated)
+        self._remove(gone)
+        for key, contributor in echoes.items():
+            kept.echoes[key] = contributor
+            self._target_of[key] = kept
+        self._hear(kept, heard)
+        return kept
+
+    def _give(self, target: FusedTarget, copied: tuple[ListKey, ...]) -> None:
+        """Let a target have the bearing tracks of a row that is copied, and the row be hidden."""
+        heard = self._copies.heard_of(copied)
+        self._hear(target, heard)
+        if not any(self._links.target_of(key) is target for key in heard):
+            self._dismissed.update(copied)
+
+    def _remove(self, target: FusedTarget) -> None:
+        for key in list(target.echoes):
+            self._target_of.pop(key, None)
+        for heard in list(target.heard):
+            self._unlink(heard)
+        self._filters.end([target])
+        self._forget(target)
+
+    def _hear(self, target: FusedTarget, keys: tuple[BearingKey, ...]) -> None:
+        """Let bearing tracks that go on be of a target."""
+        for key in keys:
+            contributor = self._alive.get(key[0], {}).get(key)
+            if contributor is not None and self._links.target_of(key) is None:
+                target.heard[key] = contributor
+                self._links.add(key, target, HIGHEST_EVIDENCE)
+
+    def _decide(self) -> None:
+        odds = self.configuration.association_odds
+        trials = self._filters.trials
+        for trial in trials.give_up(odds):
+            self._paused[trial.target, trial.key] = self._stamp + nanoseconds(PAUSE)
+        while rows := trials.winners(odds, len(self._filters.targets)):
+            best = max(rows, key=lambda row: trials.trials[row].evidence)
+            self._accept(self._filters.accept(best))
+        for key in self._links.broken(odds):
+            target = self._links.target_of(key)
+            self._unlink(key)
+            if target is not None and target.echoes:
+                self._filters.forget_bearings(target)
+
+    def _accept(self, trial: Trial) -> None:
+        """Let a bearing track be of a target: what was shown for it becomes the same target."""
+        target, key = trial.target, trial.key
+        before = self._links.target_of(key)
+        if before is not None:
+            self._unlink(key)
+            if not before.contributors:
+                self._rename(target, before.id)
+                self._filters.end([before])
+                self._forget(before)
+        for name in self._copies.confirmed_names(key, self._filters.state_of(target)):
+            self._rename(target, name)
+        target.heard[key] = self._alive[key[0]][key]
+        self._links.add(key, target, trial.evidence)
+
+    def _rename(self, target: FusedTarget, number: int) -> None:
+        """Let a target have the name of that of two which has been confirmed for longer."""
+        since = self._own_rows_shown.confirmed_since
+        if since(number) < since(target.id):
+            target.id = number
+
+    def _unlink(self, key: BearingKey) -> None:
+        target = self._links.target_of(key)
+        self._links.remove(key)
+        if target is not None:
+            target.heard.pop(key, None)
+
+    def _end_orphans(self) -> None:
+        """End targets without tracks some time after the last one, and forget old names."""
+        now = self._stamp / NANOSECONDS
+        over = []
+        for target in self._filters.targets:
+            target.settle_doubt(self._filters.targets, now)
+            if target.contributors:
+                target.orphaned = np.nan
+            elif np.isnan(target.orphaned):
+                target.orphaned = now
+            if now - target.orphaned >= self.configuration.coast_duration:
+                over.append(target)
+        self._filters.end(over)
+        for target in over:
+            self._forget(target)
+
+    def _forget(self, target: FusedTarget) -> None:
+        self._paused = {
+            place: until for place, until in self._paused.items() if place[0] is not target
+        }
+
+    def _new_id(self) -> int:
+        self._next_id += 1
+        return self._next_id - 1
+
+    def _stands_for(self, key: ListKey, heard: tuple[BearingKey, ...]) -> bool:
+        """Return whether a target with echoes stands for a row of another list, or nothing may."""
+        if key in self._dismissed or any(one in self._dismissed for one in heard):
+            return True
+        return key in self._target_of or any(
+            self._links.target_of(one) is not None or one in self._spoken_for for one in heard
+        )
