@@ -1,4 +1,4 @@
-"""What an operator does to bearing tracks: it holds, is told once, and harms no other track."""
+"""What an operator does to bearing tracks: it holds, is reported once, and harms no other track."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def nearest(found: dict[int, float], angle: float) -> int:
     return min(found, key=lambda number: abs(found[number] - angle))
 
 
-def test_an_ended_track_is_told_once_and_its_source_gets_a_new_one() -> None:
+def test_an_ended_track_is_reported_once_and_its_source_gets_a_new_one() -> None:
     stage, untouched = started(), rest(started())
     before = names(untouched[0])
     stage.end_track(nearest(before, 20.0))
