@@ -100,3 +100,11 @@ def test_legs_and_turns_follow_on_one_another() -> None:
     assert (legs[1].end - BEGIN) / NANOSECONDS == pytest.approx(327.0, abs=5.0)
     assert all(a.end == b.begin for a, b in itertools.pairwise(legs))
     assert own_ship_legs(states[:1]) == []
+
+
+def test_a_line_of_unknown_frequency_is_placed_where_most_dots_fit() -> None:
+    lines = frequency_dots(*solution(), np.nan, heard(cone=True, frequency=True), "line 1")
+    np.testing.assert_allclose(lines.residual, 0.0, atol=1e-6)
+    assert lines.frequency == pytest.approx(LINE)
+    wrong = frequency_dots(*solution(1.5), np.nan, heard(cone=True, frequency=True), "line 1")
+    assert np.ptp(wrong.residual) > 0.1

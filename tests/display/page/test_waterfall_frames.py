@@ -18,6 +18,7 @@ from sonar_tracking.display.page.waterfall_frames import MOST_DOTS, WaterfallFra
 from sonar_tracking.errors import InputError
 from sonar_tracking.geometry import line_array, steering_vectors, wavenumber
 from sonar_tracking.records.bearings import ArraySnapshots, BearingTracks, Sensor
+from sonar_tracking.records.lines import FrequencyLines
 from sonar_tracking.records.own_ship import OwnShipState
 from sonar_tracking.records.positions import PositionTracks, TrackSource
 from sonar_tracking.records.samples import ArraySamples
@@ -75,6 +76,24 @@ def heard(second: int) -> BearingTracks:
         arrival_angle=angles,
         measurement=angles,
         measurement_variance=np.full(2, 1e-4),
+        sensor=SENSOR,
+    )
+
+
+def frequency_lines(second: int) -> FrequencyLines:
+    """Return a line that a source at rest of 301 Hz has on the sensor, which nears it at 4 m/s."""
+    offset = np.array([3000.0, 2000.0])
+    factor = 1.0 + 4.0 * offset[0] / np.hypot(*offset) / 1500.0
+    return FrequencyLines(
+        stamp=BEGIN + second * NANOSECONDS,
+        track_id=np.array([4, 9], np.uint64),
+        arrival_angle=np.zeros(2),
+        arrival_angle_variance=np.ones(2),
+        line_id=np.array([1, 2], np.uint64),
+        frequency=np.array([301.0 * factor, 500.0]),
+        standard_deviation=np.full(2, 0.05),
+        signal_to_noise_ratio=np.ones(2),
+        integration_time=np.ones(2),
         sensor=SENSOR,
     )
 
@@ -158,6 +177,20 @@ def test_dots_are_sent_for_the_selected_track_and_now_and_then() -> None:
     assert list(frames.tracks("/tracks", solution(602))) == []
     assert len(list(frames.tracks("/tracks", solution(605)))) == 1
     assert list(frames.select({"view": "dots", "topic": "/tracks", "track": 99})) == []
+
+
+def test_lines_of_what_a_fused_track_was_heard_by_have_dots_too() -> None:
+    frames = waterfalls()
+    for second in range(20):
+        take_bearings(frames, second)
+        frames.lines(frequency_lines(second))
+    list(frames.tracks("/tracks", solution(20)))
+    (frame,) = frames.select({"view": "dots", "topic": "/tracks", "track": 7})
+    assert isinstance(frame.data, str)
+    bearings, line = json.loads(frame.data)["stacks"]
+    assert bearings["frequency"] is None
+    assert line["label"] == "array 301.0 Hz" and len(line["times"]) == 20
+    np.testing.assert_allclose(line["residual"], 0.0, atol=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -16,6 +16,9 @@ from sonar_tracking.tma.targets.station_view import StationView
 
 KEPT = 2000
 """Lists kept of one sensor, the newest."""
+
+MOST_LINES = 4
+"""Lines of a bearing track that are looked at where nobody tells which."""
 
 
 @dataclass(frozen=True)
@@ -76,6 +79,13 @@ class HearingLog:
             for name, instants in self._bearings.items()
             if instants and np.any(instants[-1].track_id == track_id)
         ]
+
+    def lines_of(self, sensor_id: str, track_id: int) -> list[int]:
+        """Return the lines heard of a bearing track, those heard most often first."""
+        counts: Counter[int] = Counter()
+        for instant in self._lines.get(sensor_id, ()):
+            counts.update(instant.line_id[instant.track_id == track_id].tolist())
+        return [line_id for line_id, _ in counts.most_common(MOST_LINES)]
 
     def bearings(self, sensor_id: str, track_id: int) -> Hearing | None:
         """Return what a sensor has heard of one of its bearing tracks; None = nothing."""

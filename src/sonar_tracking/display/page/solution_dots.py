@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -56,10 +57,21 @@ def _heard_by(tracks: PositionTracks, row: int, log: HearingLog) -> list[tuple[s
 
 
 def _line_stacks(tracks: PositionTracks, row: int, log: HearingLog) -> Iterator[DotStack]:
-    for index in np.flatnonzero(tracks.line_track == row):
-        line_id, frequency = int(tracks.line_id[index]), float(tracks.line_frequency[index])
-        for sensor_id, track_id in _heard_by(tracks, row, log):
-            heard = log.line(sensor_id, track_id, line_id)
-            if heard is not None and np.isfinite(frequency):
-                label = f"{sensor_id} {frequency:.1f} Hz"
-                yield frequency_dots(tracks.state[row], tracks.stamp, frequency, heard, label)
+    """Yield the stacks of the lines the track names; of those it was heard by, if it names none."""
+    heard_by = _heard_by(tracks, row, log)
+    named = [
+        (sensor_id, track_id, int(tracks.line_id[index]), float(tracks.line_frequency[index]))
+        for index in np.flatnonzero(tracks.line_track == row)
+        for sensor_id, track_id in heard_by
+    ]
+    lines = named or [
+        (sensor_id, track_id, line_id, np.nan)
+        for sensor_id, track_id in heard_by
+        for line_id in log.lines_of(sensor_id, track_id)
+    ]
+    for sensor_id, track_id, line_id, frequency in lines:
+        heard = log.line(sensor_id, track_id, line_id)
+        if heard is not None:
+            stack = frequency_dots(tracks.state[row], tracks.stamp, frequency, heard, "")
+            label = f"{sensor_id} {stack.frequency:.1f} Hz"
+            yield replace(stack, label=label)

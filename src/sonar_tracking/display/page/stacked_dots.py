@@ -114,6 +114,9 @@ def frequency_dots(
 ) -> DotStack:
     """Return the residuals of a line.
 
+    Where its frequency at rest is not known, the one that fits most dots is taken: the shape of the
+    column tells as much then, its place nothing.
+
     Parameters
     ----------
     state : ndarray, shape (4,)
@@ -121,7 +124,7 @@ def frequency_dots(
     stamp : int
         ns.
     source_frequency : float
-        Of the line at rest, Hz.
+        Of the line at rest, Hz; NaN = not known.
     heard : Hearing
         Received frequencies; those far from the line are of another one, and left out.
     label : str
@@ -130,7 +133,10 @@ def frequency_dots(
     direction, velocity = _sight(state, stamp, heard)
     rate = np.sum(direction * (velocity - heard.velocity), axis=1)
     away = np.sum(direction * velocity, axis=1)
-    predicted = source_frequency * (1.0 - rate / (SOUND_SPEED + away))
+    factor = 1.0 - rate / (SOUND_SPEED + away)
+    if not np.isfinite(source_frequency):
+        source_frequency = float(np.median(heard.value / factor))
+    predicted = source_frequency * factor
     near: BoolArray = np.abs(heard.value - predicted) <= LARGEST_SHIFT * source_frequency
     return DotStack(
         label,

@@ -28,7 +28,7 @@ export class BearingTime {
     this.source.addEventListener("change", ask);
     this.axis = keptSelect("btr axis", "Axis of bearings", AXES, "cone", ask);
     this.scales = keptSelect("btr scales", "Seconds a line", { all: "1, 5 and 20 s", 1: "1 s", 5: "5 s", 20: "20 s" }, "all", ask);
-    this.range = keptSelect("btr range", "Range of levels", { 6: "6 dB", 10: "10 dB", 15: "15 dB", 20: "20 dB", 30: "30 dB" }, "15", ask);
+    this.range = keptSelect("btr range", "Range of levels", { 6: "6 dB", 10: "10 dB", 15: "15 dB", 20: "20 dB", 30: "30 dB" }, "20", ask);
     this.over = keptSelect("btr tracks", "Tracks over it", { bearings: "bearing tracks", picture: "fused tracks", none: "none" }, "bearings", ask);
     this.top = keptToggle("btr top", "", "Newest on top", true, ask);
     this.wrap = keptToggle("btr wrap", "", "Wrap instead of scroll", false, ask);
@@ -38,7 +38,7 @@ export class BearingTime {
     );
     tools.append(this.source, this.axis, more);
     this.panels = SCALES.map((scale) => ({ scale, ring: new RowRing(), box: null }));
-    this.hover = null;
+    this.pointer = null;
     const canvas = this.canvas.element;
     canvas.addEventListener("pointermove", (event) => this.point(event));
     canvas.addEventListener("pointerleave", () => this.point(null));
@@ -46,7 +46,7 @@ export class BearingTime {
   }
 
   point(event) {
-    this.hover = event && this.placeOf(event);
+    this.pointer = event && { offsetX: event.offsetX, offsetY: event.offsetY };
     this.page.askDraw();
   }
 
@@ -121,7 +121,8 @@ export class BearingTime {
       this.drawPanel(pen, panel, t);
     });
     this.drawMarks(pen, time.marks);
-    if (this.hover) this.drawHover(pen);
+    const place = this.pointer && this.placeOf(this.pointer);
+    if (place) this.drawHover(pen, place);
   }
 
   chooseSource() {
@@ -204,7 +205,7 @@ export class BearingTime {
     });
     pen.textAlign = "left";
     const every = [10, 30, 60, 120, 300, 600, 1200, 1800, 3600].find((s) => (s / scale) * LINE_HEIGHT >= 42) ?? 7200;
-    const oldest = (ring.last - ring.height + 1) * ring.span;
+    const oldest = Math.max((ring.last - ring.height + 1) * ring.span, this.page.history.oldest - every);
     for (let time = Math.ceil(oldest / every) * every; time <= (ring.last + 1) * ring.span; time += every) {
       const y = box.y + ring.yOf(time, box, this.wrap.isOn);
       if (!(y > box.y + 7 && y < box.y + box.height - 20)) continue;
@@ -365,8 +366,7 @@ export class BearingTime {
     pen.lineWidth = 1;
   }
 
-  drawHover(pen) {
-    const { t, azimuth, cone, pose, frame, share } = this.hover;
+  drawHover(pen, { t, azimuth, cone, pose, frame, share }) {
     pen.strokeStyle = palette.accent;
     pen.globalAlpha = 0.8;
     for (const { box, ring } of this.panels) {
