@@ -6,6 +6,7 @@ from docs.reference_writer.tables import parameter_cells, sentence, table
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.recorder_parameters import RECORDER_PARAMETERS
+from sonar_tracking.graph.catalogue.topics import COMMANDS
 
 
 def nodes() -> str:
@@ -15,7 +16,8 @@ def nodes() -> str:
 
 def _node(node: NodeDescription) -> str:
     flows = []
-    inputs = (*node.topic_parameters.values(), *node.inputs, *node.optional_inputs)
+    commands = () if node.commanded_topic is None else (COMMANDS,)
+    inputs = (*node.topic_parameters.values(), *node.inputs, *node.optional_inputs, *commands)
     if inputs:
         flows.append("takes " + ", ".join(f"`{topic.name}`" for topic in inputs))
     outputs = (*node.outputs, *node.station_outputs, *node.markers)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from docs.reference_writer.tables import sentence, table
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
-from sonar_tracking.graph.catalogue.topics import Topic, TopicKind
+from sonar_tracking.graph.catalogue.topics import COMMANDS, REQUESTS, Topic, TopicKind
 
 QUALITY = {
     TopicKind.DATA: "reliable, volatile",
     TopicKind.TRACKS: "reliable, transient local",
+    TopicKind.COMMANDS: "reliable, transient local, all of a run",
 }
 OF_EVERY_GRAPH = (
     (
@@ -36,6 +37,7 @@ def topics() -> str:
         for node in NODES.values()
         for topic in (*node.outputs, *node.station_outputs, *node.inputs, *node.markers)
     }
+    known |= {topic.name: topic for topic in (REQUESTS, COMMANDS)}
     rows = [
         (f"`{topic.name}`", _message(topic), sentence(topic.description), QUALITY[topic.kind])
         for topic in known.values()

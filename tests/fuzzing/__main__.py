@@ -22,6 +22,7 @@ from sonar_tracking.errors import Severity
 from sonar_tracking.graph.chaos.message_mutation import mutated
 from sonar_tracking.graph.node_base.stamp_check import seconds_text
 from sonar_tracking.message_reading.field_reading import stamp_from_time
+from tests.fuzzing import commands
 from tests.fuzzing.chains import CHAINS
 from tests.fuzzing.node_streams import (
     endless,
@@ -65,6 +66,7 @@ class Fuzzer:
         self._latest = 0
         self.node.node.get_logger().set_level(LoggingSeverity.FATAL)
         self.node.node.report = self._report  # type: ignore[method-assign]
+        self.node.node.diagnostics.report = self._report  # type: ignore[method-assign]
         for topic, message in (next(self._stream) for _ in range(min(len(messages), 60))):
             self._feed(topic, message, "good")
 
@@ -75,6 +77,7 @@ class Fuzzer:
         topic, message = next(self._stream)
         bad = mutated(message, generator)
         inserted = generator.random() < 0.5
+        self._command(topic)
         self._feed(topic, bad, "malformed", bad)
         if inserted:
             self._feed(topic, message, "good", bad)
@@ -126,7 +129,26 @@ class Fuzzer:
         if taken > LONGEST:
             self._note(f"a {what} message takes too long", topic, bad)
 
-    def _report(self, concern: str, culprit: str, severity: Severity, sentence: str) -> None:
+    def _command(self, topic: str) -> None:
+        """Give the node a command now and then, sensible or not."""
+        generator = np.random.default_rng([self._seed, self.number, 1])
+        given = self.node.commanded_topic
+        if given is None or generator.random() >= commands.SHARE:
+            return
+        made = commands.command(given, self._latest, self.node.known_tracks(), generator)
+        try:
+            self.node.command(made)
+        except Exception as error:
+            self._note(f"a command ends the node: {type(error).__name__}", topic, made)
+
+    def _report(
+        self,
+        concern: str,
+        culprit: str,
+        severity: Severity,
+        sentence: str,
+        lasting: bool = False,
+    ) -> None:
         self._was_reset |= "everything was reset" in sentence
         self._refused |= f"at {seconds_text(self._latest)}: rejected" in sentence
         if "please report" in sentence:

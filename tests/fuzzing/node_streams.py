@@ -39,6 +39,21 @@ class NodeInProcess:
             if source.name == topic:
                 self.node._receive(source, message)
 
+    @property
+    def commanded_topic(self) -> str | None:
+        """The track list that operators may tell it something about."""
+        topic = NODES[self.node.get_name()].commanded_topic
+        return None if topic is None else topic.name
+
+    def known_tracks(self) -> list[int]:
+        """Return the tracks of its last list."""
+        lists = [one.id for _, one in self.outputs if hasattr(one, "existence_probability")]
+        return [int(number) for number in lists[-1]] if lists else []
+
+    def command(self, message: Any) -> None:
+        """Give it a command, as its subscription would."""
+        self.node._commands._receive(message)
+
     def topics(self) -> set[str]:
         """Return what it subscribes to."""
         return {source.name for source in self.node.data_inputs}

@@ -24,7 +24,7 @@ def is_sound(message: Any) -> bool:
         if side:
             # Of a tentative track little may be known.
             confirmed = np.asarray(message.status) == message.CONFIRMED
-            values = values.reshape(len(confirmed), -1)[confirmed]
+            values = values.reshape(len(confirmed), -1)[confirmed] if confirmed.size else values
         if not np.isfinite(values).all():
             return False
         if name == "covariance" and side:

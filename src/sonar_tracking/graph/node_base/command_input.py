@@ -13,7 +13,7 @@ from sonar_tracking.graph.catalogue.command_kinds import check_command
 from sonar_tracking.graph.catalogue.topics import COMMANDS, Topic
 from sonar_tracking.graph.message_writing.field_writing import message_class
 from sonar_tracking.graph.node_base import quality_of_service
-from sonar_tracking.graph.node_base.diagnostics import Diagnostics
+from sonar_tracking.graph.node_base.diagnostics import UNEXPECTED, Diagnostics
 from sonar_tracking.graph.node_base.pending_commands import PendingCommands
 from sonar_tracking.graph.node_base.progress_reporter import ProgressReporter
 from sonar_tracking.graph.node_base.stamp_check import seconds_text
@@ -126,9 +126,14 @@ class CommandInput:
             for notice in self._carry_out(command):
                 self._diagnostics.report(OPERATOR, notice.culprit, notice.severity, notice.text)
             self._done += 1
+        except InputError as error:
+            self._refuse(f"{command.kind.name} could not be done: {error}")
         except Exception as error:
-            unexpected = "" if isinstance(error, InputError) else f"{type(error).__name__}: "
-            self._refuse(f"{command.kind.name} could not be done: {unexpected}{error}")
+            sentence = (
+                f"{command.kind.name} could not be done: an unexpected {type(error).__name__}: "
+                f"{error}; please report it with the recording."
+            )
+            self._diagnostics.report(UNEXPECTED, sentence, Severity.ERROR, sentence)
 
     def _refuse(self, sentence: str) -> None:
         self._refused += 1

@@ -110,7 +110,9 @@ class Selection:
 
 
 def _installed_messages(bag: Bag, topics: Collection[str]) -> Iterable[BagMessage]:
-    layouts = {name: earlier_layout(bag.topics[name].definition) for name in topics}
+    # Commands may be given in a replay of a recording that has none.
+    recorded = [name for name in topics if name in bag.topics]
+    layouts = {name: earlier_layout(bag.topics[name].definition) for name in recorded}
     if not any(layouts.values()):
         return bag.messages(topics)
     return (_translated(message, layouts[message.topic]) for message in bag.messages(topics))
