@@ -186,6 +186,10 @@ export class StackedDots {
     pen.fillStyle = palette.text;
     pen.fillText(stack.label, x + width / 2, 9, width);
     pen.fillStyle = palette.faint;
+    if (width < 150) {
+      pen.fillText(`±${Number(reach.toPrecision(2))} ${name}`, x + width / 2, 25, width);
+      return;
+    }
     const step = niceStep((2 * reach) / Math.max(2, width / 52));
     for (let k = Math.ceil(-reach / step); k * step <= reach; k++) {
       const place = xOf(k * step);
