@@ -79,6 +79,17 @@ def test_a_waterfall_has_all_time_scales_in_bounded_memory() -> None:
         assert energy == pytest.approx(1.5 * 3 * MOST_LINES)
 
 
+@pytest.mark.parametrize(
+    ("duration", "part", "scales"),
+    [(300, 0.1, [1.0, 5.0, 20.0]), (41, 0.1, [0.2, 1.0]), (41, 1.0, [1.0]), (3, 1.0, [0.2])],
+)
+def test_scales_are_drawn_that_have_lines(duration: int, part: float, scales: list[float]) -> None:
+    waterfall = Waterfall("narrowband")
+    for number in range(round(duration / part)):
+        waterfall.add(row(number * part, part, 0.0))
+    assert list(waterfall.finished()) == scales
+
+
 def test_histories_follow_identifiers_and_do_not_jump_across_the_half_circle() -> None:
     wrapped = tracks(1, arrival_angle=np.radians([10.0, 89.0]))
     far = tracks(2, arrival_angle=np.radians([10.0, -89.0]))

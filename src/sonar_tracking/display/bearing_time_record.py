@@ -1,7 +1,7 @@
 """Bearing-time record: the tracks of one sensor and the truth over the power of its beams.
 
 Bearing to the right, time downwards: arrival angles from broadside, or compass bearings where the
-sensor measures azimuths. Where there are snapshots or samples the same time is drawn on three time
+sensor measures azimuths. Where there are snapshots or samples the same time is drawn on up to three
 scales side by side: the short one shows what moves, the long ones what is weak.
 """
 
@@ -27,6 +27,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.collections import QuadMesh
 
+PRINTED_SCALES = (0.2, *SCALES)
+"""Of which the longest are drawn that have lines enough, s."""
+
+MOST_PANELS = 3
+FEWEST_LINES = 12
+"""A time scale with fewer lines is not drawn beside others."""
+
 MOST_LINES = 1200
 """Lines of one time scale; in longer recordings neighbours are integrated to one."""
 
@@ -51,8 +58,8 @@ class Waterfall:
     def __init__(self, content: str) -> None:
         self.content = content
         self.sensor_id, self.begin = "", LAST_STAMP
-        self._cascade = WaterfallCascade()
-        self._kept = {scale: BoundedRows(MOST_LINES) for scale in SCALES}
+        self._cascade = WaterfallCascade(PRINTED_SCALES)
+        self._kept = {scale: BoundedRows(MOST_LINES) for scale in PRINTED_SCALES}
 
     def add(self, row: BeamRow) -> None:
         """Take the next row."""
@@ -61,10 +68,18 @@ class Waterfall:
             self._kept[scaled.scale].add(scaled.row)
 
     def finished(self) -> Mapping[float, Sequence[BeamRow]]:
-        """Complete the rows that have begun; return all by time scale, s."""
+        """Complete the rows that have begun; return those of the scales to draw by scale, s."""
         for scaled in self._cascade.flush():
             self._kept[scaled.scale].add(scaled.row)
-        return {scale: kept.rows for scale, kept in self._kept.items() if kept.rows}
+        drawn: list[float] = []
+        for scale in reversed(PRINTED_SCALES):
+            count = len(self._kept[scale].rows)
+            # Where blocks are longer than a scale its lines are those of the next one.
+            finer = not drawn or count > 1.5 * len(self._kept[drawn[-1]].rows)
+            if len(drawn) < MOST_PANELS and count >= FEWEST_LINES and finer:
+                drawn.append(scale)
+        drawn = drawn or [scale for scale in PRINTED_SCALES[:1] if self._kept[scale].rows]
+        return {scale: self._kept[scale].rows for scale in reversed(drawn)}
 
 
 @dataclass(frozen=True)
@@ -151,8 +166,8 @@ def draw_bearing_time_record(
     mesh = None
     for axes, (scale, rows) in zip(panels, scales.items(), strict=False):
         mesh = _draw_beams(axes, beam_picture(rows, start))
-        longest = float(np.median([row.integrated for row in rows]))
-        axes.set_title(f"{max(scale, round(longest, 1)):g} s a line")
+        usual = float(np.median([row.integrated for row in rows]))
+        axes.set_title(f"{max(scale, round(usual, 1)):g} s a line")
         ends.append(seconds(rows[-1].end - start))
     for axes in panels:
         _draw_tracks(axes, tracks, truth, start)
