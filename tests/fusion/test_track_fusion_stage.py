@@ -294,3 +294,23 @@ def test_an_array_turned_by_more_than_expected_is_named() -> None:
     for moment in moments(Ships(FOUR, np.radians(3.5)), 300.0):
         said |= {one.text for one in stage.update(moment.frame).notices}
     assert any("mounting_yaw_deg" in text and ARRAY in text for text in said)
+
+
+@pytest.mark.parametrize("source", [ECHOES, ARRAY])
+def test_ships_that_meet_keep_their_names_though_a_tracker_exchanges_them(source: str) -> None:
+    """From where they meet on, either tracker goes on with the other ship: the rows do not."""
+    crossing = np.array([[-3000.0, 3000.0, 6.0, 0.0], [-3000.0, 2250.0, 6.0, 5.0]])
+    stage, names = TrackFusionStage(AT_ONCE), {}
+    for moment in moments(Ships(crossing), 400.0):
+        frame = moment.frame
+        if moment.time > 150.0 and source == ARRAY:
+            frame = with_bearing_tracks(frame, [1, 0])
+        if moment.time > 150.0 and source == ECHOES and frame.active:
+            tracks = frame.active[ECHOES]
+            frame = replace(frame, active={ECHOES: replace(tracks, id=tracks.id[::-1])})
+        tracks = stage.update(frame).tracks
+        if moment.time in (100.0, 398.0):
+            apart = tracks.state[:, None, :2] - moment.truth[None, :, :2]
+            ships = np.argmin(np.hypot(apart[..., 0], apart[..., 1]), axis=1)
+            names[moment.time] = dict(zip(ships.tolist(), tracks.id.tolist(), strict=True))
+    assert len(names[100.0]) == 2 and names[100.0] == names[398.0]

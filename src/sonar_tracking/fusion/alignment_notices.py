@@ -9,6 +9,9 @@ import numpy as np
 from sonar_tracking.errors import Notice, Severity, shown
 from sonar_tracking.records.alignments import ArrayAlignments
 
+MEASURED = 0.5
+"""An alignment has been measured once its deviation is this part of what it was before."""
+
 BEYOND = 2.5
 """Deviations of the prior from which on a misalignment contradicts it."""
 
@@ -36,3 +39,23 @@ def beyond_prior(alignments: ArrayAlignments, deviation_deg: float) -> list[Noti
             )
             notices.append(Notice(Severity.WARN, f"alignment of {shown(sensor)}", text))
     return notices
+
+
+def measured_alignments(
+    alignments: ArrayAlignments, deviation: float
+) -> dict[str, tuple[float, float]]:
+    """Return the misalignments of which more is known than before, and their variances.
+
+    Parameters
+    ----------
+    alignments : ArrayAlignments
+        As found.
+    deviation : float
+        Standard deviation that was expected, rad.
+    """
+    columns = alignments.misalignment, alignments.misalignment_standard_deviation
+    return {
+        sensor: (float(angle), float(known) ** 2)
+        for sensor, angle, known in zip(alignments.sensor_id, *columns, strict=True)
+        if known < MEASURED * deviation
+    }

@@ -79,6 +79,17 @@ class BearingLinks:
             if link.row > gone:
                 link.row -= 1
 
+    def exchange(
+        self, sensor_id: str, pair: tuple[FusedTarget, FusedTarget], evidence: float
+    ) -> None:
+        """Let two targets have each other's bearing tracks of a station, with the evidence."""
+        ends = {key: (pair[0], pair[1]) for key in pair[0].heard if key[0] == sensor_id}
+        ends |= {key: (pair[1], pair[0]) for key in pair[1].heard if key[0] == sensor_id}
+        for key, (before, after) in ends.items():
+            after.heard[key] = before.heard.pop(key)
+            self.remove(key)
+            self.add(key, after, evidence)
+
     def weigh(
         self, found: Sequence[HeardBearing], bearings: Bearings, likelihood: FloatArray
     ) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +11,8 @@ from sonar_tracking.errors import InputError
 from sonar_tracking.fusion.bearing_links import HIGHEST_EVIDENCE, BearingLinks
 from sonar_tracking.fusion.bearing_trials import Trial
 from sonar_tracking.fusion.copied_lists import CopiedLists
+from sonar_tracking.fusion.echo_targets import EchoTargets
+from sonar_tracking.fusion.exchanges import ECHOES
 from sonar_tracking.fusion.fused_rows import ShownRows
 from sonar_tracking.fusion.fused_target import Contributor, FusedTarget
 from sonar_tracking.fusion.fusion_records import BearingKey, ListKey
@@ -19,6 +22,9 @@ from sonar_tracking.records.time import NANOSECONDS, UNKNOWN_STAMP, nanoseconds
 
 PAUSE = 60.0
 """After which a trial that failed is begun again, s: bearing tracks may change their targets."""
+
+PRIOR_AGAINST_EXCHANGE = 3.0
+"""Log of the odds that two targets which meet do not exchange their tracks."""
 
 
 class FusedTargets:
@@ -48,7 +54,7 @@ class FusedTargets:
             STRENGTHS, settings.alignment_variance, settings.propagation_speed
         )
         self._links = BearingLinks()
-        self._target_of: dict[ListKey, FusedTarget] = {}
+        self._target_of = EchoTargets()
         self._spoken_for: set[BearingKey] = set()
         self._alive: dict[str, dict[BearingKey, Contributor]] = {}
         self._copies = CopiedLists(self._new_id)
@@ -161,6 +167,7 @@ class FusedTargets:
         while rows := trials.winners(odds, len(self._filters.targets)):
             best = max(rows, key=lambda row: trials.trials[row].evidence)
             self._accept(self._filters.accept(best))
+        self._exchange(odds)
         for key in self._links.broken(odds):
             target = self._links.target_of(key)
             self._unlink(key)
@@ -181,6 +188,18 @@ class FusedTargets:
             self._rename(target, name)
         target.heard[key] = self._alive[key[0]][key]
         self._links.add(key, target, trial.evidence)
+
+    def _exchange(self, odds: float) -> None:
+        """Let targets have each other's tracks of a source, if they have exchanged them."""
+        exchanges = self._filters.exchanges
+        exchanges.give_up(odds)
+        while found := exchanges.best(math.log(odds) + PRIOR_AGAINST_EXCHANGE):
+            exchange, copies = found
+            self._filters.exchanged(exchange, copies)
+            if exchange.source is ECHOES:
+                self._target_of.exchange(exchange.pair)
+            else:
+                self._links.exchange(exchange.source, exchange.pair, exchange.evidence)
 
     def _rename(self, target: FusedTarget, number: int) -> None:
         """Let a target have the name of that of two which has been confirmed for longer."""
@@ -211,9 +230,8 @@ class FusedTargets:
             self._forget(target)
 
     def _forget(self, target: FusedTarget) -> None:
-        self._paused = {
-            place: until for place, until in self._paused.items() if place[0] is not target
-        }
+        for place in [place for place in self._paused if place[0] is target]:
+            del self._paused[place]
 
     def _new_id(self) -> int:
         self._next_id += 1

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from sonar_tracking.errors import Notice
+from sonar_tracking.errors import InputError, Notice
 from sonar_tracking.motion import KinematicState, wrap_angle
 from sonar_tracking.records.alignments import ArrayAlignments
 from sonar_tracking.records.arrays import FloatArray
@@ -46,6 +46,14 @@ class FusionFrame:
     passive: dict[str, PositionTracks] = field(default_factory=dict)
     own_ship: KinematicState | None = None
     foreign: dict[str, PositionTracks] = field(default_factory=dict)
+
+    def check_later_than(self, stamp: int) -> None:
+        """Raise an :class:`InputError` if the frame is not later than that of a stamp, ns."""
+        if self.stamp <= stamp:
+            raise InputError(
+                f"The frame at {self.stamp} ns is not later than the one before it, at {stamp} ns; "
+                "send frames in order."
+            )
 
 
 @dataclass(frozen=True)

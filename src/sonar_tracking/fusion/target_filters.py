@@ -21,6 +21,7 @@ from sonar_tracking.fusion.aligned_targets import (
 )
 from sonar_tracking.fusion.bearing_errors import BearingErrors
 from sonar_tracking.fusion.bearing_trials import GATE, BearingTrials, Trial
+from sonar_tracking.fusion.exchanges import ECHOES, Exchange, Exchanges
 from sonar_tracking.fusion.fused_target import FusedTarget
 from sonar_tracking.fusion.fusion_records import HeardBearing
 from sonar_tracking.fusion.lone_bearings import guarded
@@ -35,10 +36,11 @@ from sonar_tracking.fusion.sided_bearings import sided_bearings
 from sonar_tracking.fusion.target_updates import (
     Bearings,
     expected_azimuths,
+    innovations,
     updated_by_bearings,
     updated_by_positions,
+    updated_if_expected,
 )
-from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.alignments import ArrayAlignments
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
 
@@ -48,9 +50,6 @@ SMALLEST_VARIANCE = 1e-12
 
 WILD_POSITION = 1e-8
 """Density of a measured position that is of something else: anywhere within 10 km, 1/m^2."""
-
-MEASURED = 0.5
-"""An alignment has been measured once its deviation is this part of what it was before."""
 
 
 class TargetFilters:
@@ -79,6 +78,7 @@ class TargetFilters:
         self._aligned = begun(np.empty((0, 4)), np.empty((0, 4, 4)), strengths, np.empty(0))
         self._echoes_alone = self._aligned
         self.trials = BearingTrials(self._aligned)
+        self.exchanges = Exchanges(self._aligned)
 
     @property
     def prior(self) -> FloatArray:
@@ -93,6 +93,7 @@ class TargetFilters:
             self._ended = self._ended.with_array()
             self._aligned = with_array(self._aligned, self._variance)
             self.trials.add_array(self._variance)
+            self.exchanges.add_array(self._variance)
         return self.arrays[sensor_id]
 
     def predict(self, interval: float) -> None:
@@ -100,6 +101,7 @@ class TargetFilters:
         self._aligned = predicted(self._aligned, interval, self._strengths)
         self._echoes_alone = predicted(self._echoes_alone, interval, self._strengths)
         self.trials.predict(interval, self._strengths)
+        self.exchanges.predict(interval, self._strengths)
 
     def begin(self, target: FusedTarget, state: FloatArray, covariance: FloatArray) -> None:
         """Follow a new target.
@@ -122,6 +124,7 @@ class TargetFilters:
         new = with_arrays(self._echoes_alone.rows(rows), self.prior)
         self._aligned = replaced(self._aligned, rows, new)
         self.trials.end({target}, set())
+        self.exchanges.end({target})
 
     def end(self, targets: Sequence[FusedTarget]) -> None:
         """Follow some targets no more; what they told of the arrays stays."""
@@ -135,6 +138,7 @@ class TargetFilters:
         self._aligned = self._aligned.rows(kept)
         self._echoes_alone = self._echoes_alone.rows(kept)
         self.trials.end(set(targets), set())
+        self.exchanges.end(set(targets))
 
     def take_positions(
         self, targets: Sequence[FusedTarget], position: FloatArray, noise: FloatArray
@@ -166,7 +170,14 @@ class TargetFilters:
         trials, owner = self._trials_of(targets)
         if trials.size:
             self.trials.take_positions(trials, position[owner], noise[owner])
-        return guarded(likelihood, WILD_POSITION) - guarded(apart, WILD_POSITION)
+        likelihood = guarded(likelihood, WILD_POSITION)
+
+        def taking(copies: AlignedTargets, own: IndexArray) -> tuple[AlignedTargets, FloatArray]:
+            taken, density = updated_by_positions(copies, position[own], noise[own])
+            return taken, guarded(density, WILD_POSITION)
+
+        self.exchanges.take(targets, ECHOES, likelihood, taking)
+        return likelihood - guarded(apart, WILD_POSITION)
 
     def take_bearings(
         self, targets: Sequence[FusedTarget], found: Sequence[HeardBearing]
@@ -197,6 +208,13 @@ class TargetFilters:
         trials, owner = self._trials_of([targets[row] for row in own])
         if trials.size:
             self.trials.take_known(trials, bearings.rows(np.array(own, np.intp)[owner]))
+
+        def taking(copies: AlignedTargets, own: IndexArray) -> tuple[AlignedTargets, FloatArray]:
+            sided = sided_bearings([found[place] for place in own], copies, self._speed)
+            taken, density = updated_if_expected(copies, sided, GATE)
+            return taken, guarded(density)
+
+        self.exchanges.take(targets, found[0].key[0], guarded(likelihood), taking)
         return bearings, likelihood
 
     def widened(self, found: Sequence[HeardBearing]) -> list[HeardBearing]:
@@ -213,11 +231,8 @@ class TargetFilters:
 
         A bearing that is not is weighed, but drags no target along: it may be of something else.
         """
-        station, array = bearings.station, bearings.array
-        mean, covariance = aligned.collapsed()
-        expected, spread = expected_azimuths(mean, covariance, station, array, self._speed)
-        errors = self._errors[array]
-        innovation = np.asarray(wrap_angle(bearings.azimuth - expected))
+        innovation, spread = innovations(aligned, bearings)
+        errors = self._errors[bearings.array]
         told = bearings.variance / errors.scale
         errors.learn([one.key for one in found], innovation, spread, told)
         return np.asarray(innovation**2 <= GATE**2 * (spread + bearings.variance))
@@ -232,6 +247,22 @@ class TargetFilters:
         if trials:
             rows = self._rows([one.target for one in trials])
             self.trials.begin(trials, self._aligned.rows(rows))
+
+    def consider(self, exchanges: Sequence[Exchange]) -> None:
+        """Consider whether targets have exchanged tracks."""
+        if exchanges:
+            rows = self._rows([target for one in exchanges for target in one.pair])
+            self.exchanges.begin(exchanges, self._aligned.rows(rows))
+
+    def exchanged(self, exchange: Exchange, copies: AlignedTargets) -> None:
+        """Let the targets of an exchange go on as the copies that have taken it in."""
+        self._aligned = replaced(self._aligned, self._rows(exchange.pair), copies)
+        if exchange.source is ECHOES:
+            rows = self._rows(exchange.pair)
+            crossed = self._echoes_alone.rows(rows[::-1])
+            self._echoes_alone = replaced(self._echoes_alone, rows, crossed)
+        self.trials.end(set(exchange.pair), set())
+        self.exchanges.end(set(exchange.pair))
 
     def accept(self, row: int) -> Trial:
         """Let a trial have won: its target goes on with what the trial has taken in."""
@@ -264,15 +295,6 @@ class TargetFilters:
             misalignment_standard_deviation=np.sqrt(np.diagonal(seen.misalignment_covariance)),
             next_stamp=next_stamp,
         )
-
-    def measured_alignments(self, seen: SharedAlignment) -> dict[str, tuple[float, float]]:
-        """Return the misalignments (rad) of which more is known than before, and variances."""
-        variance = np.diagonal(seen.misalignment_covariance)
-        return {
-            sensor: (float(seen.misalignment[place]), float(variance[place]))
-            for sensor, place in self.arrays.items()
-            if variance[place] < MEASURED**2 * self._variance
-        }
 
     def expected(self, array: int, station: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the azimuths that a station will tell of all targets, and their variances.

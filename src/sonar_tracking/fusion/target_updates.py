@@ -12,12 +12,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sonar_tracking.filtering.kalman import symmetrised
-from sonar_tracking.fusion.aligned_targets import MOTION, AlignedTargets
+from sonar_tracking.fusion.aligned_targets import MOTION, AlignedTargets, replaced
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 
 NEAREST = 1.0
 """A target is taken to be at least so far from a station, m."""
+
+LEAST_SHARE = 1e-300
+"""Of a mode: none is ever quite impossible."""
 
 
 @dataclass(frozen=True)
@@ -121,6 +124,55 @@ def expected_azimuths(
     return -innovation, variance
 
 
+def innovations(targets: AlignedTargets, bearings: Bearings) -> tuple[FloatArray, FloatArray]:
+    """Return by how much bearings differ from what is expected, and the variance of that.
+
+    Parameters
+    ----------
+    targets : AlignedTargets
+        Predicted to the instant of the bearings.
+    bearings : Bearings
+        One a target.
+
+    Returns
+    -------
+    innovation, variance : ndarray, shape (n,)
+        rad and, without the errors of the bearings, rad^2.
+    """
+    mean, covariance = targets.collapsed()
+    station, array = bearings.station, bearings.array
+    speed = bearings.propagation_speed
+    expected, variance = expected_azimuths(mean, covariance, station, array, speed)
+    return np.asarray(wrap_angle(bearings.azimuth - expected)), variance
+
+
+def updated_if_expected(
+    targets: AlignedTargets, bearings: Bearings, gate: float
+) -> tuple[AlignedTargets, FloatArray]:
+    """Return targets with one bearing each, where that is not too far from what is expected.
+
+    Parameters
+    ----------
+    targets : AlignedTargets
+        Predicted to the instant of the bearings.
+    bearings : Bearings
+        One a target.
+    gate : float
+        Standard deviations beyond which a bearing leaves its target as it is.
+
+    Returns
+    -------
+    targets : AlignedTargets
+        Updated.
+    log_likelihood : ndarray, shape (n,)
+        Log of the density, 1/rad.
+    """
+    innovation, spread = innovations(targets, bearings)
+    near = np.flatnonzero(innovation**2 <= gate**2 * (spread + bearings.variance))
+    updated, likelihood = updated_by_bearings(targets, bearings)
+    return replaced(targets, near, updated.rows(near)), likelihood
+
+
 def updated_by_bearings(
     targets: AlignedTargets, bearings: Bearings
 ) -> tuple[AlignedTargets, FloatArray]:
@@ -207,8 +259,9 @@ def updated_by_positions(
 
 def _weighed(targets: AlignedTargets, log_density: FloatArray) -> tuple[AlignedTargets, FloatArray]:
     """Return targets with their modes weighed by densities of shape (n, n_modes), and the sums."""
-    best = np.max(log_density, axis=-1, keepdims=True)
-    weight = targets.mode * np.exp(log_density - best)
+    log_weight = log_density + np.log(np.maximum(targets.mode, LEAST_SHARE))
+    best = np.max(log_weight, axis=-1, keepdims=True)
+    weight = np.exp(log_weight - best)
     total = np.sum(weight, axis=-1, keepdims=True)
     likelihood = np.log(total[:, 0]) + best[:, 0]
     covariance = symmetrised(targets.covariance)

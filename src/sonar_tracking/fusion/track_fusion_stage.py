@@ -8,8 +8,10 @@ heard are shown as target motion analysis finds them, until an echo tells which 
 
 from __future__ import annotations
 
-from sonar_tracking.errors import InputError, Notice
-from sonar_tracking.fusion.alignment_notices import beyond_prior
+import math
+
+from sonar_tracking.errors import Notice
+from sonar_tracking.fusion.alignment_notices import beyond_prior, measured_alignments
 from sonar_tracking.fusion.echo_association import met_targets
 from sonar_tracking.fusion.echo_checks import unusable_rows, usable_measurements, usable_states
 from sonar_tracking.fusion.foreign_tracks import ForeignTracks
@@ -28,6 +30,7 @@ from sonar_tracking.fusion.fusion_records import (
     HeardBearing,
     ListKey,
 )
+from sonar_tracking.fusion.meetings import meetings_of_bearings, meetings_of_echoes
 from sonar_tracking.fusion.new_trials import new_trials
 from sonar_tracking.fusion.shared_alignment import SharedAlignment
 from sonar_tracking.fusion.station_bearings import (
@@ -37,6 +40,7 @@ from sonar_tracking.fusion.station_bearings import (
 )
 from sonar_tracking.fusion.track_fusion_configuration import TrackFusionConfiguration
 from sonar_tracking.motion import KinematicState
+from sonar_tracking.records.alignments import ArrayAlignments
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
 from sonar_tracking.records.positions import PositionTracks
@@ -87,11 +91,7 @@ class TrackFusionStage(FusedTargets):
         InputError
             If the frame is not later; nothing has changed then.
         """
-        if frame.stamp <= self._stamp:
-            raise InputError(
-                f"The frame at {frame.stamp} ns is not later than the one before it, at "
-                f"{self._stamp} ns; send frames in order."
-            )
+        frame.check_later_than(self._stamp)
         if self._stamp != UNKNOWN_STAMP:
             interval = seconds(frame.stamp - self._stamp)
             self._filters.predict(interval)
@@ -117,7 +117,7 @@ class TrackFusionStage(FusedTargets):
         seen = self._filters.picture()
         alignments = self._filters.alignments(seen, self._stamp, watermark)
         notices += beyond_prior(alignments, self.configuration.alignment_deviation_deg)
-        own = self._own_rows(seen)
+        own = self._own_rows(seen, alignments)
         tracks = own_tracks = self._own_rows_shown.listed(own, self._stamp, watermark)
         if self._foreign.heard_of:
             rows = self._foreign.fused(own, self._stamp)
@@ -131,8 +131,7 @@ class TrackFusionStage(FusedTargets):
             for row, number in enumerate(tracks.id)
             if tracks.status[row] != TrackStatus.TERMINATED
         }
-        for key in [key for key in self._target_of if key[0] == topic and key not in going_on]:
-            del self._target_of.pop(key).echoes[key]
+        self._target_of.end_others(topic, going_on)
         sound, told = usable_states(tracks), usable_measurements(tracks)
         measured: list[tuple[FusedTarget, int]] = []
         for key, row in going_on.items():
@@ -144,10 +143,10 @@ class TrackFusionStage(FusedTargets):
                 measured.append((target, row))
         rows = [row for _, row in measured]
         targets = [target for target, _ in measured]
-        gain = self._filters.take_positions(
-            targets, tracks.measurement[rows], tracks.measurement_covariance[rows]
-        )
+        noise = tracks.measurement_covariance[rows]
+        gain = self._filters.take_positions(targets, tracks.measurement[rows], noise)
         self._links.weigh_positions(targets, gain)
+        self._filters.consider(meetings_of_echoes(targets, noise, self._filters))
         new = {
             key: row
             for key, row in going_on.items()
@@ -218,6 +217,7 @@ class TrackFusionStage(FusedTargets):
         targets = [self._links.target_of(one.key) for one in found]
         owners = [one for one in targets if one is not None]
         self._links.weigh(found, *self._filters.take_bearings(owners, found))
+        self._filters.consider(meetings_of_bearings(owners, found, self._filters))
         for target, one in zip(owners, found, strict=True):
             target.heard[one.key] = self._alive[one.key[0]][one.key]
             target.updated = self._stamp / NANOSECONDS
@@ -229,18 +229,19 @@ class TrackFusionStage(FusedTargets):
             return False
         return told.alive[key].status == TrackStatus.CONFIRMED
 
-    def _own_rows(self, seen: SharedAlignment) -> list[FusedRow]:
+    def _own_rows(self, seen: SharedAlignment, known: ArrayAlignments) -> list[FusedRow]:
         """Return what own sensors tell, at the stamp of the last frame."""
+        settings = self.configuration
         rows = [
             row_of_target(target, state, covariance)
             for target, state, covariance in zip(
                 self._filters.targets, seen.mean[:, :4], seen.covariance[:, :4, :4], strict=True
             )
         ]
-        alignments = self._filters.measured_alignments(seen)
+        alignments = measured_alignments(known, math.sqrt(settings.alignment_variance))
         taken = {row.id for row in rows}
-        odds, n_targets = self.configuration.association_odds, len(self._filters.targets)
+        odds, n_targets = settings.association_odds, len(self._filters.targets)
         self._spoken_for = self._filters.trials.spoken_for(odds, n_targets)
         rows += self._copies.rows(self._stamp, self._stands_for, self._stations, alignments, taken)
-        heading = self.configuration.heading_variance
+        heading = settings.heading_variance
         return [turned_by_heading(row, self._own_ship, heading) for row in rows]
