@@ -93,7 +93,7 @@ def _checked(name: str, value: Any) -> Any:
     if name not in _TEXTS and isinstance(value, int | float) and not isinstance(value, bool):
         if name in _NUMBERS:
             return float(value)
-        if value == int(value) and 0 <= value < 1 << 63:
+        if 0 <= value < 1 << 63 and value == int(value):
             return int(value)
     raise InputError(f"{name} of a command cannot be {shown(repr(value))}.")
 

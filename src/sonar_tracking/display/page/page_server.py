@@ -32,6 +32,8 @@ HEALTH_PERIOD = 1.0
 """Between two reports of the state of the graph, s."""
 
 PING_PERIOD = 20.0
+PATIENCE = 3.0
+GOING_AWAY = 1001
 
 _OWN_NAMES = {"localhost", "127.0.0.1", "[::1]"}
 _POLICY = (
@@ -110,10 +112,10 @@ class PageServer:
         self._ready.wait()
 
     def stop(self) -> None:
-        """Serve no longer."""
+        """Serve no longer; browsers are told."""
         if self._loop is not None:
-            self._loop.add_callback(self._loop.stop)
-            self._thread.join(2.0)
+            self._loop.add_callback(self._close)
+            self._thread.join(PATIENCE)
 
     def do(self, work: Callable[..., None], *arguments: Any) -> None:
         """Let the thread of the server call something; from any thread."""
@@ -149,13 +151,25 @@ class PageServer:
             client.send(frame)
 
     def _run(self) -> None:
-        asyncio.set_event_loop(asyncio.new_event_loop())
-        self._loop = IOLoop.current()
-        server = HTTPServer(self._application(), xheaders=False)
+        asyncio.run(self._serve())
+
+    async def _serve(self) -> None:
+        self._loop, self._end = IOLoop.current(), asyncio.Event()
+        server = HTTPServer(self._application())
         server.add_socket(self._socket)
-        PeriodicCallback(self.feed.report_health, 1000.0 * HEALTH_PERIOD).start()
-        self._loop.add_callback(self._ready.set)
-        self._loop.start()
+        reports = PeriodicCallback(self.feed.report_health, 1000.0 * HEALTH_PERIOD)
+        reports.start()
+        self._ready.set()
+        await self._end.wait()
+        reports.stop()
+        server.stop()
+        for client in tuple(self.clients):
+            client.close(GOING_AWAY, "the server ends")
+        await asyncio.sleep(0.05)  # until the browsers have heard it
+        await server.close_all_connections()
+
+    def _close(self) -> None:
+        self._end.set()
 
     def _application(self) -> Application:
         return Application(

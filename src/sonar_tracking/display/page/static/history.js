@@ -92,10 +92,8 @@ export class History {
     if (frame.t > this.newest) this.newest = frame.t;
     if (frame.t < this.oldest) this.oldest = frame.t;
     const oldest = this.newest - this.kept;
-    if (oldest > this.oldest) {
-      this.oldest = oldest;
-      stream.forget(oldest);
-    }
+    if (oldest > this.oldest) this.oldest = oldest;
+    stream.forget(oldest);
   }
 
   /** Put the past of an earlier connection before what is known: a server that was started anew. */

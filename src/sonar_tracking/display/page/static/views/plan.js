@@ -140,6 +140,11 @@ export class Plan {
     else if (!row) this.page.selection.choose(null);
   }
 
+  /** The menu of a direction at a place of the screen. */
+  menuAt(clientX, clientY, azimuth) {
+    openTrackMenu(this.page, { clientX, clientY }, null, azimuth);
+  }
+
   nearest(x, y) {
     let best = null;
     let least = NEAREST;
