@@ -72,7 +72,7 @@ class Chromium:
         request = urllib.request.Request(
             f"http://127.0.0.1:{self._port}/json/new?about:blank", method="PUT"
         )
-        with urllib.request.urlopen(request) as answer:
+        with urllib.request.urlopen(request, timeout=PATIENCE) as answer:
             target = json.load(answer)
         tab = Tab(self.loop, target["webSocketDebuggerUrl"])
         tab.call("Runtime.enable")
@@ -175,5 +175,10 @@ class Tab:
 
     def close(self) -> None:
         """Close the tab."""
-        self.call("Page.close")
+        self.value("setTimeout(() => window.close(), 200)")
+        self._loop.run_until_complete(self._close())
+
+    async def _close(self) -> None:
         self._link.close()
+        while await asyncio.wait_for(self._link.read_message(), PATIENCE) is not None:
+            pass
