@@ -157,14 +157,23 @@ class WaterfallFrames:
     def _select_spectrum(self, sensor: str, track: int, beam: float) -> Iterator[Frame]:
         _remember(self._lofar_selected, (sensor, track, beam), None)
         for sensor_id, beams in self._beams.items():
-            beams.directions = tuple(
-                angle for s, t, angle in self._lofar_selected if s == sensor_id and t == 0
-            )
+            beams.directions = self._directions(sensor_id)
         if track:
             yield from map(_lofar_frame, self._spectra.of(sensor, track))
 
     def _beams_of(self, sensor_id: str) -> LofarBeams:
-        return self._beams.setdefault(sensor_id, LofarBeams())
+        if sensor_id not in self._beams:
+            self._beams[sensor_id] = LofarBeams()
+            self._beams[sensor_id].directions = self._directions(sensor_id)
+        return self._beams[sensor_id]
+
+    def _directions(self, sensor_id: str) -> tuple[float, ...]:
+        """Return the selected arrival angles of a sensor, rad."""
+        return tuple(
+            angle
+            for sensor, track, angle in self._lofar_selected
+            if sensor == sensor_id and not track
+        )
 
     def _placed(self, row: BeamRow, sensor: Sensor) -> BeamRow:
         """Return a row with the direction of its array as the trackers take it."""

@@ -7,6 +7,7 @@ import { keptSelect, keptToggle, moreChoices, offer } from "../kept_choice.js";
 import { palette } from "../palette.js";
 import { bearingTopics, pictureTopics, polar, tracksAt, ownShipAt } from "../picture.js";
 import { RowRing, floorOf } from "../row_ring.js";
+import { openTrackMenu } from "../track_menu.js";
 
 const SCALES = [1, 5, 20]; // s a line
 const LINE_HEIGHT = 2; // CSS pixels
@@ -43,6 +44,7 @@ export class BearingTime {
     canvas.addEventListener("pointermove", (event) => this.point(event));
     canvas.addEventListener("pointerleave", () => this.point(null));
     canvas.addEventListener("click", (event) => this.click(event));
+    canvas.addEventListener("contextmenu", (event) => this.menu(event));
   }
 
   point(event) {
@@ -82,6 +84,15 @@ export class BearingTime {
     if (near) this.page.selection.choose(this.pictureTrack(near) ?? { topic: near.topic, id: near.id });
     else this.page.selection.choose({ sensor: place.pose.sensor, beam: place.cone });
     this.page.askDraw();
+  }
+
+  /** What can be done with a bearing track, or with a bearing at which nothing is tracked. */
+  menu(event) {
+    event.preventDefault();
+    const place = this.placeOf(event);
+    if (!place) return;
+    const near = this.trackNear(event.offsetX, place);
+    openTrackMenu(this.page, event, near && { topic: near.topic, id: near.id, bearing: Boolean(near.sensor) }, place.azimuth);
   }
 
   /** The track of the picture that a bearing track is part of. */

@@ -1,11 +1,13 @@
 // LOFAR: the spectrum of one beam over time, with its lines, a zoom and a harmonic cursor.
 
 import { Canvas, element, label } from "../canvas.js";
+import { openMenu } from "../commands.js";
 import { clock, degrees, duration, fixed, niceStep } from "../format.js";
 import { chosenBeam, heardTracks } from "../heard_track.js";
 import { IntegratedRows, levelsOf, overBackground } from "../integrated_rows.js";
 import { keptSelect, keptToggle, moreChoices, offer } from "../kept_choice.js";
 import { palette } from "../palette.js";
+import { lineEntries } from "../track_menu.js";
 import { RowRing, floorOf, resample } from "../row_ring.js";
 import { readout } from "./bearing_time.js";
 
@@ -62,6 +64,7 @@ export class Lofar {
     canvas.addEventListener("pointerdown", (event) => (this.drag = { x: event.offsetX, band: this.shownBand, moved: false }));
     addEventListener("pointerup", () => (this.drag = null));
     canvas.addEventListener("click", (event) => this.click(event));
+    canvas.addEventListener("contextmenu", (event) => this.menu(event));
     canvas.addEventListener("dblclick", () => this.zoomTo(null));
     canvas.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
     canvas.addEventListener("keydown", (event) => this.key(event));
@@ -96,6 +99,20 @@ export class Lofar {
     if (event.shiftKey) this.page.time.markNext({ t, frequency });
     else if (this.harmonics.isOn) this.held = Number.isFinite(this.held) ? NaN : frequency;
     this.page.askDraw();
+  }
+
+  /** What can be done with a frequency. */
+  menu(event) {
+    event.preventDefault();
+    const frequency = this.frequencyAt(event.offsetX);
+    if (!Number.isFinite(frequency)) return;
+    const hold = () => {
+      if (!this.harmonics.isOn) this.harmonics.click();
+      this.held = frequency;
+      this.page.askDraw();
+    };
+    const entries = [["Hold the harmonic cursor here", hold], ...lineEntries(this.page, frequency, this.shownSensor)];
+    openMenu(event.clientX, event.clientY, `${frequency.toFixed(2)} Hz`, entries);
   }
 
   wheel(event) {
@@ -173,6 +190,7 @@ export class Lofar {
       : beam ? "Waiting for the spectrum of this beam." : "No samples of an array yet: its beams have spectra.";
     if (!pen || !stream) return;
     const newest = stream.frames[stream.frames.length - 1];
+    this.shownSensor = beam.sensor;
     const { first, step, count } = newest.frequency;
     this.whole = [Math.max(0, first - step / 2), first + (count - 0.5) * step];
     this.shownBand = this.band ?? this.whole;
