@@ -6,6 +6,7 @@ from sonar_tracking.lazy_imports import lazy_exports
 
 __all__ = [
     "bearing_tracks_from_message",
+    "command_from_message",
     "contacts_from_message",
     "directions_from_message",
     "frequency_lines_from_message",
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
         snapshots_from_message,
         subspaces_from_message,
     )
+    from sonar_tracking.message_reading.command_reading import command_from_message
     from sonar_tracking.message_reading.contact_reading import (
         contacts_from_message,
         thresholds_from_message,
@@ -47,6 +49,7 @@ else:
                 "snapshots_from_message",
                 "subspaces_from_message",
             ],
+            "command_reading": ["command_from_message"],
             "contact_reading": ["contacts_from_message", "thresholds_from_message"],
             "line_reading": ["frequency_lines_from_message"],
             "position_reading": ["position_tracks_from_message"],

@@ -12,11 +12,14 @@ __all__ = [
     "ArraySamples",
     "ArraySnapshots",
     "BearingTracks",
+    "CommandKind",
     "ContactTrackerUpdate",
     "Contacts",
     "FrequencyLines",
     "GateThresholds",
     "LofarRows",
+    "OperatorCommand",
+    "OwnShipLine",
     "OwnShipState",
     "PositionTracks",
     "Sensor",
@@ -38,6 +41,7 @@ if TYPE_CHECKING:
         SubspaceEstimates,
         TrackStatus,
     )
+    from sonar_tracking.records.commands import CommandKind, OperatorCommand, OwnShipLine
     from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate, GateThresholds
     from sonar_tracking.records.lines import FrequencyLines, LofarRows
     from sonar_tracking.records.own_ship import OwnShipState
@@ -67,6 +71,7 @@ else:
                 "SubspaceEstimates",
                 "TrackStatus",
             ],
+            "commands": ["CommandKind", "OperatorCommand", "OwnShipLine"],
             "contacts": ["Contacts", "ContactTrackerUpdate", "GateThresholds"],
             "lines": ["FrequencyLines", "LofarRows"],
             "own_ship": ["OwnShipState"],

@@ -37,7 +37,7 @@ def test_one_that_came_behind_its_data_is_late_and_so_is_one_without_a_stamp() -
     pending.add(command(15))
     pending.add(command(0, 2))
     pending.add(command(25, 3))
-    assert done(pending, 30) == [(2, True), (1, True), (3, False)]
+    assert done(pending, 30) == [(1, True), (3, False), (2, True)]
 
 
 def test_a_process_in_the_place_of_another_repeats_only_what_came_after_its_state() -> None:

@@ -6,6 +6,7 @@ from sonar_tracking.lazy_imports import lazy_exports
 
 __all__ = [
     "bearing_tracks_to_message",
+    "command_to_message",
     "contacts_to_message",
     "frequency_lines_to_message",
     "lofar_rows_to_message",
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
         snapshots_to_message,
         subspaces_to_message,
     )
+    from sonar_tracking.graph.message_writing.command_writing import command_to_message
     from sonar_tracking.graph.message_writing.contact_writing import (
         contacts_to_message,
         thresholds_to_message,
@@ -48,6 +50,7 @@ else:
                 "snapshots_to_message",
                 "subspaces_to_message",
             ],
+            "command_writing": ["command_to_message"],
             "contact_writing": ["contacts_to_message", "thresholds_to_message"],
             "line_writing": ["frequency_lines_to_message"],
             "position_writing": ["position_tracks_to_message", "truth_tracks_to_message"],

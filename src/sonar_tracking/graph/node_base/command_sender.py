@@ -4,15 +4,21 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 
+from sonar_tracking.errors import InputError
+from sonar_tracking.graph.catalogue.run_identity import own_identity
 from sonar_tracking.graph.catalogue.topics import COMMANDS, REQUESTS, Topic
 from sonar_tracking.graph.message_writing.command_writing import command_to_message
 from sonar_tracking.graph.message_writing.field_writing import message_class
 from sonar_tracking.graph.node_base import quality_of_service
 from sonar_tracking.records.commands import OperatorCommand
 from sonar_tracking.records.time import UNKNOWN_STAMP, nanoseconds
+
+DISCOVERY = nanoseconds(5.0)
+"""So long after its start a node may not know yet who else is there, ns of steady time."""
 
 LEAD = nanoseconds(1.0)
 """Of a command before data that no run paces: all trackers have it by then, ns."""
@@ -34,6 +40,8 @@ class CommandSender:
         self._node = node
         self._requests = self._publisher(REQUESTS)
         self._commands: Publisher | None = None
+        self._steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._begin = self._steady.now().nanoseconds
 
     def send(self, command: OperatorCommand, newest: int = UNKNOWN_STAMP) -> None:
         """Send a command.
@@ -45,8 +53,13 @@ class CommandSender:
         newest : int
             Stamp of the newest data known here, ns; 0 = none, and where no run goes on the command
             takes effect before the next datum of each tracker.
+
+        Raises
+        ------
+        InputError
+            If it is too early to tell whether a run goes on; nothing is sent then.
         """
-        if self._commands is None and self._node.count_publishers(COMMANDS.name) == 0:
+        if self._commands is None and self._is_alone():
             # Only now: a second publisher would keep a run from starting.
             self._commands = self._publisher(COMMANDS)
         if self._commands is None:
@@ -55,6 +68,14 @@ class CommandSender:
             return
         stamp = newest + LEAD if newest != UNKNOWN_STAMP else UNKNOWN_STAMP
         self._commands.publish(command_to_message(replace(command, stamp=stamp)))
+
+    def _is_alone(self) -> bool:
+        """Return whether no run gives commands their stamps."""
+        if own_identity() or self._node.count_publishers(COMMANDS.name):
+            return False
+        if self._steady.now().nanoseconds - self._begin < DISCOVERY:
+            raise InputError("it is not known yet who moves the clock; repeat it in some seconds.")
+        return True
 
     def _publisher(self, topic: Topic) -> Publisher:
         return self._node.create_publisher(

@@ -41,14 +41,14 @@ class PendingCommands:
         self._waiting.append(command)
 
     def due(self, stamp: int) -> Iterator[DueCommand]:
-        """Return what is to be done before a datum at a stamp, ns, in order."""
+        """Return what is to be done before a datum at a stamp, ns: those without a stamp last."""
         if not self._waiting:
             self._done = stamp
             return
         due = [one for one in self._waiting if one.stamp <= stamp]
         self._waiting = [one for one in self._waiting if one.stamp > stamp]
         done, self._done = self._done, stamp
-        for command in sorted(due, key=lambda one: one.stamp):
+        for command in sorted(due, key=lambda one: one.stamp or stamp):
             yield DueCommand(command, command.stamp <= done)
 
     def continue_from(self, stamp: int) -> None:

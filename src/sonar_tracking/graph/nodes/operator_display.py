@@ -162,9 +162,9 @@ class OperatorDisplay(Node):
         try:
             command = command_from_page(fields)
             check_command(command)
+            self._sender.send(command, self._newest)
         except InputError as error:
             return False, str(error)
-        self._sender.send(command, self._newest)
         return True, f"{command.kind.name.lower().replace('_', ' ')}: sent."
 
     def _report(self) -> None:
