@@ -27,7 +27,7 @@ from tests.system.command_line import RunningCommand, digests, report_of, run_co
 
 SCENARIO = """
 name: commanded
-duration: 150.0
+duration: 120.0
 active_sonar: {ping_interval: 10.0, maximum_range: 7000.0}
 own_ship: {speed: 5.0}
 bearing_sensors:
@@ -96,7 +96,7 @@ def test_a_replay_makes_of_recorded_commands_what_the_run_made_of_them(
     fused = operator.listen(FUSED_TRACKS)
     requests = operator.node.create_publisher(Message, REQUESTS.name, 10)
     kinds = CommandKind
-    run = RunningCommand(tmp_path, "run", scene, "--rate", 20, "--record", bag, "--json", figures)
+    run = RunningCommand(tmp_path, "run", scene, "--rate", 40, "--record", bag, "--json", figures)
     try:
         operator.wait(run, lambda: bool(fused and confirmed(fused[-1])))
         gone = confirmed(fused[-1])[0]
@@ -142,7 +142,7 @@ def test_a_tracker_that_was_killed_gets_what_it_was_told_again(
     tmp_path: Path, operator: Operator
 ) -> None:
     scene, bag = tmp_path / "scene.yaml", tmp_path / "bag"
-    scene.write_text(SCENARIO.replace("duration: 150.0", "duration: 250.0"), encoding="utf-8")
+    scene.write_text(SCENARIO.replace("duration: 120.0", "duration: 250.0"), encoding="utf-8")
     active = operator.listen(ACTIVE_TRACKS)
     run = RunningCommand(tmp_path, "run", scene, "--rate", 20, "--record", bag)
     try:
