@@ -14,7 +14,8 @@ Columns of contacts:
                            ``own_heading_deg``, compass
 =========================  =========================================================================
 
-Lines of one time are one ping. Own ship may also come from a file of its own, with ``time_s`` or
+Lines of one time are one ping; an empty optional cell costs nothing but itself, and a contact that
+cannot be used not its ping. Own ship may also come from a file of its own, with ``time_s`` or
 ``unix_time_s``, ``east_m``, ``north_m`` and, optional, ``heading_deg``; without either it rests at
 the origin. True positions have ``time_s`` or ``unix_time_s``, ``target``, ``east_m``, ``north_m``.
 """
@@ -27,17 +28,24 @@ from pathlib import Path
 import numpy as np
 
 from sonar_tracking.bags.importers.number_table import NumberTable, read_number_table
+from sonar_tracking.bags.importers.table_times import TIMES, one_of, table_stamps
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.motion import azimuth_from_compass, wrap_angle
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray, IntArray
-from sonar_tracking.records.time import NANOSECONDS
 
-TIMES = ("time_s", "unix_time_s")
 DIRECTIONS = ("bearing_deg", "azimuth_deg", "relative_bearing_deg")
 AMPLITUDES = ("amplitude", "amplitude_db")
 DEVIATIONS = ("range_deviation_m", "bearing_deviation_deg")
 OWN_SHIP = ("own_east_m", "own_north_m", "own_heading_deg")
+SPARED = (*AMPLITUDES, *DEVIATIONS, *OWN_SHIP)
+"""Columns of which an empty cell costs nothing but itself."""
 CONTACT_COLUMNS = ("range_m", *TIMES, *DIRECTIONS, *AMPLITUDES, *DEVIATIONS, *OWN_SHIP)
+
+
+NO_TIME = "the time is missing, or no instant between 1970 and 2038"
+
+FARTHEST = 1e8
+"""Largest coordinate of a position, m."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +63,7 @@ class ContactLines:
     relative : bool
         Whether azimuths are from own ship's bow.
     amplitude : ndarray, shape (n,) or (0,)
-        Linear power; empty = not measured.
+        Linear power; empty = not measured, NaN = not known of this one.
     range_deviation, azimuth_deviation : ndarray, shape (n,)
         m and rad; NaN = not given.
     own_ship : ndarray, shape (n, 3)
@@ -87,11 +95,14 @@ class SurveyedPositions:
         East, north, m.
     azimuth : ndarray, shape (n,)
         Of the bow, rad; NaN = not given.
+    source : str
+        Where they come from, for sentences.
     """
 
     stamp: IntArray
     position: FloatArray
     azimuth: FloatArray
+    source: str = "own ship's track"
 
 
 def read_contact_lines(path: Path | str, epoch: int) -> ContactLines:
@@ -109,38 +120,36 @@ def read_contact_lines(path: Path | str, epoch: int) -> ContactLines:
     ConfigurationError
         If it cannot be read or holds no usable line.
     """
-    table = read_number_table(path, ("range_m",), CONTACT_COLUMNS)
-    stamp = _stamps(table, epoch)
-    direction = _one_of(table, DIRECTIONS)
+    table = read_number_table(path, ("range_m",), CONTACT_COLUMNS, spared=SPARED)
+    stamp = table_stamps(table, epoch, of_sensor=True)
+    direction = one_of(table, DIRECTIONS)
     given = table.column(direction)
     if direction == "bearing_deg":
         azimuth = azimuth_from_compass(given)
     else:
         sign = 1.0 if direction == "azimuth_deg" else -1.0
         azimuth = sign * np.radians(given)
-    amplitude = table.numbers.get("amplitude")
-    if "amplitude_db" in table.numbers:
-        amplitude = 10.0 ** (0.1 * table.numbers["amplitude_db"])
+    amplitude = _amplitudes(table)
     heading = azimuth_from_compass(table.column("own_heading_deg"))
     own_ship = np.stack([table.column("own_east_m"), table.column("own_north_m"), heading], axis=1)
-    bad = list(table.bad)
-    good = _usable(table, stamp, direction, amplitude, bad)
-    if not good.any():
-        raise ConfigurationError(
-            f"The file {table.path} holds no usable line. {' '.join(bad[:3])}".strip()
-        )
+    timed, contact = _usable(table, stamp, direction, amplitude)
+    _note_empty(table, timed, contact)
+    if not (timed & (contact | _silent(table, direction))).any():
+        raise _nothing_usable(table)
+    distance = np.where(contact, table.column("range_m"), np.nan)
+    good = timed
     order = np.flatnonzero(good)
     order = order[np.argsort(stamp[order], kind="stable")]
     return ContactLines(
         stamp=stamp[order],
-        range=table.column("range_m")[order],
+        range=distance[order],
         azimuth=wrap_angle(azimuth)[order],
         relative=direction == "relative_bearing_deg",
         amplitude=amplitude[order] if amplitude is not None else np.zeros(0),
         range_deviation=table.column("range_deviation_m")[order],
         azimuth_deviation=np.radians(table.column("bearing_deviation_deg"))[order],
         own_ship=own_ship[order],
-        bad=bad,
+        bad=table.notes.sentences(),
     )
 
 
@@ -149,10 +158,17 @@ def read_own_ship(path: Path | str, epoch: int) -> tuple[SurveyedPositions, tupl
 
     Parameters and errors are those of :func:`read_contact_lines`.
     """
-    table = read_number_table(path, ("east_m", "north_m"), (*TIMES, "heading_deg"))
-    bad = list(table.bad)
-    rows = _positioned(table, epoch, bad)
-    return _surveyed(table, epoch, rows), tuple(bad)
+    heading = ("heading_deg",)
+    table = read_number_table(path, ("east_m", "north_m"), (*TIMES, *heading), spared=heading)
+    stamp = table_stamps(table, epoch)
+    rows = _positioned(table, stamp)
+    unknown = np.isnan(table.column("heading_deg")[rows])
+    if "heading_deg" in table.numbers and unknown.any():
+        sentence = "heading_deg is empty; the heading is taken from the lines around"
+        if unknown.all():
+            sentence = "heading_deg is empty; the course made good is taken"
+        table.notes.lines(np.sort(table.rows[rows[unknown]]), sentence)
+    return _surveyed(table, stamp, rows), tuple(table.notes.sentences())
 
 
 def read_true_positions(
@@ -163,90 +179,104 @@ def read_true_positions(
     Parameters and errors are those of :func:`read_contact_lines`.
     """
     table = read_number_table(path, ("target", "east_m", "north_m"), TIMES, names=("target",))
-    bad = list(table.bad)
-    rows = _positioned(table, epoch, bad)
+    stamp = table_stamps(table, epoch, table.names["target"])
+    rows = _positioned(table, stamp)
     names = np.array(table.names["target"])
     numbered = {name: number for number, name in enumerate(dict.fromkeys(names[rows]), start=1)}
-    return {
-        number: _surveyed(table, epoch, rows[names[rows] == name])
+    targets = {
+        number: _surveyed(table, stamp, rows[names[rows] == name])
         for name, number in numbered.items()
-    }, tuple(bad)
+    }
+    return targets, tuple(table.notes.sentences())
 
 
-def _one_of(table: NumberTable, names: tuple[str, ...]) -> str:
-    found = [name for name in names if name in table.numbers]
-    if len(found) != 1:
-        raise ConfigurationError(
-            f"The file {table.path} has {' and '.join(found) or 'none'} of the columns "
-            f"{', '.join(names)}; give exactly one."
-        )
-    return found[0]
+def _amplitudes(table: NumberTable) -> FloatArray | None:
+    if "amplitude_db" in table.numbers:
+        with np.errstate(over="ignore"):
+            return np.asarray(10.0 ** (0.1 * table.numbers["amplitude_db"]))
+    return table.numbers.get("amplitude")
 
 
-def _stamps(table: NumberTable, epoch: int) -> IntArray:
-    """Return stamps, ns; -1 where the time is not usable."""
-    name = _one_of(table, TIMES)
-    times = table.column(name)
-    usable = np.isfinite(times) & (np.abs(times) < 9e9)
-    stamp = np.rint(np.where(usable, times, 0.0) * NANOSECONDS).astype(np.int64)
-    stamp += epoch if name == "time_s" else 0
-    return np.where(usable & (stamp > 0), stamp, -1)
+def _silent(table: NumberTable, direction: str) -> BoolArray:
+    """Return which lines only say that there was a ping."""
+    return np.isnan(table.column("range_m")) & np.isnan(table.column(direction))
+
+
+def _nothing_usable(table: NumberTable) -> ConfigurationError:
+    told = " ".join(table.notes.sentences()[:3])
+    return ConfigurationError(f"The file {table.path} holds no usable line. {told}".strip())
 
 
 def _usable(
-    table: NumberTable,
-    stamp: IntArray,
-    direction: str,
-    amplitude: FloatArray | None,
-    bad: list[str],
-) -> BoolArray:
-    """Return which lines can be used, and name the others with the first thing wrong."""
+    table: NumberTable, stamp: IntArray, direction: str, amplitude: FloatArray | None
+) -> tuple[BoolArray, BoolArray]:
+    """Return which lines have a time, and which a contact; name the first thing wrong."""
     distance, angle = table.column("range_m"), table.column(direction)
-    contact = ~(np.isnan(distance) & np.isnan(angle))
+    contact = ~_silent(table, direction)
+    timed = _named(table, {NO_TIME: stamp > 0})
+    missing = (
+        f"range_m is missing beside {direction}; a ping that detected nothing has neither, and "
+        "bearings without ranges are for import bearings"
+    )
     checks = {
-        "the time is no instant after 1970": stamp > 0,
-        "range_m is not a positive number": ~contact | (np.isfinite(distance) & (distance > 0.0)),
-        f"{direction} is not a finite number": ~contact | np.isfinite(angle),
+        missing: ~(contact & np.isnan(distance)),
+        "range_m is not a positive number": ~(contact & (distance <= 0.0)),
+        f"{direction} is missing beside range_m": ~(contact & np.isnan(angle)),
     }
     if amplitude is not None:
-        told = np.isfinite(amplitude) & (amplitude >= 0.0)
-        checks["the amplitude is not a number of at least 0"] = ~contact | told
+        checks["the amplitude is less than 0"] = ~(contact & (amplitude < 0.0))
     for name in DEVIATIONS:
-        if name in table.numbers:
-            values = table.column(name)
-            told = np.isfinite(values) & (values > 0.0)
-            checks[f"{name} is not a positive number"] = ~contact | told
-    for name in OWN_SHIP:
-        if name in table.numbers:
-            checks[f"{name} is not a finite number"] = np.isfinite(table.column(name))
-    return _named(table, checks, bad)
+        checks[f"{name} is not a positive number"] = ~(contact & (table.column(name) <= 0.0))
+    return timed, _named(table, checks, timed) & contact
 
 
-def _positioned(table: NumberTable, epoch: int, bad: list[str]) -> IndexArray:
+def _note_empty(table: NumberTable, timed: BoolArray, contact: BoolArray) -> None:
+    """Note empty cells of optional columns, and what is done without them."""
+    without = {
+        "amplitude": "the contacts of its ping are associated by distance alone",
+        "amplitude_db": "the contacts of its ping are associated by distance alone",
+        "range_deviation_m": "--range-deviation is taken",
+        "bearing_deviation_deg": "--bearing-deviation-deg is taken",
+        "own_east_m": "own ship is taken from the lines around",
+        "own_north_m": "own ship is taken from the lines around",
+        "own_heading_deg": "the heading is taken from the lines around",
+    }
+    for name, remedy in without.items():
+        if name in table.numbers:
+            lines = timed if name in OWN_SHIP else timed & contact
+            empty = lines & np.isnan(table.column(name))
+            table.notes.lines(table.rows[empty], f"{name} is empty; {remedy}")
+
+
+def _positioned(table: NumberTable, stamp: IntArray) -> IndexArray:
     """Return the usable rows of a table of positions in order of time."""
-    stamp = _stamps(table, epoch)
-    checks = {"the time is no instant after 1970": stamp > 0}
-    for name in ("east_m", "north_m", "heading_deg"):
-        if name in table.numbers:
-            checks[f"{name} is not a finite number"] = np.isfinite(table.column(name))
-    rows = np.flatnonzero(_named(table, checks, bad))
+    checks = {NO_TIME: stamp > 0}
+    for name in ("east_m", "north_m"):
+        values = table.column(name)
+        checks[f"{name} is missing, or no position on earth"] = np.abs(values) < FARTHEST
+    rows = np.flatnonzero(_named(table, checks))
     if not len(rows):
-        raise ConfigurationError(f"The file {table.path} holds no usable line.")
+        raise _nothing_usable(table)
     return rows[np.argsort(stamp[rows], kind="stable")]
 
 
-def _named(table: NumberTable, checks: dict[str, BoolArray], bad: list[str]) -> BoolArray:
-    good = np.ones(len(table), dtype=bool)
+def _named(
+    table: NumberTable, checks: dict[str, BoolArray], among: BoolArray | None = None
+) -> BoolArray:
+    """Return which lines pass all checks; the first that fails is noted, and the line left out."""
+    good = np.ones(len(table), dtype=bool) if among is None else among.copy()
     for sentence, passed in checks.items():
-        bad.extend(f"{table.place(int(i))}: {sentence}." for i in np.flatnonzero(good & ~passed))
+        table.notes.lines(table.rows[good & ~passed], sentence)
         good &= passed
     return good
 
 
-def _surveyed(table: NumberTable, epoch: int, rows: IndexArray) -> SurveyedPositions:
-    stamp, first = np.unique(_stamps(table, epoch)[rows], return_index=True)
+def _surveyed(table: NumberTable, stamp: IntArray, rows: IndexArray) -> SurveyedPositions:
+    _, first = np.unique(stamp[rows], return_index=True)
+    again = np.delete(rows, first)
+    sentence = "there is a position of this time already; the first in the file holds"
+    table.notes.lines(np.sort(table.rows[again]), sentence)
     rows = rows[first]
     position = np.stack([table.column("east_m"), table.column("north_m")], axis=1)[rows]
-    return SurveyedPositions(
-        stamp, position, azimuth_from_compass(table.column("heading_deg")[rows])
-    )
+    heading = azimuth_from_compass(table.column("heading_deg")[rows])
+    return SurveyedPositions(stamp[rows], position, heading, str(table.path))

@@ -30,7 +30,13 @@ from sonar_tracking.bags.importers.contact_messages import (
     odometry_cdr,
     truth_tracks_cdr,
 )
-from sonar_tracking.bags.importers.own_ship_track import OwnShipMotion, interpolated, own_ship_at
+from sonar_tracking.bags.importers.own_ship_track import (
+    OwnShipMotion,
+    check_overlap,
+    checked_coverage,
+    interpolated,
+    own_ship_at,
+)
 from sonar_tracking.bags.storage.metadata import OfferedQuality
 from sonar_tracking.bags.storage.recording_information import RecordingInformation
 from sonar_tracking.bags.storage.writer import new_bag
@@ -128,6 +134,7 @@ def read_pings(
     stamps, first = np.unique(lines.stamp, return_index=True)
     stamps = stamps - round(sensor.latency * NANOSECONDS)
     motion = own_ship_at(surveyed, stamps)
+    notes.extend(checked_coverage(surveyed, stamps))
     groups = np.split(np.arange(len(lines.stamp)), first[1:])
     heard = lines.range[np.isfinite(lines.range)]
     farthest = float(np.max(heard)) if len(heard) else np.nan
@@ -190,11 +197,11 @@ def _surveyed_own_ship(
     elif told.any():
         stamp, first = np.unique(lines.stamp[told], return_index=True)
         rows = lines.own_ship[told][first]
-        surveyed = SurveyedPositions(stamp, rows[:, :2], rows[:, 2])
+        surveyed = SurveyedPositions(stamp, rows[:, :2], rows[:, 2], f"own ship in {file}")
     else:
         notes.append(f"{file} does not tell where own ship was: it rests at the origin.")
         surveyed = SurveyedPositions(lines.stamp[:1], np.zeros((1, 2)), np.array([np.nan]))
-    if lines.relative and np.isnan(surveyed.azimuth).any():
+    if lines.relative and np.isnan(surveyed.azimuth).all():
         raise ConfigurationError(
             f"{file} has relative_bearing_deg, but own ship's heading is not known; give "
             "own_heading_deg with every contact, or heading_deg in the file of own ship."
@@ -221,7 +228,7 @@ def _ping(
         stamp=int(stamps[index]),
         range=lines.range[rows],
         azimuth=wrap_angle(lines.azimuth[rows] + bow),
-        amplitude=lines.amplitude[rows] if len(lines.amplitude) else np.zeros(0),
+        amplitude=_amplitudes(lines, rows),
         range_standard_deviation=_deviations(
             lines.range_deviation[rows], sensor.range_deviation, "range_deviation"
         ),
@@ -240,6 +247,12 @@ def _ping(
     )
 
 
+def _amplitudes(lines: ContactLines, rows: IndexArray) -> FloatArray:
+    """Return the amplitudes of the contacts of a ping; none unless all of them are known."""
+    own = lines.amplitude[rows] if len(lines.amplitude) else np.zeros(0)
+    return own if np.isfinite(own).all() else np.zeros(0)
+
+
 def _deviations(own: FloatArray, common: float, option: str) -> FloatArray:
     filled = np.where(np.isfinite(own), own, common)
     if np.any(filled <= 0.0):
@@ -256,6 +269,8 @@ def _truth(
     """Return the true states at the pings, each target from its first to its last position."""
     targets, bad = read_true_positions(path, epoch)
     notes.extend(bad)
+    whole = np.unique(np.concatenate([surveyed.stamp for surveyed in targets.values()]))
+    check_overlap(str(path), whole, stamps)
     states = {
         target: interpolated(
             seconds(surveyed.stamp - stamps[0]), surveyed.position, seconds(stamps - stamps[0])

@@ -19,7 +19,7 @@ from sonar_tracking.bags.importers.array_geometry_file import RecordedArray, rea
 from sonar_tracking.bags.importers.bearing_truth_file import read_surveyed_bearings
 from sonar_tracking.bags.importers.contact_file import SurveyedPositions, read_own_ship
 from sonar_tracking.bags.importers.contact_messages import odometry_cdr
-from sonar_tracking.bags.importers.own_ship_track import own_ship_at
+from sonar_tracking.bags.importers.own_ship_track import checked_coverage, own_ship_at
 from sonar_tracking.bags.importers.recorded_messages import samples_cdr
 from sonar_tracking.bags.importers.wav_file import WavFile, open_wav
 from sonar_tracking.bags.importers.wav_recording import (
@@ -137,6 +137,7 @@ def import_samples(
     blocks = _Blocks(wav, array, columns, surveyed)
     demodulator = _band(node_parameters.get("band_demodulator", {}))
     band = blocks.band(from_mapping(BandDemodulatorConfiguration, demodulator, str(wav.path)))
+    notes.extend(blocks.own_ship_notes)
     blocks.leave_out(notes)
     bearings = read_surveyed_bearings(truth) if truth is not None else []
     path, counts, n_samples = write_messages(
@@ -201,6 +202,7 @@ class _Blocks:
         size = min(round(BLOCK_SECONDS * wav.sample_rate), LARGEST_BLOCK // wav.n_channels)
         self._edges = [*range(0, wav.n_samples, max(size, 1)), wav.n_samples]
         stamps = np.array([sample_stamp(array, wav, edge) for edge in self._edges])
+        self.own_ship_notes = checked_coverage(surveyed, stamps)
         self._motion = own_ship_at(surveyed, stamps)
         self._states = [self._motion.state(index) for index in range(len(stamps))]
         self._kept = list(range(len(self._edges) - 1))

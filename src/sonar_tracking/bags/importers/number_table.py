@@ -1,21 +1,28 @@
 """Columns of numbers from a CSV file with a header, or from the arrays of an npz file.
 
 A line that cannot be read is left out and named, an unknown column is named; columns that
-are missing refuse the whole file.
+are missing refuse the whole file. Cells of a CSV file stand between commas, semicolons or
+tabs, as its first line shows; between the latter two a decimal comma is read too.
 """
 
 from __future__ import annotations
 
 import csv
-import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from sonar_tracking.errors import ConfigurationError, unknown_name_text
+from sonar_tracking.bags.importers.line_notes import LineNotes, place
+from sonar_tracking.bags.importers.npz_file import read_npz
+from sonar_tracking.errors import ConfigurationError, shown, unknown_name_text
 from sonar_tracking.records.arrays import FloatArray, IntArray
+
+EMPTY = frozenset(("", "-", "na", "n/a", "nan", "null", "none"))
+"""Cells that say nothing, in small letters."""
+
+_Cells = tuple[dict[str, list[str]], list[int]]
 
 
 @dataclass(frozen=True)
@@ -32,15 +39,16 @@ class NumberTable:
         Columns of names instead of numbers.
     rows : ndarray of int, shape (n_rows,)
         Line of each row in the file, from 1; in an npz file the index, from 0.
-    bad : tuple of str
-        A sentence for each line that was left out and each column not used.
+    notes : LineNotes
+        What was said of lines that were left out and columns not used; who uses the table adds
+        to it.
     """
 
     path: Path
     numbers: Mapping[str, FloatArray]
     names: Mapping[str, tuple[str, ...]]
     rows: IntArray
-    bad: tuple[str, ...]
+    notes: LineNotes
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -54,16 +62,12 @@ class NumberTable:
         return self.numbers.get(name, np.full(len(self), np.nan))
 
 
-def place(path: Path, row: int) -> str:
-    """Return how a person finds a line of a CSV file, or an entry of an npz file."""
-    return f"{path}, {'entry' if path.suffix == '.npz' else 'line'} {row}"
-
-
 def read_number_table(
     path: Path | str,
     required: Sequence[str],
     optional: Sequence[str] = (),
     names: Sequence[str] = (),
+    spared: Sequence[str] = (),
 ) -> NumberTable:
     """Read a table.
 
@@ -74,7 +78,10 @@ def read_number_table(
     required, optional : sequence of str
         Columns of numbers.
     names : sequence of str
-        Those of the required columns that hold names.
+        Those of the columns that hold names.
+    spared : sequence of str
+        Those of the optional columns whose unreadable cells count as empty: they do not cost the
+        rest of their line.
 
     Raises
     ------
@@ -83,35 +90,57 @@ def read_number_table(
     """
     path = Path(path)
     known = (*required, *optional)
-    try:
-        if path.suffix == ".npz":
-            cells, rows, bad = _npz_cells(path)
-        else:
-            cells, rows, bad = _csv_cells(path)
-    except (OSError, ValueError, zipfile.BadZipFile, csv.Error) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else error
-        raise ConfigurationError(f"The file {path} cannot be read ({reason}).") from error
+    notes = LineNotes(path)
+    cells, rows = table_cells(path, notes)
     missing = [name for name in required if name not in cells]
     if missing:
         raise ConfigurationError(
             f"The file {path} has no column {', '.join(missing)}; it has "
-            f"{', '.join(cells) or 'none'} and needs {', '.join(required)}."
+            f"{', '.join(shown(name) for name in list(cells)[:20]) or 'none'} and needs "
+            f"{', '.join(required)}."
         )
     for name in [name for name in cells if name not in known]:
-        bad.append(f"{path}: {unknown_name_text(f'column {name}', name, known)} It is not used.")
+        notes.say(f"{unknown_name_text(f'column {shown(name)}', name, known)} It is not used.")
         del cells[name]
-    return _as_numbers(path, cells, rows, bad, names)
+    return _as_numbers(path, cells, rows, notes, names, spared)
 
 
-def _csv_cells(path: Path) -> tuple[dict[str, list[str]], list[int], list[str]]:
+def table_cells(path: Path, notes: LineNotes) -> _Cells:
+    """Return the cells of each column as text, and the line of each row in the file.
+
+    Parameters
+    ----------
+    path : Path
+        CSV or npz.
+    notes : LineNotes
+        Told of the lines that do not fit under the headings.
+
+    Raises
+    ------
+    ConfigurationError
+        If it cannot be read.
+    """
+    if path.suffix == ".npz":
+        return _npz_cells(path)
+    try:
+        return _csv_cells(path, notes)
+    except (OSError, ValueError, csv.Error) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else error
+        raise ConfigurationError(f"The file {path} cannot be read ({reason}).") from error
+
+
+def _csv_cells(path: Path, notes: LineNotes) -> _Cells:
     with path.open(encoding="utf-8-sig", newline="") as file:
-        reader = csv.reader(file)
+        first = file.readline()
+        delimiter = _delimiter(first)
+        file.seek(0)
+        reader = csv.reader(file, delimiter=delimiter)
         header = [name.strip() for name in next(reader, [])]
         twice = [name for name in header if header.count(name) > 1]
         if twice:
-            raise ValueError(f"it has the column {twice[0]} twice")
+            raise ValueError(f"it has the column {shown(twice[0]) or 'without a name'} twice")
         lines: list[list[str]] = []
-        rows, bad = [], []
+        rows = []
         for line in reader:
             if not any(cell.strip() for cell in line):
                 continue
@@ -119,52 +148,60 @@ def _csv_cells(path: Path) -> tuple[dict[str, list[str]], list[int], list[str]]:
                 lines.append([cell.strip() for cell in line])
                 rows.append(reader.line_num)
             else:
-                where = place(path, reader.line_num)
-                bad.append(f"{where}: {len(line)} values under {len(header)} headings.")
-    columns: dict[str, list[str]] = {name: [] for name in header}
-    for line in lines:
-        for name, cell in zip(header, line, strict=True):
-            columns[name].append(cell)
-    return columns, rows, bad
+                sentence = f"{{}} values under {len(header)} headings"
+                notes.line(reader.line_num, sentence, str(len(line)))
+    if delimiter != ",":
+        lines = [[cell.replace(",", ".") for cell in line] for line in lines]
+    columns = {name: [line[place] for line in lines] for place, name in enumerate(header)}
+    return columns, rows
 
 
-def _npz_cells(path: Path) -> tuple[dict[str, list[str]], list[int], list[str]]:
-    with np.load(path, allow_pickle=False) as file:
-        arrays = {name: file[name] for name in file.files}
+def _delimiter(header: str) -> str:
+    """Return what stands between the headings; a comma where nothing else does."""
+    return max(",;\t", key=lambda delimiter: (header.count(delimiter), delimiter == ","))
+
+
+def _npz_cells(path: Path) -> _Cells:
+    arrays = read_npz(path)
     lengths = {name: array.shape for name, array in arrays.items()}
     if len(set(lengths.values())) > 1 or any(len(shape) != 1 for shape in lengths.values()):
-        told = ", ".join(f"{name} {shape}" for name, shape in lengths.items())
-        raise ValueError(f"its arrays must have one dimension and one length, not {told}")
+        told = ", ".join(f"{shown(name)} {shape}" for name, shape in list(lengths.items())[:20])
+        raise ConfigurationError(
+            f"The file {path} cannot be read (its arrays must have one dimension and one length, "
+            f"not {told})."
+        )
     # repr of a float is exact, and one path for cells serves both kinds of files.
     cells = {name: [str(value) for value in array.tolist()] for name, array in arrays.items()}
     count = len(next(iter(cells.values()), []))
-    return cells, list(range(count)), []
+    return cells, list(range(count))
 
 
 def _as_numbers(
     path: Path,
     cells: Mapping[str, list[str]],
     rows: list[int],
-    bad: list[str],
+    notes: LineNotes,
     names: Sequence[str],
+    spared: Sequence[str],
 ) -> NumberTable:
-    numbers = {name: np.empty(len(rows)) for name in cells if name not in names}
+    numbers = {name: np.full(len(rows), np.nan) for name in cells if name not in names}
     good = np.ones(len(rows), dtype=bool)
-    bad_rows = []
-    for index, row in enumerate(rows):
-        for name, column in numbers.items():
+    for name, column in numbers.items():
+        for index, cell in enumerate(cells[name]):
+            if not good[index] or cell.lower() in EMPTY:
+                continue
             try:
-                column[index] = float(cells[name][index] or "nan")
+                column[index] = float(cell)
             except ValueError:
-                good[index] = False
-                sentence = f"{place(path, row)}: {name} is {cells[name][index]!r}, not a number."
-                bad_rows.append(sentence)
-                break
+                left = ", not a number; the cell is taken as empty"
+                sentence = f"{name} is {{}}{left if name in spared else ', not a number'}"
+                notes.line(rows[index], sentence, repr(shown(cell)))
+                good[index] = name in spared
     kept = np.flatnonzero(good)
     return NumberTable(
         path=path,
         numbers={n: np.where(np.isfinite(c), c, np.nan)[kept] for n, c in numbers.items()},
-        names={name: tuple(cells[name][i] for i in kept) for name in names},
+        names={n: tuple(cells[n][i] for i in kept) for n in names if n in cells},
         rows=np.array(rows, dtype=np.int64)[kept],
-        bad=(*bad, *bad_rows),
+        notes=notes,
     )

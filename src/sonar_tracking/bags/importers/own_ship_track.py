@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from sonar_tracking.bags.importers.contact_file import SurveyedPositions
+from sonar_tracking.bags.importers.table_times import instant_text
+from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import FloatArray, IntArray
 from sonar_tracking.records.own_ship import OwnShipState
@@ -14,6 +16,12 @@ from sonar_tracking.records.time import seconds
 
 COURSE_SPEED = 0.2
 """Slower than this the course made good says nothing of the heading, m/s."""
+
+FASTEST = 100.0
+"""Own ship between two of its positions, m/s: faster and one of them is wrong."""
+
+LONG_GAP = 60.0
+"""Without a position, s, from which on a gap is told."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +64,9 @@ class OwnShipMotion:
 def own_ship_at(surveyed: SurveyedPositions, stamps: IntArray) -> OwnShipMotion:
     """Return own ship at the stamps of the pings, linear between the positions.
 
-    Before the first and after the last position own ship goes on as there. Where the heading was
-    not recorded it is the course made good, at rest the last one known.
+    Before the first and after the last position own ship goes on as there, which
+    :func:`checked_coverage` tells. A heading missing in some lines is linear between the others;
+    where none was recorded it is the course made good, at rest the last one known.
 
     Parameters
     ----------
@@ -69,13 +78,102 @@ def own_ship_at(surveyed: SurveyedPositions, stamps: IntArray) -> OwnShipMotion:
     first = surveyed.stamp[0]
     known, wanted = seconds(surveyed.stamp - first), seconds(stamps - first)
     position, velocity = interpolated(known, surveyed.position, wanted)
-    if np.isnan(surveyed.azimuth).any():
+    told = np.isfinite(surveyed.azimuth)
+    if told.any():
+        azimuth = np.interp(known, known[told], np.unwrap(surveyed.azimuth[told]))
+    else:
         _, speeds = interpolated(known, surveyed.position, known)
         azimuth = _course(speeds)
-    else:
-        azimuth = np.unwrap(surveyed.azimuth)
     heading, rate = interpolated(known, azimuth[:, None], wanted)
     return OwnShipMotion(stamps, position, velocity, heading[:, 0], rate[:, 0])
+
+
+def check_overlap(source: str, known: IntArray, wanted: IntArray) -> None:
+    """Refuse a track that has no instant in common with the data it is for.
+
+    Parameters
+    ----------
+    source : str
+        Where the track comes from.
+    known, wanted : ndarray of int, shape (n,) and (m,)
+        Instants of the track and of the data, ascending, ns.
+
+    Raises
+    ------
+    ConfigurationError
+        With both spans and the likely cause.
+    """
+    apart = seconds(int(max(known[0] - wanted[-1], wanted[0] - known[-1])))
+    if apart <= 0.0:
+        return
+    spans = [f"{instant_text(int(t[0]))} to {instant_text(int(t[-1]))}" for t in (known, wanted)]
+    raise ConfigurationError(
+        f"{source} lasts from {spans[0]}, the data from {spans[1]}: they do not overlap, "
+        f"{apart:.6g} s lie between them. Give times of one origin: unix_time_s in both files, or "
+        "time_s in both and --epoch, the instant of time_s = 0."
+    )
+
+
+def checked_coverage(surveyed: SurveyedPositions, stamps: IntArray) -> list[str]:
+    """Return by how much own ship is extrapolated, where it is unknown for long or leaps.
+
+    A single position is a ship at rest, whenever it was taken.
+
+    Parameters
+    ----------
+    surveyed : SurveyedPositions
+        Positions of own ship.
+    stamps : ndarray of int, shape (n,)
+        Of the data, ascending, ns.
+
+    Raises
+    ------
+    ConfigurationError
+        If the positions and the data have no instant in common.
+    """
+    source, known = surveyed.source, surveyed.stamp
+    if len(known) < 2:
+        return []
+    check_overlap(source, known, stamps)
+    return [*_extrapolation(source, known, stamps), *_leaps(surveyed)]
+
+
+def _extrapolation(source: str, known: IntArray, stamps: IntArray) -> list[str]:
+    usual = seconds(float(np.median(np.diff(known))))
+    ahead = max(seconds(int(known[0] - stamps[0])), 0.0)
+    after = max(seconds(int(stamps[-1] - known[-1])), 0.0)
+    if max(ahead, after) <= usual:
+        return []
+    share = 100.0 * (ahead + after) / seconds(int(stamps[-1] - stamps[0]))
+    ends = [(ahead, "begins", "after the data do"), (after, "ends", "before the data do")]
+    told = " and ".join(f"{verb} {t:.6g} s {then}" for t, verb, then in ends if t > 0.0)
+    return [
+        f"{source} {told}: own ship is extrapolated with constant velocity for {share:.3g} % of "
+        "the run; give a longer track, or check the times of both."
+    ]
+
+
+def _leaps(surveyed: SurveyedPositions) -> list[str]:
+    """Return where the track has long gaps, and where it goes faster than a ship."""
+    source, known = surveyed.source, surveyed.stamp
+    steps = seconds(np.diff(known))
+    usual = float(np.median(steps))
+    notes = []
+    longest = int(np.argmax(steps))
+    if steps[longest] > max(LONG_GAP, 10.0 * usual):
+        notes.append(
+            f"{source} has no position for {steps[longest]:.6g} s from "
+            f"{instant_text(int(known[longest]))}: own ship is taken to go straight meanwhile."
+        )
+    speeds = np.hypot(*np.diff(surveyed.position, axis=0).T) / steps
+    fast = np.flatnonzero(speeds > FASTEST)
+    if len(fast):
+        notes.append(
+            f"{source} leaps in {len(fast)} of {len(steps)} steps, first at "
+            f"{instant_text(int(known[fast[0]]))} with {speeds[fast[0]]:.4g} m/s; check the "
+            "positions there and the unit of the times."
+        )
+    return notes
 
 
 def interpolated(

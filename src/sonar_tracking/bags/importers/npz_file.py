@@ -1,0 +1,52 @@
+"""Arrays of an npz file, or a sentence that says why there are none."""
+
+from __future__ import annotations
+
+import zipfile
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonar_tracking.errors import ConfigurationError
+
+_DAMAGED = (
+    OSError,
+    ValueError,
+    EOFError,
+    KeyError,
+    TypeError,
+    SyntaxError,
+    MemoryError,
+    OverflowError,
+    RuntimeError,
+    NotImplementedError,
+    zipfile.BadZipFile,
+    zlib.error,
+)
+"""What damaged archives, and damaged headers of the arrays in them, raise."""
+
+
+def read_npz(path: Path | str) -> dict[str, NDArray[Any]]:
+    """Return the arrays of an npz file by name, of any shape and unit.
+
+    Parameters
+    ----------
+    path : Path or str
+        The file; arrays of Python objects are not read.
+
+    Raises
+    ------
+    ConfigurationError
+        If it cannot be read.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            if isinstance(file, np.ndarray):
+                raise ValueError("it holds a single array; write it with numpy.savez")
+            return {name: file[name] for name in file.files}
+    except _DAMAGED as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else error
+        raise ConfigurationError(f"The file {path} cannot be read ({reason}).") from error
