@@ -3,6 +3,7 @@
 import { AXES, BearingAxis, coneOf, relativeText } from "../bearing_axis.js";
 import { Canvas, element, label } from "../canvas.js";
 import { bearing, clock, degrees, duration, fixed } from "../format.js";
+import { trackRow } from "../heard_track.js";
 import { keptSelect, keptToggle, moreChoices, offer } from "../kept_choice.js";
 import { palette } from "../palette.js";
 import { bearingTopics, pictureTopics, polar, tracksAt, ownShipAt } from "../picture.js";
@@ -13,6 +14,9 @@ const SCALES = [1, 5, 20]; // s a line
 const LINE_HEIGHT = 2; // CSS pixels
 const TOP = 17; // axis of bearings
 const BETWEEN = 5; // panels
+const POINT_HEIGHT = 2; // pixels between two points of a track
+const MOST_RIMMED = 40; // tracks; lines of more have no rim, and are drawn on one side of the array
+const MOST_NAMED = 60; // tracks; of more only the chosen one has its name
 const NEAR = 9; // pixels from a track that count as on it
 
 export class BearingTime {
@@ -226,6 +230,19 @@ export class BearingTime {
     pen.restore();
   }
 
+  /** Lines of a panel, made anew where there are newer tracks, or others are looked at. */
+  linesOf(panel, t) {
+    const { history } = this.page;
+    const kind = this.over.value === "picture" ? "tracks" : "bearings";
+    const newest = history.topics(kind).map((topic) => history.at(`${kind} ${topic}`, t)?.t);
+    const key = [this.topic, this.bearings.mode, kind, panel.box.height, history.version, ...newest].join();
+    if (panel.linesKey !== key) {
+      panel.lines = this.trackLines(panel, t - panel.ring.height * panel.ring.span, t);
+      panel.linesKey = key;
+    }
+    return panel.lines;
+  }
+
   /** Lines of tracks between two times: {topic, id, sensor, points: [{t, share, other}]}. */
   trackLines(panel, t0, t1) {
     return this.over.value === "picture" ? this.pictureLines(panel, t0, t1) : this.bearingLines(panel, t0, t1);
@@ -237,20 +254,32 @@ export class BearingTime {
     for (const topic of bearingTopics(history)) {
       const frames = history.between(`bearings ${topic}`, t0, t1);
       if (frames[0]?.sensor.id !== this.pose.sensor) continue;
-      for (const frame of thinned(frames, panel.box.height)) {
-        const pose = this.poseOf(frame);
+      const apart = frames[frames.length - 1].id.length > MOST_RIMMED ? 4 * POINT_HEIGHT : POINT_HEIGHT;
+      for (const frame of thinned(frames, panel.box.height / apart)) {
+        const [own, other] = this.sharesOf(frame);
         for (let i = 0; i < frame.id.length; i++) {
           if (frame.status[i] === 3) continue;
           const key = frame.id[i];
           if (!lines.has(key)) lines.set(key, { topic, id: key, sensor: frame.sensor.id, points: [] });
-          const cone = this.bearings.mode === "cone" && frame.angle_kind === "cone";
-          const share = cone ? this.bearings.shareOfCone(frame.arrival_angle[i], pose) : this.bearings.shareOf(frame.azimuth[i], pose);
-          const other = this.bearings.whole ? this.bearings.shareOf(frame.other_azimuth[i], pose) : NaN;
-          lines.get(key).points.push({ t: frame.t, share, other, tentative: frame.status[i] === 0 });
+          lines.get(key).points.push({ t: frame.t, share: own[i], other: other[i] });
         }
       }
     }
     return [...lines.values()];
+  }
+
+  /** Where the tracks of a list are on the axis, on both sides of the array; kept with the list. */
+  sharesOf(frame) {
+    if (frame.axisMode === this.bearings.mode) return frame.axisShares;
+    const pose = this.poseOf(frame);
+    const [own, other] = [new Float32Array(frame.id.length), new Float32Array(frame.id.length).fill(NaN)];
+    const cone = this.bearings.mode === "cone" && frame.angle_kind === "cone";
+    for (let i = 0; i < own.length; i++) {
+      own[i] = cone ? this.bearings.shareOfCone(frame.arrival_angle[i], pose) : this.bearings.shareOf(frame.azimuth[i], pose);
+      if (this.bearings.whole) other[i] = this.bearings.shareOf(frame.other_azimuth[i], pose);
+    }
+    frame.axisMode = this.bearings.mode;
+    return (frame.axisShares = [own, other]);
   }
 
   /** How the array lay when bearings were heard: its axis, and the bow. */
@@ -286,22 +315,27 @@ export class BearingTime {
     pen.clip();
     pen.lineJoin = "round";
     const names = [];
-    for (const line of this.trackLines(panel, t - ring.height * ring.span, t)) {
-      const chosen = this.isChosen(line);
-      for (const side of ["share", "other"]) {
+    const lines = this.linesOf(panel, t);
+    const chosenLine = this.chosenLine(lines);
+    for (const line of lines) {
+      const chosen = line === chosenLine;
+      const many = lines.length > MOST_RIMMED && !chosen;
+      for (const side of this.bearings.whole && !many ? ["share", "other"] : ["share"]) {
         // A rim of the ground keeps the line apart from the loudest and the quietest beams.
-        pen.strokeStyle = palette.panel;
-        pen.globalAlpha = 0.65;
-        pen.lineWidth = chosen ? 5 : 3.2;
-        this.drawLine(pen, panel, line, side);
-        pen.globalAlpha = 1;
+        if (!many) {
+          pen.strokeStyle = palette.panel;
+          pen.globalAlpha = 0.65;
+          pen.lineWidth = chosen ? 5 : 3.2;
+          this.drawLine(pen, panel, line, side);
+          pen.globalAlpha = 1;
+        }
         pen.strokeStyle = palette.track(line.id);
         pen.lineWidth = chosen ? 2.6 : 1.3;
         this.drawLine(pen, panel, line, side);
       }
       const newest = line.points[line.points.length - 1];
       const y = box.y + ring.yOf(newest.t, box, this.wrap.isOn);
-      if (Number.isFinite(y)) names.push({ line, chosen, x: box.x + newest.share * box.width, y });
+      if (Number.isFinite(y) && (chosen || lines.length <= MOST_NAMED)) names.push({ line, chosen, x: box.x + newest.share * box.width, y });
     }
     this.drawNames(pen, box, names);
     pen.restore();
@@ -343,13 +377,14 @@ export class BearingTime {
     pen.setLineDash([]);
   }
 
-  isChosen(line) {
-    const { selection } = this.page;
-    if (selection.isChosen(line.topic, line.id)) return true;
-    const chosen = selection.track;
-    if (!chosen || !line.sensor) return false;
-    const own = this.pictureTrack(line);
-    return own !== null && own.topic === chosen.topic && own.id === chosen.id;
+  /** The line of the choice: of the track itself, or of a bearing track that is part of it. */
+  chosenLine(lines) {
+    const { history, selection, time } = this.page;
+    const itself = lines.find((line) => selection.isChosen(line.topic, line.id));
+    const row = itself ? null : trackRow(history, selection.track, time.now);
+    if (!row) return itself;
+    return lines.find(({ sensor, id }) =>
+      row.contributors.some(([, source, name, other]) => source === 1 && name === sensor && other === id));
   }
 
   drawMarks(pen, marks) {

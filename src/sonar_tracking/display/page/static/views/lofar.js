@@ -230,8 +230,10 @@ export class Lofar {
       newestOnTop: true,
       wrap: false,
       key: `${beam.key} ${this.seconds.value} ${range} ${this.flat.isOn} ${low} ${high} ${palette.dark} ${history.version}`,
-      rows: (t0, t1) => rows(t0 - Number(this.seconds.value), t1),
+      // A row that has grown since it was drawn is drawn again.
+      rows: (t0, t1) => rows(t0 - Number(this.seconds.value), t1).filter((sum) => sum.t1 > t0 || sum.drawn !== sum.weight),
       paint: (sum, line) => {
+        sum.drawn = sum.weight;
         const levels = resample(this.levelsFor(sum), from, perPixel, this.pixels);
         const floor = this.flat.isOn ? QUIET : (sum.floor ??= floorOf(levelsOf(sum), 0.5));
         const unit = 255 / range;
@@ -286,6 +288,19 @@ export class Lofar {
   /** The mean spectrum of the last half minute, above the rows. */
   drawCurve(pen, sums, newest) {
     if (!sums.length) return;
+    const key = `${sums[0].t0} ${sums[sums.length - 1].t} ${this.flat.isOn} ${this.seconds.value} ${this.asked}`;
+    if (this.curveKey !== key) {
+      this.curveKey = key;
+      this.curve = Float32Array.from(this.levelsFor(this.meanOf(sums, newest)));
+    }
+    const { first, step } = newest.frequency;
+    const [low, high] = this.shownBand;
+    const pixels = new Float32Array(Math.round(this.canvas.width));
+    resample(this.curve, (low - first) / step + 0.5, (high - low) / step / pixels.length, pixels);
+    this.strokeCurve(pen, pixels);
+  }
+
+  meanOf(sums, newest) {
     const count = newest.frequency.count;
     const mean = { power: new Float64Array(count), weight: 0, row: null };
     for (const sum of sums) {
@@ -293,10 +308,10 @@ export class Lofar {
       mean.weight += sum.weight;
     }
     mean.frequency = newest.frequency;
-    const { first, step } = newest.frequency;
-    const [low, high] = this.shownBand;
-    const pixels = new Float32Array(Math.round(this.canvas.width));
-    resample(this.levelsFor(mean), (low - first) / step + 0.5, (high - low) / step / pixels.length, pixels);
+    return mean;
+  }
+
+  strokeCurve(pen, pixels) {
     let [least, most] = [Infinity, -Infinity];
     for (const level of pixels) {
       if (level < least) least = level;
