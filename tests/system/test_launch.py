@@ -19,7 +19,8 @@ USUAL_DEPTH = NodeConfiguration().flow_depth
 
 
 def test_every_node_gets_the_parameters_of_the_scenario() -> None:
-    nodes = launched_nodes("pipeline")
+    assert {"track_fusion", "hydrophone_simulator"} <= set(launched_nodes("pipeline"))
+    nodes = launched_nodes("pipeline", scenario="doa_fusion")
     assert list(nodes) == [
         "world_simulator",
         "array_simulator",
@@ -37,7 +38,8 @@ def test_every_node_gets_the_parameters_of_the_scenario() -> None:
 def test_parameter_file_comes_last(tmp_path: Path) -> None:
     mine = tmp_path / "mine.yaml"
     mine.write_text("bearing_tracker: {ros__parameters: {method: coherent}}\n")
-    for node in launched_nodes("pipeline", parameters=str(mine), use_sim_time="true").values():
+    given = {"scenario": "doa_fusion", "parameters": str(mine), "use_sim_time": "true"}
+    for node in launched_nodes("pipeline", **given).values():
         assert node.keywords["parameters"][1:] == [{"use_sim_time": True}, str(mine)]
 
 
@@ -77,7 +79,11 @@ def test_stations_of_a_scenario_reach_the_tracker_behind_them() -> None:
 def test_a_method_goes_before_scenario_and_file(tmp_path: Path) -> None:
     mine = tmp_path / "mine.yaml"
     mine.write_text("bearing_tracker: {ros__parameters: {method: coherent}}\n")
-    given = {"bearing_tracker_method": "ryu", "parameters": str(mine)}
+    given = {
+        "scenario": "doa_fusion",
+        "bearing_tracker_method": "ryu",
+        "parameters": str(mine),
+    }
     nodes = launched_nodes("pipeline", **given)
     assert nodes["bearing_tracker"].keywords["parameters"][-2:] == [str(mine), {"method": "ryu"}]
     assert nodes["subspace_estimator"].keywords["parameters"][-1] == str(mine)

@@ -23,6 +23,8 @@ from sonar_tracking.graph.catalogue.topics import (
     CONTACT_MARKERS,
     CONTACT_POINTS,
     CONTACTS,
+    FUSED_MARKERS,
+    FUSED_TRACKS,
     GATE_MARKERS,
     ODOMETRY,
     PASSIVE_MARKERS,
@@ -36,7 +38,14 @@ from tests.graph.live_graph import Probe, node_process, stamps
 NODE = "scene_publisher"
 SECOND = 1_000_000_000
 EPOCH = 1_767_225_600 * SECOND
-PICTURES = (BEARING_MARKERS, CONTACT_MARKERS, CONTACT_POINTS, GATE_MARKERS, ACTIVE_MARKERS)
+PICTURES = (
+    BEARING_MARKERS,
+    CONTACT_MARKERS,
+    CONTACT_POINTS,
+    GATE_MARKERS,
+    ACTIVE_MARKERS,
+    FUSED_MARKERS,
+)
 """All but one, which nobody looks at in the beginning."""
 
 
@@ -50,7 +59,7 @@ class Scene:
             topic.name: probe.publisher(topic)
             for topic in (
                 *(ODOMETRY, CONTACTS, BEARING_TRACKS),
-                *(ACTIVE_THRESHOLD, ACTIVE_TRACKS, PASSIVE_TRACKS),
+                *(ACTIVE_THRESHOLD, ACTIVE_TRACKS, PASSIVE_TRACKS, FUSED_TRACKS),
             )
         }
 
@@ -149,7 +158,12 @@ def test_bearings_are_rays_from_where_own_ship_was(scene: Scene) -> None:
 def test_tracks_and_gates_are_shown_as_they_come(scene: Scene) -> None:
     tracks = Tracks(id=[5], x=[100.0], y=[200.0], vx=[1.0], vy=[0.0], status=[Tracks.CONFIRMED])
     tracks.header.frame_id = "map"
-    for topic, picture in ((ACTIVE_TRACKS, ACTIVE_MARKERS), (PASSIVE_TRACKS, PASSIVE_MARKERS)):
+    pictures = {
+        ACTIVE_TRACKS: ACTIVE_MARKERS,
+        PASSIVE_TRACKS: PASSIVE_MARKERS,
+        FUSED_TRACKS: FUSED_MARKERS,
+    }
+    for topic, picture in pictures.items():
         scene.send(topic, tracks, 31)
         markers = named(scene.picture(picture, 31))
         assert markers["name"].text == "5"

@@ -13,6 +13,8 @@ from sonar_tracking.graph.catalogue.topics import (
     CONTACT_POINTS,
     CONTACTS,
     FIXED_TRANSFORMS,
+    FUSED_MARKERS,
+    FUSED_TRACKS,
     GATE_MARKERS,
     ODOMETRY,
     PASSIVE_MARKERS,
@@ -26,7 +28,14 @@ SCENE_PUBLISHER = NodeDescription(
     module="sonar_tracking.graph.nodes.scene_publisher",
     description="shows RViz and Foxglove own ship, the sensors, and what they hear and track",
     configurations=(SceneConfiguration,),
-    optional_inputs=(ODOMETRY, CONTACTS, ACTIVE_THRESHOLD, ACTIVE_TRACKS, PASSIVE_TRACKS),
+    optional_inputs=(
+        ODOMETRY,
+        CONTACTS,
+        ACTIVE_THRESHOLD,
+        ACTIVE_TRACKS,
+        PASSIVE_TRACKS,
+        FUSED_TRACKS,
+    ),
     topic_parameters={"bearing_topics": BEARING_TRACKS},
     markers=(
         TRANSFORMS,
@@ -37,6 +46,7 @@ SCENE_PUBLISHER = NodeDescription(
         CONTACT_POINTS,
         GATE_MARKERS,
         ACTIVE_MARKERS,
+        FUSED_MARKERS,
     ),
     is_display=True,
 )

@@ -66,7 +66,7 @@ _FOR_ALL = {
     },
 }
 SCENARIO_ARGUMENTS: Mapping[str, tuple[str, str]] = {
-    "scenario": ("doa_fusion", "name or path of a scenario"),
+    "scenario": ("harbour_watch", "name or path of a scenario"),
     **_FOR_ALL,
 }
 """Default and description of the arguments of the launch file of a scenario."""

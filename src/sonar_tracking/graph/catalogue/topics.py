@@ -155,6 +155,13 @@ FUSED_TRACKS = Topic(
     TopicRole.OUTPUT,
     "one row a target, whatever hears it",
 )
+FUSED_MARKERS = Topic(
+    "markers",
+    "visualization_msgs/msg/MarkerArray",
+    TopicKind.TRACKS,
+    TopicRole.DISPLAY,
+    "tracks for RViz and Foxglove, with uncertainty ellipses",
+)
 PASSIVE_MARKERS = Topic(
     "passive/markers",
     "visualization_msgs/msg/MarkerArray",

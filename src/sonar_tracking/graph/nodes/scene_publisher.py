@@ -35,6 +35,8 @@ from sonar_tracking.graph.catalogue.topics import (
     CONTACTS,
     DIAGNOSTICS_TOPIC,
     FIXED_TRANSFORMS,
+    FUSED_MARKERS,
+    FUSED_TRACKS,
     GATE_MARKERS,
     ODOMETRY,
     PASSIVE_MARKERS,
@@ -129,6 +131,7 @@ class ScenePublisher(Node):
         self._listen(ACTIVE_THRESHOLD, self._show_gates)
         self._listen(ACTIVE_TRACKS, partial(self._show_tracks, ACTIVE_MARKERS))
         self._listen(PASSIVE_TRACKS, partial(self._show_tracks, PASSIVE_MARKERS))
+        self._listen(FUSED_TRACKS, partial(self._show_tracks, FUSED_MARKERS))
         for topic in filter(None, configuration.bearing_topics):
             self._listen(replace(BEARING_TRACKS, name=topic), self._show_bearings)
         self._diagnostics.add(MATCHED, self._matched)

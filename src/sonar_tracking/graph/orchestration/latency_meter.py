@@ -67,6 +67,11 @@ class LatencyMeter:
             del self._block_stamps[:REMEMBERED_BLOCKS]
             del self._block_walls[:REMEMBERED_BLOCKS]
 
+    def published_at(self, stamp: int) -> float:
+        """Return when the block with the data of a stamp (ns) was published, s; NaN = unknown."""
+        block = bisect.bisect_right(self._block_stamps, stamp + STAMP_TOLERANCE_NS) - 1
+        return self._block_walls[block] if block >= 0 else math.nan
+
     def begin_again(self) -> None:
         """Forget blocks and tracks, but not the latencies: their stamps are going to return."""
         del self._block_stamps[:], self._block_walls[:]
@@ -90,9 +95,9 @@ class LatencyMeter:
             return
         window_end = self._window_ends.pop(stamp)
         wall = self._track_walls.pop(stamp)
-        block = bisect.bisect_right(self._block_stamps, window_end + STAMP_TOLERANCE_NS) - 1
-        if block >= 0:
-            self._latencies.append(wall - self._block_walls[block])
+        published = self.published_at(window_end)
+        if not math.isnan(published):
+            self._latencies.append(wall - published)
 
     def summary(self) -> LatencySummary:
         """Return the latencies so far."""

@@ -153,7 +153,7 @@ class Orchestration:
             wall_seconds=self.wall_seconds,
             nodes=nodes,
             topics=reported_figures.topic_reports(observer.records, processes),
-            latency_ms=reported_figures.latency_figures(observer.latency),
+            latency_ms=reported_figures.latency_figures(observer.latency, observer.fused_latency),
             score=observer.score(),
             failures=[*self.failures, *silent] if not self.interrupted else self.failures,
             warnings=[*self.warnings, *self._notices.values()],

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
 from sonar_tracking.graph.orchestration.flow_ledger import FlowLedger
+from sonar_tracking.graph.orchestration.fused_latency_meter import FusedLatencyMeter
 from sonar_tracking.graph.orchestration.latency_meter import LatencyMeter
 from sonar_tracking.graph.orchestration.process_supervisor import SupervisedProcess
 from sonar_tracking.graph.orchestration.run_report import NodeReport, TopicReport
@@ -66,8 +67,8 @@ def topic_reports(
     }
 
 
-def latency_figures(meter: LatencyMeter) -> dict[str, float]:
-    """Return the latency of the chain, ms, and how many messages were measured."""
+def latency_figures(meter: LatencyMeter, fused: FusedLatencyMeter) -> dict[str, float]:
+    """Return the latency of the chain and of fused lists, ms, and how many were measured."""
     latency = meter.summary()
     return {
         "p50": latency.median,
@@ -75,4 +76,5 @@ def latency_figures(meter: LatencyMeter) -> dict[str, float]:
         "first": latency.first,
         "algorithmic": latency.algorithmic,
         "count": latency.count,
+        **fused.figures(),
     }

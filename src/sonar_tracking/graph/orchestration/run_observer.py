@@ -12,12 +12,14 @@ from sonar_tracking.graph.catalogue.topics import (
     ACTIVE_TRACKS,
     BEARING_TRACKS,
     CONTACTS,
+    FUSED_TRACKS,
     PASSIVE_TRACKS,
     SNAPSHOTS,
     SUBSPACES,
     Topic,
     TopicRole,
 )
+from sonar_tracking.graph.orchestration.fused_latency_meter import FusedLatencyMeter
 from sonar_tracking.graph.orchestration.latency_meter import LatencyMeter
 from sonar_tracking.graph.orchestration.run_score import (
     RunScore,
@@ -28,6 +30,7 @@ from sonar_tracking.graph.orchestration.run_score import (
 from sonar_tracking.graph.orchestration.topic_record import TopicRecord
 from sonar_tracking.message_reading.array_reading import subspaces_from_message
 from sonar_tracking.records.bearings import BearingTracks
+from sonar_tracking.records.time import nanoseconds
 
 _CHAINS = (
     (SNAPSHOTS, SUBSPACES, BEARING_TRACKS),
@@ -36,6 +39,9 @@ _CHAINS = (
 )
 """Data of a sensor, what says which of them an estimate needs, and the tracks: the first chain
 that is there is timed. Without estimates in between, tracks have the stamp of their data."""
+
+_DATA_OF_ONE_STAMP = (CONTACTS.message_type, BEARING_TRACKS.message_type)
+"""What sensors publish that belongs to one stamp."""
 
 
 class RunObserver:
@@ -63,7 +69,7 @@ class RunObserver:
         keep_steps: bool = False,
         naming: GraphNames = ROOT_NAMES,
     ) -> None:
-        self.latency = LatencyMeter()
+        self.latency, self.fused_latency = LatencyMeter(), FusedLatencyMeter()
         self.records = {
             name: TopicRecord(topic.message_type, keep_steps and topic.role is TopicRole.OUTPUT)
             for name, topic in topics.items()
@@ -71,6 +77,7 @@ class RunObserver:
         self._topics = topics
         self._naming = naming
         self._display = display
+        self._fused = naming.of(FUSED_TRACKS)
         self._blocks, self._estimates, self._timed = _timed_chain(topics, naming)
         self._first_block = 0
         self._score = RunScore(topics, naming, cutoff_m)
@@ -79,6 +86,8 @@ class RunObserver:
         """Take the announcement of a message by its producer, just before it is published."""
         if topic == self._blocks:
             self.latency.block_published(stamp, wall)
+        if self._topics[topic].message_type in _DATA_OF_ONE_STAMP:
+            self.fused_latency.data_published(stamp, wall)
 
     def replayed(self, topic: str, data: bytes, wall: float) -> None:
         """Take a message the orchestration has published itself."""
@@ -86,6 +95,7 @@ class RunObserver:
         if topic == self._blocks:
             if stamp == self._first_block:
                 self.latency.begin_again()
+                self.fused_latency.begin_again()
             self._first_block = self._first_block or stamp
         self.announced(topic, stamp, wall)
         self.records[topic].add(data)
@@ -120,6 +130,8 @@ class RunObserver:
             self._display.tracks(tracks)
 
     def _take_time(self, topic: str, data: bytes, wall: float) -> None:
+        if topic == self._fused:
+            self.fused_latency.list_received(head_stamp(data), wall)
         if topic == self._timed:
             stamp = head_stamp(data)
             if not self._estimates:
@@ -129,6 +141,10 @@ class RunObserver:
             estimates = subspaces_from_message(message_from_bytes(data, SUBSPACES))
             if not math.isnan(estimates.newest_offset):
                 self.latency.estimate_described(estimates.stamp, estimates.newest_offset)
+                window_end = estimates.stamp + nanoseconds(estimates.newest_offset)
+                published = self.latency.published_at(window_end)
+                if not math.isnan(published):
+                    self.fused_latency.data_published(estimates.stamp, published)
 
 
 def _timed_chain(topics: Mapping[str, Topic], naming: GraphNames) -> tuple[str, str, str]:

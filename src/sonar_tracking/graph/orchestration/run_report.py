@@ -67,7 +67,8 @@ class RunReport:
     nodes, topics : mapping
         By name.
     latency_ms : mapping
-        p50, p99 and first of the chain, the algorithmic delay, and how many messages were measured.
+        p50, p99 and first of the chain, the algorithmic delay, and how many messages were measured;
+        fused_p50, fused_p99 and fused_count of the fused list, if there is one.
     score : mapping
         Metrics against truth; empty without truth.
     comparison : mapping
@@ -139,6 +140,12 @@ class RunReport:
                 f"  {'latency':<24} p50 {latency['p50']:.1f} ms, p99 {latency['p99']:.1f} ms after "
                 "the data that complete an estimate; algorithmic delay "
                 f"{latency['algorithmic']:.1f} ms"
+            )
+        if self.latency_ms.get("fused_count"):
+            latency = self.latency_ms
+            lines.append(
+                f"  {'latency of fused tracks':<24} p50 {latency['fused_p50']:.1f} ms, "
+                f"p99 {latency['fused_p99']:.1f} ms after the last ping or block they need"
             )
         lines += _score_lines(self.score, _BEARING_LINES)
         for topic, score in self.score.get("positions", {}).items():
