@@ -36,6 +36,9 @@ MOST_ROWS = 1000
 MOST_COLUMNS = 1600
 """Of a panel; of more bins the strongest of neighbours is drawn."""
 
+LINES, BESIDE = "#D55E00", 2.2
+"""Colour of the lines that were followed, and how far beside them their dots stand, points."""
+
 LOWEST_DB, HIGHEST_DB = 1.0, 15.0
 
 
@@ -173,7 +176,7 @@ def draw_lofar_gram(
     for axes, gram in zip(panels, grams, strict=True):
         mesh = _draw_gram(axes, gram)
         own = points[points[:, 1] == gram.track_id]
-        axes.plot(own[:, 2], own[:, 0], ".", color="#FF5A36", markersize=0.9, alpha=0.7)
+        _draw_lines(axes, own)
         axes.set(title=f"bearing track {gram.track_id}", xlabel="frequency, Hz")
         axes.set_xlim(gram.frequencies[0], gram.frequencies[-1])
     ends = [gram.times[-1] for gram in grams]
@@ -218,6 +221,16 @@ def _draw_gram(axes: Axes, gram: BeamGram) -> QuadMesh:
         vmax=HIGHEST_DB,
         rasterized=True,
     )
+
+
+def _draw_lines(axes: Axes, points: FloatArray) -> None:
+    """Draw dots on either side of each line, which itself is to be seen."""
+    from matplotlib.transforms import ScaledTranslation
+
+    for side in (-BESIDE, BESIDE):
+        moved = ScaledTranslation(side / 72.0, 0.0, axes.figure.dpi_scale_trans)
+        place = axes.transData + moved
+        axes.plot(points[:, 2], points[:, 0], ".", color=LINES, markersize=0.8, transform=place)
 
 
 def _points(lines: Iterable[FrequencyLines], start: int) -> FloatArray:
