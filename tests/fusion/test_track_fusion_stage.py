@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sonar_tracking.errors import InputError
+from sonar_tracking.errors import ConfigurationError, InputError
 from sonar_tracking.fusion.fusion_records import FusionFrame, FusionUpdate
 from sonar_tracking.fusion.track_fusion_configuration import TrackFusionConfiguration
 from sonar_tracking.fusion.track_fusion_stage import TrackFusionStage
@@ -314,3 +314,32 @@ def test_ships_that_meet_keep_their_names_though_a_tracker_exchanges_them(source
             ships = np.argmin(np.hypot(apart[..., 0], apart[..., 1]), axis=1)
             names[moment.time] = dict(zip(ships.tolist(), tracks.id.tolist(), strict=True))
     assert len(names[100.0]) == 2 and names[100.0] == names[398.0]
+
+
+def test_a_station_whose_clock_is_late_is_told_so() -> None:
+    """Bearings of where a fast ship was 20 s ago: told the offset, the row is where the ship is."""
+    fast = np.array([[2000.0, -2000.0, 0.0, 20.0]])
+    wrong = {}
+    for offsets in (("",), (f"{ARRAY}=20",)):
+        settings = replace(AT_ONCE, clock_offsets=offsets, alignment_deviation_deg=0.0)
+        stage, late, apart = TrackFusionStage(settings), {}, []
+        for moment in moments(Ships(fast), 190.0):
+            late[moment.time] = moment
+            frame = moment.frame
+            before = late.get(moment.time - 20.0)
+            (now,) = frame.bearings
+            then = now if before is None else before.frame.bearings[0]
+            told = replace(then, stamp=now.stamp, next_stamp=now.next_stamp)
+            update = stage.update(replace(frame, bearings=(told,) if before else ()))
+            if moment.time > 100.0:
+                error, _ = errors(moment, update)
+                apart.append(np.hypot(*error[0, :2]))
+        wrong[offsets] = np.mean(apart)
+    told, untold = wrong[(f"{ARRAY}=20",)], wrong[("",)]
+    assert told < 0.7 * untold, (told, untold)
+
+
+@pytest.mark.parametrize("text", ["pier", "=3", "pier=soon", "pier=inf"])
+def test_a_clock_offset_that_cannot_be_read_is_named(text: str) -> None:
+    with pytest.raises(ConfigurationError, match="clock_offsets"):
+        TrackFusionConfiguration(clock_offsets=(text,))

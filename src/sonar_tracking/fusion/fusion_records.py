@@ -94,6 +94,8 @@ class HeardBearing:
         Where it was measured, m.
     array : int
         Which misalignment it has.
+    lag : float
+        By how much its stamp is late, s.
     """
 
     key: BearingKey
@@ -101,6 +103,7 @@ class HeardBearing:
     variance: float
     station: FloatArray
     array: int
+    lag: float = 0.0
 
     def nearest(self, expected: float) -> float:
         """Return the azimuth nearest to one that is expected, rad; own ship's turns swap sides."""

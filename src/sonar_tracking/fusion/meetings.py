@@ -63,7 +63,7 @@ def meetings_of_bearings(
     """
     if len(targets) < 2:
         return []
-    expected, variance = filters.expected(found[0].array, found[0].station)
+    expected, variance = filters.expected(found[0])
     place = {target: row for row, target in enumerate(filters.targets)}
     rows = [place[target] for target in targets]
     noise = np.array([one.variance for one in found])

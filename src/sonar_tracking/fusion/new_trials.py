@@ -34,7 +34,7 @@ def new_trials(
     """
     if not found or not filters.targets:
         return []
-    expected, variance = filters.expected(found[0].array, found[0].station)
+    expected, variance = filters.expected(found[0])
     sensor = found[0].key[0]
     under_way = {(one.target, one.key) for one in filters.trials.trials}
     begun = []

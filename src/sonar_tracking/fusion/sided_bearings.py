@@ -25,11 +25,12 @@ def sided_bearings(
     propagation_speed : float
         Of sound, m/s.
     """
-    station, array = found[0].station, found[0].array
-    expected, _ = expected_azimuths(*targets.collapsed(), station, array, propagation_speed)
+    station, array, lag = found[0].station, found[0].array, found[0].lag
+    told = targets.collapsed()
+    expected, _ = expected_azimuths(*told, station, array, propagation_speed, lag)
     sides = np.array(
         [one.sides(float(azimuth)) for one, azimuth in zip(found, expected, strict=True)]
     )
     variance = np.array([one.variance for one in found])
     near, other = sides.reshape(-1, 2).T
-    return Bearings(near, variance, station, array, propagation_speed, other)
+    return Bearings(near, variance, station, array, propagation_speed, other, lag)

@@ -97,7 +97,9 @@ def station_bearings(
             alive[key].updated = stamp
             station = np.array(view.position)
             variance = float(observation.azimuth_variance)
-            found.append(HeardBearing(key, observation.azimuths, variance, station, array))
+            lag = configuration.clock_offset(sensor)
+            heard = HeardBearing(key, observation.azimuths, variance, station, array, lag)
+            found.append(heard)
     return StationBearings(alive, tuple(found), tuple(notices))
 
 

@@ -296,23 +296,21 @@ class TargetFilters:
             next_stamp=next_stamp,
         )
 
-    def expected(self, array: int, station: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def expected(self, heard: HeardBearing) -> tuple[FloatArray, FloatArray]:
         """Return the azimuths that a station will tell of all targets, and their variances.
 
         Parameters
         ----------
-        array : int
-            Which array.
-        station : ndarray, shape (2,)
-            Where it is, m.
+        heard : HeardBearing
+            One of its bearings: tells which station, and where it is.
 
         Returns
         -------
         azimuth, variance : ndarray, shape (n_targets,)
             rad and rad^2.
         """
-        seen = self.picture()
-        return expected_azimuths(seen.mean, seen.covariance, station, array, self._speed)
+        seen, (station, array) = self.picture(), (heard.station, heard.array)
+        return expected_azimuths(seen.mean, seen.covariance, station, array, self._speed, heard.lag)
 
     def _others(self) -> dict[FusedTarget, AlignmentInformation]:
         """Return for each target what all others tell of the misalignments."""

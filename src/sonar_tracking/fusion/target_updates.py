@@ -40,6 +40,8 @@ class Bearings:
     other_side : ndarray, shape (n,), or None
         The azimuths on the other side of a line array, rad; NaN = there is none. Near its axis
         either may be meant.
+    lag : float
+        By how much the stamps of the station are late, s.
     """
 
     azimuth: FloatArray
@@ -48,6 +50,7 @@ class Bearings:
     array: int
     propagation_speed: float = np.inf
     other_side: FloatArray | None = None
+    lag: float = 0.0
 
     def rows(self, rows: IndexArray) -> Bearings:
         """Return some of them, in the order given; shape (n_chosen,)."""
@@ -79,7 +82,7 @@ class Bearings:
             Of the prediction, rad/m, rad s/m and pure numbers.
         """
         offset = mean[..., :2] - self.station
-        delay = np.hypot(offset[..., 0], offset[..., 1]) / self.propagation_speed
+        delay = self.lag + np.hypot(offset[..., 0], offset[..., 1]) / self.propagation_speed
         seen = offset - delay[..., None] * mean[..., 2:MOTION]
         square = np.maximum(np.sum(seen**2, axis=-1), NEAREST**2)
         across = np.stack([-seen[..., 1], seen[..., 0]], axis=-1) / square[..., None]
@@ -98,6 +101,7 @@ def expected_azimuths(
     station: FloatArray,
     array: int,
     propagation_speed: float,
+    lag: float = 0.0,
 ) -> tuple[FloatArray, FloatArray]:
     """Return the azimuths that a station will tell of targets, and their variances.
 
@@ -111,6 +115,8 @@ def expected_azimuths(
         Which misalignment it has.
     propagation_speed : float
         Of sound, m/s.
+    lag : float
+        By how much the stamps of the station are late, s.
 
     Returns
     -------
@@ -118,7 +124,7 @@ def expected_azimuths(
         rad and rad^2.
     """
     nothing = np.zeros(len(mean))
-    bearings = Bearings(nothing, nothing, station, array, propagation_speed)
+    bearings = Bearings(nothing, nothing, station, array, propagation_speed, lag=lag)
     innovation, derivative = bearings.linearised(mean)
     variance = np.einsum("ni,nij,nj->n", derivative, covariance, derivative)
     return -innovation, variance
@@ -141,8 +147,8 @@ def innovations(targets: AlignedTargets, bearings: Bearings) -> tuple[FloatArray
     """
     mean, covariance = targets.collapsed()
     station, array = bearings.station, bearings.array
-    speed = bearings.propagation_speed
-    expected, variance = expected_azimuths(mean, covariance, station, array, speed)
+    speed, lag = bearings.propagation_speed, bearings.lag
+    expected, variance = expected_azimuths(mean, covariance, station, array, speed, lag)
     return np.asarray(wrap_angle(bearings.azimuth - expected)), variance
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sonar_tracking.configuration import parameter
+from sonar_tracking.errors import ConfigurationError, shown
 from sonar_tracking.fusion.aligned_targets import MotionStrengths
 
 STRENGTHS = MotionStrengths(
@@ -59,6 +60,11 @@ class TrackFusionConfiguration:
     mounting_yaw_deg: float = parameter(
         0.0, "direction of the array axis, anticlockwise from the bow", unit="deg"
     )
+    clock_offsets: tuple[str, ...] = parameter(
+        ("",),
+        "by how many seconds the stamps of stations are late, by their sensor_id, e.g. pier=0.4; "
+        "of those that are not named: none",
+    )
     coast_duration: float = parameter(
         30.0, "how long a target outlives the last track it is made of", unit="s", minimum=0.0
     )
@@ -69,6 +75,15 @@ class TrackFusionConfiguration:
         maximum=32767,
     )
     first_id: int = parameter(1, "first track identifier of own ship", minimum=1)
+
+    def __post_init__(self) -> None:
+        """Raise a :class:`ConfigurationError` if a clock offset cannot be read."""
+        for text in filter(None, self.clock_offsets):
+            _offset(text)
+
+    def clock_offset(self, sensor_id: str) -> float:
+        """Return by how much the stamps of a station are late, s."""
+        return dict(map(_offset, filter(None, self.clock_offsets))).get(sensor_id, 0.0)
 
     @property
     def first_of_all(self) -> int:
@@ -89,3 +104,17 @@ class TrackFusionConfiguration:
     def propagation_speed(self) -> float:
         """Of what is heard, m/s; inf = at once."""
         return self.sound_speed if self.travel_time else np.inf
+
+
+def _offset(text: str) -> tuple[str, float]:
+    """Return the station and the offset that a text tells."""
+    sensor, _, value = text.rpartition("=")
+    try:
+        offset = float(value)
+    except ValueError:
+        offset = np.nan
+    if not sensor or not np.isfinite(offset):
+        raise ConfigurationError(
+            f"clock_offsets has {shown(text)}; write the sensor_id and seconds, e.g. pier=0.4."
+        )
+    return sensor, offset

@@ -80,7 +80,7 @@ class CentralFilter:
         """Return the bearings, or where the ships are expected to be heard."""
         if not self._exact:
             return found
-        expected, _ = self._filters.expected(found[0].array, found[0].station)
+        expected, _ = self._filters.expected(found[0])
         rows = {target: row for row, target in enumerate(self._filters.targets)}
         return [
             replace(one, azimuths=(float(expected[rows[target]]),))
