@@ -26,6 +26,7 @@ SECTIONS: dict[str, type] = {
     "array": ArrayConfiguration,
     "noise": NoiseConfiguration,
     "own_ship": OwnShipConfiguration,
+    "consort": OwnShipConfiguration,
     "own_ship.turns[]": TurnConfiguration,
     "bearing_sensors[]": BearingSensorConfiguration,
     "active_sonar": ContactSensorConfiguration,

@@ -11,9 +11,8 @@ import numpy as np
 from sonar_tracking.configuration import parameter
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.motion import Trajectory
-from sonar_tracking.simulation.scenarios.platforms import OwnShipConfiguration, make_trajectory
+from sonar_tracking.simulation.scenarios.platforms import CONSORT, FIXED, OWN_SHIP, Platforms
 
-OWN_SHIP, FIXED = "own_ship", "fixed"
 CONE, AZIMUTH = "cone", "azimuth"
 DELAYED, INSTANTANEOUS = "delayed", "instantaneous"
 
@@ -22,13 +21,13 @@ _NAMESPACE = re.compile(r"[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
 
 @dataclass(frozen=True)
 class BearingSensorConfiguration:
-    """A station: an array on own ship, or one that stays where it is."""
+    """A station: an array on own ship or its consort, or one that stays where it is."""
 
     sensor_id: str = parameter("array", "name of the sensor in the messages")
     namespace: str = parameter(
         "", "of its topics; every station but one needs its own, e.g. station_2"
     )
-    platform: str = parameter("own_ship", "what carries it", choices=(OWN_SHIP, FIXED))
+    platform: str = parameter("own_ship", "what carries it", choices=(OWN_SHIP, FIXED, CONSORT))
     position: tuple[float, ...] = parameter((0.0, 0.0), "x, y in map of a fixed one", unit="m")
     course_deg: float = parameter(0.0, "compass heading of a fixed one", unit="deg")
     mounting_yaw_deg: float = parameter(
@@ -73,11 +72,9 @@ class BearingSensorConfiguration:
     )
     sound_speed: float = parameter(1500.0, "in the water", unit="m/s", minimum=1.0, maximum=1e5)
 
-    def trajectory(self, own_ship: OwnShipConfiguration) -> Trajectory:
+    def trajectory(self, platforms: Platforms) -> Trajectory:
         """Return the motion of the station; its heading is that of what carries it."""
-        if self.platform == OWN_SHIP:
-            return own_ship.trajectory()
-        return make_trajectory(self.position, self.course_deg, 0.0, ())
+        return platforms.trajectory(self.platform, self.position, self.course_deg)
 
     def number_of_frames(self, duration: float) -> int:
         """Return how many frames begin within a duration, s."""

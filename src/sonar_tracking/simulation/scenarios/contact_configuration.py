@@ -9,8 +9,7 @@ import numpy as np
 from sonar_tracking.configuration import parameter
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.motion import Trajectory
-from sonar_tracking.simulation.scenarios.bearing_sensor_configuration import FIXED, OWN_SHIP
-from sonar_tracking.simulation.scenarios.platforms import OwnShipConfiguration, make_trajectory
+from sonar_tracking.simulation.scenarios.platforms import CONSORT, FIXED, OWN_SHIP, Platforms
 
 
 @dataclass(frozen=True)
@@ -18,7 +17,7 @@ class ContactSensorConfiguration:
     """An active sonar that sees all round and reports contacts above a threshold."""
 
     sensor_id: str = parameter("sonar", "name of the sensor in the messages")
-    platform: str = parameter("own_ship", "what carries it", choices=(OWN_SHIP, FIXED))
+    platform: str = parameter("own_ship", "what carries it", choices=(OWN_SHIP, FIXED, CONSORT))
     position: tuple[float, ...] = parameter((0.0, 0.0), "x, y in map of a fixed one", unit="m")
     ping_interval: float = parameter(10.0, "between pings", unit="s", minimum=1e-3, maximum=1e4)
     sound_speed: float = parameter(1500.0, "0 = a ping takes no time", unit="m/s", minimum=0.0)
@@ -56,11 +55,9 @@ class ContactSensorConfiguration:
         minimum=0.0,
     )
 
-    def trajectory(self, own_ship: OwnShipConfiguration) -> Trajectory:
+    def trajectory(self, platforms: Platforms) -> Trajectory:
         """Return the motion of the sonar."""
-        if self.platform == OWN_SHIP:
-            return own_ship.trajectory()
-        return make_trajectory(self.position, 0.0, 0.0, ())
+        return platforms.trajectory(self.platform, self.position)
 
     @property
     def reception_time(self) -> float:

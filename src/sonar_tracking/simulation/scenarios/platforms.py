@@ -63,6 +63,46 @@ class OwnShipConfiguration:
         return make_trajectory(self.position, self.course_deg, self.speed, self.turns)
 
 
+OWN_SHIP, FIXED, CONSORT = "own_ship", "fixed", "consort"
+"""What carries a sensor: own ship, the ground, or the second ship of a scenario."""
+
+
+@dataclass(frozen=True)
+class Platforms:
+    """What may carry sensors.
+
+    Attributes
+    ----------
+    own_ship : OwnShipConfiguration
+        Own ship.
+    consort : OwnShipConfiguration or None
+        Another ship with sensors of the same side; None = there is none.
+    """
+
+    own_ship: OwnShipConfiguration
+    consort: OwnShipConfiguration | None = None
+
+    def trajectory(
+        self, platform: str, position: Sequence[float], course_deg: float = 0.0
+    ) -> Trajectory:
+        """Return the motion of a platform; position (x, y, m) and heading are of a fixed one.
+
+        Parameters
+        ----------
+        platform : str
+            Which.
+        position : sequence of float
+            x, y in ``map``, m.
+        course_deg : float
+            Compass heading, degrees.
+        """
+        if platform == OWN_SHIP:
+            return self.own_ship.trajectory()
+        if platform == CONSORT and self.consort is not None:
+            return self.consort.trajectory()
+        return make_trajectory(position, course_deg, 0.0, ())
+
+
 @dataclass(frozen=True)
 class Receiver:
     """What the propagation geometry needs to know of the receiving array.

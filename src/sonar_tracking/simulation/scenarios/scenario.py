@@ -24,6 +24,7 @@ from sonar_tracking.simulation.scenarios.contact_configuration import ContactSen
 from sonar_tracking.simulation.scenarios.hydrophone_configuration import HydrophoneConfiguration
 from sonar_tracking.simulation.scenarios.platforms import (
     OwnShipConfiguration,
+    Platforms,
     Receiver,
 )
 from sonar_tracking.simulation.scenarios.target import (
@@ -69,6 +70,7 @@ class Scenario:
     array: ArrayConfiguration = field(default_factory=ArrayConfiguration, metadata=SECTION)
     noise: NoiseConfiguration = field(default_factory=NoiseConfiguration, metadata=SECTION)
     own_ship: OwnShipConfiguration = field(default_factory=OwnShipConfiguration, metadata=SECTION)
+    consort: OwnShipConfiguration | None = field(default=None, metadata=SECTION)
     targets: tuple[TargetConfiguration, ...] = field(default=(), metadata=SECTION)
     array_given: bool = field(default=True, metadata=SECTION)
     hydrophones: HydrophoneConfiguration | None = field(default=None, metadata=SECTION)
@@ -147,6 +149,11 @@ class Scenario:
     def stamp(self, time: float) -> int:
         """Return the stamp (ns) of a scenario time (s)."""
         return self.epoch + nanoseconds(time)
+
+    @property
+    def platforms(self) -> Platforms:
+        """What may carry sensors."""
+        return Platforms(self.own_ship, self.consort)
 
     def receiver(self) -> Receiver:
         """Return the array as the propagation geometry sees it."""

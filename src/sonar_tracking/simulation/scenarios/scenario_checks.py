@@ -17,7 +17,7 @@ from sonar_tracking.simulation.scenarios.contact_configuration import (
 )
 from sonar_tracking.simulation.scenarios.hydrophone_configuration import check_hydrophones
 from sonar_tracking.simulation.scenarios.kinematic_motion import KinematicMotion
-from sonar_tracking.simulation.scenarios.platforms import OwnShipConfiguration
+from sonar_tracking.simulation.scenarios.platforms import CONSORT, OwnShipConfiguration
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.scenarios.target import TargetConfiguration
 
@@ -39,6 +39,7 @@ def check_scenario(scenario: Scenario, where: str) -> None:
     if scenario.hydrophones is not None:
         check_hydrophones(scenario.hydrophones, scenario.targets, where)
     _check_platform(scenario.own_ship, f"{where}own_ship")
+    _check_consort(scenario, where)
     names: set[str] = set()
     for index, target in enumerate(scenario.targets):
         name = f"{where}targets[{index}]"
@@ -47,6 +48,24 @@ def check_scenario(scenario: Scenario, where: str) -> None:
         names.add(target.name)
         _check_target(target, name)
         _check_bearings(scenario, target, name)
+
+
+def _check_consort(scenario: Scenario, where: str) -> None:
+    if scenario.consort is not None:
+        _check_platform(scenario.consort, f"{where}{CONSORT}")
+        return
+    sensors: list[tuple[str, str]] = [
+        (f"bearing_sensors[{index}]", station.platform)
+        for index, station in enumerate(scenario.bearing_sensors)
+    ]
+    if scenario.active_sonar is not None:
+        sensors.append(("active_sonar", scenario.active_sonar.platform))
+    for name, platform in sensors:
+        if platform == CONSORT:
+            raise ConfigurationError(
+                f"{where}{name}.platform is {CONSORT}, but there is none; say in the section "
+                f"{CONSORT} where it is and how it moves."
+            )
 
 
 def _check_active_sonar(sensor: ContactSensorConfiguration, duration: float, where: str) -> None:

@@ -23,6 +23,7 @@ from sonar_tracking.simulation.scenarios.bearing_sensor_configuration import (
 from sonar_tracking.simulation.scenarios.contact_configuration import ContactSensorConfiguration
 from sonar_tracking.simulation.scenarios.hydrophone_configuration import HydrophoneConfiguration
 from sonar_tracking.simulation.scenarios.platforms import (
+    CONSORT,
     OwnShipConfiguration,
     TurnConfiguration,
 )
@@ -89,6 +90,9 @@ def scenario_from_mapping(mapping: Mapping[str, Any], where: str) -> Scenario:
         "array": _section(ArrayConfiguration, values.pop("array", {}), f"{prefix}array"),
         "noise": _section(NoiseConfiguration, values.pop("noise", {}), f"{prefix}noise"),
         "own_ship": _moving(OwnShipConfiguration, values.pop("own_ship", {}), f"{prefix}own_ship"),
+        CONSORT: None
+        if (consort := values.pop(CONSORT, None)) is None
+        else _moving(OwnShipConfiguration, consort, f"{prefix}{CONSORT}"),
         "targets": _targets(values.pop("targets", []), f"{prefix}targets"),
         "hydrophones": _optional(
             HydrophoneConfiguration, values.pop("hydrophones", None), f"{prefix}hydrophones"
@@ -115,7 +119,7 @@ def scenario_to_mapping(scenario: Scenario) -> dict[str, Any]:
     """Return the resolved scenario as plain names and values, for YAML, JSON and recordings."""
     mapping = _plain(dataclasses.asdict(scenario))
     del mapping["array_given"]
-    absent = {name for name in (*OTHER_SENSORS, HYDROPHONES) if not mapping[name]}
+    absent = {name for name in (*OTHER_SENSORS, HYDROPHONES, CONSORT) if not mapping[name]}
     absent |= set() if scenario.array_given else {"array", "noise"}
     mapping = {name: value for name, value in mapping.items() if name not in absent}
     instant = datetime.fromtimestamp(scenario.epoch // NANOSECONDS, tz=timezone.utc)

@@ -79,7 +79,7 @@ class ActiveSonarSimulation:
         seed = np.random.SeedSequence(scenario.seed, spawn_key=(RANDOM_STREAM,))
         self._simulation = ContactSimulation(
             self._sensor,
-            self._sensor.trajectory(scenario.own_ship),
+            self._sensor.trajectory(scenario.platforms),
             [
                 part
                 for n, one in enumerate(scenario.targets, 1)

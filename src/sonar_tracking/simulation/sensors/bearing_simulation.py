@@ -93,7 +93,7 @@ class BearingSimulation:
         self._stations = [
             BearingStation(
                 sensor,
-                sensor.trajectory(scenario.own_ship),
+                sensor.trajectory(scenario.platforms),
                 scenario.targets,
                 np.random.default_rng(seed),
             )

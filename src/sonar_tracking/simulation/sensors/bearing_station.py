@@ -23,11 +23,10 @@ from sonar_tracking.records.bearings import AngleKind, BearingTracks, Sensor, Tr
 from sonar_tracking.records.lines import NOT_ATTRIBUTED, FrequencyLines
 from sonar_tracking.simulation.scenarios.bearing_sensor_configuration import (
     INSTANTANEOUS,
-    OWN_SHIP,
     BearingSensorConfiguration,
 )
 from sonar_tracking.simulation.scenarios.kinematic_motion import KinematicMotion
-from sonar_tracking.simulation.scenarios.platforms import Receiver
+from sonar_tracking.simulation.scenarios.platforms import OWN_SHIP, Receiver
 from sonar_tracking.simulation.scenarios.target import TargetConfiguration
 
 AT_ONCE = 1e15
