@@ -91,17 +91,19 @@ def requirements_of_pip() -> dict[str, Any]:
     ]
     plot = ["matplotlib>=3.6,<4"]
     page = ["tornado>=6.2,<7", "uplot-python>=1.1,<2"]
+    audio = ["soundfile>=0.12,<1"]
     studies = [*plot, "dask>=2024.1", "distributed>=2024.1"]
     return {
         "install_requires": run,
         "extras_require": {
             # On a machine without ROS 2: rclpy and all messages as wheels (Linux on x86-64).
             "ros": [f"sonar-tracking-msgs=={VERSION}"],
+            "audio": audio,
             "plot": plot,
             "page": page,
             "display": [*plot, *page],
             "studies": studies,
-            "test": [*studies, *pinned("test.txt")],
+            "test": [*studies, *audio, *pinned("test.txt")],
             "docs": pinned("docs.txt"),
         },
     }

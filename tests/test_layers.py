@@ -65,6 +65,7 @@ ROOMS = (
     # files
     "message_reading",
     "bags.storage",
+    "bags.audio",
     "bags.importers",
     "bags",
     # Monte Carlo over the layers below

@@ -13,15 +13,75 @@ from sonar_tracking.errors import ConfigurationError
 import_app = typer.Typer(help="Bring recorded data into a bag.", no_args_is_help=True)
 
 
+_GEOMETRY = Annotated[Path, typer.Option(help="YAML file with the element positions.")]
+_OUTPUT = Annotated[Path, typer.Option(help="The new bag.")]
+_FREQUENCY = Annotated[
+    float | None, typer.Option(help="Centre of the narrow band bearings are made of, Hz.")
+]
+_BANDWIDTH = Annotated[float | None, typer.Option(help="Width of the narrow band, Hz.")]
+_BEARINGS = Annotated[
+    Path | None, typer.Option(help="CSV file: time_s, target, arrival_angle_deg.")
+]
+_PARAMETERS = Annotated[
+    Path | None, typer.Option(help="YAML file: node, parameter, value; kept for the replay.")
+]
+_EPOCH = Annotated[
+    str | None,
+    typer.Option(help="Instant of the first sample; default: by the file names or files."),
+]
+_TIME_PATTERN = Annotated[
+    str | None,
+    typer.Option(help="How the time stands in the file names, e.g. %Y%m%d_%H%M%S."),
+]
+
+
+@import_app.command("samples")
+def time_series(
+    source: Annotated[
+        Path, typer.Argument(help="Audio file, or a directory: consecutive, or one a hydrophone.")
+    ],
+    geometry: _GEOMETRY,
+    output: _OUTPUT,
+    frequency: _FREQUENCY = None,
+    bandwidth: _BANDWIDTH = None,
+    own_ship: Annotated[
+        Path | None, typer.Option(help="CSV or npz: time_s, east_m, north_m, heading_deg.")
+    ] = None,
+    truth: _BEARINGS = None,
+    epoch: _EPOCH = None,
+    time_pattern: _TIME_PATTERN = None,
+    parameters: _PARAMETERS = None,
+) -> None:
+    """Bring audio files into a bag of the element time series.
+
+    WAV, RF64, FLAC, W64, AIFF and CAF. Times come from the names of the usual recorders, from
+    --time-pattern, or from the bext chunk; --epoch goes before them. Gaps between files stay
+    gaps; overlaps and drift are reported. The replay makes bearings and frequency lines of them,
+    and positions if --own-ship tells how own ship moved.
+    """
+    importer = needs("sonar_tracking.graph.verbs.import_command")
+    print(
+        importer.import_audio_samples(
+            source,
+            geometry,
+            frequency,
+            bandwidth,
+            output,
+            own_ship,
+            truth,
+            parameters,
+            importer.given_time(epoch, time_pattern),
+        )
+    )
+
+
 @import_app.command()
 def wav(
-    file: Annotated[Path, typer.Argument(help="Multichannel WAV, one channel an element.")],
-    geometry: Annotated[Path, typer.Option(help="YAML file with the element positions.")],
-    output: Annotated[Path, typer.Option(help="The new bag.")],
-    frequency: Annotated[
-        float | None, typer.Option(help="Centre of the narrow band bearings are made of, Hz.")
-    ] = None,
-    bandwidth: Annotated[float | None, typer.Option(help="Width of the narrow band, Hz.")] = None,
+    file: Annotated[Path, typer.Argument(help="Audio file, or a directory of them.")],
+    geometry: _GEOMETRY,
+    output: _OUTPUT,
+    frequency: _FREQUENCY = None,
+    bandwidth: _BANDWIDTH = None,
     samples: Annotated[
         bool, typer.Option("--samples", help="Keep the time series: the replay finds lines too.")
     ] = False,
@@ -29,29 +89,27 @@ def wav(
         Path | None,
         typer.Option(help="With --samples: CSV or npz, time_s, east_m, north_m, heading_deg."),
     ] = None,
-    truth: Annotated[
-        Path | None, typer.Option(help="CSV file: time_s, target, arrival_angle_deg.")
-    ] = None,
-    parameters: Annotated[
-        Path | None, typer.Option(help="YAML file: node, parameter, value; kept for the replay.")
-    ] = None,
+    truth: _BEARINGS = None,
+    epoch: _EPOCH = None,
+    time_pattern: _TIME_PATTERN = None,
+    parameters: _PARAMETERS = None,
 ) -> None:
-    """Bring a multichannel WAV file into a bag.
+    """Bring a multichannel audio file into a bag.
 
-    By default of narrowband snapshots; with --samples of the element time series themselves, so
-    that the replay makes bearings and frequency lines of them, and positions if --own-ship tells
-    how own ship moved.
+    By default of narrowband snapshots; with --samples of the element time series themselves, as
+    'import samples' does.
     """
     importer = needs("sonar_tracking.graph.verbs.import_command")
+    time = importer.given_time(epoch, time_pattern)
     if samples:
-        done = importer.import_wav_samples(
-            file, geometry, frequency, bandwidth, output, own_ship, truth, parameters
+        done = importer.import_audio_samples(
+            file, geometry, frequency, bandwidth, output, own_ship, truth, parameters, time
         )
     elif own_ship is not None:
         raise ConfigurationError("--own-ship goes with --samples; give both, or neither.")
     else:
         done = importer.import_wav_file(
-            file, geometry, frequency, bandwidth, output, truth, parameters
+            file, geometry, frequency, bandwidth, output, truth, parameters, time
         )
     print(done)
 

@@ -55,6 +55,8 @@ class RecordedArray:
         m/s.
     epoch : int
         Instant of the first sample, ns.
+    epoch_is_given, sound_speed_is_given : bool
+        Whether the file says them, or they are assumed.
     mounting : tuple of float
         Origin of the array ahead of and to port of own ship's reference, m.
     mounting_yaw : float
@@ -68,6 +70,8 @@ class RecordedArray:
     epoch: int = DEFAULT_EPOCH
     mounting: tuple[float, float] = (0.0, 0.0)
     mounting_yaw: float = 0.0
+    epoch_is_given: bool = True
+    sound_speed_is_given: bool = True
 
     @property
     def aperture(self) -> float:
@@ -151,6 +155,8 @@ def array_from_mapping(mapping: Mapping[str, Any], where: str) -> RecordedArray:
         epoch=epoch,
         mounting=(entries.mounting_x, entries.mounting_y),
         mounting_yaw=float(np.radians(entries.mounting_yaw_deg)),
+        epoch_is_given="epoch" in mapping,
+        sound_speed_is_given="sound_speed" in mapping,
     )
 
 

@@ -1,4 +1,4 @@
-"""A multichannel WAV file becomes a bag of narrowband snapshots that can be replayed.
+"""A multichannel audio file becomes a bag of narrowband snapshots that can be replayed.
 
 The snapshots are made by demodulation, low-pass filtering and decimation; see
 :mod:`sonar_tracking.passive.lines.demodulation` for why. Their stamps are those of the samples the
@@ -8,32 +8,34 @@ filter is centred on: ``epoch + sample / sample_rate``.
 from __future__ import annotations
 
 import heapq
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from sonar_tracking.bags.audio.recording import Recording, Stretch
 from sonar_tracking.bags.importers.array_geometry_file import RecordedArray, read_array_geometry
-from sonar_tracking.bags.importers.bearing_truth_file import read_surveyed_bearings
-from sonar_tracking.bags.importers.recorded_messages import snapshots_cdr
-from sonar_tracking.bags.importers.wav_file import WavFile, open_wav
-from sonar_tracking.bags.importers.wav_recording import (
+from sonar_tracking.bags.importers.array_plausibility import check_bearings
+from sonar_tracking.bags.importers.audio_recording import (
+    NOT_GIVEN,
     TRUTH_TOPIC,
+    GivenTime,
     Message,
-    missing_end,
-    sample_stamp,
+    opened_recording,
     truth_messages,
     write_messages,
 )
+from sonar_tracking.bags.importers.bearing_truth_file import read_surveyed_bearings
+from sonar_tracking.bags.importers.recorded_messages import snapshots_cdr
 from sonar_tracking.bags.storage.bag_records import SNAPSHOTS_TYPE
 from sonar_tracking.bags.storage.recording_information import RecordingInformation
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.passive.lines.demodulation import Band, Demodulator, design_band
 from sonar_tracking.passive.subspaces.block_checks import MAXIMUM_RELATIVE_BANDWIDTH
 from sonar_tracking.records.arrays import ComplexArray
-from sonar_tracking.records.time import END_OF_DATA
+from sonar_tracking.records.time import END_OF_DATA, seconds
 
 SNAPSHOTS_TOPIC = "/array/snapshots"
 
@@ -69,8 +71,8 @@ class ImportSummary:
     n_snapshots, n_blocks : int
         Written to the bag.
     dropped : tuple of str
-        A sentence if the file ends early, and one for each block that was left out because of
-        samples that are not numbers.
+        A sentence for each thing that is assumed, contradictory or unusual, and for each block
+        that was left out because of samples that are not numbers.
     seconds : float
         Length of the file, s.
     plane_wave_range : float
@@ -105,7 +107,7 @@ class ImportSummary:
 
 @dataclass(frozen=True)
 class _Block:
-    first_sample: int
+    stamp: int
     data: ComplexArray
 
 
@@ -117,13 +119,15 @@ def import_wav(
     output: Path | str,
     truth: Path | str | None = None,
     node_parameters: Mapping[str, Mapping[str, Any]] = DEFAULT_NODE_PARAMETERS,
+    time: GivenTime = NOT_GIVEN,
 ) -> ImportSummary:
-    """Bring a multichannel WAV file into a bag of narrowband snapshots.
+    """Bring a multichannel audio file into a bag of narrowband snapshots.
 
     Parameters
     ----------
     file : Path or str
-        WAV file, one channel an element.
+        Audio file, one channel an element; or a directory, see
+        :func:`sonar_tracking.bags.importers.import_samples.import_samples`.
     geometry : Path or str
         YAML file; see
         :func:`sonar_tracking.bags.importers.array_geometry_file.read_array_geometry`.
@@ -137,6 +141,8 @@ def import_wav(
         CSV file of true bearings; see :mod:`sonar_tracking.bags.importers.bearing_truth_file`.
     node_parameters : mapping of mapping
         Node, parameter, value: what a replay of the bag starts.
+    time : GivenTime
+        What is said of its time; default: what the geometry file, the names or the files say.
 
     Raises
     ------
@@ -144,18 +150,21 @@ def import_wav(
         If file, geometry, band or truth cannot be used; no bag is left then.
     """
     array = read_array_geometry(geometry)
-    wav = open_wav(file)
+    wav, array = opened_recording(file, array, time)
     columns = array.columns(wav.n_channels, str(wav.path))
+    plausible = check_bearings(array, frequency, str(geometry))
     band = _checked_band(array, wav, frequency, bandwidth)
     surveyed = read_surveyed_bearings(truth) if truth is not None else []
-    dropped = missing_end(wav)
+    dropped = [*wav.notes, *plausible]
+    known = len(dropped)
     blocks = _finite_blocks(wav, columns, band, dropped)
     first = next(blocks, None)
     if first is None:
-        raise ConfigurationError(dropped[-1] if dropped else _too_short(wav, band))
+        raise ConfigurationError(dropped[-1] if len(dropped) > known else _too_short(wav, band))
     information = _information(wav, array, band, node_parameters, bool(surveyed))
     messages = heapq.merge(
-        _snapshot_messages(first, blocks, wav, array, band), truth_messages(surveyed, array)
+        _snapshot_messages(first, blocks, wav.sample_rate, array, band),
+        truth_messages(surveyed, array),
     )
     inputs = {SNAPSHOTS_TOPIC: SNAPSHOTS_TYPE}
     path, counts, n_snapshots = write_messages(Path(output), information, inputs, messages)
@@ -164,7 +173,7 @@ def import_wav(
 
 
 def _summary(
-    wav: WavFile,
+    wav: Recording,
     array: RecordedArray,
     n_elements: int,
     band: Band,
@@ -187,7 +196,7 @@ def _summary(
     )
 
 
-def _too_short(wav: WavFile, band: Band) -> str:
+def _too_short(wav: Recording, band: Band) -> str:
     return (
         f"{wav.path} lasts {wav.n_samples / wav.sample_rate:g} s, less than the "
         f"{len(band.taps) / wav.sample_rate:g} s one snapshot of {band.bandwidth:g} Hz needs; "
@@ -196,7 +205,7 @@ def _too_short(wav: WavFile, band: Band) -> str:
 
 
 def _checked_band(
-    array: RecordedArray, wav: WavFile, frequency: float, bandwidth: float | None
+    array: RecordedArray, wav: Recording, frequency: float, bandwidth: float | None
 ) -> Band:
     """Return the band, or raise a sentence if it is not narrow for the array."""
     limit = MAXIMUM_RELATIVE_BANDWIDTH * array.sound_speed / array.aperture
@@ -212,41 +221,55 @@ def _checked_band(
 
 
 def _finite_blocks(
-    wav: WavFile, columns: list[int], band: Band, dropped: list[str]
+    wav: Recording, columns: list[int], band: Band, dropped: list[str]
 ) -> Iterator[_Block]:
     """Yield blocks of snapshots; a block that is not finite is left out and reported."""
-    for block in _blocks(wav, columns, band):
-        bad = ~np.isfinite(block.data).all(axis=0)
-        if not bad.any():
-            yield block
-            continue
-        channels = ", ".join(str(columns[element] + 1) for element in np.flatnonzero(bad))
-        dropped.append(
-            f"{wav.path} has samples that are not numbers on channel {channels} near "
-            f"{block.first_sample / wav.sample_rate:.3f} s; these snapshots were left out."
-        )
+    for run in _runs(wav):
+        for block in _blocks(run, wav.sample_rate, columns, band):
+            bad = ~np.isfinite(block.data).all(axis=0)
+            if not bad.any():
+                yield block
+                continue
+            channels = ", ".join(str(columns[element] + 1) for element in np.flatnonzero(bad))
+            dropped.append(
+                f"{wav.path} has samples that are not numbers on channel {channels} near "
+                f"{seconds(block.stamp - wav.start):.3f} s; these snapshots were left out."
+            )
 
 
-def _blocks(wav: WavFile, columns: list[int], band: Band) -> Iterator[_Block]:
-    demodulator = Demodulator(band, wav.sample_rate)
+def _runs(wav: Recording) -> list[list[Stretch]]:
+    """Return the stretches that follow one another without a gap."""
+    runs: list[list[Stretch]] = []
+    for stretch in wav.stretches:
+        if stretch.run_sample == 0:
+            runs.append([])
+        runs[-1].append(stretch)
+    return runs
+
+
+def _blocks(
+    run: Sequence[Stretch], sample_rate: int, columns: list[int], band: Band
+) -> Iterator[_Block]:
+    demodulator = Demodulator(band, sample_rate)
     first_sample = demodulator.next_centre
     held = np.empty((0, len(columns)), np.complex128)
-    for start in range(0, wav.n_samples, _SAMPLES_AT_ONCE):
-        stop = min(start + _SAMPLES_AT_ONCE, wav.n_samples)
-        samples = wav.samples(start, stop)[:, columns]
-        held = np.concatenate([held, demodulator.update(samples)])
-        while len(held) >= BLOCK_SNAPSHOTS:
-            yield _Block(first_sample, held[:BLOCK_SNAPSHOTS])
-            first_sample += BLOCK_SNAPSHOTS * band.decimation
-            held = held[BLOCK_SNAPSHOTS:]
+    for stretch in run:
+        for start in range(0, stretch.n_samples, _SAMPLES_AT_ONCE):
+            stop = min(start + _SAMPLES_AT_ONCE, stretch.n_samples)
+            samples = stretch.samples(start, stop)[:, columns]
+            held = np.concatenate([held, demodulator.update(samples)])
+            while len(held) >= BLOCK_SNAPSHOTS:
+                yield _Block(run[0].stamp(first_sample), held[:BLOCK_SNAPSHOTS])
+                first_sample += BLOCK_SNAPSHOTS * band.decimation
+                held = held[BLOCK_SNAPSHOTS:]
     if len(held):
-        yield _Block(first_sample, held)
+        yield _Block(run[0].stamp(first_sample), held)
 
 
 def _snapshot_messages(
     first: _Block,
     blocks: Iterator[_Block],
-    wav: WavFile,
+    sample_rate: int,
     array: RecordedArray,
     band: Band,
 ) -> Iterator[Message]:
@@ -254,23 +277,22 @@ def _snapshot_messages(
     block: _Block | None = first
     while block is not None:
         following = next(blocks, None)
-        stamp = sample_stamp(array, wav, block.first_sample)
-        next_stamp = sample_stamp(array, wav, following.first_sample) if following else END_OF_DATA
+        next_stamp = following.stamp if following else END_OF_DATA
         data = snapshots_cdr(
             array=array,
-            stamp=stamp,
+            stamp=block.stamp,
             next_stamp=next_stamp,
             data=block.data,
-            sample_period=band.decimation / wav.sample_rate,
+            sample_period=band.decimation / sample_rate,
             frequency=band.frequency,
             bandwidth=band.bandwidth,
         )
-        yield stamp, SNAPSHOTS_TOPIC, data, len(block.data)
+        yield block.stamp, SNAPSHOTS_TOPIC, data, len(block.data)
         block = following
 
 
 def _information(
-    wav: WavFile,
+    wav: Recording,
     array: RecordedArray,
     band: Band,
     node_parameters: Mapping[str, Mapping[str, Any]],

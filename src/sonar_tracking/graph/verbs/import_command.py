@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+from sonar_tracking.bags.importers.audio_recording import NOT_GIVEN, GivenTime
 from sonar_tracking.bags.importers.import_contacts import ContactSensor, import_contacts
 from sonar_tracking.bags.importers.import_samples import import_samples, suggested_estimator
 from sonar_tracking.bags.importers.import_wav import import_wav
@@ -32,12 +37,13 @@ def import_wav_file(
     output: Path,
     truth: Path | None = None,
     parameters: Path | None = None,
+    time: GivenTime = NOT_GIVEN,
 ) -> str:
-    """Import a WAV file and return what was done, in words.
+    """Import an audio file as snapshots and return what was done, in words.
 
     Parameters
     ----------
-    file, geometry, frequency, bandwidth, output, truth
+    file, geometry, frequency, bandwidth, output, truth, time
         See :func:`sonar_tracking.bags.importers.import_wav.import_wav`.
     parameters : Path, optional
         YAML file of node, parameter, value: stored in the bag for its replay.
@@ -51,11 +57,11 @@ def import_wav_file(
         raise ConfigurationError("Give --frequency, the centre of the band snapshots are made of.")
     given = _given(parameters)
     settings = resolved_settings(given, (SUBSPACE_ESTIMATOR, BEARING_TRACKER), str(parameters))
-    summary = import_wav(file, geometry, frequency, bandwidth, output, truth, settings)
+    summary = import_wav(file, geometry, frequency, bandwidth, output, truth, settings, time)
     return _with_next_command(summary.text(), output)
 
 
-def import_wav_samples(
+def import_audio_samples(
     file: Path,
     geometry: Path,
     frequency: float | None,
@@ -64,14 +70,15 @@ def import_wav_samples(
     own_ship: Path | None = None,
     truth: Path | None = None,
     parameters: Path | None = None,
+    time: GivenTime = NOT_GIVEN,
 ) -> str:
-    """Import a WAV file as element time series and return what was done, in words.
+    """Import audio files as element time series and return what was done, in words.
 
     Positions are looked for if own ship's are given, or the parameters name ``tma_tracker``.
 
     Parameters
     ----------
-    file, geometry, output, own_ship, truth
+    file, geometry, output, own_ship, truth, time
         See :func:`sonar_tracking.bags.importers.import_samples.import_samples`.
     frequency, bandwidth : float, optional
         Of the band bearings are made of, Hz, if the parameters do not say so.
@@ -92,7 +99,7 @@ def import_wav_samples(
             "Say which frequency bearings are to be made of: give --frequency, or "
             "'band_demodulator: {center_frequency: ...}' in --parameters."
         )
-    where = "import wav" if parameters is None else str(parameters)
+    where = "import samples" if parameters is None else str(parameters)
     suggested = suggested_estimator(geometry, demodulator, f"{where}: {BAND_DEMODULATOR.name}")
     given[SUBSPACE_ESTIMATOR.name] = suggested | given.get(SUBSPACE_ESTIMATOR.name, {})
     nodes = [BAND_DEMODULATOR, SUBSPACE_ESTIMATOR, BEARING_TRACKER, LINE_TRACKER]
@@ -101,7 +108,8 @@ def import_wav_samples(
         topics = {"bearing_topics": (BEARING_TRACKS.name,), "line_topics": (FREQUENCY_LINES.name,)}
         given[TMA_TRACKER.name] = topics | given.get(TMA_TRACKER.name, {})
     settings = resolved_settings(given, tuple(nodes), where)
-    done = import_samples(file, geometry, output, settings, own_ship, truth)
+    with progress_bar("importing") as progress:
+        done = import_samples(file, geometry, output, settings, own_ship, truth, time, progress)
     return _with_next_command(done, output)
 
 
@@ -135,6 +143,29 @@ def import_contacts_file(
     described = from_mapping(ContactSensor, values, "import contacts")
     done = import_contacts(file, output, described, own_ship, truth, settings)
     return _with_next_command(done, output)
+
+
+def given_time(epoch: str | None, time_pattern: str | None) -> GivenTime:
+    """Return what a person says of the time of a recording.
+
+    Raises
+    ------
+    ConfigurationError
+        If the epoch is none.
+    """
+    text = int(epoch) if epoch is not None and epoch.isdecimal() else epoch
+    return GivenTime(None if text is None else checked_epoch(text, "--"), time_pattern)
+
+
+@contextmanager
+def progress_bar(what: str) -> Iterator[Callable[[float], None]]:
+    """Show a bar on a terminal; yields what is called with the share that is done, 0 to 1."""
+    console = Console(stderr=True)
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
+    hidden = not console.is_terminal
+    with Progress(*columns, console=console, transient=True, disable=hidden) as progress:
+        task = progress.add_task(what, total=1.0)
+        yield lambda share: progress.update(task, completed=share)
 
 
 def _given(parameters: Path | None) -> dict[str, dict[str, Any]]:

@@ -1,14 +1,16 @@
-"""What every import of a WAV file shares: stamps of samples, a missing end, surveyed bearings."""
+"""What every import of audio files shares: their time axis, surveyed bearings, the bag."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+from sonar_tracking.bags.audio.recorded_files import open_recording
+from sonar_tracking.bags.audio.recording import Recording
 from sonar_tracking.bags.importers.array_geometry_file import RecordedArray
 from sonar_tracking.bags.importers.bearing_truth_file import SurveyedBearings
 from sonar_tracking.bags.importers.recorded_messages import truth_cdr
-from sonar_tracking.bags.importers.wav_file import WavFile
 from sonar_tracking.bags.storage.bag_records import BEARING_TRACKS_TYPE
 from sonar_tracking.bags.storage.metadata import OfferedQuality
 from sonar_tracking.bags.storage.recording_information import RecordingInformation
@@ -21,20 +23,48 @@ Message = tuple[int, str, bytes, int]
 """Stamp, topic, serialised message, samples or snapshots in it."""
 
 
-def sample_stamp(array: RecordedArray, wav: WavFile, sample: int) -> int:
-    """Return the instant of a sample, ns."""
-    return array.epoch + (sample * NANOSECONDS + wav.sample_rate // 2) // wav.sample_rate
+@dataclass(frozen=True)
+class GivenTime:
+    """What a person says of the time of a recording.
+
+    Attributes
+    ----------
+    epoch : int, optional
+        Instant of the first sample, ns; goes before what the geometry file or audio files say.
+    pattern : str, optional
+        How the time stands in the names of the files, in directives of strftime.
+    """
+
+    epoch: int | None = None
+    pattern: str | None = None
 
 
-def missing_end(wav: WavFile) -> list[str]:
-    """Return a sentence if the file is shorter than it says."""
-    if not wav.missing_samples:
-        return []
-    announced = (wav.n_samples + wav.missing_samples) / wav.sample_rate
-    return [
-        f"{wav.path} is cut off: it announces {announced:.1f} s and holds "
-        f"{wav.n_samples / wav.sample_rate:.1f} s; copy it again if the rest is wanted."
-    ]
+NOT_GIVEN = GivenTime()
+
+
+def opened_recording(
+    path: Path | str, array: RecordedArray, time: GivenTime
+) -> tuple[Recording, RecordedArray]:
+    """Open audio files for an array; return them, and the array with the epoch they have.
+
+    Parameters
+    ----------
+    path : Path or str
+        File or directory.
+    array : RecordedArray
+        The array; its epoch counts if its file gives one.
+    time : GivenTime
+        What is said of its time.
+
+    Raises
+    ------
+    ConfigurationError
+        If they cannot be used.
+    """
+    given = time.epoch if time.epoch is not None else array.epoch if array.epoch_is_given else None
+    wanted = max(array.channels, default=len(array.element_positions))
+    recording = open_recording(path, wanted, given, array.epoch, time.pattern)
+    return recording, replace(array, epoch=recording.start)
 
 
 def truth_messages(surveyed: list[SurveyedBearings], array: RecordedArray) -> Iterator[Message]:

@@ -1,0 +1,1 @@
+"""Audio files of recorders: what they hold, from when, and how far they agree with themselves."""
