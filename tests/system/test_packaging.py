@@ -106,7 +106,7 @@ def test_version_is_the_same_everywhere(monkeypatch: pytest.MonkeyPatch) -> None
 
 def test_every_import_is_declared_and_nothing_else(monkeypatch: pytest.MonkeyPatch) -> None:
     told = setup_arguments(monkeypatch)
-    names = declared(told, "plot", "display", "studies").keys()
+    names = declared(told, "audio", "plot", "display", "studies").keys()
     peers = {"pyroomacoustics", "stonesoup"}
     assert peers <= declared(told, "test").keys()
     imported = imported_distributions()

@@ -27,7 +27,7 @@ from sonar_tracking.passive.lines.band_demodulator_configuration import (
 from sonar_tracking.passive.lines.band_demodulator_stage import demodulated_band
 from sonar_tracking.passive.lines.demodulation import Band
 from sonar_tracking.passive.lines.sample_frames import check_samples_block
-from sonar_tracking.records.arrays import BoolArray, FloatArray
+from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import Sensor
 from sonar_tracking.records.samples import ArraySamples
 from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS
@@ -165,14 +165,15 @@ class SampleBlocks:
                     samples = stretch.samples(start, stop)[:, self._columns]
                     data = samples.astype(np.float32)
                 if check and not np.isfinite(data).all():
-                    self._leave_out(index, stop - start, ~np.isfinite(data).all(axis=0))
+                    bad = np.flatnonzero(~np.isfinite(data).all(axis=0))
+                    self._leave_out(index, stop - start, bad.tolist())
                 else:
                     yield index, data
                 done += stop - start
                 self._progress(done / total)
 
-    def _leave_out(self, index: int, n_samples: int, bad: BoolArray) -> None:
-        channels = ", ".join(str(self._columns[each] + 1) for each in np.flatnonzero(bad))
+    def _leave_out(self, index: int, n_samples: int, bad: Sequence[int]) -> None:
+        channels = ", ".join(str(self._columns[each] + 1) for each in bad)
         begin = float(self._motion.stamp[index] - self._array.epoch) / NANOSECONDS
         end = begin + n_samples / self._recording.sample_rate
         if self._spans and self._spans[-1].channels == channels:
