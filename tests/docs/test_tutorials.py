@@ -27,6 +27,8 @@ NOT_RUN = {
     ),
     r"sonar-tracking replay ship_bag": "needs a bag of others; tests/system/test_replay.py has one",
     r"sonar-tracking replay my_bag --loop": "does not end; tests/system/test_replay.py ends it",
+    r"sonar-tracking show": "does not end; tests/display/page/test_show_bag.py shows recordings",
+    r"sonar-tracking run harbour_watch$": "minutes of data; tests/system/test_page.py has a page",
     r"sonar-tracking doctor": "tells of the machine; tests/graph/verbs/test_doctor.py",
     r"sonar-tracking import wav .* --samples": "needs own ship's track; tests/system runs it",
     r"python listener\.py": "does not end; test_listener_prints_the_bearings runs it",

@@ -330,7 +330,7 @@ def test_a_page_left_open_overnight_forgets(start: Start, opened: Callable[..., 
 
 def test_a_recording_says_so_and_plays(opened: Callable[..., Tab]) -> None:
     configuration = PageConfiguration(port=0, title="bag")
-    server = PageServer(configuration, "", recording={"t0": START, "t1": START + 29})
+    server = PageServer(configuration, "", recording="whole")
     server.start()
     try:
         show(server, 0, 30)

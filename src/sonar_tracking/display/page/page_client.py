@@ -40,7 +40,7 @@ class ServedPage(Protocol):
     token: str
     title: str
     namespace: str
-    recording: Mapping[str, float] | None
+    recording: str
     remote_commands: bool
     refused: int
 

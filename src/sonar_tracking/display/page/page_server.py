@@ -56,8 +56,8 @@ class PageServer:
         What commands need.
     command : callable, optional
         Does what a browser commands; None = nothing is commanded here.
-    recording : mapping, optional
-        Of a recording: its first and last data time ``t0`` and ``t1``, s.
+    recording : str
+        State of a recording that is shown; empty = what is shown is live.
     namespace : str
         Of the graph; empty = the root.
 
@@ -76,7 +76,7 @@ class PageServer:
         configuration: PageConfiguration,
         token: str,
         command: Command | None = None,
-        recording: Mapping[str, float] | None = None,
+        recording: str = "",
         namespace: str = "",
     ) -> None:
         self.feed = PageFeed(configuration, self._send)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import fields
@@ -15,16 +16,18 @@ from sonar_tracking.bags.storage.message_definitions import typestore_of
 from sonar_tracking.bags.storage.reader import Bag, read_bag
 from sonar_tracking.bags.storage.topic_names import TopicNames
 from sonar_tracking.display.page.page_configuration import PageConfiguration
-from sonar_tracking.display.page.page_feed import PageFeed
+from sonar_tracking.display.page.page_frames import text_frame
 from sonar_tracking.display.page.page_server import PageServer
 from sonar_tracking.display.page.shown_types import SHOWN_TYPES
 from sonar_tracking.display.page.web_browser import open_browser
 from sonar_tracking.errors import ConfigurationError, InputError
-from sonar_tracking.records.time import NANOSECONDS
 from sonar_tracking.stop_signals import stop_code
 
 BATCH = 50
 """Messages between two looks of the server at its browsers."""
+
+READING, WHOLE = "reading", "whole"
+"""States of a recording: some of it is shown, or all."""
 
 _LONGEST_MINUTES = 600.0
 _MOUNTINGS = "scene_publisher"
@@ -54,29 +57,88 @@ def show_bag(path: Path, names: TopicNames, port: int, address: str, browser: bo
     ConfigurationError
         If the bag holds nothing to show, or the page cannot be served.
     """
-    bag = read_bag(path).named(names)
-    shown = [t.name for t in bag.topics.values() if t.type_name in SHOWN_TYPES and t.message_count]
-    if not shown:
-        there = ", ".join(f"{topic.name} ({topic.type_name})" for topic in bag.topics.values())
-        raise ConfigurationError(
-            f"{path} holds nothing to show: its topics are {there}; record tracks, bearings or "
-            "contacts, or give --remap OLD:=NEW."
-        )
-    server = PageServer(_configuration(bag, port, address), "", recording=_span(bag, shown))
-    server.start()
-    print(f"{path} is shown at {server.address} (Ctrl-C ends it)", flush=True)
-    if bag.recovery:
-        print(bag.recovery)
-    if browser:
-        open_browser(server.address)
+    page = RecordedPage(read_bag(path).named(names), port, address)
+    page.server.start()
     try:
-        _feed(bag, shown, server)
+        print(f"{path} is shown at {page.server.address} (Ctrl-C ends it)", flush=True)
+        if page.bag.recovery:
+            print(page.bag.recovery, flush=True)
+        if browser:
+            open_browser(page.server.address)
+        page.feed()
         while True:
             time.sleep(1.0)
     except KeyboardInterrupt:
         return stop_code()
     finally:
-        server.stop()
+        page.server.stop()
+
+
+class RecordedPage:
+    """The page of one recording.
+
+    Parameters
+    ----------
+    bag : Bag
+        The recording.
+    port : int
+        Of the page.
+    address : str
+        To listen at.
+
+    Attributes
+    ----------
+    server : PageServer
+        Serves the page, once it is started.
+
+    Raises
+    ------
+    ConfigurationError
+        If the bag holds nothing to show, or the page cannot be served.
+    """
+
+    def __init__(self, bag: Bag, port: int, address: str) -> None:
+        self.bag = bag
+        topics = bag.topics.values()
+        self._shown = [t.name for t in topics if t.type_name in SHOWN_TYPES and t.message_count]
+        if not self._shown:
+            there = ", ".join(f"{topic.name} ({topic.type_name})" for topic in topics)
+            raise ConfigurationError(
+                f"{bag.path} holds nothing to show: its topics are {there}; record tracks, "
+                "bearings or contacts, or give --remap OLD:=NEW."
+            )
+        self.server = PageServer(_configuration(bag, port, address), "", recording=READING)
+
+    def feed(self) -> None:
+        """Hand the recording to the server, a few messages at a time: it serves meanwhile."""
+        messages = self._messages()
+        done = threading.Event()
+        while batch := list(islice(messages, BATCH)):
+            done.clear()
+            self.server.do(self._take, batch, done)
+            done.wait()
+        self.server.do(self._whole)
+
+    def _take(self, batch: list[Message], done: threading.Event) -> None:
+        try:
+            for topic, message in batch:
+                self.server.feed.take(topic, message)
+        finally:
+            done.set()
+
+    def _whole(self) -> None:
+        self.server.recording = WHOLE
+        self.server.feed.emit(text_frame("recording", math.nan, state=WHOLE))
+
+    def _messages(self) -> Iterator[Message]:
+        topics = self.bag.topics
+        stores = {name: typestore_of(topics[name].definition) for name in self._shown}
+        for message in self.bag.messages(self._shown):
+            name = message.topic
+            try:
+                yield name, decoded_message(stores[name], topics[name].type_name, message.data)
+            except InputError as error:
+                self.server.feed.health.rejected(name, str(error))
 
 
 def _configuration(bag: Bag, port: int, address: str) -> PageConfiguration:
@@ -90,34 +152,3 @@ def _configuration(bag: Bag, port: int, address: str) -> PageConfiguration:
         title=bag.path.name,
         history_minutes=_LONGEST_MINUTES,
     )
-
-
-def _span(bag: Bag, shown: list[str]) -> dict[str, float]:
-    """Return the first and last data time of a bag, s."""
-    times = [message.log_time for message in bag.messages(shown) if message.log_time]
-    if not times:
-        return {"t0": math.nan, "t1": math.nan}
-    return {"t0": min(times) / NANOSECONDS, "t1": max(times) / NANOSECONDS}
-
-
-def _feed(bag: Bag, shown: list[str], server: PageServer) -> None:
-    """Hand the recording to the server, a few messages at a time: it serves meanwhile."""
-    messages = _messages(bag, shown, server.feed)
-    while batch := list(islice(messages, BATCH)):
-        server.do(_take, server.feed, batch)
-        time.sleep(0.002)
-
-
-def _take(feed: PageFeed, batch: list[Message]) -> None:
-    for topic, message in batch:
-        feed.take(topic, message)
-
-
-def _messages(bag: Bag, shown: list[str], feed: PageFeed) -> Iterator[Message]:
-    stores = {name: typestore_of(bag.topics[name].definition) for name in shown}
-    for message in bag.messages(shown):
-        topic = bag.topics[message.topic]
-        try:
-            yield message.topic, decoded_message(stores[topic.name], topic.type_name, message.data)
-        except InputError as error:
-            feed.health.rejected(message.topic, str(error))

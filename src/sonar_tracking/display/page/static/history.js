@@ -6,7 +6,7 @@
 const KEPT_SECONDS = 45 * 60;
 const MOST_FRAMES = 60000; // of one stream: 20 rows a second for 50 minutes
 const REPLACED = new Set(["waterfall_open"]); // only the newest counts
-const TOLD = new Set(["hello", "health", "sources", "history", "live", "begin", "command_result"]);
+const TOLD = new Set(["hello", "health", "sources", "history", "live", "recording", "begin", "command_result"]);
 
 export function streamName(frame) {
   const parts = [frame.kind];

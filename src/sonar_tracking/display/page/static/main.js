@@ -65,6 +65,10 @@ class Page {
 
   on_sources() {}
 
+  on_recording(frame) {
+    this.time.recording = frame.state;
+  }
+
   on_health(frame) {
     this.health = frame;
   }
@@ -165,6 +169,7 @@ class Page {
       const alarm = this.connection === "gone" ? "The server of this page is gone: what is shown is old. It is called again every second." : "";
       return [words, this.connection === "gone" ? "bad" : "wait", alarm];
     }
+    if (this.time.recording === "reading") return ["reading the recording", "wait", ""];
     if (this.time.recording) return [this.time.playing ? `playing ${this.time.playing}×` : "recording", "past", ""];
     if (!(this.history.newest > -Infinity)) return ["waiting for data", "wait", ""];
     const gone = (this.health?.nodes ?? []).filter((node) => !node.alive).map((node) => node.name);

@@ -1,0 +1,100 @@
+"""``show``: the page of a recording, whatever it holds."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import signal
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from tornado.websocket import websocket_connect
+
+from sonar_tracking.bags.storage.reader import read_bag
+from sonar_tracking.display.page.show_bag import RecordedPage
+from sonar_tracking.errors import ConfigurationError
+from tests.bags.bag_fixtures import TRACKS
+from tests.bags.position_fixtures import CONTACTS, IMAGE, LINES, ODOMETRY, POSITIONS
+from tests.display.test_plot_bag import N_SECONDS, bag
+
+TOPICS = {
+    "/own_ship/odometry": ODOMETRY,
+    "/active/contacts": CONTACTS,
+    "/active/tracks": POSITIONS,
+    "/truth/tracks": POSITIONS,
+    "/passive/bearing_tracks": TRACKS,
+    "/passive/frequency_lines": LINES,
+}
+KINDS = {
+    "/own_ship/odometry": "own_ship",
+    "/active/contacts": "contacts",
+    "/active/tracks": "tracks",
+    "/truth/tracks": "tracks",
+    "/passive/bearing_tracks": "bearings",
+    "/passive/frequency_lines": "lines",
+}
+
+
+def shown(path: Path) -> Counter[str]:
+    """Return how many frames of each kind the page of a bag shows of the past."""
+    page = RecordedPage(read_bag(path), 0, "127.0.0.1")
+    page.server.start()
+
+    async def frames() -> Counter[str]:
+        link = await websocket_connect(f"ws://localhost:{page.server.port}/socket")
+        kinds = [""]
+        while kinds[-1] != "live":
+            said = await link.read_message()
+            assert said is not None
+            kinds.append(json.loads(said)["kind"] if isinstance(said, str) else "row")
+        link.close()
+        while await link.read_message() is not None:
+            pass
+        return Counter(kinds[kinds.index("history") :])
+
+    try:
+        page.feed()
+        return asyncio.run(asyncio.wait_for(frames(), 60.0))
+    finally:
+        page.server.stop()
+
+
+@pytest.mark.parametrize(
+    "left",
+    [
+        tuple(TOPICS),
+        ("/own_ship/odometry", "/active/contacts", "/passive/frequency_lines"),
+        ("/active/tracks", "/truth/tracks", "/passive/bearing_tracks"),
+        ("/active/contacts",),
+    ],
+    ids=["all", "half", "other_half", "one"],
+)
+def test_what_a_bag_holds_is_shown(tmp_path: Path, left: tuple[str, ...]) -> None:
+    found = shown(bag(tmp_path / "bag", {name: TOPICS[name] for name in left}))
+    expected = Counter(KINDS[name] for name in left)
+    for kind in set(KINDS.values()):
+        assert found[kind] == N_SECONDS * expected[kind]
+
+
+def test_a_bag_with_nothing_to_show_is_refused(tmp_path: Path) -> None:
+    path = bag(tmp_path / "bag", {"/array/lofar": IMAGE, "/array/tracks": TRACKS})
+    only_pictures = read_bag(path)
+    only_pictures.topics.pop("/array/tracks")
+    with pytest.raises(ConfigurationError, match="holds nothing to show"):
+        RecordedPage(only_pictures, 0, "127.0.0.1")
+
+
+def test_the_command_shows_a_bag_until_it_is_interrupted(tmp_path: Path) -> None:
+    path = bag(tmp_path / "bag", TOPICS)
+    command = [sys.executable, "-m", "sonar_tracking", "show", str(path), "--no-browser"]
+    with subprocess.Popen(
+        [*command, "--page-port", "0"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    ) as running:
+        assert running.stdout is not None
+        assert "is shown at http://localhost:" in running.stdout.readline()
+        running.send_signal(signal.SIGINT)
+        assert running.wait(60.0) == 130
+        assert running.stdout.read() == ""
