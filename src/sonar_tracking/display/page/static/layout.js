@@ -79,6 +79,7 @@ export class Layout {
       entry.tab.setAttribute("aria-selected", current);
       const front = current && entry.cell.root.classList.contains("shown");
       entry.phoneTab?.setAttribute("aria-selected", front);
+      if (front && this.phone?.matches) entry.phoneTab?.scrollIntoView({ inline: "nearest", block: "nearest" });
     }
     this.parent.dispatchEvent(new Event("redraw", { bubbles: true }));
   }

@@ -153,8 +153,7 @@ class Page {
     if (state.textContent !== words) state.textContent = words;
     state.className = `state ${kind}`;
     const line = byId("alarm");
-    line.hidden = !alarm;
-    if (alarm && line.textContent !== alarm) line.textContent = alarm;
+    if (line.textContent !== alarm) line.textContent = line.title = alarm;
     byId("clock").textContent = clock(this.time.now);
     const ship = Number.isFinite(this.time.now) ? ownShipAt(this.history, this.time.now) : null;
     byId("ship").textContent = ship

@@ -13,9 +13,9 @@ const COLUMNS = [
   ["track", (r) => r.id, null, true, "Number or name; double click renames, right click commands"],
   ["source", (r) => r.source, (r) => sourceText(r), false, "What hears it"],
   ["status", (r) => r.status, (r) => STATUS[r.status] ?? "?", false, "Status"],
-  ["bearing °", (r) => -r.seen.azimuth, (r) => plus(bearing(r.seen.azimuth), degrees(r.seen.azimuthDeviation)), true, "True bearing from own ship, and its standard deviation"],
+  ["bearing °", (r) => -r.seen.azimuth, (r) => plus(bearing(r.seen.azimuth), degrees(Math.min(r.seen.azimuthDeviation, Math.PI))), true, "True bearing from own ship, and its standard deviation"],
   ["range", (r) => r.seen.range, (r) => plus(distance(r.seen.range), fixed(r.seen.rangeDeviation, 0)), true, "Distance from own ship, and its standard deviation in metres"],
-  ["course °", (r) => -r.seen.course, (r) => (r.seen.speed > 0.3 ? plus(bearing(r.seen.course, 0), degrees(r.seen.courseDeviation, 0)) : UNKNOWN), true, "Course, and its standard deviation"],
+  ["course °", (r) => -r.seen.course, (r) => courseText(r), true, "Course, and its standard deviation"],
   ["speed kn", (r) => r.seen.speed, (r) => plus(fixed(r.seen.speed * KNOT, 1), fixed(r.seen.speedDeviation * KNOT, 1)), true, "Speed, and its standard deviation"],
   ["exists", (r) => r.existence, (r) => fixed(r.existence, 2), true, "Probability that there is a target"],
   ["observable", (r) => r.observability, (r) => fixed(r.observability, 2), true, "0: the position cannot be told from what is heard; 1: it can"],
@@ -151,6 +151,13 @@ function setText(node, text) {
 
 function plus(value, deviation) {
   return value === UNKNOWN || deviation === UNKNOWN ? value : `${value} ±${deviation}`;
+}
+
+/** A course is unknown where there is no way on, or its deviation is all round. */
+function courseText(row) {
+  const { course, speed, courseDeviation } = row.seen;
+  if (!(speed > 0.3) || courseDeviation > Math.PI / 2) return UNKNOWN;
+  return plus(bearing(course, 0), degrees(courseDeviation, 0));
 }
 
 function sourceText(row) {
