@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import re
 import socket
 import time
@@ -11,6 +10,7 @@ from pathlib import Path
 
 from tornado.websocket import websocket_connect
 
+from tests.display.page.socket_frames import close, greeting
 from tests.system.command_line import (
     PATIENCE,
     RunningCommand,
@@ -30,14 +30,8 @@ async def tracks_seen(port: int) -> int:
         except OSError:
             await asyncio.sleep(0.1)
             continue
-        kinds = [""]
-        while kinds[-1] != "live":
-            said = await link.read_message()
-            assert said is not None
-            kinds.append(json.loads(said)["kind"] if isinstance(said, str) else "row")
-        link.close()
-        while await asyncio.wait_for(link.read_message(), PATIENCE) is not None:
-            pass
+        kinds = [frame["kind"] for frame in await greeting(link)]
+        await close(link)
         if "tracks" in kinds:
             return kinds.count("tracks")
         await asyncio.sleep(0.1)

@@ -10,6 +10,7 @@ from collections.abc import Awaitable, Callable, Mapping
 from contextlib import closing
 from email.message import Message
 from http.client import HTTPConnection
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -24,10 +25,11 @@ from sonar_tracking.display.page.page_address import (
     page_token,
 )
 from sonar_tracking.display.page.page_client import BURST, MISTAKES
-from sonar_tracking.display.page.page_server import PageServer
+from sonar_tracking.display.page.page_server import STATIC, PageServer
 from sonar_tracking.errors import ConfigurationError
 from tests.display.page.conftest import TOKEN
 from tests.display.page.page_scene import show
+from tests.display.page.socket_frames import close, greeting, heard
 
 Start = Callable[..., PageServer]
 Talk = Callable[[WebSocketClientConnection], Awaitable[Any]]
@@ -45,22 +47,9 @@ def talk(server: PageServer, words: Talk, host: str = "localhost") -> Any:
         try:
             return await asyncio.wait_for(words(link), 30.0)
         finally:
-            is_open = link.close_code is None
-            link.close()
-            while is_open and await link.read_message() is not None:
-                pass
+            await close(link)
 
     return asyncio.run(asyncio.wait_for(connected(), 60.0))
-
-
-async def heard(link: WebSocketClientConnection, kind: str) -> dict[str, Any]:
-    """Return the next frame of a kind."""
-    while True:
-        said = await link.read_message()
-        assert said is not None, link.close_reason
-        frame: dict[str, Any] = json.loads(said) if isinstance(said, str) else {"kind": "row"}
-        if frame["kind"] == kind:
-            return frame
 
 
 def fetch(server: PageServer, path: str, **headers: str) -> tuple[int, Message, bytes]:
@@ -95,6 +84,14 @@ def test_files_come_from_here_alone(start: Start) -> None:
         assert fetch(server, path)[0] in (403, 404)
 
 
+def test_all_files_of_the_page_are_where_a_wheel_takes_them_from() -> None:
+    folders = {path.parent.relative_to(STATIC) for path in STATIC.rglob("*") if path.is_file()}
+    assert {Path(), Path("views")} == folders
+    setup = (Path(__file__).parents[3] / "setup.py").read_text()
+    assert '"display/page/static/*"' in setup
+    assert '"display/page/static/views/*"' in setup
+
+
 def test_a_page_elsewhere_cannot_look(start: Start) -> None:
     server = start()
     assert fetch(server, "/", Host="evil.example")[0] == 403
@@ -107,14 +104,7 @@ def test_a_page_gets_the_newest_picture_first_then_the_past(start: Start) -> Non
     server = start()
     show(server, 0, 20)
 
-    async def words(link: WebSocketClientConnection) -> list[tuple[str, float | None]]:
-        found: list[tuple[str, float | None]] = []
-        while not found or found[-1][0] != "live":
-            frame = json.loads(str(await link.read_message()))
-            found.append((frame["kind"], frame["t"]))
-        return found
-
-    kinds = talk(server, words)
+    kinds = [(frame["kind"], frame["t"]) for frame in talk(server, greeting)]
     begin = kinds.index(("history", None))
     assert kinds[0][0] == "hello"
     newest = [time for kind, time in kinds[:begin] if kind == "own_ship"]

@@ -23,6 +23,9 @@ from sonar_tracking.errors import InputError
 LONGEST_BACKLOG = 64 * 1024 * 1024
 """Bytes that may wait for a browser before it is told to begin anew."""
 
+LARGEST_LIST = 64 * 1024
+"""Text that is sent in one message, bytes, as far as it is several frames."""
+
 MESSAGES_PER_SECOND, BURST = 50.0, 200.0
 """What a browser may say; one that says more is shut out."""
 
@@ -185,12 +188,29 @@ class PageClient(WebSocketHandler):
             self._pumping = True
             IOLoop.current().add_callback(self._send_waiting)
 
+    def _next(self) -> str | bytes:
+        """Take what is sent next: a frame, or, of text, all that wait, up to a size, as a list."""
+        first = self._taken()
+        if isinstance(first, bytes):
+            return first
+        texts = [first]
+        size = len(first)
+        while self._waiting and isinstance(self._waiting[0].data, str) and size < LARGEST_LIST:
+            text = str(self._taken())
+            size += len(text)
+            texts.append(text)
+        return f"[{','.join(texts)}]" if len(texts) > 1 else first
+
+    def _taken(self) -> str | bytes:
+        data = self._waiting.popleft().data
+        self._waiting_bytes -= len(data)
+        return data
+
     async def _send_waiting(self) -> None:
         try:
             while self._waiting:
-                frame = self._waiting.popleft()
-                self._waiting_bytes -= len(frame.data)
-                await self.write_message(frame.data, binary=isinstance(frame.data, bytes))
+                data = self._next()
+                await self.write_message(data, binary=isinstance(data, bytes))
         except (WebSocketClosedError, StreamClosedError):
             self._waiting.clear()
         finally:

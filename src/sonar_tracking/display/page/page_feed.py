@@ -43,6 +43,9 @@ from sonar_tracking.message_reading.own_ship_reading import OwnShipReader
 from sonar_tracking.message_reading.position_reading import position_tracks_from_message
 from sonar_tracking.message_reading.sample_reading import samples_from_message
 
+TRUTH_PERIOD = 2.0
+"""Between two lists of the truth that are shown, s of data time: it moves steadily."""
+
 
 class PageFeed:
     """Makes frames of messages, and keeps those of the past.
@@ -112,9 +115,18 @@ class PageFeed:
             return
         for frame in frames:
             self.health.heard(topic, frame.time)
+            if self._is_needless(topic, frame):
+                continue
             if self.history.begins_anew(frame):
                 self.begin_anew(frame.time)
             self.emit(frame)
+
+    def _is_needless(self, topic: str, frame: Frame) -> bool:
+        """Return whether a frame tells of the truth, and the one before is as good."""
+        before = self.history.latest.get(frame.stream)
+        if before is None or "truth" not in topic.split("/"):
+            return False
+        return 0.0 < frame.time - before.time < TRUTH_PERIOD
 
     def begin_anew(self, time: float) -> None:
         """Forget the past: the clock of the data has gone back to a time, s."""

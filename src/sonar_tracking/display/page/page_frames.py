@@ -1,8 +1,9 @@
 """What goes over the socket of the live page: text frames, and binary frames for rows of pictures.
 
 A text frame is a JSON object with ``kind`` and ``t``, its data time in seconds; what is unknown is
-null. A binary frame is the length of its JSON header (uint32, little-endian), the header, padded by
-spaces so that the payload is aligned, and one row of float32, little-endian.
+null. Where several wait, they go as one list. A binary frame is the length of its JSON header
+(uint32, little-endian), the header, padded by spaces so that the payload is aligned, and one row of
+float32, little-endian.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 // What the page knows: frames by stream, each stream in order of data time, within a bounded time.
 //
-// A stream is one kind of one topic, or of one sensor and time scale. Numeric columns become
-// Float64Array, with NaN for what is unknown.
+// A stream is one kind of one topic, or of one sensor and time scale. What is unknown in a
+// column of numbers is NaN.
 
 const KEPT_SECONDS = 45 * 60;
 const MOST_FRAMES = 60000; // of one stream: 20 rows a second for 50 minutes
@@ -147,14 +147,13 @@ export class History {
   }
 }
 
+/** What is unknown is null in the frame, and NaN from here on: a plain array of numbers is small. */
 function packColumns(frame) {
   for (const key of Object.keys(frame)) {
     const value = frame[key];
-    if (!Array.isArray(value)) continue;
+    if (!Array.isArray(value) || !value.includes(null)) continue;
     if (value.every((entry) => entry === null || typeof entry === "number")) {
-      const column = new Float64Array(value.length);
-      for (let i = 0; i < value.length; i++) column[i] = value[i] ?? NaN;
-      frame[key] = column;
+      frame[key] = value.map((entry) => entry ?? NaN);
     }
   }
 }

@@ -11,7 +11,9 @@ import { PROTOCOL, Socket } from "./socket.js";
 import { TimeBar, TimeControl } from "./time_control.js";
 import { cells, keyTexts } from "./views.js";
 
-const DRAW_PAUSE = 100; // ms between two pictures: fast enough for the eye, cheap for the machine
+// ms between two pictures: of new data, and of what the hand does.
+const DATA_PAUSE = 250;
+const HAND_PAUSE = 40;
 const byId = (id) => document.getElementById(id);
 
 class Page {
@@ -24,7 +26,8 @@ class Page {
     this.heard = performance.now();
     this.dirty = true;
     this.drawn = 0;
-    const ask = () => (this.dirty = true);
+    this.moved = false; // by hand: to be drawn at once
+    const ask = () => this.askDraw();
     for (const source of [this.time, palette, this.selection]) source.addEventListener("change", ask);
     document.addEventListener("redraw", ask);
     this.socket = new Socket((frame) => this.take(frame), (news, reason) => this.tell(news, reason));
@@ -41,7 +44,7 @@ class Page {
   }
 
   askDraw() {
-    this.dirty = true;
+    this.moved = true;
   }
 
   take(frame) {
@@ -126,8 +129,9 @@ class Page {
   tick(now) {
     const passed = this.time.pass(Math.min(0.5, (now - this.last) / 1000));
     this.last = now;
-    if ((this.dirty || passed) && now - this.drawn >= DRAW_PAUSE) {
-      this.dirty = false;
+    const due = now - this.drawn >= (this.moved || passed ? HAND_PAUSE : DATA_PAUSE);
+    if ((this.dirty || this.moved || passed) && due) {
+      this.dirty = this.moved = false;
       this.drawn = now;
       this.draw();
     }

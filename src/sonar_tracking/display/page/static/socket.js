@@ -4,13 +4,13 @@ const FIRST_PAUSE = 250; // ms
 const LONGEST_PAUSE = 1000;
 export const PROTOCOL = 1;
 
-/** Decode one message; binary ones are a length, a JSON header and a row of float32. */
+/** The frames of one message: text is one or a list; binary a length, a JSON header, a row of float32. */
 export function decode(data) {
-  if (typeof data === "string") return JSON.parse(data);
+  if (typeof data === "string") return [JSON.parse(data)].flat();
   const length = new DataView(data).getUint32(0, true);
   const frame = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
   frame.row = new Float32Array(data, 4 + length);
-  return frame;
+  return [frame];
 }
 
 export class Socket {
@@ -33,7 +33,7 @@ export class Socket {
       this.pause = FIRST_PAUSE;
       this.tell("connected");
     };
-    this.link.onmessage = (event) => this.take(decode(event.data));
+    this.link.onmessage = (event) => decode(event.data).forEach((frame) => this.take(frame));
     this.link.onclose = (event) => {
       this.open = false;
       this.tell("gone", event.reason);

@@ -160,7 +160,7 @@ export class RangeBearing {
     this.threshold = frame.search_threshold_db;
     pen.font = "10px system-ui, sans-serif";
     for (let i = 0; i < frame.track_id.length; i++) {
-      const [xx, xy, yy] = frame.gate_covariance.subarray(3 * i, 3 * i + 3);
+      const [xx, xy, yy] = frame.gate_covariance.slice(3 * i, 3 * i + 3);
       if (!(xx > 0)) continue;
       const [major, minor, angle] = axes(xx, xy, yy);
       pen.strokeStyle = palette.ray;
