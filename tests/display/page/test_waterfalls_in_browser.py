@@ -205,6 +205,15 @@ def test_a_spectrum_is_sent_when_it_is_chosen(start: Start, chromium: Chromium) 
     assert loudest[1] == pytest.approx(10.0 * math.log10(2.0 / 0.75), abs=0.3)
     page.value("page.draw(), 0")
     assert page.value("document.querySelector('#view-lofar .empty').hidden")
+    # Data that begin anew know of no choice: the page says it again.
+    server.do(server.feed.begin_anew, float(START))
+    for second in range(4):
+        server.do(_take_samples, server, second)
+    page.wait_for("(page.draw(), page.history.names('waterfall').length)")
+    deadline = time.monotonic() + PATIENCE
+    while not server.feed._waterfalls._lofar_selected:
+        assert time.monotonic() < deadline
+        page.value("page.draw(), 0")
     complaints = page.complaints
     page.close()
     assert not complaints
@@ -213,3 +222,23 @@ def test_a_spectrum_is_sent_when_it_is_chosen(start: Start, chromium: Chromium) 
 def _take_samples(server: PageServer, second: int) -> None:
     for frame in server.feed._waterfalls.samples("/array/samples", samples(second)):
         server.feed.emit(frame)
+
+
+def test_spectra_of_several_seconds_are_means_of_power(start: Start, chromium: Chromium) -> None:
+    page = chromium.open(start().address)
+    levels = page.value(
+        """(async () => {
+          const { IntegratedRows, levelsOf } = await import('/integrated_rows.js');
+          const frames = [...Array(10).keys()].map(k => ({
+            t0: 1000 + k, t1: 1001 + k, t: 1001 + k,
+            row: Float32Array.from([k % 2 ? 20 : -300, 10]),
+          }));
+          const stream = { frames, first: 0, after: t => frames.filter(f => f.t <= t).length };
+          const rows = new IntegratedRows().between(stream, 5, 1000, 1010, 'key');
+          return rows.map(row => [row.t0, row.t1, ...levelsOf(row)]);
+        })()"""
+    )
+    page.close()
+    # Two, then three seconds of five have the power 100 in the first column.
+    expected = [[1000, 1005, 16.0206, 10.0], [1005, 1010, 17.7815, 10.0]]
+    np.testing.assert_allclose(levels, expected, atol=1e-3)

@@ -65,3 +65,15 @@ export function chosenTrack(history, choice, t) {
   }
   return null;
 }
+
+/**
+ * Ask the server for what a view shows: once, and again where the connection or the data begin anew.
+ * Returns whether it was asked now.
+ */
+export function askFor(view, page, key, what) {
+  const { socket, history, incoming } = page;
+  if (!socket.open || incoming) return false;
+  if (view.asked === key && view.askedBy === socket.link && view.askedIn === history.version) return false;
+  Object.assign(view, { asked: key, askedBy: socket.link, askedIn: history.version });
+  return socket.send({ kind: "select", ...what });
+}

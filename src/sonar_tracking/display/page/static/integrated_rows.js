@@ -21,22 +21,26 @@ export class IntegratedRows {
     const slot = Math.floor((frame.t0 + frame.t1) / 2 / seconds);
     const gap = this.sum && frame.t0 - this.sum.t1 > seconds / 2;
     if (!this.sum || slot !== this.sum.slot || gap) {
-      const { row, ...rest } = frame;
-      this.sum = { ...rest, slot, power: new Float64Array(row.length), weight: 0 };
+      // A row alone is what it is: no copy of it is kept.
+      this.sum = { ...frame, slot, power: null, weight: frame.t1 - frame.t0 };
       this.rows.push(this.sum);
+    } else {
+      this.join(frame);
     }
-    const sum = this.sum;
+    if (this.rows.length > 5000) this.rows.splice(0, 1000);
+  }
+
+  join(frame) {
+    const { sum } = this;
     const weight = frame.t1 - frame.t0;
+    sum.power ??= Float32Array.from(sum.row, (level) => sum.weight * 10 ** (level / 10));
     for (let i = 0; i < sum.power.length; i++) sum.power[i] += weight * 10 ** (frame.row[i] / 10);
     sum.weight += weight;
-    sum.t1 = frame.t1;
-    sum.t = frame.t;
-    sum.row = null;
-    if (this.rows.length > 5000) this.rows.splice(0, 1000);
+    Object.assign(sum, { t1: frame.t1, t: frame.t, row: null, floor: undefined });
   }
 }
 
-/** Levels of an integrated row, dB. */
+/** Levels of an integrated row, dB; they are computed when they are asked for. */
 export function levelsOf(sum) {
   if (!sum.row) {
     sum.row = new Float32Array(sum.power.length);

@@ -3,7 +3,7 @@
 import { Canvas, element, label } from "../canvas.js";
 import { openMenu } from "../commands.js";
 import { clock, degrees, duration, fixed, niceStep } from "../format.js";
-import { chosenBeam, heardTracks } from "../heard_track.js";
+import { askFor, chosenBeam, heardTracks } from "../heard_track.js";
 import { IntegratedRows, levelsOf, overBackground } from "../integrated_rows.js";
 import { keptSelect, keptToggle, moreChoices, offer } from "../kept_choice.js";
 import { palette } from "../palette.js";
@@ -150,7 +150,7 @@ export class Lofar {
 
   /** The beam that is shown; it is asked for where it is a new one, or the connection is. */
   chooseBeam(t) {
-    const { history, selection, socket } = this.page;
+    const { history, selection } = this.page;
     const heard = heardTracks(history, t);
     const chosen = chosenBeam(history, selection.track, t);
     const entries = [["", chosen ? `chosen: ${beamText(chosen)}` : "chosen track"]];
@@ -160,12 +160,19 @@ export class Lofar {
     const beam = picked ?? chosen ?? (selection.track ? null : heard[0]) ?? null;
     if (!beam) return null;
     const key = beam.track ? `${beam.sensor} ${beam.track}` : `${beam.sensor} ${beam.beam.toFixed(4)}`;
-    if (socket.open && (key !== this.asked || socket.link !== this.link)) {
-      [this.asked, this.link] = [key, socket.link];
-      const which = beam.track ? { track: beam.track } : { beam: Number(beam.beam.toFixed(4)) };
-      socket.send({ kind: "select", view: "lofar", sensor: beam.sensor, ...which });
-    }
+    const which = beam.track ? { track: beam.track } : { beam: Number(beam.beam.toFixed(4)) };
+    if (askFor(this, this.page, key, { view: "lofar", sensor: beam.sensor, ...which })) this.forgetOthers(beam);
     return { ...beam, key };
+  }
+
+  /** Spectra of other beams are large, and are sent again when they are chosen again. */
+  forgetOthers(beam) {
+    const { streams } = this.page.history;
+    for (const name of this.page.history.names("lofar")) {
+      const { frames } = streams.get(name);
+      const { sensor, track } = frames[frames.length - 1];
+      if (sensor !== beam.sensor || track !== beam.track) streams.delete(name);
+    }
   }
 
   streamOf(beam) {
@@ -301,13 +308,12 @@ export class Lofar {
   }
 
   meanOf(sums, newest) {
-    const count = newest.frequency.count;
-    const mean = { power: new Float64Array(count), weight: 0, row: null };
+    const mean = { power: new Float32Array(newest.frequency.count), weight: 0, row: null, frequency: newest.frequency };
     for (const sum of sums) {
-      for (let i = 0; i < count; i++) mean.power[i] += sum.power[i];
+      const levels = levelsOf(sum);
+      for (let i = 0; i < mean.power.length; i++) mean.power[i] += sum.weight * 10 ** (levels[i] / 10);
       mean.weight += sum.weight;
     }
-    mean.frequency = newest.frequency;
     return mean;
   }
 

@@ -6,7 +6,7 @@
 
 import { Canvas, element, label } from "../canvas.js";
 import { clock, duration, fixed, niceStep, signed } from "../format.js";
-import { chosenTrack } from "../heard_track.js";
+import { askFor, chosenTrack } from "../heard_track.js";
 import { keptSelect, keptToggle } from "../kept_choice.js";
 import { palette } from "../palette.js";
 import { readout } from "./bearing_time.js";
@@ -47,14 +47,11 @@ export class StackedDots {
 
   /** The frame of dots to show; it is asked for where the choice is a new one. */
   frameAt(t) {
-    const { history, selection, socket } = this.page;
+    const { history, selection } = this.page;
     const track = chosenTrack(history, selection.track, t);
     if (!track) return null;
     const key = `${track.topic} ${track.id}`;
-    if (socket.open && (key !== this.asked || socket.link !== this.link)) {
-      [this.asked, this.link] = [key, socket.link];
-      socket.send({ kind: "select", view: "dots", topic: track.topic, track: track.id });
-    }
+    askFor(this, this.page, key, { view: "dots", topic: track.topic, track: track.id });
     const stream = history.stream(`dots ${key}`);
     return stream ? (stream.at(t) ?? stream.frames[stream.first]) : null;
   }
