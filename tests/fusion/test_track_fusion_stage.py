@@ -343,3 +343,24 @@ def test_a_station_whose_clock_is_late_is_told_so() -> None:
 def test_a_clock_offset_that_cannot_be_read_is_named(text: str) -> None:
     with pytest.raises(ConfigurationError, match="clock_offsets"):
         TrackFusionConfiguration(clock_offsets=(text,))
+
+
+def test_targets_of_sources_that_have_died_are_coasted_and_end() -> None:
+    """Nobody says that their tracks have ended: a list that is not sent any more says nothing."""
+    stage = TrackFusionStage(AT_ONCE)
+    for moment in moments(Ships(FOUR), 60.0):
+        update = stage.update(moment.frame)
+    assert set(update.tracks.status.tolist()) == {TrackStatus.CONFIRMED}
+    update = stage.update(FusionFrame(stamp_of(100.0)))
+    assert update.tracks.status.tolist() == 4 * [TrackStatus.COASTED]
+    update = stage.update(FusionFrame(stamp_of(700.0)))
+    assert update.tracks.status.tolist() == 4 * [TrackStatus.TERMINATED]
+    assert len(stage.update(FusionFrame(stamp_of(710.0))).tracks) == 0
+
+
+def test_without_own_ship_s_odometry_stations_that_tell_their_pose_are_used() -> None:
+    stage = TrackFusionStage(AT_ONCE)
+    for moment in moments(Ships(FOUR), 120.0):
+        update = stage.update(replace(moment.frame, own_ship=None))
+    sources = update.tracks.contributor_source.tolist()
+    assert len(update.tracks) == 4 and sources.count(TrackSource.TMA) == 4

@@ -14,9 +14,13 @@ from sonar_tracking.fusion.fusion_records import BearingKey, ListKey
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks
+from sonar_tracking.records.time import seconds
 
 ONE_TARGET = 4.0
 """Squared distance per dimension within which two states may be of one target."""
+
+LONGEST_SILENCE = 600.0
+"""What has not been told of for so long is no more, whatever its lists last told, s."""
 
 
 class CopiedLists:
@@ -101,6 +105,8 @@ class CopiedLists:
         """
         rows = []
         for topic, tracks in self._lists.items():
+            if seconds(stamp - tracks.stamp) > LONGEST_SILENCE:
+                continue
             for row in np.flatnonzero(tracks.status != TrackStatus.TERMINATED):
                 key = topic, int(tracks.id[row])
                 if self._names.get(key) in taken:

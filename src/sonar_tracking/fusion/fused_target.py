@@ -56,6 +56,8 @@ class FusedTarget:
         A target that this one may be, its echoes having been lost; None = it is none known before.
     doubted : float
         Since when, stamp time, s.
+    silent : bool
+        Whether nothing has been measured of it for long: its sources have fallen silent.
     """
 
     id: int
@@ -66,6 +68,7 @@ class FusedTarget:
     updated: float = np.nan
     rival: FusedTarget | None = None
     doubted: float = np.nan
+    silent: bool = False
 
     def note(self, key: ListKey, tracks: PositionTracks, row: int) -> None:
         """Let a row of a list of echoes be one of the tracks it is made of."""
@@ -104,6 +107,8 @@ class FusedTarget:
         """Confirmed as long as one of its tracks is, unless it may be known already."""
         if self.rival is not None:
             return TrackStatus.TENTATIVE
+        if self.silent:
+            return TrackStatus.COASTED
         if any(one.status == TrackStatus.CONFIRMED for one in self.contributors):
             return TrackStatus.CONFIRMED
         return TrackStatus.COASTED

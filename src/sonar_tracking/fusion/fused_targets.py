@@ -10,7 +10,7 @@ import numpy as np
 from sonar_tracking.errors import InputError
 from sonar_tracking.fusion.bearing_links import HIGHEST_EVIDENCE, BearingLinks
 from sonar_tracking.fusion.bearing_trials import Trial
-from sonar_tracking.fusion.copied_lists import CopiedLists
+from sonar_tracking.fusion.copied_lists import LONGEST_SILENCE, CopiedLists
 from sonar_tracking.fusion.echo_targets import EchoTargets
 from sonar_tracking.fusion.exchanges import ECHOES
 from sonar_tracking.fusion.fused_rows import ShownRows
@@ -223,11 +223,12 @@ class FusedTargets:
                 target.orphaned = np.nan
             elif np.isnan(target.orphaned):
                 target.orphaned = now
-            if now - target.orphaned >= self.configuration.coast_duration:
+            longest, silence = self.configuration.coast_duration, now - target.updated
+            target.silent = silence > longest
+            if now - target.orphaned >= longest or silence > LONGEST_SILENCE:
                 over.append(target)
-        self._filters.end(over)
         for target in over:
-            self._forget(target)
+            self._remove(target)
 
     def _forget(self, target: FusedTarget) -> None:
         for place in [place for place in self._paused if place[0] is target]:
