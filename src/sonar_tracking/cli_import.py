@@ -158,3 +158,46 @@ def contacts(
         "epoch": epoch,
     }
     print(importer.import_contacts_file(file, output, sensor, own_ship, truth, parameters))
+
+
+@import_app.command()
+def bearings(
+    file: Annotated[Path, typer.Argument(help="CSV or npz with one line, or entry, a bearing.")],
+    output: Annotated[Path, typer.Option(help="The new bag.")],
+    stations: Annotated[
+        Path | None, typer.Option(help="CSV or npz: sensor, east_m, north_m, up_m, heading_deg.")
+    ] = None,
+    own_ship: Annotated[
+        Path | None, typer.Option(help="CSV or npz: time_s, east_m, north_m, heading_deg.")
+    ] = None,
+    truth: Annotated[
+        Path | None, typer.Option(help="CSV or npz: time_s, target, east_m, north_m.")
+    ] = None,
+    bearing_deviation_deg: Annotated[
+        float, typer.Option(help="Standard deviation of bearings without their own, degrees.")
+    ] = 0.0,
+    frequency_deviation: Annotated[
+        float, typer.Option(help="The same of frequency lines, Hz.")
+    ] = 0.2,
+    epoch: Annotated[str, typer.Option(help="Instant of time_s = 0.")] = "2026-01-01T00:00:00Z",
+    parameters: Annotated[
+        Path | None, typer.Option(help="YAML file: node, parameter, value; kept for the replay.")
+    ] = None,
+) -> None:
+    """Bring recorded bearings into a bag whose replay finds positions.
+
+    Columns: time_s (or unix_time_s), bearing_deg (compass; or azimuth_deg, from east
+    anticlockwise; or relative_bearing_deg, from the bow clockwise; or cone_angle_deg, from the axis
+    of a line array; or arrival_angle_deg, from its broadside). Optional: sensor, track (a label;
+    without it the tracks are found), bearing_deviation_deg, elevation_deg with
+    elevation_deviation_deg, frequency_hz with frequency_deviation_hz. A sensor that --stations does
+    not name is aboard own ship.
+    """
+    importer = needs("sonar_tracking.graph.verbs.import_command")
+    sensor = {
+        "bearing_deviation_deg": bearing_deviation_deg,
+        "frequency_deviation": frequency_deviation,
+        "epoch": epoch,
+    }
+    sources = importer.BearingSources(stations, own_ship, truth)
+    print(importer.import_bearings_file(file, output, sensor, sources, parameters))

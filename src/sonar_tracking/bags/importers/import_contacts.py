@@ -142,7 +142,7 @@ def read_pings(
         _ping(lines, rows, motion, index, sensor, sensor.maximum_range or farthest)
         for index, rows in enumerate(groups)
     )
-    true = _truth(truth, stamps, sensor.epoch, notes) if truth is not None else ()
+    true = true_tracks_at(truth, stamps, sensor.epoch, notes) if truth is not None else ()
     return RecordedPings(pings, motion, true, tuple(notes))
 
 
@@ -263,10 +263,27 @@ def _deviations(own: FloatArray, common: float, option: str) -> FloatArray:
     return np.asarray(filled)
 
 
-def _truth(
+def true_tracks_at(
     path: Path | str, stamps: IntArray, epoch: int, notes: list[str]
 ) -> tuple[TruthTracks, ...]:
-    """Return the true states at the pings, each target from its first to its last position."""
+    """Return the true states at the pings, each target from its first to its last position.
+
+    Parameters
+    ----------
+    path : Path or str
+        CSV or npz of true positions.
+    stamps : ndarray of int, shape (n,)
+        Of the pings, ascending, ns.
+    epoch : int
+        Instant of ``time_s`` = 0, ns.
+    notes : list of str
+        Told what was left out.
+
+    Raises
+    ------
+    ConfigurationError
+        If the file cannot be used, or has no instant in common with the pings.
+    """
     targets, bad = read_true_positions(path, epoch)
     notes.extend(bad)
     whole = np.unique(np.concatenate([surveyed.stamp for surveyed in targets.values()]))

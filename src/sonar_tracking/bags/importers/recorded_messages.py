@@ -48,7 +48,7 @@ def snapshots_cdr(
     """
     flat = np.ascontiguousarray(data, np.complex64).reshape(-1).view(np.float32)
     values = {
-        **_head(Sensor(array.sensor_id), stamp, next_stamp, SNAPSHOTS_TYPE),
+        **message_head(Sensor(array.sensor_id), stamp, next_stamp, SNAPSHOTS_TYPE),
         **_elements(array.element_positions),
         "sample_period": sample_period,
         "center_frequency": frequency,
@@ -58,20 +58,20 @@ def snapshots_cdr(
         "data": flat,
         "noise_covariance": np.zeros(0),
     }
-    return _serialised(SNAPSHOTS_TYPE, values)
+    return serialised(SNAPSHOTS_TYPE, values)
 
 
 def samples_cdr(block: ArraySamples) -> bytes:
     """Return a serialised ArraySamples message (data rounded to float32)."""
     values = {
-        **_head(block.sensor, block.stamp, block.next_stamp, SAMPLES_TYPE),
+        **message_head(block.sensor, block.stamp, block.next_stamp, SAMPLES_TYPE),
         **_elements(block.element_positions),
         "sample_rate": block.sample_rate,
         "sound_speed": block.sound_speed,
         "n_samples": len(block.data),
         "data": np.ascontiguousarray(block.data, np.float32).reshape(-1),
     }
-    return _serialised(SAMPLES_TYPE, values)
+    return serialised(SAMPLES_TYPE, values)
 
 
 def truth_cdr(array: RecordedArray, stamp: int, next_stamp: int, truth: SurveyedBearings) -> bytes:
@@ -79,7 +79,7 @@ def truth_cdr(array: RecordedArray, stamp: int, next_stamp: int, truth: Surveyed
     count = len(truth.target)
     unknown = np.full(count, np.nan)
     values = {
-        **_head(Sensor(array.sensor_id), stamp, next_stamp, BEARING_TRACKS_TYPE),
+        **message_head(Sensor(array.sensor_id), stamp, next_stamp, BEARING_TRACKS_TYPE),
         "angle_kind": _CONE,
         "id": truth.target,
         "status": np.full(count, TrackStatus.CONFIRMED, np.uint8),
@@ -95,10 +95,10 @@ def truth_cdr(array: RecordedArray, stamp: int, next_stamp: int, truth: Surveyed
         "elevation": np.zeros(0),
         "elevation_variance": np.zeros(0),
     }
-    return _serialised(BEARING_TRACKS_TYPE, values)
+    return serialised(BEARING_TRACKS_TYPE, values)
 
 
-def _head(sensor: Sensor, stamp: int, next_stamp: int, type_name: str) -> dict[str, Any]:
+def message_head(sensor: Sensor, stamp: int, next_stamp: int, type_name: str) -> dict[str, Any]:
     """Return what every message of a sensor begins with."""
     types = installed_typestore(type_name).types
     point = types["geometry_msgs/msg/Point"](*sensor.position)
@@ -122,7 +122,8 @@ def _time(types: dict[str, Any], stamp: int) -> Any:
     return types["builtin_interfaces/msg/Time"](seconds, nanoseconds)
 
 
-def _serialised(type_name: str, values: dict[str, Any]) -> bytes:
+def serialised(type_name: str, values: dict[str, Any]) -> bytes:
+    """Return a message of a type as the middleware serialises it."""
     store = installed_typestore(type_name)
     message = store.types[type_name](**values)
     return bytes(store.serialize_cdr(message, type_name, little_endian=True))

@@ -11,12 +11,18 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from sonar_tracking.bags.importers.audio_recording import NOT_GIVEN, GivenTime
+from sonar_tracking.bags.importers.import_bearings import (
+    BearingSensor,
+    BearingSources,
+    import_bearings,
+)
 from sonar_tracking.bags.importers.import_contacts import ContactSensor, import_contacts
 from sonar_tracking.bags.importers.import_samples import import_samples, suggested_estimator
 from sonar_tracking.bags.importers.import_wav import import_wav
 from sonar_tracking.configuration import from_mapping
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.active_nodes import HPDA_TRACKER
+from sonar_tracking.graph.catalogue.fusion_nodes import TRACK_FUSION
 from sonar_tracking.graph.catalogue.node_settings import read_settings, resolved_settings
 from sonar_tracking.graph.catalogue.passive_nodes import (
     BAND_DEMODULATOR,
@@ -142,6 +148,49 @@ def import_contacts_file(
     values = {**sensor, "epoch": checked_epoch(sensor["epoch"], "")}
     described = from_mapping(ContactSensor, values, "import contacts")
     done = import_contacts(file, output, described, own_ship, truth, settings)
+    return _with_next_command(done, output)
+
+
+def import_bearings_file(
+    file: Path,
+    output: Path,
+    sensor: Mapping[str, Any],
+    sources: BearingSources,
+    parameters: Path | None = None,
+) -> str:
+    """Import recorded bearings and return what was done, in words.
+
+    The replay starts ``tma_tracker``, and ``track_fusion`` if the parameters name it.
+
+    Parameters
+    ----------
+    file, output, sources
+        See :func:`sonar_tracking.bags.importers.import_bearings.import_bearings`.
+    sensor : mapping
+        Fields of BearingSensor by name; ``epoch`` as a person writes it.
+    parameters : Path, optional
+        YAML file of node, parameter, value: stored in the bag for its replay.
+
+    Raises
+    ------
+    ConfigurationError
+        If anything given cannot be used; no bag is left then.
+    """
+    given = _given(parameters)
+    where = "import bearings" if parameters is None else str(parameters)
+
+    def settings(topics: list[tuple[str, str]]) -> Mapping[str, Mapping[str, Any]]:
+        named = {
+            "bearing_topics": tuple(bearings[1:] for bearings, _ in topics),
+            "line_topics": tuple(lines[1:] for _, lines in topics if lines),
+        }
+        given[TMA_TRACKER.name] = named | given.get(TMA_TRACKER.name, {})
+        fused = (TRACK_FUSION,) if TRACK_FUSION.name in given else ()
+        return resolved_settings(given, (TMA_TRACKER, *fused), where)
+
+    values = {**sensor, "epoch": checked_epoch(sensor["epoch"], "")}
+    described = from_mapping(BearingSensor, values, "import bearings")
+    done = import_bearings(file, output, described, sources, settings)
     return _with_next_command(done, output)
 
 
