@@ -151,3 +151,17 @@ def test_a_start_counts_the_sources(straight: bool) -> None:
     assert starting_columns(configuration, made) == 1
     silent = replace(made, history=noise[0] + 1j * noise[1])
     assert starting_columns(configuration, silent) == 0
+
+
+def test_a_full_covariance_in_which_no_source_is_seen_is_given_to_those_who_count_themselves() -> (
+    None
+):
+    quiet = memory(captured=(), sampler=None, n_columns=0)
+    counting = replace(CONFIGURATION, method="covariance", source_count=0)
+    for configuration, snapshots in ((counting, 4), (CONFIGURATION, 0)):
+        complete = CompleteWindow(WINDOW, quiet, quiet)
+        found = estimates_of_windows(configuration, SCHEDULE, [complete])[0]
+        assert found.basis.shape[0] == 0 and found.covariance_snapshots == snapshots
+    short = replace(quiet, history=quiet.history[:3])
+    found = estimates_of_windows(counting, SCHEDULE, [CompleteWindow(WINDOW, short, short)])[0]
+    assert found.covariance is None

@@ -129,6 +129,13 @@ class CompleteWindow:
         """The bases taken for it."""
         return [c for c in self.bases_from.captured if c.index in self.window.indices]
 
+    def shows_no_source(self, n_snapshots: int) -> bool:
+        """Return whether no subspace is followed though there are so many snapshots to see one."""
+        return (
+            self.snapshots_from.sampler is None
+            and self.snapshots_from.history.shape[-2] >= n_snapshots
+        )
+
     @property
     def covariance_end(self) -> int:
         """Global index of the last snapshot of its covariance."""
@@ -150,7 +157,13 @@ def estimates_of_windows(
         The window of each sample time.
     """
     summaries = [CovarianceSummary()] * len(windows)
-    known = [row for row, each in enumerate(windows) if each.subspaces]
+    # Weak sources that no covariance shows by itself are sought in the mean of several.
+    alone = configuration.entry.of_covariance and configuration.source_count == 0
+    known = [
+        row
+        for row, each in enumerate(windows)
+        if each.subspaces or (alone and each.shows_no_source(configuration.covariance_snapshots))
+    ]
     ends = [(windows[row].snapshots_from, windows[row].covariance_end) for row in known]
     for row, summary in zip(known, _summaries(configuration, ends), strict=True):
         summaries[row] = summary
