@@ -13,7 +13,7 @@ from typing import Protocol, TypeVar
 from sonar_tracking.errors import Notice
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.passive.bearings.bearing_measurement import BearingMeasurement
-from sonar_tracking.records.arrays import BoolArray, ComplexArray, IndexArray
+from sonar_tracking.records.arrays import BoolArray, ComplexArray, FloatArray, IndexArray
 from sonar_tracking.records.bearings import SubspaceEstimates
 
 FilterState = TypeVar("FilterState", bound=KalmanState)
@@ -62,6 +62,7 @@ class BearingFilters(Protocol[FilterState]):
         filters: FilterState,
         estimates: SubspaceEstimates,
         sources: ComplexArray | None,
+        excess: FloatArray | None = None,
     ) -> FilterUpdate:
         """Measure every target, of one at least, and return the filters after it.
 
@@ -73,6 +74,9 @@ class BearingFilters(Protocol[FilterState]):
             What was measured.
         sources : ndarray, shape (..., n_targets, n_targets), complex, or None
             Covariance of the sources at the predictions, linear power; None = not known.
+        excess : ndarray, shape (..., n_targets), optional
+            Power of each faint source in its beam, over that of the noise, pure numbers; NaN = not
+            faint. Given if there is one, and only to methods that hold them.
         """
         ...
 

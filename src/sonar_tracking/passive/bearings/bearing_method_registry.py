@@ -21,9 +21,12 @@ BearingTrackerConfiguration` and returns
     ----------
     needs_covariance : bool
         Measures in the block covariance and not in the subspaces.
+    holds_faint : bool
+        Follows sources so faint that no covariance shows them by itself.
     """
 
     needs_covariance: bool = trait("measures in the covariance of the subspace estimator")
+    holds_faint: bool = trait("follows sources that no single covariance shows")
 
 
 BEARING_METHODS = MethodRegistry(
@@ -56,5 +59,6 @@ BEARING_METHODS = MethodRegistry(
         "one filter over all targets, updated with the likelihood of the block covariance",
         label="joint MAP",
         needs_covariance=True,
+        holds_faint=True,
     ),
 )

@@ -96,6 +96,7 @@ class BearingStart:
         n_weak: int = 0,
         tracked_ids: tuple[int, ...] = (),
         tracked_rates: FloatArray | None = None,
+        n_faint: int = 0,
     ) -> tuple[BearingStart, tuple[StartedTrack, ...]]:
         """Return the start after one more estimate and the tracks started by it.
 
@@ -114,9 +115,10 @@ class BearingStart:
             of one that runs then starts in its place.
         tracked_rates : ndarray, shape (n_tracks,), optional
             Rates of the tracks, rad/s; zero if not given.
+        n_faint : int
+            Tracks besides ``n_seen`` that may have a source in this covariance.
         """
-        covariance = estimates.covariance
-        if covariance is None:
+        if (covariance := estimates.covariance) is None:
             return self, ()
         n_running = len(tracked_angles)
         n_seen = n_running if n_seen is None else n_seen
@@ -142,7 +144,7 @@ class BearingStart:
         if not self.follows_count or not tracked_ids:
             return left, started
         fit = None
-        if max(n_sources, estimates.rank) - n_seen > len(angles):
+        if max(n_sources, estimates.rank) - n_seen - n_faint > len(angles):
             fit = _pair(estimates, covariance, n_sources, tracked_angles, tracked_rates)
         left, both = left._follow_pairs(middle, estimates.stamp, fit, tracked_ids)
         return left, (*started, *both)

@@ -66,6 +66,12 @@ class BearingTrackerConfiguration:
         minimum=1,
         maximum=16,
     )
+    track_before_detect: bool = parameter(
+        True,
+        "Also start tracks of faint sources that no covariance shows by itself, by a Bernoulli "
+        "filter on what the tracks leave of the covariances of a uniform line array; they are "
+        "followed in all covariances together (start = automatic, joint_map)",
+    )
     silence_time: float = parameter(
         1.5,
         "How long a source may be silent before it counts against its existence; a track without "

@@ -78,6 +78,7 @@ class IndependentFilters:
         filters: KalmanState,
         estimates: SubspaceEstimates,
         sources: ComplexArray | None,
+        excess: FloatArray | None = None,
     ) -> FilterUpdate:
         """Measure every target and return the filters after it.
 
@@ -89,6 +90,8 @@ class IndependentFilters:
             What was measured.
         sources : ndarray, shape (..., n_targets, n_targets), complex, or None
             Covariance of the sources at the predictions, linear power; None = not known.
+        excess : ndarray, shape (..., n_targets), optional
+            Of faint sources, pure numbers: not used, these filters hold none.
         """
         measurement, notices = self._measure(filters, estimates, sources)
         if measurement is None:

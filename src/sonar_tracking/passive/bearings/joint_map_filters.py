@@ -24,6 +24,7 @@ from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
 )
 from sonar_tracking.passive.bearings.covariance_subspace import covariance_subspace
 from sonar_tracking.passive.bearings.encounters import Encounter, no_encounter
+from sonar_tracking.passive.bearings.faint_measurement import Fit, fit_with_faint
 from sonar_tracking.passive.bearings.joint_map_update import (
     JointUpdate,
     predict_jointly,
@@ -173,6 +174,7 @@ class JointMapFilters:
         filters: JointMapState,
         estimates: SubspaceEstimates,
         sources: ComplexArray | None,
+        excess: FloatArray | None = None,
     ) -> FilterUpdate:
         """Return the filter after the block of an estimate.
 
@@ -185,17 +187,27 @@ class JointMapFilters:
         sources : ndarray, shape (..., n_targets, n_targets), complex, or None
             Covariance of the sources, linear power: not used, the likelihood of the block finds
             its own.
+        excess : ndarray, shape (..., n_targets), optional
+            Power of each faint source in its beam, over that of the noise, pure numbers; NaN = not
+            faint.
         """
         subspace, notices = covariance_subspace(self.configuration, estimates)
-        if subspace is None:
+        fit: Fit | None = None
+        if subspace is not None:
+            fit = partial(
+                weighted_subspace_fit,
+                subspace,
+                estimates.covariance_snapshots,
+                estimates.element_positions,
+                wavenumber=wavenumber(estimates.center_frequency, estimates.sound_speed),
+            )
+        if excess is not None and estimates.covariance is not None:
+            fit, notices = (
+                fit_with_faint(fit, subspace, estimates, estimates.covariance, excess),
+                (),
+            )
+        if fit is None:
             return FilterUpdate(filters, None, notices)
-        fit = partial(
-            weighted_subspace_fit,
-            subspace,
-            estimates.covariance_snapshots,
-            estimates.element_positions,
-            wavenumber=wavenumber(estimates.center_frequency, estimates.sound_speed),
-        )
         age = -estimates.covariance_time_offset
         corrected = update_jointly(filters, age, fit)
         before = self.targets(filters)

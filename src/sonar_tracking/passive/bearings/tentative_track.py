@@ -89,8 +89,11 @@ class StartedTrack:
         Angle and rate, rad and rad/s.
     covariance : ndarray, shape (2, 2)
         rad^2, rad^2/s, rad^2/s^2.
+    excess : float
+        Power of a faint source in its beam, over that of the noise, pure number; NaN = not faint.
     """
 
     id: int
     mean: FloatArray
     covariance: FloatArray
+    excess: float = np.nan

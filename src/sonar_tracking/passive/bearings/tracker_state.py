@@ -10,6 +10,7 @@ from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.passive.bearings.bearing_filters import BearingFilters
 from sonar_tracking.passive.bearings.bearing_start import BearingStart
 from sonar_tracking.passive.bearings.bearing_track_list import BearingTrackRows
+from sonar_tracking.passive.bearings.faint_start import FaintStart
 from sonar_tracking.passive.bearings.steering_uncertainty import SteeringUncertainty
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 from sonar_tracking.records.bearings import BearingTracks
@@ -47,6 +48,11 @@ class TrackerState:
         Tracks that have not started yet.
     existence : ndarray, shape (n_tracks,)
         Probabilities of existence; NaN = not estimated.
+    excess : ndarray, shape (n_tracks,)
+        Power of each faint source in its beam, over that of the noise, pure numbers; NaN = not
+        faint.
+    faint : FaintStart
+        Faint sources that have no track yet.
     steering : SteeringUncertainty
         What the array differs from its description.
     ended : tuple of BearingTrackRows
@@ -58,6 +64,8 @@ class TrackerState:
     filters: KalmanState
     start: BearingStart
     existence: FloatArray
+    excess: FloatArray
+    faint: FaintStart = field(default_factory=FaintStart)
     steering: SteeringUncertainty = field(default_factory=SteeringUncertainty)
     ended: tuple[BearingTrackRows, ...] = ()
 
@@ -73,4 +81,10 @@ class TrackerState:
         """
         ids = tuple(self.ids[row] for row in rows)
         kept = filters.keep(self.filters, rows)
-        return replace(self, ids=ids, filters=kept, existence=self.existence[rows])
+        return replace(
+            self,
+            ids=ids,
+            filters=kept,
+            existence=self.existence[rows],
+            excess=self.excess[rows],
+        )

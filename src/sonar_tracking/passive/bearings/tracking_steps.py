@@ -12,10 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from sonar_tracking.errors import InputError, Notice
+from sonar_tracking.errors import InputError
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.passive.bearings.bearing_filters import BearingFilters, FilterUpdate
-from sonar_tracking.passive.bearings.bearing_measurement import BearingMeasurement
 from sonar_tracking.passive.bearings.bearing_start import BearingStart
 from sonar_tracking.passive.bearings.bearing_track_list import (
     BearingTrackRows,
@@ -29,11 +28,13 @@ from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
     SQUARE_DEGREE,
     BearingTrackerConfiguration,
 )
+from sonar_tracking.passive.bearings.followed_tracks import FollowedTracks
 from sonar_tracking.passive.bearings.steering_uncertainty import SteeringUncertainty
 from sonar_tracking.passive.bearings.track_existence import (
     ENDED,
     Evidence,
     existence_evidence,
+    faint_excess,
     no_evidence,
 )
 from sonar_tracking.passive.bearings.tracker_state import TrackerState, TrackerUpdate
@@ -42,40 +43,9 @@ from sonar_tracking.passive.directions.sources_at_angles import (
     signal_to_noise_ratios,
 )
 from sonar_tracking.passive.sources.weak_source_counting import WeakSourceCounter
-from sonar_tracking.records.arrays import BoolArray, FloatArray
+from sonar_tracking.records.arrays import BoolArray
 from sonar_tracking.records.bearings import SubspaceEstimates, TrackStatus
 from sonar_tracking.records.time import END_OF_DATA, seconds
-
-
-@dataclass(frozen=True)
-class FollowedTracks:
-    """The running tracks of one run, or of several that are alike, after an estimate.
-
-    Attributes
-    ----------
-    filters : KalmanState
-        After the estimate.
-    existence : ndarray, shape (..., n_tracks)
-        Probabilities; NaN = not estimated.
-    measurement : BearingMeasurement or None
-        What the estimate told of each track; None = nothing.
-    signal_to_noise_ratio : ndarray, shape (..., n_tracks)
-        Linear; NaN = not known.
-    evidence : Evidence
-        Of the existence of the tracks.
-    notices : tuple of Notice
-        Why nothing was measured.
-    first : bool
-        Whether the estimate only told the time.
-    """
-
-    filters: KalmanState
-    existence: FloatArray
-    measurement: BearingMeasurement | None
-    signal_to_noise_ratio: FloatArray
-    evidence: Evidence
-    notices: tuple[Notice, ...]
-    first: bool
 
 
 @dataclass(frozen=True)
@@ -102,6 +72,11 @@ class TrackingSteps:
     def needs_covariance(self) -> bool:
         """Whether bearings are measured in the block covariance."""
         return self.configuration.needs_covariance
+
+    @cached_property
+    def seeks_faint(self) -> bool:
+        """Whether sources are sought that no covariance shows by itself."""
+        return self.configuration.track_before_detect and self.configuration.entry.holds_faint
 
     @property
     def automatic(self) -> bool:
@@ -146,6 +121,7 @@ class TrackingSteps:
             filters=self.filters.start(targets),
             start=start,
             existence=np.full(n_targets, np.nan),
+            excess=np.full(n_targets, np.nan),
         )
 
     def follow(
@@ -166,16 +142,19 @@ class TrackingSteps:
         if interval is not None:
             filters = self.filters.predict(filters, interval)
         predicted = self.filters.targets(filters).mean
+        excess = state.excess if np.isfinite(state.excess).any() else None
         sources, updated = None, FilterUpdate(filters, None)
         if predicted.shape[-2]:
             sources = estimated_sources(estimates, predicted[..., 0], predicted[..., 1])
             if interval is not None:
-                updated = self.filters.update(filters, estimates, sources)
-        existence, evidence = state.existence, no_evidence(state.existence.shape)
+                updated = self.filters.update(filters, estimates, sources, excess)
+        existence = state.existence
+        evidence = replace(no_evidence(existence.shape), excess=state.excess)
         if self.automatic and interval is not None:
             mean = self.filters.targets(updated.filters).mean
-            evidence = existence_evidence(estimates, mean[..., 0], mean[..., 1], interval)
+            evidence = existence_evidence(estimates, mean[..., 0], mean[..., 1], interval, excess)
             existence = evidence.update(existence, interval, self.configuration.silence_time)
+            evidence = evidence.holding(existence)
             if self.ends_tracks and evidence.unseen.any():
                 updated = self._without_unseen(updated, filters, evidence.unseen)
         return FollowedTracks(
@@ -223,6 +202,7 @@ class TrackingSteps:
             stamp=estimates.stamp,
             filters=followed.filters,
             existence=followed.existence,
+            excess=followed.evidence.excess,
         )
         rows = running_rows(
             state.ids,
@@ -232,11 +212,12 @@ class TrackingSteps:
             self._status(state, followed),
             state.existence if self.automatic else None,
         )
+        n_faint = followed.evidence.n_shown(estimates.covariance_snapshots)
         for each in before.ended:
             rows = rows.append(each)
         state, n_seen = self._end_tracks(replace(state, ended=()), followed.evidence)
         if self.automatic:
-            state, new_rows = self._start_tracks(estimates, state, n_seen, n_weak)
+            state, new_rows = self._start_tracks(estimates, state, n_seen, n_weak, n_faint)
             hidden = {pair.track_id: pair.half_separation() for pair in state.start.pairs}
             rows = rows.without(new_rows.ids).widened(hidden).append(new_rows)
         # An estimate that only carries the end of the data is empty by nature.
@@ -294,27 +275,38 @@ class TrackingSteps:
     def _end_tracks(
         self, state: TrackerState, evidence: Evidence
     ) -> tuple[TrackerState, int | None]:
-        """Drop ended tracks; return how many of the others have a source, None = all."""
+        """Drop ended tracks; return how many of the others a covariance shows, None = all."""
         if not self.ends_tracks:
             return state, None
         going_on = state.existence >= ENDED
-        n_seen = int(np.count_nonzero(going_on & ~evidence.unseen))
+        # Faint sources are not among those counted in a covariance.
+        n_seen = int(np.count_nonzero(going_on & ~evidence.unseen & ~evidence.faint))
         if going_on.all():
             return state, n_seen
         return state.keep(self.filters, np.flatnonzero(going_on)), n_seen
 
     def _start_tracks(
-        self, estimates: SubspaceEstimates, state: TrackerState, n_seen: int | None, n_weak: int
+        self,
+        estimates: SubspaceEstimates,
+        state: TrackerState,
+        n_seen: int | None,
+        n_weak: int,
+        n_faint: int,
     ) -> tuple[TrackerState, BearingTrackRows]:
         """Let the automatic start see the estimate; return its rows too."""
         mean = self.filters.targets(state.filters).mean
         folded, _ = folded_angles(mean[..., 0], estimates.element_positions)
         start, started = state.start.update(
-            estimates, folded, n_seen, n_weak, state.ids, mean[..., 1]
+            estimates, folded, n_seen, n_weak, state.ids, mean[..., 1], n_faint
         )
+        faint = state.faint.anew() if started else state.faint
+        if self.seeks_faint and not started:
+            faint, started = faint.update(estimates, mean, start.next_id, state.steering.error)
+            start = replace(start, next_id=start.next_id + len(started))
+        state = replace(state, start=start, faint=faint)
         tentative = tentative_rows(start.tentative, estimates.stamp)
         if not started:
-            return replace(state, start=start), tentative
+            return state, tentative
         new = started_rows(started)
         if set(new.ids) & set(state.ids):
             # One of a pair takes the place of the track that was between them.
@@ -322,9 +314,13 @@ class TrackingSteps:
             state = state.keep(self.filters, np.array(left, dtype=np.intp))
         grown = replace(
             state,
-            start=start,
             ids=state.ids + new.ids,
             filters=self.filters.extend(state.filters, new.filters),
             existence=np.concatenate([state.existence, new.existence_probability]),
+            excess=np.append(state.excess, [track.excess for track in started]),
         )
+        if self.seeks_faint and np.isnan(started[0].excess):
+            shown = faint_excess(estimates, self.filters.targets(grown.filters).mean)
+            shown[: -len(started)] = state.excess
+            grown = replace(grown, excess=shown)
         return grown, new.append(tentative)

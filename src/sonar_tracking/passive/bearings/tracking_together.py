@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from sonar_tracking.passive.bearings.alike_runs import (
     grouped,
     kind_of,
@@ -19,8 +21,9 @@ from sonar_tracking.passive.bearings.alike_runs import (
     stacked_estimates,
 )
 from sonar_tracking.passive.bearings.bearing_start import BearingStart
+from sonar_tracking.passive.bearings.followed_tracks import FollowedTracks
 from sonar_tracking.passive.bearings.tracker_state import TrackerState
-from sonar_tracking.passive.bearings.tracking_steps import FollowedTracks, TrackingSteps
+from sonar_tracking.passive.bearings.tracking_steps import TrackingSteps
 from sonar_tracking.passive.sources.weak_source_counting import counts_together
 from sonar_tracking.records.bearings import SubspaceEstimates
 
@@ -44,7 +47,12 @@ def follow_together(
     if len(estimates) == 1:
         return [steps.follow(estimates[0], *before[0])]
     kinds = [
-        (interval, kind_of(state.filters), kind_of_estimates(own))
+        (
+            interval,
+            kind_of(state.filters),
+            np.isfinite(state.excess).tobytes(),
+            kind_of_estimates(own),
+        )
         for own, (state, interval) in zip(estimates, before, strict=True)
     ]
     followed: dict[int, FollowedTracks] = {}
@@ -58,6 +66,7 @@ def follow_together(
             state,
             filters=stacked([each.filters for each in states]),
             existence=stacked([each.existence for each in states]),
+            excess=stacked([each.excess for each in states]),
         )
         together = stacked_estimates([estimates[row] for row in rows])
         all_of_them = steps.follow(together, state, interval)

@@ -24,6 +24,7 @@ from sonar_tracking.evaluation.studies.mismatch_bearings.names import (
 from sonar_tracking.evaluation.studies.mismatch_bearings.runs import (
     DEFAULTS,
     TOLD,
+    WITHOUT,
     ChainRun,
     MismatchRun,
     figures,
@@ -221,3 +222,12 @@ def test_study_is_known_by_name_and_draws(
     assert len(definition.tasks(2, 1)) == len(CONDITIONS) and definition.default_runs == 50
     (picture,) = definition.draw(results, definition.rows(results), tmp_path)
     assert picture.stat().st_size > 10_000
+
+
+@pytest.mark.slow
+def test_a_faint_source_is_asked_for_the_start_of_its_track_with_and_without() -> None:
+    (row, beside) = study.rows([runs_under(short("faint source, -14 dB", 20.0), seeds(2))])
+    assert (row.system, beside.system) == (DEFAULTS, WITHOUT)
+    assert row.metrics["within_20_s_percent"] == 100.0 and row.metrics["start_s"] <= 20.0
+    assert beside.metrics["within_60_s_percent"] == 0.0 and "start_s" not in beside.metrics
+    assert row.metrics["false_per_hour"] == beside.metrics["false_per_hour"] == 0.0

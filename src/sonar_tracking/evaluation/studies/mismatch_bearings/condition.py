@@ -43,6 +43,9 @@ class Condition:
         What is wrong with the array; whoever is told the truth has it corrected.
     published : published.Condition or None
         Where bursts are those of the study doa-coherent.
+    faint : bool
+        Whether the question is when a track starts: beside the defaults stands the chain without
+        track-before-detect.
     names_before, names_after : tuple of float
         From, to: when targets have their names, and when they should have them again, s.
     """
@@ -52,6 +55,7 @@ class Condition:
     told_process_noise_deg2: float = 1e-6
     errors: ArrayErrors = field(default_factory=ArrayErrors)
     published: published.Condition | None = None
+    faint: bool = False
     names_before: tuple[float, float] = (0.0, 0.0)
     names_after: tuple[float, float] = (0.0, 0.0)
 

@@ -117,6 +117,14 @@ def _of_array(name: str, errors: ArrayErrors, level_db: float, elements: int = 1
     return Condition(name, _scenario(*targets, elements=elements), CONSTANT_DEG2, errors)
 
 
+def _faint(level_db: float) -> Condition:
+    motion = LinearMotion(offset_deg=-20.0, rate_deg=0.2)
+    target = TargetConfiguration(level_db=level_db, motion=motion)
+    return Condition(
+        f"faint source, {level_db:.0f} dB", _scenario(target), CONSTANT_DEG2, faint=True
+    )
+
+
 _ALL = (
     *(
         Condition(
@@ -157,6 +165,8 @@ _ALL = (
         )
         for elements in (8, 15, 32)
     ),
+    *(_faint(level) for level in (-8.0, -10.0, -12.0, -14.0, -16.0, -18.0, -20.0)),
+    Condition("no faint source", _scenario(duration=300.0), CONSTANT_DEG2, faint=True),
 )
 
 CONDITIONS = {condition.name: condition for condition in _ALL}

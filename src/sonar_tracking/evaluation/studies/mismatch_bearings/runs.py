@@ -33,6 +33,13 @@ from sonar_tracking.records.bearings import ArraySnapshots, BearingTracks, Track
 
 DEFAULTS = "defaults"
 TOLD = "told the truth"
+WITHOUT = "defaults, no track-before-detect"
+
+STARTING = ("start_s", "within_20_s_percent", "within_60_s_percent", "false_per_hour")
+"""Figures of the start of a faint source."""
+
+_NEAR = float(np.radians(5.0))
+_HOUR = 3600.0
 
 TOLD_ANGLE_VARIANCE_DEG2, TOLD_RATE_VARIANCE_DEG2 = 0.25, 0.01
 """Of the first bearings that a tracker is told."""
@@ -107,10 +114,8 @@ def runs_under(condition: Condition, seeds: Seeds) -> tuple[MismatchRun, ...]:
         )
         for seed in seeds
     ]
-    by_default, by_truth = (
-        _Chains(condition, False, len(seeds)),
-        _Chains(condition, True, len(seeds)),
-    )
+    other = WITHOUT if condition.faint else TOLD
+    by_default, beside = (_Chains(condition, name, len(seeds)) for name in (DEFAULTS, other))
     for block in condition.blocks(seeds):
         told_noise = block.noise_covariance if condition.published else None
         wrong = [
@@ -118,26 +123,28 @@ def runs_under(condition: Condition, seeds: Seeds) -> tuple[MismatchRun, ...]:
             for array, data in zip(arrays, block.data, strict=True)
         ]
         by_default.take(wrong)
-        by_truth.take([replace(block, data=data) for data in block.data])
+        told = [replace(block, data=data) for data in block.data]
+        beside.take(wrong if condition.faint else told)
     truth = block_truth(condition.scenario)
     return tuple(
         MismatchRun(
             condition.name,
             {
                 DEFAULTS: figures(condition, truth, one, array.faulty),
-                TOLD: figures(condition, truth, other, ()),
+                other: figures(condition, truth, two, ()),
             },
         )
-        for one, other, array in zip(by_default.runs, by_truth.runs, arrays, strict=True)
+        for one, two, array in zip(by_default.runs, beside.runs, arrays, strict=True)
     )
 
 
 class _Chains:
-    """The chains of several runs: with the defaults, or told the truth."""
+    """The chains of several runs, by their name: with the defaults, told the truth, or without."""
 
-    def __init__(self, condition: Condition, told: bool, n_runs: int) -> None:
+    def __init__(self, condition: Condition, name: str, n_runs: int) -> None:
         self._condition = condition
-        self._told = told and bool(condition.scenario.targets)
+        self._name = name
+        self._told = name == TOLD and bool(condition.scenario.targets)
         estimator = condition.estimator
         if self._told:
             estimator = replace(estimator, source_count=len(condition.scenario.targets))
@@ -162,7 +169,7 @@ class _Chains:
             run.notices.extend(update.notices)
 
     def _new_trackers(self, stamp: int) -> Iterator[BearingTrackerStage]:
-        configuration = BearingTrackerConfiguration()
+        configuration = BearingTrackerConfiguration(track_before_detect=self._name != WITHOUT)
         if self._told:
             configuration = told_configuration(self._condition, stamp)
         for _ in self.runs:
@@ -223,7 +230,11 @@ def figures(
         "clipped_notices": float(sum("clipped" in text for text in texts)),
         "right_names_percent": np.nan,
         "named_percent": np.nan,
+        **dict.fromkeys(STARTING, np.nan),
     }
+    if condition.faint:
+        metrics |= _start(condition, truth, run.tracks)
+        metrics["false_per_hour"] = false * _HOUR / condition.scenario.duration
     if condition.names_after[1] > 0.0:
         metrics["right_names_percent"] = 100.0 * share_of_right_names(
             condition.scenario,
@@ -234,6 +245,28 @@ def figures(
     if faulty:
         metrics["named_percent"] = 100.0 * any(_names(text, faulty) for text in texts)
     return metrics
+
+
+def _start(
+    condition: Condition, truth: Sequence[BearingTracks], tracks: Sequence[BearingTracks]
+) -> dict[str, float]:
+    """Return when the source has a track first, s, and whether within 20 s and 60 s, percent."""
+    reference, first = BearingTruth(truth), np.inf
+    if not condition.scenario.targets:
+        return {}
+    for entry in tracks:
+        present = reference.at(entry.stamp)
+        if present is None or not entry.established.any():
+            continue
+        angles = entry.arrival_angle[entry.established]
+        if np.abs(angles - present.angle[0]).min() < _NEAR:
+            first = 1e-9 * (entry.stamp - condition.scenario.stamp(0.0))
+            break
+    return {
+        "start_s": first,
+        "within_20_s_percent": 100.0 * (first <= 20.0),
+        "within_60_s_percent": 100.0 * (first <= 60.0),
+    }
 
 
 def _count_right(truth: Sequence[BearingTracks], tracks: Sequence[BearingTracks]) -> float:

@@ -28,7 +28,9 @@ from sonar_tracking.evaluation.studies.mismatch_bearings.bound import bound_deg2
 from sonar_tracking.evaluation.studies.mismatch_bearings.conditions import CONDITIONS
 from sonar_tracking.evaluation.studies.mismatch_bearings.runs import (
     DEFAULTS,
+    STARTING,
     TOLD,
+    WITHOUT,
     MismatchRun,
     MismatchTask,
     mismatch_runs,
@@ -36,7 +38,11 @@ from sonar_tracking.evaluation.studies.mismatch_bearings.runs import (
 
 RUNS_PER_TASK = 25
 
-STYLES = {DEFAULTS: Style("#D55E00", "o"), TOLD: Style("#0072B2", "|")}
+STYLES = {
+    DEFAULTS: Style("#D55E00", "o"),
+    TOLD: Style("#0072B2", "|"),
+    WITHOUT: Style("#009E73", "_"),
+}
 
 PANELS = (
     Panel("rmse_over_bound", "RMSE over the bound", "log", right=1.0),
@@ -75,6 +81,17 @@ LAYOUTS = (
         (Column("named_percent", "named %", ".0f"),),
         "Runs in which a notice names the channels.",
     ),
+    TableLayout(
+        "Faint sources",
+        (
+            Column("false_per_hour", "false an hour", ".2f"),
+            Column("within_20_s_percent", "in 20 s %", ".0f"),
+            Column("within_60_s_percent", "in 60 s %", ".0f"),
+            Column("start_s", "median s", ".1f"),
+        ),
+        "Runs in which the source has a track after so long, and the median of the time it takes; "
+        "with track-before-detect, which is the default, and without.",
+    ),
 )
 
 
@@ -97,8 +114,12 @@ def rows(results: Sequence[Sequence[MismatchRun]]) -> tuple[StudyRow, ...]:
             system_metrics([run.metrics[system] for run in every if run.condition == name], name),
         )
         for name in dict.fromkeys(run.condition for run in every)
-        for system in (DEFAULTS, TOLD)
+        for system in _systems(name)
     )
+
+
+def _systems(condition: str) -> tuple[str, str]:
+    return (DEFAULTS, WITHOUT if CONDITIONS[condition].faint else TOLD)
 
 
 def system_metrics(runs: Sequence[Any], condition: str) -> dict[str, float]:
@@ -118,8 +139,9 @@ def system_metrics(runs: Sequence[Any], condition: str) -> dict[str, float]:
     metrics["rmse_deg"] = float(np.sqrt(metrics["mse_deg2"]))
     metrics["bound_deg"] = float(np.sqrt(bound_deg2(CONDITIONS[condition])))
     metrics["rmse_over_bound"] = metrics["rmse_deg"] / metrics["bound_deg"]
-    for name in ("right_names_percent", "named_percent"):
-        if np.isnan(metrics[name]):
+    metrics["start_s"] = float(np.median(columns["start_s"]))
+    for name in ("right_names_percent", "named_percent", *STARTING):
+        if not np.isfinite(metrics[name]):
             # Not asked under this condition: no row of that table.
             del metrics[name]
     return metrics
