@@ -18,9 +18,10 @@ that tell more are found by the ordinary start.
 References
 ----------
 B. Ristic, B.-T. Vo, B.-N. Vo, A. Farina, "A tutorial on Bernoulli filters: theory, implementation
-and applications", IEEE Trans. Signal Processing 61(13), 2013, section III; A. Bosser et al.,
-"Direction-of-arrival track-before-detect", arXiv 2412.15727, 2024, for the likelihood of the
-snapshots.
+and applications", IEEE Trans. Signal Processing 61(13), 2013, section III; G. Zhang, C. Zheng, S.
+Sun, G. Liang, Y. Zhang, "Joint detection and DOA tracking with a Bernoulli filter based on
+information theoretic criteria", Sensors 18(10), 3473, 2018, and Bosser et al., arXiv 2412.15727,
+2024, for bearings from the likelihood of the snapshots.
 """
 
 from __future__ import annotations

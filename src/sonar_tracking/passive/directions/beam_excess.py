@@ -15,8 +15,9 @@ stronger than on average, y is divided by its power there, by which it varies.
 
 References
 ----------
-A. Bosser et al., "Direction-of-arrival track-before-detect", arXiv 2412.15727, 2024, for the
-Gaussian likelihood of the snapshots in place of detections.
+G. Zhang, C. Zheng, S. Sun, G. Liang, Y. Zhang, "Joint detection and DOA tracking with a Bernoulli
+filter based on information theoretic criteria", Sensors 18(10), 3473, 2018, for the Gaussian
+likelihood of the snapshots in place of detections.
 """
 
 from __future__ import annotations
