@@ -78,6 +78,7 @@ def with_started(
         filters=steps.filters.extend(state.filters, target),
         start=replace(state.start, next_id=state.start.next_id + 1),
         existence=np.append(state.existence, existence),
+        excess=np.append(state.excess, np.nan),
     )
 
 
