@@ -32,3 +32,8 @@ def test_who_has_heard_enough_and_says_nothing_is_named() -> None:
 
 def test_little_data_may_not_be_enough_for_an_output() -> None:
     assert silent_nodes(NODES, PLANNED, 2.0) == []
+
+
+def test_who_has_rejected_everything_is_named_however_little_it_was() -> None:
+    (sentence,) = silent_nodes(NODES, PLANNED, 2.0, {"new_one", "estimator"})
+    assert sentence.startswith("new_one has rejected its whole input, 3 messages")

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import BinaryIO
 
 _SYNC = re.compile(rb"\xff[\xf8\xf9]")
 _SEARCHED = 1 << 20
@@ -39,14 +40,38 @@ def held_samples(path: Path) -> int | None:
     with path.open("rb") as file:
         head = file.read(26)
         smallest, largest = (int.from_bytes(head[at : at + 2], "big") for at in (8, 10))
+        first = _first_frame(file)
         file.seek(max(end - _SEARCHED, 0))
         tail = file.read()
     block = largest if smallest == largest else None
     for match in reversed(list(_SYNC.finditer(tail))):
-        found = _frame_end(tail[match.start() : match.start() + 20], block)
+        header = tail[match.start() : match.start() + 20]
+        # Samples may look like a header, but hardly like one of this file.
+        if len(header) < 6 or _unchanging(header) != _unchanging(first):
+            continue
+        found = _frame_end(header, block)
         if found is not None:
             return found
     return None
+
+
+def _first_frame(file: BinaryIO) -> bytes:
+    """Return the begin of what follows the blocks of metadata."""
+    position, is_last = 4, False
+    while not is_last:
+        file.seek(position)
+        header = file.read(4)
+        if len(header) < 4:
+            break
+        is_last = bool(header[0] & 0x80)
+        position += 4 + int.from_bytes(header[1:], "big")
+    file.seek(position)
+    return file.read(4).ljust(4, b"\0")
+
+
+def _unchanging(header: bytes) -> tuple[int, int, int]:
+    """Return blocking strategy, rate and sample size: the same in all frames of a file."""
+    return header[1], header[2] & 15, header[3] & 14
 
 
 def _frame_end(data: bytes, block: int | None) -> int | None:

@@ -31,8 +31,12 @@ class RepairedFile:
         self._patches = dict(patches)
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        """Go to a position."""
-        return self._file.seek(offset, whence)
+        """Go to a position; one before the begin, by a damaged size, is the begin."""
+        if whence == os.SEEK_CUR:
+            offset += self._file.tell()
+        elif whence == os.SEEK_END:
+            offset += self._file.seek(0, os.SEEK_END)
+        return self._file.seek(max(offset, 0))
 
     def tell(self) -> int:
         """Return the position."""
@@ -53,6 +57,10 @@ class RepairedFile:
 
     def close(self) -> None:
         """Close the file."""
+        self._file.close()
+
+    def __del__(self) -> None:
+        # The library that reads it never closes what it was given.
         self._file.close()
 
     def __enter__(self) -> RepairedFile:

@@ -13,7 +13,7 @@ import numpy as np
 
 from sonar_tracking.bags.audio.audio_file import AudioDescription, AudioFile, length_note
 from sonar_tracking.bags.audio.flac_length import announced_samples, held_samples, total_patch
-from sonar_tracking.bags.audio.header_repair import RepairedFile, sample_chunk
+from sonar_tracking.bags.audio.header_repair import RepairedFile, SampleChunk, sample_chunk
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.records.arrays import FloatArray
 
@@ -72,8 +72,9 @@ class SoundFile(AudioFile):
         except (RuntimeError, OSError):
             self._open = None
             return None
-        if len(data) != stop - start:
+        if stop == self.n_samples or len(data) != stop - start:
             self._open = None
+        if len(data) != stop - start:
             return None
         return np.asarray(data)
 
@@ -98,13 +99,10 @@ def open_sound(path: Path) -> SoundFile:
     if found is not None and frame and patches:
         patches = found.patches(frame)
         info = _information(path, patches)
-        if abs(found.announced - found.held) >= frame:
-            byte_rate = frame * info.samplerate
-            told = found.announced / byte_rate if found.announced else None
-            notes.append(length_note(path, told, found.held / byte_rate))
     n_samples = info.frames
     if frame and found is not None:
         n_samples = min(n_samples, found.held // frame)
+        notes += _size_notes(path, found, n_samples, frame, info.samplerate)
     if not 0 < n_samples < 1 << 40:
         raise ConfigurationError(f"{path} holds no samples.")
     if _is_flac(path) and (announced := announced_samples(path)) != n_samples:
@@ -135,6 +133,20 @@ def _information(path: Path, patches: dict[int, bytes]) -> Any:
         ) from error
 
 
+def _size_notes(
+    path: Path, found: SampleChunk, n_samples: int, frame: int, sample_rate: int
+) -> list[str]:
+    """Return sentences on samples that are not as many as the file says, or as it has room for."""
+    notes, byte_rate = [], frame * sample_rate
+    if abs(found.announced - found.held) >= frame:
+        told = found.announced / byte_rate if found.announced else None
+        notes.append(length_note(path, told, found.held / byte_rate))
+    unread = found.held - n_samples * frame
+    if unread:
+        notes.append(f"{path} has {unread} bytes of samples that are no whole sample; left out.")
+    return notes
+
+
 class _Facts:
     """What libsndfile says of a file."""
 
@@ -154,7 +166,9 @@ def _is_flac(path: Path) -> bool:
 def _flac_patches(path: Path) -> dict[int, bytes]:
     """Return what makes the head of a FLAC file announce what the file holds."""
     held = held_samples(path)
-    return {} if held is None or held == announced_samples(path) else total_patch(path, held)
+    if held is None:
+        raise ConfigurationError(f"{path} ends without a FLAC frame; copy it again.")
+    return {} if held == announced_samples(path) else total_patch(path, held)
 
 
 def _library() -> Any:

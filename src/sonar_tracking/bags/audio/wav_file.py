@@ -21,7 +21,7 @@ _PCM, _FLOAT, _EXTENSIBLE = 1, 3, 0xFFFE
 _CONTAINERS = {b"RIFF": "WAV", b"RF64": "RF64", b"BW64": "BW64"}
 _LOOKED_AT = 1 << 20
 """Bytes of samples from which their place in their cells is told."""
-_MOST_LOOKED_AT = 1 << 28
+_MOST_LOOKED_AT = 1 << 26
 """The same at the end of a file."""
 
 _SILENCE = 1.0

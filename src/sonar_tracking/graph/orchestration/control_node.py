@@ -303,10 +303,14 @@ class ControlNode:
             node = self._nodes.get(full_name)
             if node is None or status.hardware_id != self._hardware[full_name]:
                 continue
+            counts = _counts(status.values)
+            if "rejected" in counts:
+                received = counts.get("received", 0)
+                self._ledger.note_input(node, concern, received, counts["rejected"])
             if concern == MATCHED:
-                self._matched.report(node, _counts(status.values))
+                self._matched.report(node, counts)
             elif concern == NEIGHBOURS:
-                self._report_found(node, _counts(status.values))
+                self._report_found(node, counts)
             elif status.level != DiagnosticStatus.OK:
                 told = self.errors if concern == UNEXPECTED else self.notices
                 told[status.name] = f"{node}: {shown(status.message, LONGEST_SENTENCE)}"

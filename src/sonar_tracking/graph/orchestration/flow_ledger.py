@@ -50,6 +50,7 @@ class FlowLedger:
         edges = [(node, topic) for topic, nodes in consumers.items() for node in nodes]
         self._finished = dict.fromkeys(edges, 0)
         self._finished_before = dict.fromkeys(edges, 0)
+        self._rejecting: set[tuple[str, str]] = set()
         self._written_off = dict.fromkeys(edges, 0)
         self._absent: set[str] = set()
         self.changes = 0
@@ -124,6 +125,17 @@ class FlowLedger:
     def write_off(self, backlog: Backlog) -> None:
         """Wait no longer for messages that were lost on the way."""
         self._written_off[backlog.node, backlog.topic] += backlog.messages
+
+    def note_input(self, node: str, topic: str, received: int, rejected: int) -> None:
+        """Take what a node says of one of its inputs: how many messages it got and rejected."""
+        if 0 < received == rejected:
+            self._rejecting.add((node, topic))
+        else:
+            self._rejecting.discard((node, topic))
+
+    def rejecting(self) -> set[str]:
+        """Return the nodes that have rejected all messages of one of their inputs so far."""
+        return {node for node, _ in self._rejecting}
 
     def messages_in(self, node: str) -> int:
         """Return how many messages a node has finished."""

@@ -20,7 +20,7 @@ from sonar_tracking.errors import SonarTrackingError
 from sonar_tracking.graph.catalogue.discovery_server import silence_in_words
 from sonar_tracking.graph.catalogue.run_identity import CONTROL_NODE
 from sonar_tracking.graph.catalogue.topics import TRUE_TRACKS
-from sonar_tracking.graph.orchestration import reported_figures
+from sonar_tracking.graph.orchestration import reported_figures as figures
 from sonar_tracking.graph.orchestration.clock_watch import ClockWatch
 from sonar_tracking.graph.orchestration.data_source import DataSource, let_go
 from sonar_tracking.graph.orchestration.graph_plan import GraphPlan
@@ -145,15 +145,15 @@ class Orchestration:
     def report(self, data_seconds: float, observer: RunObserver) -> RunReport:
         """Return what the run came to, after the processes were stopped."""
         processes = {name: self.supervisor.processes[name] for name in self._nodes}
-        nodes = reported_figures.node_reports(processes, self.ledger)
-        silent = reported_figures.silent_nodes(nodes, self._nodes, data_seconds)
+        nodes = figures.node_reports(processes, self.ledger)
+        silent = figures.silent_nodes(nodes, self._nodes, data_seconds, self.ledger.rejecting())
         return RunReport(
             scenario=self._plan.scenario,
             data_seconds=data_seconds,
             wall_seconds=self.wall_seconds,
             nodes=nodes,
-            topics=reported_figures.topic_reports(observer.records, processes),
-            latency_ms=reported_figures.latency_figures(observer.latency, observer.fused_latency),
+            topics=figures.topic_reports(observer.records, processes),
+            latency_ms=figures.latency_figures(observer.latency, observer.fused_latency),
             score=observer.score(),
             failures=[*self.failures, *silent] if not self.interrupted else self.failures,
             warnings=[*self.warnings, *self._notices.values()],

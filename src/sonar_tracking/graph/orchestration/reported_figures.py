@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
 from sonar_tracking.graph.orchestration.flow_ledger import FlowLedger
@@ -33,9 +33,14 @@ def node_reports(
 
 
 def silent_nodes(
-    nodes: Mapping[str, NodeReport], planned: Mapping[str, PlannedNode], data_seconds: float
+    nodes: Mapping[str, NodeReport],
+    planned: Mapping[str, PlannedNode],
+    data_seconds: float,
+    rejecting: Collection[str] = (),
 ) -> list[str]:
     """Return a sentence for each node that has heard enough and put out nothing.
+
+    Where all was rejected, one message is enough.
 
     Parameters
     ----------
@@ -45,14 +50,26 @@ def silent_nodes(
         The same nodes, which may have nothing to publish.
     data_seconds : float
         Length of the data, s.
+    rejecting : collection of str
+        Nodes that have rejected all of an input.
     """
-    if data_seconds < SOON:
-        return []
-    return [
-        f"{name} has received {nodes[name].messages_in} messages and put out nothing: what it says "
-        "of them is in its log."
+    silent = {
+        name: nodes[name].messages_in
         for name, node in planned.items()
-        if node.publishers and nodes[name].messages_in >= ENOUGH and nodes[name].messages_out == 0
+        if node.publishers and nodes[name].messages_in and nodes[name].messages_out == 0
+    }
+    refused = [
+        f"{name} has rejected its whole input, {count} messages: the warnings say why."
+        for name, count in silent.items()
+        if name in rejecting
+    ]
+    if data_seconds < SOON:
+        return refused
+    return refused + [
+        f"{name} has received {count} messages and put out nothing: what it says of them is in "
+        "its log."
+        for name, count in silent.items()
+        if count >= ENOUGH and name not in rejecting
     ]
 
 
