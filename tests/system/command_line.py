@@ -95,7 +95,7 @@ class RunningCommand:
         while not condition():
             assert self._process.poll() is None, self.output
             assert time.monotonic() < deadline, self.output
-            time.sleep(0.02)
+            time.sleep(0.1)  # some of them read a whole bag
 
     def wait_for_text(self, text: str) -> None:
         """Wait until it has written something."""

@@ -34,10 +34,11 @@ from tests.system.command_line import (
     report_of,
     run_command,
 )
-from tests.system.conftest import RecordedRun
+from tests.system.conftest import DURATION, RecordedRun
 
 TRACKS = "/passive/bearing_tracks"
 FLOWING = "data flow"
+RUN = ("run", "doa_fusion", "--duration", str(DURATION))
 
 
 @pytest.fixture
@@ -59,7 +60,7 @@ def recorded_count(bag: Path, topic: str) -> int:
 def test_summary_and_report(recorded_run: RecordedRun) -> None:
     report = recorded_run.report
     assert report["scenario"] == "doa_fusion"
-    assert report["data_seconds"] == pytest.approx(41.1)
+    assert report["data_seconds"] == pytest.approx(DURATION)
     assert set(report["nodes"]) == {
         "world_simulator",
         "array_simulator",
@@ -70,9 +71,9 @@ def test_summary_and_report(recorded_run: RecordedRun) -> None:
     for node in report["nodes"].values():
         assert node["exit_code"] == node["restarts"] == 0
         assert node["cpu_seconds"] > 0.0
-    # Nothing is lost: 41.1 s in blocks of 0.1 s, an estimate at -1, 0, 1, ... 40 s.
-    assert report["nodes"]["subspace_estimator"]["messages_in"] == 411
-    assert report["topics"]["/array/snapshots"]["messages"] == 411
+    # Nothing is lost: 20.1 s in blocks of 0.1 s, an estimate at -1, 0, 1, ... 19 s.
+    assert report["nodes"]["subspace_estimator"]["messages_in"] == 201
+    assert report["topics"]["/array/snapshots"]["messages"] == 201
     assert report["topics"][TRACKS]["messages"] == report["nodes"]["bearing_tracker"]["messages_in"]
     assert all(topic["comparable"] for topic in report["topics"].values())
     assert 0.0 < report["latency_ms"]["p50"] <= report["latency_ms"]["p99"]
@@ -84,11 +85,12 @@ def test_summary_and_report(recorded_run: RecordedRun) -> None:
 
 
 def test_graph_and_offline_chain_give_the_same_bits(recorded_run: RecordedRun) -> None:
-    offline = run_offline_chain(load_scenario("doa_fusion")).tracks
+    scenario = dataclasses.replace(load_scenario("doa_fusion"), duration=DURATION)
+    offline = run_offline_chain(scenario).tracks
     live = [
         tracks_from_bytes(message.data) for message in read_bag(recorded_run.bag).messages([TRACKS])
     ]
-    assert len(live) == len(offline) > 40
+    assert len(live) == len(offline) > 19
     for ours, theirs in zip(live, offline, strict=True):
         assert (ours.stamp, ours.next_stamp) == (theirs.stamp, theirs.next_stamp)
         for field in dataclasses.fields(ours):
@@ -101,7 +103,7 @@ def test_a_second_run_at_another_rate_gives_the_same_digests(
     recorded_run: RecordedRun, tmp_path: Path
 ) -> None:
     json = tmp_path / "report.json"
-    done = run_command(tmp_path, "run", "doa_fusion", "--rate", "20", "--json", json)
+    done = run_command(tmp_path, *RUN, "--rate", "20", "--json", json)
     assert done.returncode == 0, done.stdout
     assert digests(report_of(json)) == digests(recorded_run.report)
 
@@ -161,19 +163,7 @@ def test_a_killed_tracker_is_restarted_and_reported(
     tmp_path: Path, running: list[RunningCommand]
 ) -> None:
     bag, json = tmp_path / "bag", tmp_path / "report.json"
-    arguments = (
-        "run",
-        "doa_fusion",
-        "--duration",
-        "20.1",
-        "--rate",
-        "8",
-        "--record",
-        bag,
-        "--json",
-        json,
-    )
-    command = RunningCommand(tmp_path, *arguments)
+    command = RunningCommand(tmp_path, *RUN, "--rate", "8", "--record", bag, "--json", json)
     running.append(command)
     command.wait_for(lambda: recorded_count(bag, TRACKS) > 2)
     command.kill_node("bearing_tracker")
@@ -193,9 +183,7 @@ def test_a_killed_simulator_goes_on_where_it_was(
     recorded_run: RecordedRun, tmp_path: Path, running: list[RunningCommand]
 ) -> None:
     bag, json = tmp_path / "bag", tmp_path / "report.json"
-    command = RunningCommand(
-        tmp_path, "run", "doa_fusion", "--rate", "8", "--record", bag, "--json", json
-    )
+    command = RunningCommand(tmp_path, *RUN, "--rate", "4", "--record", bag, "--json", json)
     running.append(command)
     command.wait_for(lambda: recorded_count(bag, TRACKS) > 2)
     command.kill_node("array_simulator")
@@ -237,7 +225,7 @@ def test_a_stuck_node_is_named_and_waited_for(
 ) -> None:
     json = tmp_path / "report.json"
     # Slow enough to make good, before the end, what the node has missed meanwhile.
-    command = RunningCommand(tmp_path, "run", "doa_fusion", "--rate", "4", "--json", json)
+    command = RunningCommand(tmp_path, *RUN, "--rate", "2", "--json", json)
     running.append(command)
     command.wait_for_text(FLOWING)
     (process,) = command.node_processes("subspace_estimator")
@@ -306,7 +294,7 @@ def test_a_stranger_who_listens_at_bring_up_and_then_moves_the_clock_changes_not
     for topic in (SNAPSHOTS, BEARING_TRACKS):
         kind = message_class(topic.message_type)
         stranger.create_subscription(kind, topic.name, lambda _message: None, 10)
-    command = RunningCommand(tmp_path, "run", "doa_fusion", "--rate", "8", "--json", json)
+    command = RunningCommand(tmp_path, *RUN, "--rate", "4", "--json", json)
     running.append(command)
     command.wait_for_text(FLOWING)
     clock = stranger.create_publisher(Clock, "/clock", 10)

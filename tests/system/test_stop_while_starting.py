@@ -21,7 +21,7 @@ from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from tests.system.command_line import PATIENCE, environment
 
 NODE_MODULES = [*(node.module for node in NODES.values()), "sonar_tracking.graph.nodes.recorder"]
-COMMAND = [sys.executable, "-m", "sonar_tracking", "run", "--no-display"]
+COMMAND = [sys.executable, "-m", "sonar_tracking", "run", "doa_fusion", "--no-display"]
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 Instant = Callable[[int], bool]

@@ -17,7 +17,7 @@ from tests.system.command_line import digests, report_of, run_command
 TRACKS = "/passive/tracks"
 
 
-@pytest.mark.parametrize(("name", "duration"), [("tma", 720.0), ("cross_fix", 240.0)])
+@pytest.mark.parametrize(("name", "duration"), [("tma", 540.0), ("cross_fix", 240.0)])
 def test_a_scenario_of_bearings_and_lines_runs_and_replays_identically(
     tmp_path: Path, name: str, duration: float
 ) -> None:
