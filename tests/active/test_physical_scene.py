@@ -52,6 +52,7 @@ def run(
     return np.array(errors), np.array(excess), warned
 
 
+@pytest.mark.slow
 def test_reflection_times_and_own_motion_are_accounted_for() -> None:
     errors, excess, warned = run(SENSOR, TRACKER)
     assert np.mean(np.isfinite(errors)) > 0.9

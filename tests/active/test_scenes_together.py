@@ -112,6 +112,7 @@ def test_a_ping_that_cannot_be_used_changes_no_scene() -> None:
             assert_same(tracker.update(contacts), update)
 
 
+@pytest.mark.slow
 def test_contacts_placed_for_another_tracker_give_the_same_tracks() -> None:
     """Also where one tracker believes other errors of the contacts than the first one."""
     runs = scenes()

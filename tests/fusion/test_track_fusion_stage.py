@@ -52,6 +52,7 @@ def test_every_ship_has_one_row_under_one_name() -> None:
     assert set(contributors.contributor_sensor) == {ARRAY, ECHOES}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("degrees", [0.0, 1.0, -3.0])
 def test_the_misalignment_is_found_within_what_is_claimed(degrees: float) -> None:
     scores = []

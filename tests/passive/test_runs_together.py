@@ -67,6 +67,7 @@ def estimates_alone(
     return [each for block in blocks for each in stage.update(block).estimates]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n_elements", [15, 51])
 def test_estimates_of_runs_together_are_those_of_each(n_elements: int) -> None:
     blocks = runs(n_elements)

@@ -213,6 +213,7 @@ def with_own_ship(frame: PassiveFrame, known: bool, truth: SimulatedFrame) -> Pa
     )
 
 
+@pytest.mark.slow
 def test_own_ship_tells_where_the_array_is_if_the_data_do_not() -> None:
     frames = simulated(scene(duration=130.0))
     told, found = TmaTrackerStage(), TmaTrackerStage()

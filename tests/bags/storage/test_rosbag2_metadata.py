@@ -185,6 +185,7 @@ def test_the_record_has_the_fields_at_the_top_as_other_writers_have_them(tmp_pat
     assert in_file == {WRAPPING_KEY: ours}
 
 
+@pytest.mark.slow
 def test_yaml_cpp_reads_record_and_file_as_rosbag2_asks_for_them(
     tmp_path: Path, yaml_cpp: Path
 ) -> None:

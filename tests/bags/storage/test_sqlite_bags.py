@@ -91,6 +91,7 @@ def test_a_damaged_file_is_refused_with_a_sentence(tmp_path: Path) -> None:
             read(tmp_path / "k.db3")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compress", ["none", "zstd"])
 def test_bags_converted_to_sqlite3_and_back_hold_the_same(tmp_path: Path, compress: str) -> None:
     writer = open_writer(tmp_path / "run")

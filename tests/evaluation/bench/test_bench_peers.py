@@ -80,6 +80,7 @@ def test_naive_music_finds_the_same_bearings(grid_step: float) -> None:
     assert ours == pytest.approx(bench_angles(SOURCES), abs=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not pyroomacoustics_installed(), reason="pyroomacoustics is not installed")
 def test_pyroomacoustics_finds_the_same_bearings(grid_step: float) -> None:
     covariance, positions = bench_covariance(N_ELEMENTS, SOURCES), bench_positions(N_ELEMENTS)

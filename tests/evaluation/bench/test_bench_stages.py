@@ -29,6 +29,7 @@ def test_an_array_has_costs_and_an_exponent(chain: str) -> None:
         assert value > 0.0 or name == "milliseconds_per_estimate"
 
 
+@pytest.mark.slow
 def test_targets_at_two_stations_are_followed_from_the_first_frame_on() -> None:
     rows = target_exponent([measure_targets(count) for count in (1, 2)])
     assert rows[-1].system == "targets 2"

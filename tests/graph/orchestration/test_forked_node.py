@@ -60,6 +60,7 @@ print(json.dumps(found))
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", ["alone", "threads"])
 def test_a_copy_behaves_as_a_process_from_nothing(tmp_path: Path, way: str) -> None:
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}

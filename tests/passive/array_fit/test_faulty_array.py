@@ -78,6 +78,7 @@ def test_exchanged_channels_are_named_and_bring_no_false_track(n_elements: int) 
     assert np.count_nonzero(tracks[-1].established) == 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("level", [10.0, 20.0, 30.0])
 def test_an_array_that_is_not_calibrated_has_honest_variances(level: float) -> None:
     squares = []

@@ -101,6 +101,7 @@ def test_started_tracks_survive_the_crossings() -> None:
     assert successes >= 11
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("level_db", [10.0, 20.0])
 def test_strong_moving_targets_start_no_extra_tracks(level_db: float) -> None:
     # Up to 3 deg/s: each smears over two eigenvalues.

@@ -42,7 +42,7 @@ def test_near_the_bound_and_consistent(name: str, limit: float) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("angle_deg", [53.0, 90.0, 180.0, 359.7])
+@pytest.mark.parametrize("angle_deg", [53.0, 359.7])
 def test_turning_the_scene_turns_the_result(angle_deg: float) -> None:
     angle = np.radians(angle_deg)
     rotation = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])

@@ -86,6 +86,7 @@ def test_a_bearing_track_that_ends_ends_its_target_and_a_new_one_is_a_new_target
     assert listed(updates[-1]).bearing_track_id.tolist() == [2]
 
 
+@pytest.mark.slow
 def test_a_track_may_outlive_its_bearing_track_and_be_taken_up_again() -> None:
     present = replace(NEAR, present=(0.0, 160.0, 190.0, 250.0))
     stage = TmaTrackerStage(TmaTrackerConfiguration(coast_duration=60.0))
