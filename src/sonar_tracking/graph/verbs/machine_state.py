@@ -35,6 +35,7 @@ REQUIRED = {
 
 OPTIONAL = {
     "plot": {"matplotlib": "matplotlib"},
+    "page": {"tornado": "tornado", "uplot": "uplot-python"},
     "studies": {"matplotlib": "matplotlib", "dask": "dask", "distributed": "distributed"},
     "docs": {"sphinx": "sphinx", "myst_parser": "myst-parser"},
     "test": {"pytest": "pytest", "stonesoup": "stonesoup"},
