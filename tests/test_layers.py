@@ -28,6 +28,7 @@ ROOMS = (
     # what flows between the stages, and the mathematics they share
     "records",
     "geometry",
+    "geodesy",
     "motion",
     "own_ship_interpolation",
     "sensor_pose",

@@ -23,6 +23,7 @@ PACKAGES = (
     "bags",
     "evaluation",
     "geometry",
+    "geodesy",
     "motion",
     "message_reading",
     "graph",

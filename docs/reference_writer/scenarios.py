@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from docs.reference_writer.tables import parameter_cells, sentence, table
 from sonar_tracking.configuration import describe
+from sonar_tracking.records.datum import Datum
 from sonar_tracking.simulation.scenarios.array_configuration import (
     ArrayConfiguration,
     NoiseConfiguration,
@@ -23,6 +24,7 @@ from sonar_tracking.simulation.scenarios.target import (
 )
 
 SECTIONS: dict[str, type] = {
+    "datum": Datum,
     "array": ArrayConfiguration,
     "noise": NoiseConfiguration,
     "own_ship": OwnShipConfiguration,

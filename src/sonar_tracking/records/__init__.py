@@ -15,6 +15,7 @@ __all__ = [
     "CommandKind",
     "ContactTrackerUpdate",
     "Contacts",
+    "Datum",
     "FrequencyLines",
     "GateThresholds",
     "LofarRows",
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
     )
     from sonar_tracking.records.commands import CommandKind, OperatorCommand, OwnShipLine
     from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate, GateThresholds
+    from sonar_tracking.records.datum import Datum
     from sonar_tracking.records.lines import FrequencyLines, LofarRows
     from sonar_tracking.records.own_ship import OwnShipState
     from sonar_tracking.records.positions import (
@@ -73,6 +75,7 @@ else:
             ],
             "commands": ["CommandKind", "OperatorCommand", "OwnShipLine"],
             "contacts": ["Contacts", "ContactTrackerUpdate", "GateThresholds"],
+            "datum": ["Datum"],
             "lines": ["FrequencyLines", "LofarRows"],
             "own_ship": ["OwnShipState"],
             "positions": ["PositionTracks", "TrackHypothesis", "TrackSource", "TruthTracks"],

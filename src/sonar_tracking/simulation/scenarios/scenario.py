@@ -12,6 +12,7 @@ from typing import TypeVar
 
 from sonar_tracking.configuration import SECTION, Value, parameter
 from sonar_tracking.geometry import is_line
+from sonar_tracking.records.datum import Datum
 from sonar_tracking.records.time import NANOSECONDS, nanoseconds
 from sonar_tracking.simulation.scenarios.array_configuration import (
     ArrayConfiguration,
@@ -67,6 +68,7 @@ class Scenario:
     duration: float = parameter(60.0, "length of the data", unit="s", minimum=1e-3, maximum=1e7)
     seed: int = parameter(1, "of the random numbers", minimum=0)
     epoch: int = field(default=DEFAULT_EPOCH, metadata=SECTION)
+    datum: Datum | None = field(default=None, metadata=SECTION)
     array: ArrayConfiguration = field(default_factory=ArrayConfiguration, metadata=SECTION)
     noise: NoiseConfiguration = field(default_factory=NoiseConfiguration, metadata=SECTION)
     own_ship: OwnShipConfiguration = field(default_factory=OwnShipConfiguration, metadata=SECTION)

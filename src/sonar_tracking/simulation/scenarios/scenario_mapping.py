@@ -12,6 +12,7 @@ import yaml
 
 from sonar_tracking.configuration import from_mapping
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.records.datum import DATUM, datum_of
 from sonar_tracking.records.time import NANOSECONDS
 from sonar_tracking.simulation.scenarios.array_configuration import (
     ArrayConfiguration,
@@ -87,6 +88,7 @@ def scenario_from_mapping(mapping: Mapping[str, Any], where: str) -> Scenario:
     sections = {
         "array_given": not others or not {ARRAY, HYDROPHONES}.isdisjoint(values),
         "epoch": checked_epoch(values.pop("epoch", DEFAULT_EPOCH // NANOSECONDS), prefix),
+        DATUM: datum_of(values, where),
         "array": _section(ArrayConfiguration, values.pop("array", {}), f"{prefix}array"),
         "noise": _section(NoiseConfiguration, values.pop("noise", {}), f"{prefix}noise"),
         "own_ship": _moving(OwnShipConfiguration, values.pop("own_ship", {}), f"{prefix}own_ship"),
@@ -108,6 +110,7 @@ def scenario_from_mapping(mapping: Mapping[str, Any], where: str) -> Scenario:
         ),
         "nodes": _nodes(values.pop("nodes", {}), f"{prefix}nodes"),
     }
+    values.pop(DATUM, None)
     scenario = from_mapping(Scenario, values, f"{prefix}scenario", sections)
     if scenario.stamp(scenario.start) <= 0:
         raise ConfigurationError(f"{prefix}epoch + start must lie after 1970; give a later epoch.")
@@ -119,7 +122,7 @@ def scenario_to_mapping(scenario: Scenario) -> dict[str, Any]:
     """Return the resolved scenario as plain names and values, for YAML, JSON and recordings."""
     mapping = _plain(dataclasses.asdict(scenario))
     del mapping["array_given"]
-    absent = {name for name in (*OTHER_SENSORS, HYDROPHONES, CONSORT) if not mapping[name]}
+    absent = {name for name in (*OTHER_SENSORS, HYDROPHONES, CONSORT, DATUM) if not mapping[name]}
     absent |= set() if scenario.array_given else {"array", "noise"}
     mapping = {name: value for name, value in mapping.items() if name not in absent}
     instant = datetime.fromtimestamp(scenario.epoch // NANOSECONDS, tz=timezone.utc)
