@@ -68,6 +68,7 @@ ROOMS = (
     "bags.storage",
     "bags.audio",
     "bags.importers",
+    "bags.exporters",
     "bags",
     # Monte Carlo over the layers below
     "evaluation.metrics",
@@ -105,6 +106,7 @@ ROOMS = (
     "cli_options",
     "cli_loading",
     "cli_bench",
+    "cli_export",
     "cli_import",
     "cli_show",
     "cli_smooth",

@@ -20,6 +20,7 @@ if tuple(map(int, typer.__version__.split(".")[:2])) < (0, 13):
     sys.exit(f"sonar-tracking: typer {typer.__version__} is too old; pip install --upgrade typer")
 
 from sonar_tracking.cli_bench import bench_app
+from sonar_tracking.cli_export import export
 from sonar_tracking.cli_import import import_app
 from sonar_tracking.cli_loading import load as _load
 from sonar_tracking.cli_loading import needs as _needs
@@ -180,6 +181,7 @@ def score(
 
 
 app.command()(smooth)
+app.command()(export)
 app.command()(show)
 
 

@@ -1,0 +1,1 @@
+"""Bags for other programs: tables and charts."""
