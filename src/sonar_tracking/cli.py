@@ -22,6 +22,7 @@ if tuple(map(int, typer.__version__.split(".")[:2])) < (0, 13):
 from sonar_tracking.cli_bench import bench_app
 from sonar_tracking.cli_export import export
 from sonar_tracking.cli_import import import_app
+from sonar_tracking.cli_inspect import inspect
 from sonar_tracking.cli_loading import load as _load
 from sonar_tracking.cli_loading import needs as _needs
 from sonar_tracking.cli_options import (
@@ -183,6 +184,7 @@ def score(
 app.command()(smooth)
 app.command()(export)
 app.command()(show)
+app.command()(inspect)
 
 
 @app.command()

@@ -43,7 +43,9 @@ def read_npz(path: Path | str) -> dict[str, NDArray[Any]]:
         If it cannot be read.
     """
     try:
-        with np.load(path, allow_pickle=False) as file:
+        # Of a damaged archive numpy would leave the file open.
+        with Path(path).open("rb") as stream:
+            file = np.load(stream, allow_pickle=False)
             if isinstance(file, np.ndarray):
                 raise ValueError("it holds a single array; write it with numpy.savez")
             return {name: file[name] for name in file.files}

@@ -19,6 +19,7 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
+from sonar_tracking.bags.importers.npz_file import read_npz
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.records.arrays import FloatArray
 
@@ -34,6 +35,9 @@ SIGNAL_TO_NOISE_DB = 20.0
 _SOURCE_BANDWIDTH = 300.0
 _TRUTH_PERIOD = 0.1
 _FULL_SCALE = 0.5
+STUDIED_SOURCES = frozenset((1, 2, 3, 4, 5, 8, 9))
+"""Numbers of the sources that the study puts together."""
+
 _KEYS = ("rir", "rir_scale", "fs_hz", "source_id", "source_xz_m", "mic_xz_m")
 
 
@@ -95,22 +99,47 @@ def read_room_responses(path: Path | str) -> RoomResponses:
     ConfigurationError
         If it cannot be read or holds something else.
     """
+    data = read_npz(path)
+    missing = [key for key in _KEYS if key not in data]
+    if missing:
+        raise ConfigurationError(
+            f"{path} holds no {', '.join(missing)}; give a file of measured responses, with "
+            f"{', '.join(_KEYS)}: the page room-array of the documentation tells their shapes."
+        )
     try:
-        with np.load(path) as data:
-            missing = [key for key in _KEYS if key not in data]
-            if missing:
-                raise ConfigurationError(
-                    f"{path} holds no {', '.join(missing)}; give the file of measured responses."
-                )
-            return RoomResponses(
-                responses=data["rir"] * float(data["rir_scale"]),
-                sample_rate=int(data["fs_hz"]),
-                source_ids=tuple(int(number) for number in data["source_id"]),
-                source_positions=np.asarray(data["source_xz_m"], dtype=np.float64),
-                element_places=np.asarray(data["mic_xz_m"], dtype=np.float64)[:, 1],
-            )
-    except (OSError, ValueError) as error:
-        raise ConfigurationError(f"The room responses {path} cannot be read ({error}).") from error
+        room = RoomResponses(
+            responses=data["rir"] * float(data["rir_scale"]),
+            sample_rate=int(data["fs_hz"]),
+            source_ids=tuple(int(number) for number in data["source_id"]),
+            source_positions=np.asarray(data["source_xz_m"], dtype=np.float64),
+            element_places=np.asarray(data["mic_xz_m"], dtype=np.float64)[:, 1],
+        )
+    except (ValueError, TypeError, IndexError) as error:
+        raise ConfigurationError(f"The room responses {path} cannot be used ({error}).") from error
+    _check(room, path)
+    return room
+
+
+def _check(room: RoomResponses, path: Path | str) -> None:
+    n_sources, n_elements = len(room.source_ids), len(room.element_places)
+    shape = room.responses.shape
+    if len(shape) != 3 or shape[:2] != (n_sources, n_elements):
+        raise ConfigurationError(
+            f"{path} has rir of shape {shape}, but {n_sources} entries of source_id and "
+            f"{n_elements} of mic_xz_m; it must be sources x elements x samples."
+        )
+    if room.source_positions.shape != (n_sources, 2) or n_elements < SUB_ARRAY_ELEMENTS:
+        raise ConfigurationError(
+            f"{path} needs source_xz_m of shape ({n_sources}, 2), and at least "
+            f"{SUB_ARRAY_ELEMENTS} elements."
+        )
+    absent = sorted(STUDIED_SOURCES - set(room.source_ids))
+    if absent:
+        raise ConfigurationError(
+            f"{path} has the sources {', '.join(map(str, room.source_ids))} and lacks "
+            f"{', '.join(map(str, absent))}: number the near ones 1 to 3, those beyond the near "
+            "field 4, 5, 8 and 9 in source_id."
+        )
 
 
 def child_seed(seed: np.random.SeedSequence, *key: int) -> np.random.SeedSequence:

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from sonar_tracking.bags.importers.npz_file import read_npz
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.motion import azimuth_from_compass
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
@@ -24,6 +25,21 @@ PRIOR_DEVIATION_DEG, PRIOR_WEIGHT = 0.5, 2.0
 
 RADIANS_PER_MICROSECOND = 1.06e-3
 """Sound speed over 1.40 m, the extent of the arrays (singular value of their baselines)."""
+
+PLACE_KEY, SOUND_SPEED_KEY = "array_enu_m", "sound_speed_m_s"
+KEYS = (
+    "t_s",
+    "t_suspect",
+    "az_deg",
+    "el_deg",
+    "norm",
+    "fit_rms_us",
+    "truth_ship_e_m",
+    "truth_ship_n_m",
+    "truth_valid",
+    PLACE_KEY,
+)
+"""Of each array, behind its name and an underscore."""
 
 N_DELAYS, N_MISFITS = 6, 4
 
@@ -38,7 +54,7 @@ class ArrayBearings:
     Attributes
     ----------
     name : str
-        EE or EW.
+        As in the keys.
     position : ndarray, shape (3,)
         East, north, up, m.
     times : ndarray, shape (n,)
@@ -110,15 +126,36 @@ def read_bearings(path: Path) -> tuple[ArrayBearings, ...]:
     ConfigurationError
         If it is not there or holds no bearings.
     """
-    try:
-        with np.load(path) as file:
-            data = {name: file[name] for name in file.files}
-    except (OSError, ValueError) as error:
-        raise ConfigurationError(f"{path} cannot be read as bearings (.npz): {error}.") from error
-    names = [name for name in ("EE", "EW") if f"{name}_az_deg" in data]
+    data = read_npz(path)
+    names = sorted(key.removesuffix("_az_deg") for key in data if key.endswith("_az_deg"))
+    names = [name for name in names if not name.endswith("_truth")]
     if not names:
-        raise ConfigurationError(f"{path} holds no bearings of an array EE or EW.")
+        raise ConfigurationError(
+            f"{path} holds no bearings: of each array it needs the keys NAME_{', NAME_'.join(KEYS)}"
+            f", and {SOUND_SPEED_KEY}; bearings in a table of columns are for import bearings."
+        )
+    for name in names:
+        _check_keys(path, name, data)
     return tuple(_array(name, data) for name in names)
+
+
+def _check_keys(path: Path, name: str, data: dict[str, Any]) -> None:
+    wanted = [*(f"{name}_{key}" for key in KEYS), SOUND_SPEED_KEY]
+    missing = [key for key in wanted if key not in data]
+    if missing:
+        raise ConfigurationError(
+            f"{path} lacks {', '.join(missing)} of the array {name}; the page ship-bearings of "
+            "the documentation lists all keys."
+        )
+    count = data[f"{name}_t_s"].shape
+    for key in KEYS:
+        array = data[f"{name}_{key}"]
+        shape = (3,) if key == PLACE_KEY else count
+        if array.shape != shape or len(count) != 1 or array.dtype.kind not in "biuf":
+            raise ConfigurationError(
+                f"{path} has {name}_{key} of shape {array.shape}, not {shape}; give one value a "
+                f"bearing, and three of {name}_{PLACE_KEY}."
+            )
 
 
 def join_bearings(arrays: tuple[ArrayBearings, ...], elevations: bool) -> JoinedBearings:
@@ -155,13 +192,13 @@ def join_bearings(arrays: tuple[ArrayBearings, ...], elevations: bool) -> Joined
 
 def _array(name: str, data: dict[str, Any]) -> ArrayBearings:
     measured = np.isfinite(data[f"{name}_az_deg"]) & np.isfinite(data[f"{name}_el_deg"])
-    usable = np.flatnonzero(measured & ~data[f"{name}_t_suspect"])
+    usable = np.flatnonzero(measured & ~data[f"{name}_t_suspect"].astype(bool))
     # A recorder that stepped back is left out until it is past its latest instant again.
     times = data[f"{name}_t_s"][usable]
     latest = np.concatenate([[-np.inf], np.maximum.accumulate(times)[:-1]])
     usable = usable[times > latest]
     ship = np.stack([data[f"{name}_truth_ship_e_m"], data[f"{name}_truth_ship_n_m"]], axis=1)
-    ship = np.where(data[f"{name}_truth_valid"][:, None], ship, np.nan)
+    ship = np.where(data[f"{name}_truth_valid"].astype(bool)[:, None], ship, np.nan)
     return ArrayBearings(
         name=name,
         position=data[f"{name}_array_enu_m"],

@@ -1,0 +1,139 @@
+"""Any file gets an answer: what it is, what is wrong, how to import it; damage is no traceback."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sonar_tracking.bags.importers.bearing_file import read_bearing_lines, read_stations
+from sonar_tracking.bags.importers.contact_file import (
+    read_contact_lines,
+    read_own_ship,
+    read_true_positions,
+)
+from sonar_tracking.bags.importers.file_inspection import inspect_file
+from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.evaluation.studies.room_array.responses import read_room_responses
+from sonar_tracking.evaluation.studies.ship_bearings.data import read_bearings
+from sonar_tracking.simulation.scenarios.scenario import DEFAULT_EPOCH
+from tests.docs.code_blocks import DOCS, blocks_of
+
+EXAMPLES = {
+    block.caption: block.text
+    for block in blocks_of(DOCS / "reference" / "file_formats.md")
+    if block.caption
+}
+READERS = {
+    "contacts.csv": lambda path: read_contact_lines(path, DEFAULT_EPOCH),
+    "bearings.csv": lambda path: read_bearing_lines(path, DEFAULT_EPOCH),
+    "stations.csv": read_stations,
+    "own_ship.csv": lambda path: read_own_ship(path, DEFAULT_EPOCH),
+    "truth.csv": lambda path: read_true_positions(path, DEFAULT_EPOCH),
+}
+MUTATIONS = 40
+"""Of each format; the same with a thousand has been run."""
+
+
+@pytest.mark.parametrize(
+    ("name", "what", "command"),
+    [
+        ("contacts.csv", "4 contacts", "import contacts"),
+        ("bearings.csv", "4 bearings of 2 sensors", "import bearings"),
+        ("stations.csv", "4 stations", "--stations"),
+        ("own_ship.csv", "4 positions of own ship", "--own-ship"),
+        ("truth.csv", "true positions of 1 targets", "--truth"),
+        ("true_bearings.csv", "true bearings at 4 instants", "--truth"),
+        ("array.yaml", "8 elements", "--geometry"),
+    ],
+)
+def test_every_example_of_the_documentation_is_recognised(
+    tmp_path: Path, name: str, what: str, command: str
+) -> None:
+    path = tmp_path / name
+    path.write_text(EXAMPLES[name])
+    told = inspect_file(path)
+    assert what in told and command in told and "nothing is wrong" in told
+
+
+def test_what_is_wrong_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text("time_s,range_m,bearing_deg\n0,10,1\n1,,2\n")
+    assert "line 3: range_m is missing" in inspect_file(path)
+    log = tmp_path / "log.nmea"
+    log.write_text("$GPHDT,274.07,T*03\n$GPHDT,274.07,T*04\n")
+    told = inspect_file(log)
+    assert "1 GPHDT" in told and "1 sentences have a wrong checksum" in told
+    path.write_text("a,b\n1,2\n")
+    with pytest.raises(ConfigurationError, match="no format that is known: it has a, b"):
+        inspect_file(path)
+    with pytest.raises(ConfigurationError, match="no file"):
+        inspect_file(tmp_path / "nothing.csv")
+
+
+def mutated(data: bytes, generator: np.random.Generator) -> bytes:
+    """Return a file with bytes changed, cut out, doubled, or its end missing."""
+    changed = bytearray(data)
+    for _ in range(generator.integers(1, 6)):
+        place = int(generator.integers(0, len(changed)))
+        match generator.integers(0, 4):
+            case 0:
+                changed[place] = int(generator.integers(0, 256))
+            case 1:
+                del changed[place : place + int(generator.integers(1, 12))]
+            case 2:
+                changed[place:place] = changed[place : place + int(generator.integers(1, 12))]
+            case _:
+                changed = changed[: max(place, 1)]
+        changed = changed or bytearray(b"\n")
+    return bytes(changed)
+
+
+@pytest.mark.parametrize("name", READERS)
+@pytest.mark.parametrize("suffix", ["csv", "npz"])
+def test_a_damaged_table_is_refused_or_its_losses_are_told(
+    tmp_path: Path, name: str, suffix: str
+) -> None:
+    generator = np.random.default_rng(sum(name.encode()))
+    source = tmp_path / f"sound.{suffix}"
+    if suffix == "csv":
+        source.write_text(EXAMPLES[name])
+    else:
+        header, *rows = [line.split(",") for line in EXAMPLES[name].split()]
+        np.savez(
+            source, allow_pickle=False, **dict(zip(header, zip(*rows, strict=True), strict=True))
+        )
+    damaged = tmp_path / f"damaged.{suffix}"
+    for _ in range(MUTATIONS):
+        damaged.write_bytes(mutated(source.read_bytes(), generator))
+        try:
+            READERS[name](damaged)
+            told = inspect_file(damaged)
+        except ConfigurationError as error:
+            told = str(error)
+        assert str(damaged) in told
+
+
+def test_studies_say_what_keys_they_need(tmp_path: Path) -> None:
+    path = tmp_path / "data.npz"
+    np.savez(path, allow_pickle=False, EE_az_deg=np.zeros(3), EE_t_s=np.zeros(3))
+    with pytest.raises(ConfigurationError, match=r"lacks EE_t_suspect, EE_el_deg"):
+        read_bearings(path)
+    np.savez(path, allow_pickle=False, other=np.zeros(3))
+    with pytest.raises(ConfigurationError, match="NAME_t_s"):
+        read_bearings(path)
+    with pytest.raises(ConfigurationError, match=re.escape("rir, rir_scale, fs_hz")):
+        read_room_responses(path)
+    room = {
+        "rir": np.zeros((1, 2, 9)),
+        "rir_scale": np.array(1.0),
+        "fs_hz": np.array(48000),
+        "source_id": np.array([7, 6]),
+        "source_xz_m": np.zeros((2, 2)),
+        "mic_xz_m": np.zeros((2, 2)),
+    }
+    np.savez(path, allow_pickle=False, **room)
+    with pytest.raises(ConfigurationError, match="sources x elements x samples"):
+        read_room_responses(path)
