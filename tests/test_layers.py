@@ -108,6 +108,7 @@ ROOMS = (
     "cli_bench",
     "cli_export",
     "cli_import",
+    "cli_inspect",
     "cli_show",
     "cli_smooth",
     "cli",
