@@ -30,6 +30,7 @@ NODES = (
     "tma_tracker",
     "hpda_tracker",
     "track_fusion",
+    "nmea_output",
     "scene_publisher",
     "operator_display",
     "recorder",

@@ -33,6 +33,7 @@ STAGES = {
     "tma_tracker": "sonar_tracking.tma.targets.tma_tracker_stage",
     "hpda_tracker": "sonar_tracking.active.contact_tracker",
     "track_fusion": "sonar_tracking.fusion.track_fusion_stage",
+    "nmea_output": "sonar_tracking.scene.nmea_sentences",
     "scene_publisher": "sonar_tracking.scene.scene_frames",
     "operator_display": "sonar_tracking.display.page.page_feed",
     "recorder": "sonar_tracking.bags.storage.writer",

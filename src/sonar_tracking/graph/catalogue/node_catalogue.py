@@ -9,6 +9,7 @@ from __future__ import annotations
 from sonar_tracking.graph.catalogue.active_nodes import HPDA_TRACKER
 from sonar_tracking.graph.catalogue.display_nodes import SCENE_PUBLISHER
 from sonar_tracking.graph.catalogue.fusion_nodes import TRACK_FUSION
+from sonar_tracking.graph.catalogue.nmea_nodes import NMEA_OUTPUT
 from sonar_tracking.graph.catalogue.page_nodes import OPERATOR_DISPLAY
 from sonar_tracking.graph.catalogue.passive_nodes import (
     BAND_DEMODULATOR,
@@ -31,6 +32,7 @@ NODES = {
         TMA_TRACKER,
         HPDA_TRACKER,
         TRACK_FUSION,
+        NMEA_OUTPUT,
         SCENE_PUBLISHER,
         OPERATOR_DISPLAY,
     )
