@@ -17,7 +17,6 @@ AIR_SPEEDS = (310.0, 360.0)
 """Sound speeds that occur, m/s."""
 
 _TYPICAL_WATER = 1500.0
-_UNITS = (("millimetres", 1e-3), ("centimetres", 1e-2))
 _PLAUSIBLE = 0.02
 """Least spacing in wavelengths of an array that was made for bearings."""
 
@@ -72,12 +71,9 @@ def _likely_cause(array: RecordedArray, frequency: float) -> str:
     """Return a sentence if another unit or sound speed would do, else nothing."""
     spacing = largest_spacing(array.element_positions)
     wavelength = array.sound_speed / frequency
-    for name, metres in _UNITS:
-        if _PLAUSIBLE <= metres * spacing / wavelength <= 0.5 and spacing >= 1.0:
-            return (
-                f" Positions look like {name}: {spacing:g} {name} are {metres * spacing:g} m; give "
-                "metres."
-            )
+    metres = 1e-3 * spacing
+    if _PLAUSIBLE <= metres / wavelength <= 0.5 and spacing >= 1.0:
+        return f" Positions look like millimetres: {spacing:g} mm are {metres:g} m; give metres."
     slow = array.sound_speed < WATER_SPEEDS[0]
     if slow and _PLAUSIBLE <= spacing * frequency / _TYPICAL_WATER <= 0.5:
         return (

@@ -157,13 +157,14 @@ class SampleBlocks:
     def _kept(self) -> Iterator[tuple[int, Any]]:
         """Yield index and samples, shape (n, n_elements), of the blocks of finite numbers."""
         done, total = 0, self._recording.n_samples
+        in_order = self._columns == list(range(self._recording.n_channels))
         check = self._recording.may_be_not_a_number
         for first_block, stretch in zip(self._first_block, self._recording.stretches, strict=True):
             for index, start in enumerate(range(0, stretch.n_samples, self._size), first_block):
                 stop = min(start + self._size, stretch.n_samples)
                 with np.errstate(over="ignore"):
-                    samples = stretch.samples(start, stop)[:, self._columns]
-                    data = samples.astype(np.float32)
+                    samples = stretch.samples(start, stop).astype(np.float32)
+                data = samples if in_order else samples[:, self._columns]
                 if check and not np.isfinite(data).all():
                     bad = np.flatnonzero(~np.isfinite(data).all(axis=0))
                     self._leave_out(index, stop - start, bad.tolist())
