@@ -133,6 +133,16 @@ def _check(room: RoomResponses, path: Path | str) -> None:
             f"{path} needs source_xz_m of shape ({n_sources}, 2), and at least "
             f"{SUB_ARRAY_ELEMENTS} elements."
         )
+
+
+def check_sources(room: RoomResponses, path: Path | str) -> None:
+    """Refuse responses that lack a source which the study puts together.
+
+    Raises
+    ------
+    ConfigurationError
+        With the sources there are and those that are missing.
+    """
     absent = sorted(STUDIED_SOURCES - set(room.source_ids))
     if absent:
         raise ConfigurationError(

@@ -43,6 +43,7 @@ from sonar_tracking.evaluation.studies.room_array.near_field_rows import (
 from sonar_tracking.evaluation.studies.room_array.positions import onset_positions
 from sonar_tracking.evaluation.studies.room_array.responses import (
     RoomResponses,
+    check_sources,
     child_seed,
     end_of_dwell,
     read_room_responses,
@@ -153,9 +154,9 @@ def room_array(data_file: Path | str) -> StudyDefinition:
     Raises
     ------
     ConfigurationError
-        If the file cannot be read.
+        If the file cannot be read, or lacks a source of the study.
     """
-    read_room_responses(data_file)
+    check_sources(read_room_responses(data_file), data_file)
     return StudyDefinition(
         name=ROOM_ARRAY,
         description="the passive chain on a recorded array, against surveyed bearings",
