@@ -10,6 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
+from sonar_tracking.bags.audio.audio_inspection import inspect_audio
+from sonar_tracking.bags.audio.open_audio import AUDIO_ENDINGS
 from sonar_tracking.bags.importers.array_geometry_file import read_array_geometry
 from sonar_tracking.bags.importers.bearing_file import (
     DIRECTIONS,
@@ -31,7 +33,6 @@ from sonar_tracking.errors import ConfigurationError, shown
 from sonar_tracking.records.arrays import IntArray
 from sonar_tracking.simulation.scenarios.scenario import DEFAULT_EPOCH
 
-AUDIO = frozenset((".wav", ".flac", ".w64", ".rf64", ".aif", ".aiff", ".caf"))
 BAGS = frozenset((".mcap", ".db3", ".zstd"))
 PAGE = "the page 'File formats' of the documentation shows each format"
 
@@ -60,10 +61,13 @@ def inspect_file(path: Path) -> str:
 
 def _inspector(path: Path) -> Callable[[Path], Inspected]:
     suffix = path.suffix.lower()
+    is_audio = suffix in AUDIO_ENDINGS
+    if path.is_dir():
+        is_audio = any(each.suffix.lower() in AUDIO_ENDINGS for each in path.iterdir())
+    if is_audio:
+        return inspect_audio
     if path.is_dir() or suffix in BAGS:
         return _bag
-    if suffix in AUDIO:
-        return _audio
     if suffix in (".yaml", ".yml"):
         return _geometry
     if suffix != ".npz" and _looks_like_nmea(path):
@@ -75,21 +79,6 @@ def _bag(path: Path) -> Inspected:
     bag = read_bag(path)
     topics = ", ".join(f"{n} ({t.message_count})" for n, t in bag.topics.items() if t.message_count)
     return f"a bag with messages of {topics}", [], f"sonar-tracking replay {path}"
-
-
-def _audio(path: Path) -> Inspected:
-    import soundfile
-
-    try:
-        about = soundfile.info(str(path))
-    except (RuntimeError, OSError, TypeError) as error:
-        raise ConfigurationError(f"The audio file {path} cannot be read ({error}).") from error
-    what = (
-        f"{about.format} audio, {about.channels} channels, {about.samplerate} Hz, "
-        f"{about.duration:.1f} s, {about.subtype}"
-    )
-    wrong = [] if about.frames else ["it holds no samples; copy it again"]
-    return what, wrong, f"sonar-tracking import wav {path} --geometry array.yaml --output bag"
 
 
 def _geometry(path: Path) -> Inspected:
