@@ -134,7 +134,9 @@ def test_zeros_at_the_end_of_the_samples_are_reported(tmp_path: Path) -> None:
 def test_what_cannot_be_read_is_named(tmp_path: Path) -> None:
     unknown = struct.pack("<HHIIHH", 0x1234, 2, 8000, 16_000, 2, 8)
     none = struct.pack("<HHIIHH", 1, 0, 8000, 16_000, 2, 16)
+    no_bits = struct.pack("<HHIIHH", 1, 2, 8000, 16_000, 2, 0)
     for content, reason in (
+        (riff(no_bits), "channels of 0 bits"),
         (b"ID3 some music", "is not an audio file"),
         (b"", "holds 0 bytes"),
         (riff(unknown), "is not an audio file"),

@@ -149,10 +149,10 @@ def _format(path: Path, chunks: RiffChunks) -> _Format:
     valid_bits = bits
     if code == _EXTENSIBLE and len(body) >= 26:
         valid_bits, _, code = struct.unpack_from("<HIH", body, 18)
-    if not n_channels or not sample_rate:
+    if not n_channels or not sample_rate or (not bits and code in (_PCM, _FLOAT)):
         raise ConfigurationError(
-            f"{path} says it has {n_channels} channels at {sample_rate} Hz; its format description "
-            "is damaged: copy it again."
+            f"{path} says it has {n_channels} channels of {bits} bits at {sample_rate} Hz; its format "
+            "description is damaged: copy it again."
         )
     return _Format(code, n_channels, sample_rate, byte_rate, frame, bits, valid_bits or bits)
 
