@@ -151,8 +151,8 @@ def _format(path: Path, chunks: RiffChunks) -> _Format:
         valid_bits, _, code = struct.unpack_from("<HIH", body, 18)
     if not n_channels or not sample_rate or (not bits and code in (_PCM, _FLOAT)):
         raise ConfigurationError(
-            f"{path} says it has {n_channels} channels of {bits} bits at {sample_rate} Hz; its format "
-            "description is damaged: copy it again."
+            f"{path} says it has {n_channels} channels of {bits} bits at {sample_rate} Hz; its "
+            "format description is damaged: copy it again."
         )
     return _Format(code, n_channels, sample_rate, byte_rate, frame, bits, valid_bits or bits)
 
