@@ -167,4 +167,5 @@ def test_traits_are_found_by_their_field_and_told_in_words() -> None:
     assert BEARING_METHODS["ryu"].traits == ()
     assert BEARING_METHODS["joint_map"].traits == (
         "measures in the covariance of the subspace estimator",
+        "follows sources that no single covariance shows",
     )

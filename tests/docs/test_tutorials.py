@@ -30,7 +30,7 @@ NOT_RUN = {
     r"sonar-tracking show": "does not end; tests/display/page/test_show_bag.py shows recordings",
     r"sonar-tracking run harbour_watch$": "minutes of data; tests/system/test_page.py has a page",
     r"sonar-tracking doctor": "tells of the machine; tests/graph/verbs/test_doctor.py",
-    r"sonar-tracking import wav .* --samples": "needs own ship's track; tests/system runs it",
+    r"sonar-tracking import samples .* --own-ship": "needs own ship's track; tests/system runs it",
     r"python listener\.py": "does not end; test_listener_prints_the_bearings runs it",
     r"python -m sonar_tracking.graph.nodes": "does not end; test_publish_contacts.py runs it",
     r"python publisher\.py": "speaks to it, likewise",

@@ -57,7 +57,7 @@ def test_samples_of_a_wav_give_the_lines_the_simulation_gives(tmp_path: Path) ->
 
 def test_a_request_that_cannot_be_met_is_one_sentence(tmp_path: Path) -> None:
     wavfile.write(tmp_path / "a.wav", 1000, np.zeros((3000, 4), np.float32))
-    (tmp_path / "array.yaml").write_text("n_elements: 4\nspacing: 1.8\n")
+    (tmp_path / "array.yaml").write_text("n_elements: 4\nspacing: 1.0\n")
     (tmp_path / "own.csv").write_text("time_s,east_m,north_m\n0,0,0\n")
     common = ("import", "wav", tmp_path / "a.wav", "--geometry", tmp_path / "array.yaml",
               "--output", tmp_path / "bag")  # fmt: skip

@@ -126,7 +126,8 @@ def _table(path: Path) -> Inspected:
     if columns & set(DIRECTIONS):
         lines = read_bearing_lines(path, DEFAULT_EPOCH)
         what = f"{len(lines.stamp)} bearings of {len(set(lines.sensor.tolist()))} sensors, "
-        command = f"sonar-tracking import bearings {path} --output bag"
+        places = " --stations FILE" if len(set(lines.sensor.tolist())) > 1 else ""
+        command = f"sonar-tracking import bearings {path}{places} --output bag"
         return what + _span(lines.stamp), list(lines.notes), command
     if east_north and "target" in columns:
         targets, told = read_true_positions(path, DEFAULT_EPOCH)

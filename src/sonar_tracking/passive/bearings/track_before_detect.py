@@ -69,6 +69,10 @@ _LEAST_FLOOR = 0.03
 _WHITENED_FLOOR = 0.15
 """Of g in noise that was whitened: what a covariance that was found in the data leaves."""
 
+_MOST_RECEIVED = 0.5
+"""Power of the tracked sources at an element over that of the noise, beside which faint ones are
+sought: the echoes of louder ones are as strong as they are."""
+
 _LARGEST_DEVIATION = 0.35
 """Of the bearing, over the width of a beam, when it is sure enough to start."""
 
@@ -160,6 +164,7 @@ class TrackBeforeDetect:
         )
         told *= min(1.0, _MOST_TOLD / max(float(told.max()), _MOST_TOLD))
         sought = beams.free & (np.abs(np.sin(angles)) < _ENDFIRE)
+        sought &= beams.received <= _MOST_RECEIVED
         odds = odds * np.exp(told) * sought[:, None]
         odds = odds * min(1.0, _MOST_ODDS / max(odds.sum(), 1.0))
         return TrackBeforeDetect(odds, angles, rates)
