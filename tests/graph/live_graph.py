@@ -177,6 +177,8 @@ class Probe:
             lambda: all(int(self.matched(node).get(topic, 0)) > 0 for topic in topics),
             f"{node} matched on {', '.join(topics)}",
         )
+        if CLOCK_TOPIC in topics:  # who is matched there is not yet known here
+            self.wait(self._clock.get_subscription_count, f"{node} to be heard of as a reader")
 
     def matched(self, node: str) -> dict[str, str]:
         """Return the newest report of a node on its connections."""
