@@ -27,7 +27,8 @@ from pathlib import Path
 import numpy as np
 
 from sonar_tracking.bags.importers.number_table import NumberTable, read_number_table
-from sonar_tracking.bags.importers.table_times import TIMES, one_of, table_stamps
+from sonar_tracking.bags.importers.table_directions import direction_angles
+from sonar_tracking.bags.importers.table_times import NO_TIME, TIMES, one_of, table_stamps
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.motion import azimuth_from_compass
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
@@ -131,8 +132,7 @@ def read_bearing_lines(path: Path | str, epoch: int) -> BearingLines:
     stamp = table_stamps(table, epoch, groups, of_sensor=True)
     good = _usable(table, kind, stamp)
     if not good.any():
-        told = " ".join(table.notes.sentences()[:3])
-        raise ConfigurationError(f"The file {table.path} holds no usable line. {told}".strip())
+        raise table.nothing_usable()
     rows = np.flatnonzero(good)
     rows = rows[np.argsort(stamp[rows], kind="stable")]
     radians = {name: np.radians(table.column(name))[rows] for name in OPTIONAL[:3]}
@@ -141,7 +141,7 @@ def read_bearing_lines(path: Path | str, epoch: int) -> BearingLines:
         sensor=sensor[rows],
         track=track[rows],
         kind=kind,
-        angle=_angles(table, kind)[rows],
+        angle=direction_angles(table, kind)[rows],
         deviation=radians["bearing_deviation_deg"],
         elevation=radians["elevation_deg"],
         elevation_deviation=radians["elevation_deviation_deg"],
@@ -177,15 +177,6 @@ def read_stations(path: Path | str) -> tuple[dict[str, StationPlace], tuple[str,
     return places, tuple(table.notes.sentences())
 
 
-def _angles(table: NumberTable, kind: str) -> FloatArray:
-    given = table.column(kind)
-    if kind == "bearing_deg":
-        return azimuth_from_compass(given)
-    if kind == "relative_bearing_deg":
-        return -np.radians(given)
-    return np.radians(90.0 - given if kind == "cone_angle_deg" else given)
-
-
 def _usable(table: NumberTable, kind: str, stamp: IntArray) -> BoolArray:
     """Return which lines can be used, and note the first thing wrong with the others."""
     angle = table.column(kind)
@@ -193,7 +184,7 @@ def _usable(table: NumberTable, kind: str, stamp: IntArray) -> BoolArray:
         kind, (-360.0, 360.0)
     )
     checks = {
-        "the time is missing, or no instant between 1970 and 2038": stamp > 0,
+        NO_TIME: stamp > 0,
         f"{kind} is missing": np.isfinite(angle),
         f"{kind} is not between {lowest:g} and {highest:g}": (angle >= lowest) & (angle <= highest),
         "bearing_deviation_deg is not a positive number": ~(
@@ -202,8 +193,4 @@ def _usable(table: NumberTable, kind: str, stamp: IntArray) -> BoolArray:
         "elevation_deg is not between -90 and 90": ~(np.abs(table.column("elevation_deg")) > 90.0),
         "frequency_hz is not a positive number": ~(table.column("frequency_hz") <= 0.0),
     }
-    good = np.ones(len(table), dtype=bool)
-    for sentence, passed in checks.items():
-        table.notes.lines(table.rows[good & ~passed], sentence)
-        good &= passed
-    return good
+    return table.passing(checks)

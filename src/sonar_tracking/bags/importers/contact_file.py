@@ -28,8 +28,8 @@ from pathlib import Path
 import numpy as np
 
 from sonar_tracking.bags.importers.number_table import NumberTable, read_number_table
-from sonar_tracking.bags.importers.table_times import TIMES, one_of, table_stamps
-from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.bags.importers.table_directions import direction_angles
+from sonar_tracking.bags.importers.table_times import NO_TIME, TIMES, one_of, table_stamps
 from sonar_tracking.motion import azimuth_from_compass, wrap_angle
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray, IntArray
 
@@ -40,9 +40,6 @@ OWN_SHIP = ("own_east_m", "own_north_m", "own_heading_deg")
 SPARED = (*AMPLITUDES, *DEVIATIONS, *OWN_SHIP)
 """Columns of which an empty cell costs nothing but itself."""
 CONTACT_COLUMNS = ("range_m", *TIMES, *DIRECTIONS, *AMPLITUDES, *DEVIATIONS, *OWN_SHIP)
-
-
-NO_TIME = "the time is missing, or no instant between 1970 and 2038"
 
 FARTHEST = 1e8
 """Largest coordinate of a position, m."""
@@ -123,27 +120,20 @@ def read_contact_lines(path: Path | str, epoch: int) -> ContactLines:
     table = read_number_table(path, ("range_m",), CONTACT_COLUMNS, spared=SPARED)
     stamp = table_stamps(table, epoch, of_sensor=True)
     direction = one_of(table, DIRECTIONS)
-    given = table.column(direction)
-    if direction == "bearing_deg":
-        azimuth = azimuth_from_compass(given)
-    else:
-        sign = 1.0 if direction == "azimuth_deg" else -1.0
-        azimuth = sign * np.radians(given)
     amplitude = _amplitudes(table)
     heading = azimuth_from_compass(table.column("own_heading_deg"))
     own_ship = np.stack([table.column("own_east_m"), table.column("own_north_m"), heading], axis=1)
     timed, contact = _usable(table, stamp, direction, amplitude)
     _note_empty(table, timed, contact)
     if not (timed & (contact | _silent(table, direction))).any():
-        raise _nothing_usable(table)
+        raise table.nothing_usable()
     distance = np.where(contact, table.column("range_m"), np.nan)
-    good = timed
-    order = np.flatnonzero(good)
+    order = np.flatnonzero(timed)
     order = order[np.argsort(stamp[order], kind="stable")]
     return ContactLines(
         stamp=stamp[order],
         range=distance[order],
-        azimuth=wrap_angle(azimuth)[order],
+        azimuth=wrap_angle(direction_angles(table, direction))[order],
         relative=direction == "relative_bearing_deg",
         amplitude=amplitude[order] if amplitude is not None else np.zeros(0),
         range_deviation=table.column("range_deviation_m")[order],
@@ -202,18 +192,13 @@ def _silent(table: NumberTable, direction: str) -> BoolArray:
     return np.isnan(table.column("range_m")) & np.isnan(table.column(direction))
 
 
-def _nothing_usable(table: NumberTable) -> ConfigurationError:
-    told = " ".join(table.notes.sentences()[:3])
-    return ConfigurationError(f"The file {table.path} holds no usable line. {told}".strip())
-
-
 def _usable(
     table: NumberTable, stamp: IntArray, direction: str, amplitude: FloatArray | None
 ) -> tuple[BoolArray, BoolArray]:
     """Return which lines have a time, and which a contact; name the first thing wrong."""
     distance, angle = table.column("range_m"), table.column(direction)
     contact = ~_silent(table, direction)
-    timed = _named(table, {NO_TIME: stamp > 0})
+    timed = table.passing({NO_TIME: stamp > 0})
     missing = (
         f"range_m is missing beside {direction}; a ping that detected nothing has neither, and "
         "bearings without ranges are for import bearings"
@@ -227,7 +212,7 @@ def _usable(
         checks["the amplitude is less than 0"] = ~(contact & (amplitude < 0.0))
     for name in DEVIATIONS:
         checks[f"{name} is not a positive number"] = ~(contact & (table.column(name) <= 0.0))
-    return timed, _named(table, checks, timed) & contact
+    return timed, table.passing(checks, timed) & contact
 
 
 def _note_empty(table: NumberTable, timed: BoolArray, contact: BoolArray) -> None:
@@ -254,21 +239,10 @@ def _positioned(table: NumberTable, stamp: IntArray) -> IndexArray:
     for name in ("east_m", "north_m"):
         values = table.column(name)
         checks[f"{name} is missing, or no position on earth"] = np.abs(values) < FARTHEST
-    rows = np.flatnonzero(_named(table, checks))
+    rows = np.flatnonzero(table.passing(checks))
     if not len(rows):
-        raise _nothing_usable(table)
+        raise table.nothing_usable()
     return rows[np.argsort(stamp[rows], kind="stable")]
-
-
-def _named(
-    table: NumberTable, checks: dict[str, BoolArray], among: BoolArray | None = None
-) -> BoolArray:
-    """Return which lines pass all checks; the first that fails is noted, and the line left out."""
-    good = np.ones(len(table), dtype=bool) if among is None else among.copy()
-    for sentence, passed in checks.items():
-        table.notes.lines(table.rows[good & ~passed], sentence)
-        good &= passed
-    return good
 
 
 def _surveyed(table: NumberTable, stamp: IntArray, rows: IndexArray) -> SurveyedPositions:

@@ -17,7 +17,7 @@ import numpy as np
 from sonar_tracking.bags.importers.line_notes import LineNotes, place
 from sonar_tracking.bags.importers.npz_file import read_npz
 from sonar_tracking.errors import ConfigurationError, shown, unknown_name_text
-from sonar_tracking.records.arrays import FloatArray, IntArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 
 EMPTY = frozenset(("", "-", "na", "n/a", "nan", "null", "none"))
 """Cells that say nothing, in small letters."""
@@ -60,6 +60,31 @@ class NumberTable:
     def column(self, name: str) -> FloatArray:
         """Return a column, shape (n_rows,), in units of the file; all NaN where there is none."""
         return self.numbers.get(name, np.full(len(self), np.nan))
+
+    def passing(self, checks: Mapping[str, BoolArray], among: BoolArray | None = None) -> BoolArray:
+        """Return which rows pass all checks; of each other row the first that fails is noted.
+
+        Parameters
+        ----------
+        checks : mapping of str to ndarray of bool, shape (n_rows,)
+            By the sentence that says what is wrong with a row that does not pass.
+        among : ndarray of bool, shape (n_rows,), optional
+            Rows to look at; all if not given.
+
+        Returns
+        -------
+        ndarray of bool, shape (n_rows,)
+        """
+        good = np.ones(len(self), dtype=bool) if among is None else among.copy()
+        for sentence, passed in checks.items():
+            self.notes.lines(self.rows[good & ~passed], sentence)
+            good &= passed
+        return good
+
+    def nothing_usable(self) -> ConfigurationError:
+        """Return the error that says that no line can be used, and why."""
+        told = " ".join(self.notes.sentences()[:3])
+        return ConfigurationError(f"The file {self.path} holds no usable line. {told}".strip())
 
 
 def read_number_table(

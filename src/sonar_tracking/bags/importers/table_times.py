@@ -19,6 +19,8 @@ from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS
 
 TIMES = ("time_s", "unix_time_s")
 
+NO_TIME = "the time is missing, or no instant between 1970 and 2038"
+
 DAY = 86_400.0
 """s."""
 
