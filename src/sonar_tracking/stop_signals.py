@@ -59,6 +59,10 @@ def never_end() -> None:
     """
     for number in STOP_SIGNALS:
         signal.signal(number, signal.SIG_IGN)
+    # Where an interruption came in a text that was being executed, as packages make their classes
+    # of, the interpreter remembers it, although it was caught, and at last ends by SIGINT. The next
+    # text that is executed makes it forget.
+    exec("")
 
 
 def end_within(seconds: float) -> None:

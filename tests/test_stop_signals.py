@@ -1,0 +1,28 @@
+"""Protects the exit code of what was stopped: it is the program's own, wherever the stop came."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+STOPPED_WHILE_A_TEXT_IS_EXECUTED = """
+import signal, sys
+from sonar_tracking.stop_signals import interruptible, never_end, stop_code
+interruptible()
+try:
+    exec("signal.raise_signal(signal.SIGINT)")
+except KeyboardInterrupt:
+    pass
+never_end()
+sys.exit(stop_code())
+"""
+
+
+def test_a_stop_in_a_text_that_is_executed_leaves_the_exit_code_alone() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", STOPPED_WHILE_A_TEXT_IS_EXECUTED],
+        capture_output=True,
+        text=True,
+        timeout=60.0,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
