@@ -186,11 +186,6 @@ def seed_lines(
     received = np.where(which, measurement.frequency, 0.0)[..., None, :]
     mean, covariance = bank.mean.copy(), bank.covariance.copy()
     new = which[..., None, :]
-    received_at_rest = received / factor[..., None]
-    mean[..., bank.lines] = np.where(new, received_at_rest, mean[..., bank.lines])
-    old = np.ones((*which.shape[:-1], mean.shape[-1]), dtype=bool)
-    old[..., bank.lines] = ~which
-    covariance *= (old[..., :, None] & old[..., None, :])[..., None, :, :]
     lines = KINEMATIC + np.arange(which.shape[-1])
     mean[..., lines] = np.where(new, received / factor[..., None], mean[..., lines])
     old = np.ones((*which.shape[:-1], mean.shape[-1]), dtype=bool)
