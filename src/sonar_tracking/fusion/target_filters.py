@@ -203,11 +203,11 @@ class TargetFilters:
         bearings = sided_bearings(found, aligned, self._speed)
         expected = self._learn(found, bearings, aligned)
         updated, likelihood = updated_by_bearings(aligned, bearings)
-        own: list[int] = np.flatnonzero(expected).tolist()
-        self._aligned = replaced(self._aligned, rows[own], updated.rows(np.array(own, np.intp)))
-        trials, owner = self._trials_of([targets[row] for row in own])
+        own = np.flatnonzero(expected)
+        self._aligned = replaced(self._aligned, rows[own], updated.rows(own))
+        trials, owner = self._trials_of([targets[row] for row in own.tolist()])
         if trials.size:
-            self.trials.take_known(trials, bearings.rows(np.array(own, np.intp)[owner]))
+            self.trials.take_known(trials, bearings.rows(own[owner]))
 
         def taking(copies: AlignedTargets, own: IndexArray) -> tuple[AlignedTargets, FloatArray]:
             sided = sided_bearings([found[place] for place in own], copies, self._speed)
