@@ -11,6 +11,8 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
+from functools import reduce
+from operator import xor
 
 import numpy as np
 
@@ -32,12 +34,14 @@ MOST_TARGETS = 99
 """Numbers of targets have two digits; 00 is that of no target."""
 
 
+def checksum(codes: Iterable[int]) -> str:
+    """Return the exclusive or of the characters between ``$`` and ``*``, two digits."""
+    return f"{reduce(xor, codes, 0):02X}"
+
+
 def with_checksum(body: str) -> str:
-    """Return a whole sentence: what stands between ``$`` and ``*``, and its exclusive or."""
-    checksum = 0
-    for byte in body.encode("ascii"):
-        checksum ^= byte
-    return f"${body}*{checksum:02X}"
+    """Return a whole sentence: what stands between ``$`` and ``*``, and its checksum."""
+    return f"${body}*{checksum(body.encode('ascii'))}"
 
 
 def tll_sentence(

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
-from functools import reduce
-from operator import xor
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +29,7 @@ from sonar_tracking.bags.importers.table_times import TIMES, instant_text
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.errors import ConfigurationError, shown
 from sonar_tracking.records.arrays import IntArray
+from sonar_tracking.scene.nmea_sentences import checksum
 from sonar_tracking.simulation.scenarios.scenario import DEFAULT_EPOCH
 
 BAGS = frozenset((".mcap", ".db3", ".zstd"))
@@ -99,7 +98,7 @@ def _nmea(path: Path) -> Inspected:
     with path.open(encoding="ascii", errors="replace") as file:
         for line in file:
             body, star, told = line.strip()[1:].partition("*")
-            whole = f"{reduce(xor, map(ord, body), 0):02X}" == told[:2].upper()
+            whole = checksum(map(ord, body)) == told[:2].upper()
             failed += bool(star) and not whole
             kinds[shown(body.split(",")[0], 8)] += not star or whole
     told = ", ".join(f"{count} {kind}" for kind, count in kinds.most_common(8) if count)
