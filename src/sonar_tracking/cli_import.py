@@ -25,6 +25,13 @@ _BEARINGS = Annotated[
 _PARAMETERS = Annotated[
     Path | None, typer.Option(help="YAML file: node, parameter, value; kept for the replay.")
 ]
+_OWN_SHIP = Annotated[
+    Path | None, typer.Option(help="CSV or npz: time_s, east_m, north_m, heading_deg.")
+]
+_TRUE_POSITIONS = Annotated[
+    Path | None, typer.Option(help="CSV or npz: time_s, target, east_m, north_m.")
+]
+_ORIGIN = Annotated[str, typer.Option(help="Instant of time_s = 0.")]
 _EPOCH = Annotated[
     str | None,
     typer.Option(help="Instant of the first sample; default: by the file names or files."),
@@ -44,9 +51,7 @@ def time_series(
     output: _OUTPUT,
     frequency: _FREQUENCY = None,
     bandwidth: _BANDWIDTH = None,
-    own_ship: Annotated[
-        Path | None, typer.Option(help="CSV or npz: time_s, east_m, north_m, heading_deg.")
-    ] = None,
+    own_ship: _OWN_SHIP = None,
     truth: _BEARINGS = None,
     epoch: _EPOCH = None,
     time_pattern: _TIME_PATTERN = None,
@@ -117,13 +122,9 @@ def wav(
 @import_app.command()
 def contacts(
     file: Annotated[Path, typer.Argument(help="CSV or npz with one line, or entry, a contact.")],
-    output: Annotated[Path, typer.Option(help="The new bag.")],
-    own_ship: Annotated[
-        Path | None, typer.Option(help="CSV or npz: time_s, east_m, north_m, heading_deg.")
-    ] = None,
-    truth: Annotated[
-        Path | None, typer.Option(help="CSV or npz: time_s, target, east_m, north_m.")
-    ] = None,
+    output: _OUTPUT,
+    own_ship: _OWN_SHIP = None,
+    truth: _TRUE_POSITIONS = None,
     range_deviation: Annotated[
         float, typer.Option(help="Standard deviation of ranges without their own, m.")
     ] = 0.0,
@@ -136,10 +137,8 @@ def contacts(
     latency: Annotated[
         float, typer.Option(help="By which the times are later than the pings, s.")
     ] = 0.0,
-    epoch: Annotated[str, typer.Option(help="Instant of time_s = 0.")] = "2026-01-01T00:00:00Z",
-    parameters: Annotated[
-        Path | None, typer.Option(help="YAML file: node, parameter, value; kept for the replay.")
-    ] = None,
+    epoch: _ORIGIN = "2026-01-01T00:00:00Z",
+    parameters: _PARAMETERS = None,
 ) -> None:
     """Bring recorded contacts into a bag of pings, with own ship and truth.
 
@@ -163,26 +162,20 @@ def contacts(
 @import_app.command()
 def bearings(
     file: Annotated[Path, typer.Argument(help="CSV or npz with one line, or entry, a bearing.")],
-    output: Annotated[Path, typer.Option(help="The new bag.")],
+    output: _OUTPUT,
     stations: Annotated[
         Path | None, typer.Option(help="CSV or npz: sensor, east_m, north_m, up_m, heading_deg.")
     ] = None,
-    own_ship: Annotated[
-        Path | None, typer.Option(help="CSV or npz: time_s, east_m, north_m, heading_deg.")
-    ] = None,
-    truth: Annotated[
-        Path | None, typer.Option(help="CSV or npz: time_s, target, east_m, north_m.")
-    ] = None,
+    own_ship: _OWN_SHIP = None,
+    truth: _TRUE_POSITIONS = None,
     bearing_deviation_deg: Annotated[
         float, typer.Option(help="Standard deviation of bearings without their own, degrees.")
     ] = 0.0,
     frequency_deviation: Annotated[
         float, typer.Option(help="The same of frequency lines, Hz.")
     ] = 0.2,
-    epoch: Annotated[str, typer.Option(help="Instant of time_s = 0.")] = "2026-01-01T00:00:00Z",
-    parameters: Annotated[
-        Path | None, typer.Option(help="YAML file: node, parameter, value; kept for the replay.")
-    ] = None,
+    epoch: _ORIGIN = "2026-01-01T00:00:00Z",
+    parameters: _PARAMETERS = None,
 ) -> None:
     """Bring recorded bearings into a bag whose replay finds positions.
 

@@ -61,9 +61,7 @@ def text_frame(kind: str, time: float, stream: str = "", /, **fields: Any) -> Fr
     **fields
         Numbers, texts, arrays, and lists and mappings of them.
     """
-    content = {"kind": kind, "t": time, **fields}
-    text = json.dumps(plain(content), separators=(",", ":"), allow_nan=False)
-    return Frame(kind, f"{kind} {stream}", time, text)
+    return Frame(kind, f"{kind} {stream}", time, _json(kind, time, fields))
 
 
 def binary_frame(
@@ -84,12 +82,16 @@ def binary_frame(
     row : ndarray, shape (n,)
         Levels, dB.
     """
-    content = {"kind": kind, "t": time, **header}
-    text = json.dumps(plain(content), separators=(",", ":"), allow_nan=False).encode()
+    text = _json(kind, time, header).encode()
     text += b" " * (-len(text) % _ALIGNMENT)
     payload = np.ascontiguousarray(row, "<f4").tobytes()
     data = struct.pack("<I", len(text)) + text + payload
     return Frame(kind, f"{kind} {stream}", time, data)
+
+
+def _json(kind: str, time: float, fields: Mapping[str, Any]) -> str:
+    content = {"kind": kind, "t": time, **fields}
+    return json.dumps(plain(content), separators=(",", ":"), allow_nan=False)
 
 
 def seconds_of(stamp: int) -> float:
