@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from sonar_tracking.active.contacts.sensor_location import MountingConfiguration
 from sonar_tracking.display.page.own_ship_log import OwnShipLog
 from sonar_tracking.display.page.page_configuration import PageConfiguration
 from sonar_tracking.display.page.page_frames import (
@@ -18,6 +17,7 @@ from sonar_tracking.display.page.page_frames import (
 )
 from sonar_tracking.records.contacts import Contacts, GateThresholds
 from sonar_tracking.scene.scene_hearing import located_contacts
+from sonar_tracking.scene.told_mountings import sonar_as_told
 
 
 class ContactFrames:
@@ -34,11 +34,7 @@ class ContactFrames:
     def __init__(self, configuration: PageConfiguration, own_ship: OwnShipLog) -> None:
         self._sound_speed = configuration.sound_speed
         self._own_ship = own_ship
-        self._mounting = MountingConfiguration(
-            configuration.sonar_mounting_x,
-            configuration.sonar_mounting_y,
-            configuration.sonar_mounting_yaw_deg,
-        )
+        self._mounting = sonar_as_told(configuration)
 
     def frame(self, topic: str, contacts: Contacts) -> Frame:
         """Return the frame of one ping; amplitudes are decibels over the mean noise power."""

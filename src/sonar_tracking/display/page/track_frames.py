@@ -22,9 +22,9 @@ from sonar_tracking.records.bearings import AngleKind, BearingTracks, Sensor
 from sonar_tracking.records.lines import FrequencyLines
 from sonar_tracking.records.own_ship import OwnShipState
 from sonar_tracking.records.positions import PositionTracks
+from sonar_tracking.scene.told_mountings import array_as_told
 from sonar_tracking.tma.targets import station_view
 from sonar_tracking.tma.targets.station_view import StationView
-from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
 
 
 def own_ship_frame(state: OwnShipState) -> Frame:
@@ -95,11 +95,7 @@ class StationPlaces:
 
     def __init__(self, configuration: PageConfiguration, own_ship: OwnShipLog) -> None:
         self._own_ship = own_ship
-        self._mounting = TmaTrackerConfiguration(
-            mounting_x=configuration.array_mounting_x,
-            mounting_y=configuration.array_mounting_y,
-            mounting_yaw_deg=configuration.array_mounting_yaw_deg,
-        )
+        self._mounting = array_as_told(configuration)
 
     def view(self, sensor: Sensor, stamp: int) -> StationView | None:
         """Return a station at a stamp, ns; None = nobody can tell where it is."""

@@ -20,7 +20,6 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.serialization import deserialize_message
 
-from sonar_tracking.active.contacts.sensor_location import MountingConfiguration
 from sonar_tracking.bags.storage.log_time import head_stamp
 from sonar_tracking.errors import InputError, Severity
 from sonar_tracking.graph.catalogue.display_nodes import SCENE_PUBLISHER
@@ -81,8 +80,8 @@ from sonar_tracking.scene.scene_hearing import (
     contacts_need_own_ship,
     located_contacts,
 )
+from sonar_tracking.scene.told_mountings import array_as_told, sonar_as_told
 from sonar_tracking.scene.waiting_for_own_ship import WaitingForOwnShip
-from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
 
 Draw = Callable[[KinematicState | None], None]
 """Takes own ship's motion, if known, and publishes pictures."""
@@ -125,7 +124,7 @@ class ScenePublisher(Node):
         self._fixed_transforms = self._pictures[FIXED_TRANSFORMS]
         self._waiting: WaitingForOwnShip[tuple[int, Draw]] = WaitingForOwnShip()
         self._sonar, self._array = _mountings(configuration)
-        self._stations = HeardStations(_array_on_own_ship(configuration))
+        self._stations = HeardStations(array_as_told(configuration))
         self._listen(ODOMETRY, self._show_own_ship)
         self._listen(CONTACTS, self._show_contacts)
         self._listen(ACTIVE_THRESHOLD, self._show_gates)
@@ -187,9 +186,7 @@ class ScenePublisher(Node):
 
     def _draw_contacts(self, contacts: Contacts, own_ship: KinematicState | None) -> None:
         settings = self._configuration
-        mounting = MountingConfiguration(
-            settings.sonar_mounting_x, settings.sonar_mounting_y, settings.sonar_mounting_yaw_deg
-        )
+        mounting = sonar_as_told(settings)
         odometry = self._expects_odometry()
         found = located_contacts(contacts, own_ship, mounting, odometry, settings.sound_speed)
         self._show(CONTACT_MARKERS, lambda: contact_markers(*found, settings.marker_size))
@@ -285,15 +282,6 @@ def _mountings(configuration: SceneConfiguration) -> tuple[RigidPose, RigidPose]
     return (
         RigidPose(sonar, turned_about_z(math.radians(configuration.sonar_mounting_yaw_deg))),
         RigidPose(array, turned_about_z(math.radians(configuration.array_mounting_yaw_deg))),
-    )
-
-
-def _array_on_own_ship(configuration: SceneConfiguration) -> TmaTrackerConfiguration:
-    """Return how the tracker of bearings would be told where the array is."""
-    return TmaTrackerConfiguration(
-        mounting_x=configuration.array_mounting_x,
-        mounting_y=configuration.array_mounting_y,
-        mounting_yaw_deg=configuration.array_mounting_yaw_deg,
     )
 
 
