@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 
 STOPPED_WHILE_A_TEXT_IS_EXECUTED = """
 import signal, sys
@@ -18,9 +19,12 @@ sys.exit(stop_code())
 """
 
 
-def test_a_stop_in_a_text_that_is_executed_leaves_the_exit_code_alone() -> None:
+def test_a_stop_in_a_text_that_is_executed_leaves_the_exit_code_alone(tmp_path: Path) -> None:
+    """A module, as nodes and ``python -m sonar_tracking`` are: a script would not be killed."""
+    (tmp_path / "stopped.py").write_text(STOPPED_WHILE_A_TEXT_IS_EXECUTED)
     done = subprocess.run(
-        [sys.executable, "-c", STOPPED_WHILE_A_TEXT_IS_EXECUTED],
+        [sys.executable, "-m", "stopped"],
+        cwd=tmp_path,
         capture_output=True,
         text=True,
         timeout=60.0,
