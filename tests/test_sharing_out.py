@@ -22,13 +22,13 @@ def test_that_crashes():
 def test_two():
     pass
 """
-PASSES = "def test_alone():\n    pass\n"
+PASSES = "import time\n\ndef test_alone():\n    time.sleep(0.4)\n"
 
 
 @pytest.mark.slow
 def test_a_worker_that_is_gone_costs_one_test(tmp_path: Path) -> None:
     """Files of one test each are what a new worker would wait at."""
-    for number in range(12):
+    for number in range(20):
         text = CRASHES if number == 5 else PASSES
         (tmp_path / f"test_{number:02}.py").write_text(text)
     done = subprocess.run(
@@ -41,4 +41,4 @@ def test_a_worker_that_is_gone_costs_one_test(tmp_path: Path) -> None:
     )
     assert done.returncode == 1, done.stdout + done.stderr
     assert "crashed while running 'test_05.py::test_that_crashes'" in done.stdout
-    assert "1 failed, 14 passed" in done.stdout
+    assert "1 failed, 22 passed" in done.stdout
