@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -82,3 +84,15 @@ def test_residuals_are_angles_between_lines_of_sight() -> None:
     assert estimated["elevation"].value == pytest.approx(0.01)
     # 20 m along and 10 m up, fully correlated: the line of sight, along which nothing changes.
     assert estimated["elevation"].solution == pytest.approx(0.0, abs=1e-12)
+
+
+def test_one_error_of_a_cone_angle_has_one_sign_on_both_sides_of_the_array() -> None:
+    """Array along x, a target in the image: which side counts as the more probable is rounding."""
+    place, error = np.array([800.0, 600.0, 0.0, 0.0]), 0.02
+    azimuth = float(np.arctan2(600.0, 800.0)) + error
+    told = TargetObservation(SECOND, "line", (0.0, 0.0), (0.0, 0.0), (azimuth, -azimuth), 1e-4)
+    left = replace(solution(None), side="left", mean=place)
+    right = replace(solution(None), side="right", mean=place * [1.0, -1.0, 1.0, 1.0])
+    for one in (left, right):
+        found = direction_residuals(told, one, ERRORS)["azimuth"]
+        assert found.value == pytest.approx(error)

@@ -25,6 +25,7 @@ import numpy as np
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.time import NANOSECONDS
 from sonar_tracking.tma.estimators.measurement_model import offset_seen
+from sonar_tracking.tma.targets.array_sides import RIGHT
 from sonar_tracking.tma.targets.systematic_errors import NEAREST, SystematicErrors
 from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
 
@@ -125,6 +126,9 @@ def direction_residuals(
 ) -> dict[str, DirectionResidual]:
     """Return the residuals of the directions of an observation, by kind.
 
+    Those of azimuths on the right of a line array are mirrored: one error of the cone angle has one
+    sign, whichever side is the more probable at a time.
+
     Parameters
     ----------
     observation : TargetObservation
@@ -147,7 +151,7 @@ def direction_residuals(
     slant = float(np.hypot(distance, height)) if elevated else distance
     expected = np.arctan2(offset[1], offset[0])
     apart = wrap_angle(np.array(observation.azimuths) - expected)
-    value = float(apart[np.argmin(np.abs(apart))])
+    value = float(apart[np.argmin(np.abs(apart))]) * (-1.0 if solution.side == RIGHT else 1.0)
     flat = distance / slant
     found = {
         "azimuth": DirectionResidual(
