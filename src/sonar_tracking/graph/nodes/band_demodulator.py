@@ -32,6 +32,8 @@ class BandDemodulator(SonarNode):
         super().__init__(BAND_DEMODULATOR)
         self._stage = BandDemodulatorStage(self.configuration(BandDemodulatorConfiguration))
         self._snapshots = self.data_publisher(SNAPSHOTS)
+        # Blocks that follow from one of samples are announced each: latencies count from them.
+        self._snapshots.is_timed = bool(self.get_parameter("use_sim_time").value)
         self.data_subscriptions({SAMPLES: samples_from_message})
 
     def process(self, item: JoinedItem, records: Mapping[str, Any]) -> Iterable[Notice]:

@@ -1,12 +1,14 @@
-"""Latency of the fused list: from the last data that one of its frames needs to its message.
+"""Latency of the fused list: from the newest data that a list tells of to its message.
 
-Data are complete for a stamp with the contacts of its ping, with the bearings that a station sends
-then, and with the block that holds the last snapshot of the window of its estimate, whichever comes
-last. What an estimate waits for by construction is not counted.
+A list tells of everything up to its stamp, of earlier stamps as well: the echoes of a ping come in
+for seconds after bearings of later stamps. Its data are complete with the contacts of pings, with
+the bearings of stations, and with the block that holds the last snapshot of the window of an
+estimate, whichever comes last. What an estimate waits for by construction is not counted.
 """
 
 from __future__ import annotations
 
+import math
 from array import array
 
 import numpy as np
@@ -16,20 +18,22 @@ REMEMBERED = 1024
 
 
 class FusedLatencyMeter:
-    """Matches fused lists with the data of the same stamp.
+    """Matches fused lists with the data up to their stamps.
 
-    Both sides of a stamp may come in any order; a list is measured when a later one has come.
+    Both may come in any order; a list with data of its stamp is measured when a later one has come.
     """
 
     def __init__(self) -> None:
         self._completed: dict[int, float] = {}
         self._received: dict[int, float] = {}
+        self._newest = -math.inf
         self._latencies = array("d")
 
     def begin_again(self) -> None:
         """Forget what waits, but not the latencies: stamps are going to return."""
         self._completed.clear()
         self._received.clear()
+        self._newest = -math.inf
 
     def data_published(self, stamp: int, wall: float) -> None:
         """Note data for a stamp (ns) that were published at wall time (s)."""
@@ -38,15 +42,13 @@ class FusedLatencyMeter:
 
     def list_received(self, stamp: int, wall: float) -> None:
         """Note the arrival of the list of a stamp (ns) at wall time (s)."""
-        for before in [one for one in self._received if one < stamp and one in self._completed]:
-            self._measure(before)
+        self._measure(before=stamp)
         self._received[stamp] = wall
         _forget(self._received)
 
     def figures(self) -> dict[str, float]:
         """Return p50, p99, ms, and how many lists were measured; empty = none."""
-        for stamp in [one for one in self._received if one in self._completed]:
-            self._measure(stamp)
+        self._measure()
         if not self._latencies:
             return {}
         median, high = np.percentile(np.array(self._latencies) * 1e3, [50, 99])
@@ -56,8 +58,13 @@ class FusedLatencyMeter:
             "fused_count": len(self._latencies),
         }
 
-    def _measure(self, stamp: int) -> None:
-        self._latencies.append(self._received.pop(stamp) - self._completed.pop(stamp))
+    def _measure(self, before: float = math.inf) -> None:
+        """Measure the lists before a stamp, ns, for which data have come."""
+        ready = [one for one in self._received if one < before and one in self._completed]
+        for stamp in sorted(ready):
+            for earlier in [one for one in self._completed if one <= stamp]:
+                self._newest = max(self._newest, self._completed.pop(earlier))
+            self._latencies.append(self._received.pop(stamp) - self._newest)
 
 
 def _forget(stamps: dict[int, float]) -> None:

@@ -86,7 +86,8 @@ class RunObserver:
         """Take the announcement of a message by its producer, just before it is published."""
         if topic == self._blocks:
             self.latency.block_published(stamp, wall)
-        if self._topics[topic].message_type in _DATA_OF_ONE_STAMP:
+        described = self._topics[topic]
+        if described.role is TopicRole.INPUT and described.message_type in _DATA_OF_ONE_STAMP:
             self.fused_latency.data_published(stamp, wall)
 
     def replayed(self, topic: str, data: bytes, wall: float) -> None:
