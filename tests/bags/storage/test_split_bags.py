@@ -149,9 +149,9 @@ def test_a_part_is_opened_when_its_time_has_come_and_let_go_at_its_end() -> None
                 yield BagMessage("/a", 10 * number + step, b"%d" % number)
             open_now.remove(number)
 
-        return Part(10 * number, frozenset({"/a"}), messages)
+        return Part(10 * number, 10 * number + 14, frozenset({"/a"}), messages)
 
-    other = Part(0, frozenset({"/b"}), lambda topics: iter([BagMessage("/b", 0, b"")]))
+    other = Part(0, 0, frozenset({"/b"}), lambda topics: iter([BagMessage("/b", 0, b"")]))
     parts = [other, *(part(number) for number in reversed(range(100)))]
     merged = list(merged_messages(parts, {"/a"}))
     assert [m.log_time for m in merged] == sorted(10 * n + s for n in range(100) for s in range(15))

@@ -9,7 +9,7 @@ import pytest
 
 from sonar_tracking.display.page.page_configuration import PageConfiguration
 from sonar_tracking.display.page.page_server import PageServer
-from tests.display.page.chromium import Chromium
+from tests.display.page.chromium import Chromium, Tab
 
 TOKEN = "token_of_the_tests"
 
@@ -24,6 +24,22 @@ def chromium(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chromium]:
         yield browser
     finally:
         browser.close()
+
+
+@pytest.fixture
+def opened(chromium: Chromium) -> Iterator[Callable[..., Tab]]:
+    """Yield what opens pages; none of them may have complained at the end."""
+    tabs: list[Tab] = []
+
+    def open_page(address: str, **size: int) -> Tab:
+        tabs.append(chromium.open(address, **size))
+        return tabs[-1]
+
+    yield open_page
+    complaints = [complaint for tab in tabs for complaint in tab.complaints]
+    for tab in tabs:
+        tab.close()
+    assert not complaints
 
 
 @pytest.fixture

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -20,7 +19,7 @@ from sonar_tracking.display.page.track_frames import (
     bearings_frame,
     tracks_frame,
 )
-from tests.display.page.chromium import Chromium, Tab
+from tests.display.page.chromium import Tab
 from tests.display.page.page_scene import (
     START,
     TOPIC,
@@ -35,22 +34,6 @@ Start = Callable[..., PageServer]
 
 ROWS = "document.querySelectorAll('#view-tracks tbody tr')"
 VIEWS = ("plan", "bearing_time", "lofar", "range_bearing", "stacked_dots", "health", "tracks")
-
-
-@pytest.fixture
-def opened(chromium: Chromium) -> Iterator[Callable[..., Tab]]:
-    """Yield what opens pages; none of them may have complained at the end."""
-    tabs: list[Tab] = []
-
-    def open_page(address: str, **size: int) -> Tab:
-        tabs.append(chromium.open(address, **size))
-        return tabs[-1]
-
-    yield open_page
-    complaints = [complaint for tab in tabs for complaint in tab.complaints]
-    for tab in tabs:
-        tab.close()
-    assert not complaints
 
 
 def cells(tab: Tab) -> list[list[str]]:
@@ -325,22 +308,3 @@ def test_a_page_left_open_overnight_forgets(start: Start, opened: Callable[..., 
     )
     assert kept[0] < 2 * 2702
     assert kept[1] == 2700
-
-
-def test_a_recording_says_so_and_plays(opened: Callable[..., Tab]) -> None:
-    configuration = PageConfiguration(port=0, title="bag")
-    server = PageServer(configuration, "", recording="whole")
-    server.start()
-    try:
-        show(server, 0, 30)
-        tab = opened(server.address)
-        shows(tab, 29)
-        assert tab.text("#state") == "recording"
-        tab.value("page.time.seek(page.history.oldest)")
-        tab.value("page.time.play(60)")
-        began = time.monotonic()
-        tab.wait_for(f"page.time.now > {START + 10}")
-        assert time.monotonic() >= began
-        assert not tab.value("page.commands.possible")
-    finally:
-        server.stop()

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import signal
 import subprocess
 import sys
+import threading
 from collections import Counter
 from pathlib import Path
 
@@ -13,12 +15,13 @@ import pytest
 from tornado.websocket import websocket_connect
 
 from sonar_tracking.bags.storage.reader import read_bag
-from sonar_tracking.display.page.show_bag import RecordedPage
+from sonar_tracking.display.page import recorded_page
+from sonar_tracking.display.page.recorded_page import RecordedPage
 from sonar_tracking.errors import ConfigurationError
 from tests.bags.bag_fixtures import TRACKS
 from tests.bags.position_fixtures import CONTACTS, IMAGE, LINES, ODOMETRY, POSITIONS
-from tests.display.page.socket_frames import close, greeting
-from tests.display.test_plot_bag import N_SECONDS, bag
+from tests.display.page.socket_frames import close, frames_from, greeting, heard
+from tests.display.test_plot_bag import EPOCH, N_SECONDS, bag
 
 TOPICS = {
     "/own_ship/odometry": ODOMETRY,
@@ -96,3 +99,46 @@ def test_the_command_shows_a_bag_until_it_is_interrupted(tmp_path: Path) -> None
         running.send_signal(signal.SIGINT)
         assert running.wait(60.0) == 130
         assert running.stdout.read() == ""
+
+
+def test_every_part_of_a_long_bag_can_be_looked_at(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Memory takes some of ten minutes: the beginning, then what is looked for, with what leads."""
+    path = bag(tmp_path / "bag", {"/active/tracks": POSITIONS}, 600)
+    monkeypatch.setattr(recorded_page, "LEAD", 20.0)
+    monkeypatch.setattr(recorded_page, "LARGEST_PART", 50_000)
+    page = RecordedPage(read_bag(path), 0, "127.0.0.1")
+    page.server.start()
+    found: dict[float, tuple[float, float, str]] = {}
+
+    async def look(*wanted: float) -> None:
+        link = await websocket_connect(f"ws://localhost:{page.server.port}/socket")
+        begin, end = (await heard(link, "hello"))["span"]
+        assert (begin, end) == (EPOCH, EPOCH + 599)
+        for offset in wanted:
+            await link.write_message(json.dumps({"kind": "seek", "t": begin + offset}))
+            times: list[float] = []
+            part = False
+            async for frame in frames_from(link):
+                part |= frame["kind"] == "part"
+                if part and frame["kind"] == "tracks":
+                    times.append(frame["t"] - begin)
+                if part and frame["kind"] == "recording" and "reading" not in frame["state"]:
+                    found[offset] = (times[0], times[-1], frame["state"])
+                    break
+        await link.write_message(json.dumps({"kind": "seek", "t": begin - 1.0}))
+        assert "has no time" in (await heard(link, "command_result"))["sentence"]
+        await close(link)
+
+    try:
+        page.feed()
+        threading.Thread(target=page.follow, daemon=True).start()
+        asyncio.run(asyncio.wait_for(look(599.0, 300.0, 5.0), 60.0))
+    finally:
+        page.server.stop()
+    assert found[599.0] == (579.0, 599.0, "last part")
+    assert found[5.0][0] == 0.0
+    first, last, state = found[300.0]
+    assert (first, state) == (280.0, "part")
+    assert 300.0 < last < 500.0

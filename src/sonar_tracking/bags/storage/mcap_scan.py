@@ -57,8 +57,8 @@ class MessageRun:
         Index into ``compressed_chunks`` of the scan; -1 = in the file itself.
     start, end : int
         Their records, in the file or in the decompressed chunk, bytes.
-    first : int
-        Earliest log time, ns.
+    first, last : int
+        Earliest and latest log time, ns.
     counts : dict
         Number of messages by channel number.
     """
@@ -67,11 +67,13 @@ class MessageRun:
     start: int
     end: int
     first: int = 0
+    last: int = 0
     counts: dict[int, int] = field(default_factory=dict)
 
     def add(self, channel: int, log_time: int, end: int) -> None:
         """Add the message record that ends at ``end``."""
         self.first = min(self.first, log_time) if self.counts else log_time
+        self.last = max(self.last, log_time)
         self.counts[channel] = self.counts.get(channel, 0) + 1
         self.end = end
 

@@ -50,7 +50,7 @@ class McapStorage:
 
     def _part(self, run: MessageRun) -> Part:
         names = frozenset(self._scan.channels[number].topic for number in run.counts)
-        return Part(run.first, names, lambda topics: self._messages(run, topics))
+        return Part(run.first, run.last, names, lambda topics: self._messages(run, topics))
 
     def _messages(self, run: MessageRun, topics: Collection[str]) -> Iterator[BagMessage]:
         names = {

@@ -110,7 +110,17 @@ class Bag:
         """Number of whole messages on all topics."""
         return sum(topic.message_count for topic in self.topics.values())
 
-    def messages(self, topics: Collection[str] | None = None) -> Iterator[BagMessage]:
+    @property
+    def log_times(self) -> tuple[int, int]:
+        """First and last log time of all files, ns; (0, 0) where there is no message."""
+        parts = [part for storage in self._storages for part in storage.parts]
+        if not parts:
+            return 0, 0
+        return min(part.first for part in parts), max(part.last for part in parts)
+
+    def messages(
+        self, topics: Collection[str] | None = None, since: int = 0
+    ) -> Iterator[BagMessage]:
         """Yield messages in log order; equal log times keep the order of recording.
 
         Files are read side by side where they overlap in time, each as far as it is needed.
@@ -119,11 +129,14 @@ class Bag:
         ----------
         topics : collection of str, optional
             Only these topics; default: all.
+        since : int
+            Only those with no earlier log time, ns: what lies before is not read.
         """
         wanted = self.topics.keys() if topics is None else topics
         names = {self._recorded_names.get(name, ""): name for name in wanted}
-        parts = [part for storage in self._storages for part in storage.parts]
-        first, end = self._span or (0, math.inf)
+        begin, end = self._span or (0, math.inf)
+        first = max(begin, since)
+        parts = [p for storage in self._storages for p in storage.parts if p.last >= first]
         for message in merged_messages(parts, frozenset(names)):
             if message.log_time >= end:
                 return

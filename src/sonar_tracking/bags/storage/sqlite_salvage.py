@@ -60,7 +60,7 @@ class SqliteSalvage:
         self.losses = [Loss(messages=lost)]
         times = [time for time, _, _ in self._rows.values()]
         held = frozenset(self._topics[n][0] for n in counts)
-        self.parts = [Part(min(times), held, self._messages)] if times else []
+        self.parts = [Part(min(times), max(times), held, self._messages)] if times else []
 
     def _take(self, row: Row) -> None:
         kinds = [kind for kind, _ in row.columns]

@@ -67,11 +67,13 @@ class SqliteStorage:
             topics = self._topics()
             self._topic_names = {number: topic.name for number, topic in topics.items()}
             self.topics = list(topics.values())
-            (first,) = self._connection.execute(f"SELECT MIN(timestamp) {_MESSAGES}").fetchone()
+            first, last = self._connection.execute(
+                f"SELECT MIN(timestamp), MAX(timestamp) {_MESSAGES}"
+            ).fetchone()
         except (sqlite3.Error, MemoryError, OverflowError) as error:
             raise DamagedDatabaseError(f"{name} cannot be read as a bag ({error}).") from error
         held = frozenset(topic.name for topic in self.topics if topic.message_count)
-        self.parts = [Part(first, held, self._messages)] if held else []
+        self.parts = [Part(first, last, held, self._messages)] if held else []
 
     def _opened(self, path: Path) -> sqlite3.Connection:
         """Open the file, with what a recorder that was killed left in its journal."""

@@ -39,8 +39,8 @@ class Part:
 
     Attributes
     ----------
-    first : int
-        No message has an earlier log time, ns.
+    first, last : int
+        No message has an earlier or a later log time, ns.
     topics : frozenset of str
         Topics of its messages.
     open : callable
@@ -49,6 +49,7 @@ class Part:
     """
 
     first: int
+    last: int
     topics: frozenset[str]
     open: Callable[[Collection[str]], Iterator[BagMessage]]
 

@@ -25,13 +25,20 @@ class FrameHistory:
     ----------
     seconds : float
         Data time kept.
+
+    Attributes
+    ----------
+    bytes : int
+        Size of what is kept of the past.
+    newest : float
+        Data time of the newest frame, s; minus infinity = there is none.
     """
 
     def __init__(self, seconds: float) -> None:
         self._seconds = seconds
         self._frames: deque[Frame] = deque()
-        self._bytes = 0
-        self._newest = -math.inf
+        self.bytes = 0
+        self.newest = -math.inf
         self.latest: dict[str, Frame] = {}
 
     def __len__(self) -> int:
@@ -52,15 +59,15 @@ class FrameHistory:
         self.latest[frame.stream] = frame
         if frame.kind in STEADY or not math.isfinite(frame.time):
             return
-        self._newest = max(self._newest, frame.time)
+        self.newest = max(self.newest, frame.time)
         self._frames.append(frame)
-        self._bytes += len(frame.data)
-        oldest = self._newest - self._seconds
-        while self._bytes > LARGEST or (self._frames and self._frames[0].time < oldest):
-            self._bytes -= len(self._frames.popleft().data)
+        self.bytes += len(frame.data)
+        oldest = self.newest - self._seconds
+        while self.bytes > LARGEST or (self._frames and self._frames[0].time < oldest):
+            self.bytes -= len(self._frames.popleft().data)
 
     def clear(self) -> None:
         """Forget everything: the data begin anew."""
         self._frames.clear()
         self.latest = {name: frame for name, frame in self.latest.items() if frame.kind in STEADY}
-        self._bytes, self._newest = 0, -math.inf
+        self.bytes, self.newest = 0, -math.inf

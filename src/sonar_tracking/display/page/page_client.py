@@ -35,6 +35,10 @@ MISTAKES = 20
 POLICY_VIOLATION, TRY_AGAIN = 1008, 1013
 
 
+Span = tuple[float, float]
+"""Data times of the first and last message of a recording, s."""
+
+
 class ServedPage(Protocol):
     """What a browser needs of the server."""
 
@@ -44,6 +48,7 @@ class ServedPage(Protocol):
     title: str
     namespace: str
     recording: str
+    span: Span | None
     remote_commands: bool
     refused: int
 
@@ -59,6 +64,9 @@ class ServedPage(Protocol):
 
     def select(self, fields: Mapping[str, Any]) -> list[Frame]:
         """Return what is known of what a browser has selected."""
+
+    def seek(self, time: float) -> None:
+        """Show the part of a recording around a data time, s."""
 
 
 _log = logging.getLogger("sonar_tracking.page")
@@ -98,6 +106,7 @@ class PageClient(WebSocketHandler):
             token_needed=commands,
             may_command=commands and not (self.is_remote and not self._server.remote_commands),
             recording=self._server.recording,
+            span=self._server.span,
         )
         for frame in (hello, *self._server.feed.past()):
             self._keep(frame)
@@ -137,6 +146,8 @@ class PageClient(WebSocketHandler):
             self._command(said)
         elif kind == "select" and isinstance(said, dict):
             self._select(said)
+        elif kind == "seek" and isinstance(said.get("t"), int | float):
+            self._seek(float(said["t"]))
         else:
             self._refuse(f"the page has sent {str(kind)[:40]!r}, which is not known.")
 
@@ -150,6 +161,13 @@ class PageClient(WebSocketHandler):
         for frame in frames:
             self._keep(frame)
         self._pump()
+
+    def _seek(self, time: float) -> None:
+        """Show another part of a recording."""
+        try:
+            self._server.seek(time)
+        except InputError as error:
+            self._refuse(str(error))
 
     def _command(self, said: dict[str, Any]) -> None:
         """Do what is asked by who may ask."""

@@ -130,10 +130,17 @@ class PageFeed:
 
     def begin_anew(self, time: float) -> None:
         """Forget the past: the clock of the data has gone back to a time, s."""
+        self._forget("begin", time)
+        self.health.clock_went_back()
+
+    def begin_part(self, time: float) -> None:
+        """Forget everything: another part of a recording comes, from a time on, s."""
+        self._forget("part", time)
+
+    def _forget(self, kind: str, time: float) -> None:
         self.history.clear()
         self._begin()
-        self.health.clock_went_back()
-        self.emit(text_frame("begin", time))
+        self._send(text_frame(kind, time))  # news to who is there, and no part of the past
 
     def emit(self, frame: Frame) -> None:
         """Keep a frame, and send it."""

@@ -18,10 +18,11 @@ from tornado.ioloop import IOLoop, PeriodicCallback
 from tornado.web import Application, RequestHandler, StaticFileHandler
 
 from sonar_tracking.display.page.page_address import is_loopback, listening_socket, page_address
-from sonar_tracking.display.page.page_client import PageClient
+from sonar_tracking.display.page.page_client import PageClient, Span
 from sonar_tracking.display.page.page_configuration import PageConfiguration
 from sonar_tracking.display.page.page_feed import PageFeed
 from sonar_tracking.display.page.page_frames import Frame
+from sonar_tracking.errors import InputError
 
 STATIC = Path(__file__).parent / "static"
 
@@ -60,6 +61,10 @@ class PageServer:
         State of a recording that is shown; empty = what is shown is live.
     namespace : str
         Of the graph; empty = the root.
+    span : (float, float), optional
+        Data times of the first and last message of a recording, s.
+    show_part : callable, optional
+        Shows the part of the recording around a data time, s; called in the thread of the server.
 
     Attributes
     ----------
@@ -78,6 +83,8 @@ class PageServer:
         command: Command | None = None,
         recording: str = "",
         namespace: str = "",
+        span: Span | None = None,
+        show_part: Callable[[float], None] | None = None,
     ) -> None:
         self.feed = PageFeed(configuration, self._send)
         self.clients: set[PageClient] = set()
@@ -85,6 +92,8 @@ class PageServer:
         self.title = configuration.title
         self.recording = recording
         self.namespace = namespace
+        self.span = span
+        self._show_part = show_part
         self.remote_commands = configuration.remote_commands
         self.refused = 0
         self._command = command
@@ -137,6 +146,20 @@ class PageServer:
             If it makes no sense.
         """
         return self.feed.select(fields)
+
+    def seek(self, time: float) -> None:
+        """Show the part of a recording around a data time, s.
+
+        Raises
+        ------
+        InputError
+            If what is shown is no recording, or has no such time.
+        """
+        if self._show_part is None or self.span is None:
+            raise InputError("what is shown here is no recording that could be looked through.")
+        if not self.span[0] <= time <= self.span[1]:
+            raise InputError(f"the recording has no time {time:.3f} s.")
+        self._show_part(time)
 
     def check_host(self, handler: RequestHandler) -> None:
         """Refuse a request by a name that is not this machine's: a page elsewhere has made it."""

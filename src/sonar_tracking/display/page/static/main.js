@@ -28,6 +28,7 @@ class Page {
     this.drawn = 0;
     this.moved = false; // by hand: to be drawn at once
     const ask = () => this.askDraw();
+    this.time.addEventListener("part", (event) => this.socket.send({ kind: "seek", t: event.detail }));
     for (const source of [this.time, palette, this.selection]) source.addEventListener("change", ask);
     document.addEventListener("redraw", ask);
     this.socket = new Socket((frame) => this.take(frame), (news, reason) => this.tell(news, reason));
@@ -63,6 +64,7 @@ class Page {
     document.title = `${this.title} – sonar_tracking`;
     this.commands.allowed = frame.may_command;
     this.time.recording = frame.recording;
+    this.time.span = frame.span;
     if (frame.recording) this.history.kept = Infinity;
   }
 
@@ -70,6 +72,13 @@ class Page {
 
   on_recording(frame) {
     this.time.recording = frame.state;
+    if (frame.state.startsWith("reading")) return;
+    this.time.takePart();
+  }
+
+  /** Another part of the recording comes, as an operator has looked for it. */
+  on_part() {
+    this.history.clear();
   }
 
   on_health(frame) {
@@ -172,7 +181,7 @@ class Page {
       const alarm = this.connection === "gone" ? "The server of this page is gone: what is shown is old. It is called again every second." : "";
       return [words, this.connection === "gone" ? "bad" : "wait", alarm];
     }
-    if (this.time.recording === "reading") return ["reading the recording", "wait", ""];
+    if (this.time.recording?.startsWith("reading")) return ["reading the recording", "wait", ""];
     if (this.time.recording) return [this.time.playing ? `playing ${this.time.playing}×` : "recording", "past", ""];
     if (!(this.history.newest > -Infinity)) return ["waiting for data", "wait", ""];
     const gone = (this.health?.nodes ?? []).filter((node) => !node.alive).map((node) => node.name);
@@ -196,7 +205,7 @@ class Page {
       ArrowRight: () => time.step(far),
       PageUp: () => time.step(-300),
       PageDown: () => time.step(300),
-      Home: () => time.seek(this.history.oldest),
+      Home: () => time.seek(time.oldest),
       End: () => time.resume(),
       f: () => layout.enlarge(layout.large ? null : layout.focused?.current ?? "plan"),
       t: () => this.toast(`Colours: ${palette.next()}`),

@@ -11,7 +11,9 @@ export class TimeControl extends EventTarget {
     super();
     this.history = history;
     this.live = true;
-    this.recording = null;
+    this.recording = null; // state of a recording; null = what is shown is live
+    this.span = null; // data times of the first and last message of a recording
+    this.asked = NaN; // time whose part of the recording was asked for
     this.paused = NaN; // the time looked at while it is not live
     this.playing = 0; // s of data a second of the wall
     this.marks = { A: null, B: null }; // {t, azimuth, frequency}, whatever the view knows
@@ -26,6 +28,34 @@ export class TimeControl extends EventTarget {
     return !this.live;
   }
 
+  /** Whether the recording is larger than what the page holds of it. */
+  get isPart() {
+    return this.recording?.endsWith("part") ?? false;
+  }
+
+  /** What can be looked at: the whole recording, or what is known. */
+  get oldest() {
+    return this.isPart ? this.span[0] : this.history.oldest;
+  }
+
+  get newest() {
+    return this.isPart && this.recording !== "last part" ? this.span[1] : this.history.newest;
+  }
+
+  /** A part of the recording has come; nothing may have been recorded at the time asked for. */
+  takePart() {
+    this.asked = NaN;
+    if (!this.live) this.paused = Math.min(Math.max(this.paused, this.history.oldest), this.history.newest);
+  }
+
+  /** Ask for the part of the recording around a time, if the page does not hold it. */
+  fetchPart(t) {
+    const held = t >= this.history.oldest && t <= this.history.newest;
+    if (!this.isPart || held || t === this.asked) return;
+    this.asked = t;
+    this.dispatchEvent(new CustomEvent("part", { detail: t }));
+  }
+
   changed() {
     this.dispatchEvent(new Event("change"));
   }
@@ -38,8 +68,9 @@ export class TimeControl extends EventTarget {
   }
 
   resume() {
-    this.live = true;
     this.playing = 0;
+    if (this.isPart) return this.seek(this.newest);
+    this.live = true;
     this.changed();
   }
 
@@ -50,10 +81,11 @@ export class TimeControl extends EventTarget {
   }
 
   seek(t) {
-    const { oldest, newest } = this.history;
+    const { oldest, newest } = this;
     if (!(newest >= oldest)) return;
     this.paused = Math.min(Math.max(t, oldest), newest);
     this.live = false;
+    this.fetchPart(this.paused);
     this.changed();
   }
 
@@ -66,7 +98,7 @@ export class TimeControl extends EventTarget {
 
   play(rate) {
     if (this.live) this.paused = this.history.newest;
-    if (this.paused >= this.history.newest - 0.5) this.paused = this.history.oldest;
+    if (this.paused >= this.newest - 0.5) this.seek(this.oldest);
     this.live = false;
     this.playing = rate;
     this.lastRate = rate;
@@ -76,9 +108,12 @@ export class TimeControl extends EventTarget {
   /** Let playing time pass; returns whether it did. */
   pass(seconds) {
     if (!this.playing) return false;
-    this.paused += this.playing * seconds;
-    if (this.paused >= this.history.newest) {
-      this.paused = this.history.newest;
+    const comes = this.isPart && !(this.paused <= this.history.newest); // a part that is read
+    if (!comes) this.paused += this.playing * seconds;
+    if (this.isPart && this.paused < this.newest) {
+      this.fetchPart(this.paused);
+    } else if (this.paused >= this.newest) {
+      this.paused = this.newest;
       this.playing = 0;
       if (!this.recording) this.live = true;
     }
@@ -131,8 +166,8 @@ export class TimeBar {
 
   draw() {
     const { time, history } = this;
-    this.from = history.oldest;
-    this.to = history.newest;
+    this.from = time.oldest;
+    this.to = time.newest;
     const known = history.newest >= history.oldest;
     const share = known && this.to > this.from ? (time.now - this.from) / (this.to - this.from) : 1;
     if (document.activeElement !== this.slider || time.live || time.playing) this.slider.value = 1000 * share;
@@ -145,7 +180,7 @@ export class TimeBar {
     }
     this.edge.textContent = time.recording ? "end" : "live";
     this.edge.classList.toggle("on", time.live);
-    const behind = history.newest - time.now;
+    const behind = time.newest - time.now;
     this.shown.textContent = known ? `${clock(time.now)}${time.live ? "" : `  −${duration(behind)}`}` : "";
     this.marks.textContent = marksText(time.marks);
   }
