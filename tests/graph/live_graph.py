@@ -51,12 +51,14 @@ class NodeProcess:
         E.g. ``"sonar_tracking.graph.nodes.subspace_estimator"``.
     log : Path
         Where its output goes.
+    namespace : str
+        Of its node and topics.
     parameters : dict
         ROS parameters, as on the command line.
     """
 
-    def __init__(self, module: str, log: Path, **parameters: object) -> None:
-        arguments = [sys.executable, "-m", module, "--ros-args"]
+    def __init__(self, module: str, log: Path, namespace: str = "/", **parameters: object) -> None:
+        arguments = [sys.executable, "-m", module, "--ros-args", "-r", f"__ns:={namespace}"]
         for name, value in parameters.items():
             arguments += ["-p", f"{name}:={value}"]
         self._log = log
@@ -100,9 +102,11 @@ class NodeProcess:
 
 
 @contextmanager
-def node_process(module: str, log: Path, **parameters: object) -> Iterator[NodeProcess]:
+def node_process(
+    module: str, log: Path, namespace: str = "/", **parameters: object
+) -> Iterator[NodeProcess]:
     """Run a node for the length of a block."""
-    process = NodeProcess(module, log, **parameters)
+    process = NodeProcess(module, log, namespace, **parameters)
     try:
         yield process
     finally:

@@ -89,8 +89,8 @@ class OperatorDisplay(Node):
         self._server.start()
         self.get_logger().info(f"the page is at {self._server.address}")
         for topic, type_name in zip(configuration.topics, configuration.types, strict=True):
-            self._listen(topic, type_name)
-        self._listen(DIAGNOSTICS.name, DIAGNOSTICS.message_type)
+            self._listen(topic, type_name, type_name in KEPT_TYPES)
+        self._listen(DIAGNOSTICS.name, DIAGNOSTICS.message_type, kept=False)
         self._diagnostics.add(MATCHED, self._matched)
         self._diagnostics.add(PAGE, self._page)
         ReadyReports(self, self._diagnostics, self._matched, lambda: self._received)
@@ -111,12 +111,16 @@ class OperatorDisplay(Node):
         below = self.get_namespace().rstrip("/") + "/"
         for topic, types in self.get_topic_names_and_types():
             if topic not in self._heard and topic.startswith(below):
+                offered = [each.qos_profile for each in self.get_publishers_info_by_topic(topic)]
+                if not offered:
+                    continue
+                kept = all(one.durability == DurabilityPolicy.TRANSIENT_LOCAL for one in offered)
                 for type_name in set(types) & set(SHOWN_TYPES):
-                    self._listen(topic, type_name)
+                    self._listen(topic, type_name, kept)
 
-    def _listen(self, topic: str, type_name: str) -> None:
+    def _listen(self, topic: str, type_name: str, kept: bool) -> None:
+        """Listen to a topic; ``kept`` = what was said before is wanted, and publishers have it."""
         kind = message_class(type_name)
-        kept = type_name in KEPT_TYPES
 
         def receive(data: bytes) -> None:
             self._receive(topic, kind, data)
