@@ -57,7 +57,9 @@ class NodeProcess:
         ROS parameters, as on the command line.
     """
 
-    def __init__(self, module: str, log: Path, namespace: str = "/", **parameters: object) -> None:
+    def __init__(
+        self, module: str, log: Path, namespace: object = "/", **parameters: object
+    ) -> None:
         arguments = [sys.executable, "-m", module, "--ros-args", "-r", f"__ns:={namespace}"]
         for name, value in parameters.items():
             arguments += ["-p", f"{name}:={value}"]
@@ -103,7 +105,7 @@ class NodeProcess:
 
 @contextmanager
 def node_process(
-    module: str, log: Path, namespace: str = "/", **parameters: object
+    module: str, log: Path, namespace: object = "/", **parameters: object
 ) -> Iterator[NodeProcess]:
     """Run a node for the length of a block."""
     process = NodeProcess(module, log, namespace, **parameters)
