@@ -24,8 +24,8 @@ from sonar_tracking.records.time import nanoseconds
 BATCH = 50
 """Messages between two looks of the server at its browsers."""
 
-LARGEST_PART = 96 * 1024 * 1024
-"""Bytes of frames that are shown at a time: browsers keep them, and take several times as much."""
+LARGEST_PART = 32 * 1024 * 1024
+"""Bytes of frames shown at a time, an hour of a full scene: browsers take several times as much."""
 
 LEAD = 300.0
 """Of a part that is looked for, what lies before the time asked for is shown from here on, s."""

@@ -72,8 +72,7 @@ class Page {
 
   on_recording(frame) {
     this.time.recording = frame.state;
-    if (frame.state.startsWith("reading")) return;
-    this.time.takePart();
+    if (!this.time.isReading) this.time.takePart();
   }
 
   /** Another part of the recording comes, as an operator has looked for it. */
@@ -181,7 +180,7 @@ class Page {
       const alarm = this.connection === "gone" ? "The server of this page is gone: what is shown is old. It is called again every second." : "";
       return [words, this.connection === "gone" ? "bad" : "wait", alarm];
     }
-    if (this.time.recording?.startsWith("reading")) return ["reading the recording", "wait", ""];
+    if (this.time.isReading) return ["reading the recording", "wait", ""];
     if (this.time.recording) return [this.time.playing ? `playing ${this.time.playing}×` : "recording", "past", ""];
     if (!(this.history.newest > -Infinity)) return ["waiting for data", "wait", ""];
     const gone = (this.health?.nodes ?? []).filter((node) => !node.alive).map((node) => node.name);

@@ -28,9 +28,13 @@ export class TimeControl extends EventTarget {
     return !this.live;
   }
 
-  /** Whether the recording is larger than what the page holds of it. */
+  /** Whether the page does not hold all of a recording. */
   get isPart() {
-    return this.recording?.endsWith("part") ?? false;
+    return Boolean(this.recording) && this.recording !== "whole";
+  }
+
+  get isReading() {
+    return this.recording?.startsWith("reading") ?? false;
   }
 
   /** What can be looked at: the whole recording, or what is known. */
@@ -111,7 +115,7 @@ export class TimeControl extends EventTarget {
     const comes = this.isPart && !(this.paused <= this.history.newest); // a part that is read
     if (!comes) this.paused += this.playing * seconds;
     if (this.isPart && this.paused < this.newest) {
-      this.fetchPart(this.paused);
+      if (!this.isReading) this.fetchPart(this.paused);
     } else if (this.paused >= this.newest) {
       this.paused = this.newest;
       this.playing = 0;
