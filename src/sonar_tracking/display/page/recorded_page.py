@@ -27,7 +27,7 @@ BATCH = 50
 LARGEST_PART = 32 * 1024 * 1024
 """Bytes of frames shown at a time, an hour of a full scene: browsers take several times as much."""
 
-LEAD = 300.0
+LEAD = 120.0
 """Of a part that is looked for, what lies before the time asked for is shown from here on, s."""
 
 READING, WHOLE = "reading", "whole"
