@@ -67,6 +67,7 @@ ROOMS = (
     "message_reading",
     "bags.storage",
     "bags.audio",
+    "bags.nmea",
     "bags.importers",
     "bags.exporters",
     "bags",

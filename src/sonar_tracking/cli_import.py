@@ -26,10 +26,19 @@ _PARAMETERS = Annotated[
     Path | None, typer.Option(help="YAML file: node, parameter, value; kept for the replay.")
 ]
 _OWN_SHIP = Annotated[
-    Path | None, typer.Option(help="CSV or npz: time_s, east_m, north_m, heading_deg.")
+    Path | None,
+    typer.Option(help="NMEA log; or CSV or npz: time_s, east_m, north_m, heading_deg."),
 ]
 _TRUE_POSITIONS = Annotated[
-    Path | None, typer.Option(help="CSV or npz: time_s, target, east_m, north_m.")
+    Path | None,
+    typer.Option(help="NMEA log with AIS; or CSV or npz: time_s, target, east_m, north_m."),
+]
+_DATUM = Annotated[
+    str,
+    typer.Option(
+        help="LATITUDE,LONGITUDE[,HEIGHT] of the origin of map, degrees and m; default: the first "
+        "place in the files, if they tell places."
+    ),
 ]
 _ORIGIN = Annotated[str, typer.Option(help="Instant of time_s = 0.")]
 _EPOCH = Annotated[
@@ -56,6 +65,7 @@ def time_series(
     epoch: _EPOCH = None,
     time_pattern: _TIME_PATTERN = None,
     parameters: _PARAMETERS = None,
+    datum: _DATUM = "",
 ) -> None:
     """Bring audio files into a bag of the element time series.
 
@@ -76,6 +86,7 @@ def time_series(
             truth,
             parameters,
             importer.given_time(epoch, time_pattern),
+            importer.given_datum(datum),
         )
     )
 
@@ -92,12 +103,13 @@ def wav(
     ] = False,
     own_ship: Annotated[
         Path | None,
-        typer.Option(help="With --samples: CSV or npz, time_s, east_m, north_m, heading_deg."),
+        typer.Option(help="With --samples: NMEA log; or CSV or npz, as for import samples."),
     ] = None,
     truth: _BEARINGS = None,
     epoch: _EPOCH = None,
     time_pattern: _TIME_PATTERN = None,
     parameters: _PARAMETERS = None,
+    datum: _DATUM = "",
 ) -> None:
     """Bring a multichannel audio file into a bag.
 
@@ -105,16 +117,16 @@ def wav(
     'import samples' does.
     """
     importer = needs("sonar_tracking.graph.verbs.import_command")
-    time = importer.given_time(epoch, time_pattern)
+    time, place = importer.given_time(epoch, time_pattern), importer.given_datum(datum)
     if samples:
         done = importer.import_audio_samples(
-            file, geometry, frequency, bandwidth, output, own_ship, truth, parameters, time
+            file, geometry, frequency, bandwidth, output, own_ship, truth, parameters, time, place
         )
     elif own_ship is not None:
         raise ConfigurationError("--own-ship goes with --samples; give both, or neither.")
     else:
         done = importer.import_wav_file(
-            file, geometry, frequency, bandwidth, output, truth, parameters, time
+            file, geometry, frequency, bandwidth, output, truth, parameters, time, place
         )
     print(done)
 
@@ -139,13 +151,15 @@ def contacts(
     ] = 0.0,
     epoch: _ORIGIN = "2026-01-01T00:00:00Z",
     parameters: _PARAMETERS = None,
+    datum: _DATUM = "",
 ) -> None:
     """Bring recorded contacts into a bag of pings, with own ship and truth.
 
     Columns: time_s (or unix_time_s), range_m, bearing_deg (compass; or azimuth_deg, from east
     anticlockwise; or relative_bearing_deg, from the bow clockwise). Optional: amplitude (linear,
     noise mean 1; or amplitude_db), range_deviation_m, bearing_deviation_deg, own_east_m with
-    own_north_m and own_heading_deg. Lines of one time are one ping; a line with neither range nor
+    own_north_m (or own_latitude_deg with own_longitude_deg) and own_heading_deg. latitude_deg and
+    longitude_deg may stand for east_m and north_m in every table. Lines of one time are one ping; a line with neither range nor
     direction is a ping that heard nothing. A line that cannot be used is left out and named.
     """
     importer = needs("sonar_tracking.graph.verbs.import_command")
@@ -156,7 +170,8 @@ def contacts(
         "latency": latency,
         "epoch": epoch,
     }
-    print(importer.import_contacts_file(file, output, sensor, own_ship, truth, parameters))
+    place = importer.given_datum(datum)
+    print(importer.import_contacts_file(file, output, sensor, own_ship, truth, parameters, place))
 
 
 @import_app.command()
@@ -176,6 +191,7 @@ def bearings(
     ] = 0.2,
     epoch: _ORIGIN = "2026-01-01T00:00:00Z",
     parameters: _PARAMETERS = None,
+    datum: _DATUM = "",
 ) -> None:
     """Bring recorded bearings into a bag whose replay finds positions.
 
@@ -192,5 +208,26 @@ def bearings(
         "frequency_deviation": frequency_deviation,
         "epoch": epoch,
     }
-    sources = importer.BearingSources(stations, own_ship, truth)
+    sources = importer.BearingSources(stations, own_ship, truth, importer.given_datum(datum))
     print(importer.import_bearings_file(file, output, sensor, sources, parameters))
+
+
+@import_app.command()
+def nmea(
+    files: Annotated[
+        list[Path], typer.Argument(help="Logs of NMEA 0183: own ship, AIS, or both in one.")
+    ],
+    output: _OUTPUT,
+    epoch: Annotated[
+        str, typer.Option(help="Its date is that of logs without one (RMC, ZDA).")
+    ] = "2026-01-01T00:00:00Z",
+    datum: _DATUM = "",
+) -> None:
+    """Bring logs of navigation receivers and of AIS into a bag: own ship, and ships as the truth.
+
+    Own ship by GGA, RMC, HDT, VTG and VHW; ships by AIS (VDM), each with its MMSI, interpolated
+    between its reports. To use the same logs beside the data of a sensor, give them to its import:
+    --own-ship LOG --truth LOG.
+    """
+    importer = needs("sonar_tracking.graph.verbs.import_command")
+    print(importer.import_nmea_logs(files, output, importer.given_datum(datum), epoch))

@@ -30,6 +30,9 @@ FLATTENING = 1.0 / 298.257223563
 
 ECCENTRICITY_SQUARED = FLATTENING * (2.0 - FLATTENING)
 
+_SMALL_STEP = 1e-4
+"""Along a meridian, deg: 11 m."""
+
 _SURFACE_STEPS = 4
 """The error of the height shrinks by (distance / radius)^2 a step: 1e-4 at 60 km."""
 
@@ -117,6 +120,31 @@ def surface_places(positions: FloatArray, datum: Datum) -> FloatArray:
         local[..., 2] += datum.height - places[..., 2]
         places = local_to_geodetic(local, datum)
     return np.degrees(places[..., :2])
+
+
+def north_azimuths(latitude_deg: FloatArray, longitude_deg: FloatArray, datum: Datum) -> FloatArray:
+    """Return in which direction of ``map`` true north lies at some places.
+
+    Meridians meet at the pole: 50 km east of a datum at 54 degrees north it is turned by 0.6
+    degrees.
+
+    Parameters
+    ----------
+    latitude_deg, longitude_deg : ndarray, shape (...)
+        deg.
+    datum : Datum
+        Origin of ``map``.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        Azimuths, anticlockwise from east, rad.
+    """
+    latitude = np.asarray(latitude_deg, float)
+    south = surface_positions(latitude - _SMALL_STEP, longitude_deg, datum)
+    north = surface_positions(latitude + _SMALL_STEP, longitude_deg, datum)
+    east, along = np.moveaxis(north - south, -1, 0)
+    return np.asarray(np.arctan2(along, east))
 
 
 def _origin(datum: Datum) -> FloatArray:

@@ -8,12 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sonar_tracking.bags.importers.contact_file import read_own_ship, read_true_positions
 from sonar_tracking.bags.importers.import_contacts import (
     ContactSensor,
     RecordedPings,
     read_pings,
 )
+from sonar_tracking.bags.importers.map_origin import MapOrigin
+from sonar_tracking.bags.importers.position_files import read_own_ship
+from sonar_tracking.bags.importers.position_tables import true_positions_of_table
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.simulation.scenarios.scenario import DEFAULT_EPOCH
 
@@ -151,7 +153,7 @@ def test_targets_one_after_the_other_are_in_order(tmp_path: Path) -> None:
     file = tmp_path / "truth.csv"
     rows = [f"{t},{name},{t},0" for name in ("a", "b") for t in range(5)]
     file.write_text("\n".join(["time_s,target,east_m,north_m", *rows, "3,b,9,9"]))
-    targets, notes = read_true_positions(file, DEFAULT_EPOCH)
+    targets, notes = true_positions_of_table(file, DEFAULT_EPOCH, MapOrigin())
     assert [len(each.stamp) for each in targets.values()] == [5, 5]
     assert len(notes) == 2 and all("line 12" in note for note in notes)
     assert "position of this time already" in notes[1]

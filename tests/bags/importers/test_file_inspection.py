@@ -9,12 +9,11 @@ import numpy as np
 import pytest
 
 from sonar_tracking.bags.importers.bearing_file import read_bearing_lines, read_stations
-from sonar_tracking.bags.importers.contact_file import (
-    read_contact_lines,
-    read_own_ship,
-    read_true_positions,
-)
+from sonar_tracking.bags.importers.contact_file import read_contact_lines
 from sonar_tracking.bags.importers.file_inspection import inspect_file
+from sonar_tracking.bags.importers.map_origin import MapOrigin
+from sonar_tracking.bags.importers.position_files import read_own_ship
+from sonar_tracking.bags.importers.position_tables import true_positions_of_table
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.evaluation.studies.room_array.responses import read_room_responses
 from sonar_tracking.evaluation.studies.ship_bearings.data import read_bearings
@@ -31,7 +30,7 @@ READERS = {
     "bearings.csv": lambda path: read_bearing_lines(path, DEFAULT_EPOCH),
     "stations.csv": read_stations,
     "own_ship.csv": lambda path: read_own_ship(path, DEFAULT_EPOCH),
-    "truth.csv": lambda path: read_true_positions(path, DEFAULT_EPOCH),
+    "truth.csv": lambda path: true_positions_of_table(path, DEFAULT_EPOCH, MapOrigin()),
 }
 MUTATIONS = 40
 """Of each format; the same with a thousand has been run."""
@@ -65,7 +64,8 @@ def test_what_is_wrong_is_told(tmp_path: Path) -> None:
     log = tmp_path / "log.nmea"
     log.write_text("$GPHDT,274.07,T*03\n$GPHDT,274.07,T*04\n")
     told = inspect_file(log)
-    assert "1 GPHDT" in told and "1 sentences have a wrong checksum" in told
+    assert "1 HDT" in told and "line 2: the checksum is wrong" in told
+    assert "neither own ship nor other ships" in told
     path.write_text("a,b\n1,2\n")
     with pytest.raises(ConfigurationError, match="no format that is known: it has a, b"):
         inspect_file(path)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sonar_tracking.bags.importers.contact_file import SurveyedPositions
 from sonar_tracking.bags.importers.own_ship_track import interpolated, own_ship_at
+from sonar_tracking.bags.importers.surveyed_positions import SurveyedPositions
 from sonar_tracking.motion import azimuth_from_compass
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.own_ship import OwnShipState

@@ -15,8 +15,8 @@
                            further lines of a bearing repeat its time, track and angle
 =========================  =========================================================================
 
-Stations that stay where they are: ``sensor``, ``east_m``, ``north_m`` and, optional, ``up_m`` and
-``heading_deg``, where they face.
+Stations that stay where they are: ``sensor``, ``east_m`` and ``north_m``, or ``latitude_deg`` and
+``longitude_deg``, and, optional, ``up_m`` and ``heading_deg``, where they face.
 """
 
 from __future__ import annotations
@@ -26,7 +26,9 @@ from pathlib import Path
 
 import numpy as np
 
+from sonar_tracking.bags.importers.map_origin import MapOrigin
 from sonar_tracking.bags.importers.number_table import NumberTable, read_number_table
+from sonar_tracking.bags.importers.position_tables import POSITIONS, table_positions
 from sonar_tracking.bags.importers.table_directions import direction_angles
 from sonar_tracking.bags.importers.table_times import NO_TIME, TIMES, one_of, table_stamps
 from sonar_tracking.errors import ConfigurationError
@@ -51,7 +53,6 @@ OPTIONAL = (
 )
 NAMES = ("sensor", "track")
 BEARING_COLUMNS = (*TIMES, *DIRECTIONS, *OPTIONAL, *NAMES)
-STATION_COLUMNS = ("sensor", "east_m", "north_m")
 
 ONLY_SENSOR = "sensor"
 """Name of the sensor of a file that names none."""
@@ -151,21 +152,34 @@ def read_bearing_lines(path: Path | str, epoch: int) -> BearingLines:
     )
 
 
-def read_stations(path: Path | str) -> tuple[dict[str, StationPlace], tuple[str, ...]]:
+def read_stations(
+    path: Path | str, origin: MapOrigin | None = None
+) -> tuple[dict[str, StationPlace], tuple[str, ...]]:
     """Read where stations are; return them by name, and what was left out.
 
-    Parameters and errors are those of :func:`read_bearing_lines`.
+    Parameters
+    ----------
+    path : Path or str
+        CSV or npz.
+    origin : MapOrigin, optional
+        The datum; default: of this file alone.
+
+    Raises
+    ------
+    ConfigurationError
+        If it cannot be read, or names a station twice.
     """
     optional = ("up_m", "heading_deg")
-    table = read_number_table(path, STATION_COLUMNS, optional, names=("sensor",), spared=optional)
+    known = (*POSITIONS, *optional)
+    table = read_number_table(path, ("sensor",), known, names=("sensor",), spared=optional)
     places: dict[str, StationPlace] = {}
-    east, north = table.column("east_m"), table.column("north_m")
+    east, north = table_positions(table, origin or MapOrigin()).T
     up = np.nan_to_num(table.column("up_m"), nan=0.0)
     azimuth = azimuth_from_compass(table.column("heading_deg"))
     for index, name in enumerate(table.names["sensor"]):
         row = int(table.rows[index])
         if not (np.isfinite(east[index]) and np.isfinite(north[index])):
-            table.notes.line(row, "east_m or north_m is missing")
+            table.notes.line(row, "the position is missing, or none on earth")
         elif name in places:
             raise ConfigurationError(
                 f"{table.place(index)}: the station {name} is there twice; a station has one "

@@ -11,13 +11,13 @@ Columns of contacts:
 ``range_deviation_m``      standard deviation of the range (optional; else one for all)
 ``bearing_deviation_deg``  standard deviation of the direction (optional; else one for all)
 ``own_east_m``             own ship (optional), with ``own_north_m`` and, optional,
-                           ``own_heading_deg``, compass
+                           ``own_heading_deg``, compass; or ``own_latitude_deg`` with
+                           ``own_longitude_deg``
 =========================  =========================================================================
 
 Lines of one time are one ping; an empty optional cell costs nothing but itself, and a contact that
-cannot be used not its ping. Own ship may also come from a file of its own, with ``time_s`` or
-``unix_time_s``, ``east_m``, ``north_m`` and, optional, ``heading_deg``; without either it rests at
-the origin. True positions have ``time_s`` or ``unix_time_s``, ``target``, ``east_m``, ``north_m``.
+cannot be used not its ping. Own ship may also come from a file of its own, see
+:mod:`sonar_tracking.bags.importers.position_files`; without either it rests at the origin.
 """
 
 from __future__ import annotations
@@ -27,22 +27,23 @@ from pathlib import Path
 
 import numpy as np
 
+from sonar_tracking.bags.importers.map_origin import MapOrigin
 from sonar_tracking.bags.importers.number_table import NumberTable, read_number_table
+from sonar_tracking.bags.importers.position_tables import table_positions
 from sonar_tracking.bags.importers.table_directions import direction_angles
 from sonar_tracking.bags.importers.table_times import NO_TIME, TIMES, one_of, table_stamps
 from sonar_tracking.motion import azimuth_from_compass, wrap_angle
-from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray, IntArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 
 DIRECTIONS = ("bearing_deg", "azimuth_deg", "relative_bearing_deg")
 AMPLITUDES = ("amplitude", "amplitude_db")
 DEVIATIONS = ("range_deviation_m", "bearing_deviation_deg")
-OWN_SHIP = ("own_east_m", "own_north_m", "own_heading_deg")
+OWN_PLANE = ("own_east_m", "own_north_m")
+OWN_PLACE = ("own_latitude_deg", "own_longitude_deg")
+OWN_SHIP = (*OWN_PLANE, *OWN_PLACE, "own_heading_deg")
 SPARED = (*AMPLITUDES, *DEVIATIONS, *OWN_SHIP)
 """Columns of which an empty cell costs nothing but itself."""
 CONTACT_COLUMNS = ("range_m", *TIMES, *DIRECTIONS, *AMPLITUDES, *DEVIATIONS, *OWN_SHIP)
-
-FARTHEST = 1e8
-"""Largest coordinate of a position, m."""
 
 
 @dataclass(frozen=True)
@@ -80,29 +81,9 @@ class ContactLines:
     bad: list[str] = field(default_factory=list)
 
 
-@dataclass(frozen=True)
-class SurveyedPositions:
-    """Positions by time, of own ship or of one target.
-
-    Attributes
-    ----------
-    stamp : ndarray of int, shape (n,)
-        Ascending, ns.
-    position : ndarray, shape (n, 2)
-        East, north, m.
-    azimuth : ndarray, shape (n,)
-        Of the bow, rad; NaN = not given.
-    source : str
-        Where they come from, for sentences.
-    """
-
-    stamp: IntArray
-    position: FloatArray
-    azimuth: FloatArray
-    source: str = "own ship's track"
-
-
-def read_contact_lines(path: Path | str, epoch: int) -> ContactLines:
+def read_contact_lines(
+    path: Path | str, epoch: int, origin: MapOrigin | None = None
+) -> ContactLines:
     """Read a file of contacts.
 
     Parameters
@@ -111,6 +92,8 @@ def read_contact_lines(path: Path | str, epoch: int) -> ContactLines:
         CSV or npz.
     epoch : int
         Instant of ``time_s`` = 0, ns.
+    origin : MapOrigin, optional
+        The datum; default: of this file alone.
 
     Raises
     ------
@@ -122,7 +105,10 @@ def read_contact_lines(path: Path | str, epoch: int) -> ContactLines:
     direction = one_of(table, DIRECTIONS)
     amplitude = _amplitudes(table)
     heading = azimuth_from_compass(table.column("own_heading_deg"))
-    own_ship = np.stack([table.column("own_east_m"), table.column("own_north_m"), heading], axis=1)
+    own_ship = np.full((len(table), 3), np.nan)
+    if {*OWN_PLANE, *OWN_PLACE} & table.numbers.keys():
+        own_ship[:, :2] = table_positions(table, origin or MapOrigin(), OWN_PLANE, OWN_PLACE)
+    own_ship[:, 2] = heading
     timed, contact = _usable(table, stamp, direction, amplitude)
     _note_empty(table, timed, contact)
     if not (timed & (contact | _silent(table, direction))).any():
@@ -141,43 +127,6 @@ def read_contact_lines(path: Path | str, epoch: int) -> ContactLines:
         own_ship=own_ship[order],
         bad=table.notes.sentences(),
     )
-
-
-def read_own_ship(path: Path | str, epoch: int) -> tuple[SurveyedPositions, tuple[str, ...]]:
-    """Read a file of own ship's positions; return them and a sentence for each line left out.
-
-    Parameters and errors are those of :func:`read_contact_lines`.
-    """
-    heading = ("heading_deg",)
-    table = read_number_table(path, ("east_m", "north_m"), (*TIMES, *heading), spared=heading)
-    stamp = table_stamps(table, epoch)
-    rows = _positioned(table, stamp)
-    unknown = np.isnan(table.column("heading_deg")[rows])
-    if "heading_deg" in table.numbers and unknown.any():
-        sentence = "heading_deg is empty; the heading is taken from the lines around"
-        if unknown.all():
-            sentence = "heading_deg is empty; the course made good is taken"
-        table.notes.lines(np.sort(table.rows[rows[unknown]]), sentence)
-    return _surveyed(table, stamp, rows), tuple(table.notes.sentences())
-
-
-def read_true_positions(
-    path: Path | str, epoch: int
-) -> tuple[dict[int, SurveyedPositions], tuple[str, ...]]:
-    """Read a file of true positions; targets are numbered from 1 in the order of the file.
-
-    Parameters and errors are those of :func:`read_contact_lines`.
-    """
-    table = read_number_table(path, ("target", "east_m", "north_m"), TIMES, names=("target",))
-    stamp = table_stamps(table, epoch, table.names["target"])
-    rows = _positioned(table, stamp)
-    names = np.array(table.names["target"])
-    numbered = {name: number for number, name in enumerate(dict.fromkeys(names[rows]), start=1)}
-    targets = {
-        number: _surveyed(table, stamp, rows[names[rows] == name])
-        for name, number in numbered.items()
-    }
-    return targets, tuple(table.notes.sentences())
 
 
 def _amplitudes(table: NumberTable) -> FloatArray | None:
@@ -222,8 +171,7 @@ def _note_empty(table: NumberTable, timed: BoolArray, contact: BoolArray) -> Non
         "amplitude_db": "the contacts of its ping are associated by distance alone",
         "range_deviation_m": "--range-deviation is taken",
         "bearing_deviation_deg": "--bearing-deviation-deg is taken",
-        "own_east_m": "own ship is taken from the lines around",
-        "own_north_m": "own ship is taken from the lines around",
+        **dict.fromkeys((*OWN_PLANE, *OWN_PLACE), "own ship is taken from the lines around"),
         "own_heading_deg": "the heading is taken from the lines around",
     }
     for name, remedy in without.items():
@@ -231,26 +179,3 @@ def _note_empty(table: NumberTable, timed: BoolArray, contact: BoolArray) -> Non
             lines = timed if name in OWN_SHIP else timed & contact
             empty = lines & np.isnan(table.column(name))
             table.notes.lines(table.rows[empty], f"{name} is empty; {remedy}")
-
-
-def _positioned(table: NumberTable, stamp: IntArray) -> IndexArray:
-    """Return the usable rows of a table of positions in order of time."""
-    checks = {NO_TIME: stamp > 0}
-    for name in ("east_m", "north_m"):
-        values = table.column(name)
-        checks[f"{name} is missing, or no position on earth"] = np.abs(values) < FARTHEST
-    rows = np.flatnonzero(table.passing(checks))
-    if not len(rows):
-        raise table.nothing_usable()
-    return rows[np.argsort(stamp[rows], kind="stable")]
-
-
-def _surveyed(table: NumberTable, stamp: IntArray, rows: IndexArray) -> SurveyedPositions:
-    _, first = np.unique(stamp[rows], return_index=True)
-    again = np.delete(rows, first)
-    sentence = "there is a position of this time already; the first in the file holds"
-    table.notes.lines(np.sort(table.rows[again]), sentence)
-    rows = rows[first]
-    position = np.stack([table.column("east_m"), table.column("north_m")], axis=1)[rows]
-    heading = azimuth_from_compass(table.column("heading_deg")[rows])
-    return SurveyedPositions(stamp[rows], position, heading, str(table.path))

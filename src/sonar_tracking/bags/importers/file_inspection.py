@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
@@ -17,19 +16,24 @@ from sonar_tracking.bags.importers.bearing_file import (
     read_stations,
 )
 from sonar_tracking.bags.importers.bearing_truth_file import read_surveyed_bearings
-from sonar_tracking.bags.importers.contact_file import (
-    read_contact_lines,
-    read_own_ship,
-    read_true_positions,
-)
+from sonar_tracking.bags.importers.contact_file import read_contact_lines
 from sonar_tracking.bags.importers.line_notes import LineNotes
+from sonar_tracking.bags.importers.map_origin import MapOrigin
+from sonar_tracking.bags.importers.nmea_log import looks_like_nmea, read_nmea_log
 from sonar_tracking.bags.importers.npz_file import read_npz
 from sonar_tracking.bags.importers.number_table import table_cells
+from sonar_tracking.bags.importers.position_tables import (
+    PLACE,
+    PLANE,
+    own_ship_of_table,
+    true_positions_of_table,
+)
 from sonar_tracking.bags.importers.table_times import TIMES, instant_text
+from sonar_tracking.bags.nmea.ais_reports import FORMATS
+from sonar_tracking.bags.nmea.own_ship_sentences import READERS
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.errors import ConfigurationError, shown
 from sonar_tracking.records.arrays import IntArray
-from sonar_tracking.scene.nmea_sentences import checksum
 from sonar_tracking.simulation.scenarios.scenario import DEFAULT_EPOCH
 
 BAGS = frozenset((".mcap", ".db3", ".zstd"))
@@ -69,7 +73,7 @@ def _inspector(path: Path) -> Callable[[Path], Inspected]:
         return _bag
     if suffix in (".yaml", ".yml"):
         return _geometry
-    if suffix != ".npz" and _looks_like_nmea(path):
+    if suffix != ".npz" and looks_like_nmea(path):
         return _nmea
     return _table
 
@@ -87,23 +91,23 @@ def _geometry(path: Path) -> Inspected:
     return what, [], f"sonar-tracking import wav FILE.wav --geometry {path} --output bag"
 
 
-def _looks_like_nmea(path: Path) -> bool:
-    with path.open("rb") as file:
-        return file.readline(200).lstrip()[:1] in (b"$", b"!")
-
-
 def _nmea(path: Path) -> Inspected:
-    kinds: Counter[str] = Counter()
-    failed = 0
-    with path.open(encoding="ascii", errors="replace") as file:
-        for line in file:
-            body, star, told = line.strip()[1:].partition("*")
-            whole = checksum(map(ord, body)) == told[:2].upper()
-            failed += bool(star) and not whole
-            kinds[shown(body.split(",")[0], 8)] += not star or whole
-    told = ", ".join(f"{count} {kind}" for kind, count in kinds.most_common(8) if count)
-    wrong = [f"{failed} sentences have a wrong checksum"] if failed else []
-    return f"an NMEA 0183 log: {told or 'no sentence'}", wrong, "it is read as it is, not imported"
+    log = read_nmea_log(path)
+    known = (*READERS, *FORMATS)
+    counts = [f"{log.formats[name]} {name}" for name in known if log.formats[name]]
+    wrong, told = list(log.wrong), []
+    if log.fixes:
+        stamps = np.sort(log.stamps(DEFAULT_EPOCH, wrong))
+        told.append(f"{len(stamps)} positions of own ship, {_span(stamps)}")
+    if log.reports:
+        ships = len({report.mmsi for report in log.reports})
+        stamps = np.sort(log.stamps(DEFAULT_EPOCH, wrong, ships=True))
+        told.append(f"{len(stamps)} AIS reports of {ships} ships, {_span(stamps)}")
+    what = f"an NMEA 0183 log ({', '.join(counts) or 'no sentence that is used'}): "
+    command = f"sonar-tracking import nmea {path} --output bag"
+    if not told:
+        return f"{what}neither own ship nor other ships", wrong, f"it is not imported; {PAGE}"
+    return what + "; ".join(told), wrong, command
 
 
 def _table(path: Path) -> Inspected:
@@ -112,7 +116,7 @@ def _table(path: Path) -> Inspected:
         if study is not None:
             return study
     columns = set(table_cells(path, LineNotes(path))[0])
-    east_north = {"east_m", "north_m"} <= columns
+    positions = set(PLANE) <= columns or set(PLACE) <= columns
     if {"target", "arrival_angle_deg"} <= columns:
         bearings = read_surveyed_bearings(path)
         command = f"sonar-tracking import wav FILE.wav --truth {path} ..."
@@ -128,24 +132,24 @@ def _table(path: Path) -> Inspected:
         places = " --stations FILE" if len(set(lines.sensor.tolist())) > 1 else ""
         command = f"sonar-tracking import bearings {path}{places} --output bag"
         return what + _span(lines.stamp), list(lines.notes), command
-    if east_north and "target" in columns:
-        targets, told = read_true_positions(path, DEFAULT_EPOCH)
+    if positions and "target" in columns:
+        targets, told = true_positions_of_table(path, DEFAULT_EPOCH, MapOrigin())
         stamps = np.concatenate([each.stamp for each in targets.values()])
         what = f"true positions of {len(targets)} targets, {_span(np.sort(stamps))}"
         return what, list(told), f"sonar-tracking import contacts FILE --truth {path} --output bag"
-    if east_north and "sensor" in columns:
+    if positions and "sensor" in columns:
         stations, told = read_stations(path)
         command = f"sonar-tracking import bearings FILE --stations {path} --output bag"
         return f"the places of {len(stations)} stations", list(told), command
-    if east_north and columns & set(TIMES):
-        own, told = read_own_ship(path, DEFAULT_EPOCH)
+    if positions and columns & set(TIMES):
+        own, told = own_ship_of_table(path, DEFAULT_EPOCH, MapOrigin())
         command = f"sonar-tracking import contacts FILE --own-ship {path} --output bag"
         return f"{len(own.stamp)} positions of own ship, {_span(own.stamp)}", list(told), command
     names = ", ".join(shown(name) for name in sorted(columns)[:20]) or "no columns"
     raise ConfigurationError(
         f"{path} is no format that is known: it has {names}. Contacts need range_m and a "
-        f"direction, bearings one of {', '.join(DIRECTIONS)}, own ship east_m and north_m, each "
-        f"with time_s or unix_time_s; {PAGE}."
+        f"direction, bearings one of {', '.join(DIRECTIONS)}, own ship east_m and north_m "
+        f"or latitude_deg and longitude_deg, each with time_s or unix_time_s; {PAGE}."
     )
 
 

@@ -31,29 +31,28 @@ from sonar_tracking.bags.importers.bearing_messages import (
 )
 from sonar_tracking.bags.importers.bearing_pictures import SensorBearings, bearing_pictures
 from sonar_tracking.bags.importers.bearings_of_sensor import BearingSensor, bearings_of_sensor
-from sonar_tracking.bags.importers.contact_file import read_own_ship
 from sonar_tracking.bags.importers.contact_messages import (
     ODOMETRY_TYPE,
     TRACKS_TYPE,
     odometry_cdr,
     truth_tracks_cdr,
 )
-from sonar_tracking.bags.importers.import_contacts import (
-    ODOMETRY_TOPIC,
-    TRUTH_TOPIC,
-    true_tracks_at,
-)
+from sonar_tracking.bags.importers.import_contacts import ODOMETRY_TOPIC, TRUTH_TOPIC
+from sonar_tracking.bags.importers.map_origin import MapOrigin
 from sonar_tracking.bags.importers.own_ship_track import (
     OwnShipMotion,
     checked_coverage,
     own_ship_at,
 )
+from sonar_tracking.bags.importers.position_files import read_own_ship
+from sonar_tracking.bags.importers.true_tracks import true_tracks_at
 from sonar_tracking.bags.storage.bag_records import BEARING_TRACKS_TYPE, FREQUENCY_LINES_TYPE
 from sonar_tracking.bags.storage.metadata import OfferedQuality
 from sonar_tracking.bags.storage.recording_information import RecordingInformation
 from sonar_tracking.bags.storage.writer import new_bag
 from sonar_tracking.errors import ConfigurationError, shown
 from sonar_tracking.records.bearings import Sensor
+from sonar_tracking.records.datum import Datum
 from sonar_tracking.records.own_ship import OWN_SHIP_FRAMES
 from sonar_tracking.records.positions import MAP_FRAME
 from sonar_tracking.records.time import seconds
@@ -75,12 +74,15 @@ class BearingSources:
     stations : Path or str, optional
         CSV or npz of where stations are.
     own_ship, truth : Path or str, optional
-        CSV or npz of own ship's and of the targets' positions.
+        CSV, npz or NMEA log of own ship's and of the targets' positions.
+    datum : Datum, optional
+        Of ``map``; default: the first place that a file tells, if one does.
     """
 
     stations: Path | str | None = None
     own_ship: Path | str | None = None
     truth: Path | str | None = None
+    datum: Datum | None = None
 
 
 def sensor_topics(names: list[str]) -> dict[str, tuple[str, str]]:
@@ -132,7 +134,8 @@ def import_bearings(
     lines = read_bearing_lines(file, sensor.epoch)
     notes = list(lines.notes)
     names = list(dict.fromkeys(lines.sensor.tolist()))
-    stations, motion = _places(file, lines, names, sources, sensor.epoch, notes)
+    origin = MapOrigin(sources.datum)
+    stations, motion = _places(file, lines, names, sources, sensor.epoch, origin, notes)
     topics = sensor_topics(names)
     heard = {
         name: bearings_of_sensor(lines, name, sensor, motion, stations, notes) for name in names
@@ -140,7 +143,8 @@ def import_bearings(
     with_lines = {name for name, one in heard.items() if any(one.frequencies)}
     used = [(topics[n][0], topics[n][1] if n in with_lines else "") for n in names]
     stamps = np.unique(lines.stamp)
-    truth = true_tracks_at(sources.truth, stamps, sensor.epoch, notes) if sources.truth else ()
+    truth = true_tracks_at(sources.truth, stamps, sensor.epoch, notes, origin)
+    notes += origin.notes
     messages = [
         _messages(heard[n], topics[n], _sensor_at(n, lines, stations, motion)) for n in names
     ]
@@ -154,7 +158,8 @@ def import_bearings(
     roles: dict[str, Any] = dict.fromkeys(types, "input")
     roles |= {TRUTH_TOPIC: "truth"} if truth else {}
     path = Path(file)
-    scenario = {"name": path.stem, "description": f"imported from {path.name}: bearings"}
+    described = {"name": path.stem, "description": f"imported from {path.name}: bearings"}
+    scenario = {**described, **origin.scenario()}
     information = RecordingInformation(scenario, settings_of(used), roles)
     _write(Path(output), information, types, heapq.merge(*messages, key=lambda each: each[0]))
     return "\n".join([_summary(Path(output), lines, heard), *notes])
@@ -176,17 +181,18 @@ def _places(
     names: list[str],
     sources: BearingSources,
     epoch: int,
+    origin: MapOrigin,
     notes: list[str],
 ) -> tuple[dict[str, StationPlace], OwnShipMotion | None]:
     """Return where the stations are, and own ship at the stamps of the bearings."""
     stations: dict[str, StationPlace] = {}
     if sources.stations is not None:
-        stations, bad = read_stations(sources.stations)
+        stations, bad = read_stations(sources.stations, origin)
         notes.extend(bad)
     aboard = [name for name in names if name not in stations]
     motion = None
     if sources.own_ship is not None:
-        surveyed, bad = read_own_ship(sources.own_ship, epoch)
+        surveyed, bad = read_own_ship(sources.own_ship, epoch, origin)
         notes.extend(bad)
         stamps = np.unique(lines.stamp)
         notes.extend(checked_coverage(surveyed, stamps))

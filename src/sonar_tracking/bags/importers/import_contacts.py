@@ -15,13 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from sonar_tracking.bags.importers.contact_file import (
-    ContactLines,
-    SurveyedPositions,
-    read_contact_lines,
-    read_own_ship,
-    read_true_positions,
-)
+from sonar_tracking.bags.importers.contact_file import ContactLines, read_contact_lines
 from sonar_tracking.bags.importers.contact_messages import (
     CONTACTS_TYPE,
     ODOMETRY_TYPE,
@@ -30,21 +24,24 @@ from sonar_tracking.bags.importers.contact_messages import (
     odometry_cdr,
     truth_tracks_cdr,
 )
+from sonar_tracking.bags.importers.map_origin import MapOrigin
 from sonar_tracking.bags.importers.own_ship_track import (
     OwnShipMotion,
-    check_overlap,
     checked_coverage,
-    interpolated,
     own_ship_at,
 )
+from sonar_tracking.bags.importers.position_files import read_own_ship
+from sonar_tracking.bags.importers.surveyed_positions import SurveyedPositions
+from sonar_tracking.bags.importers.true_tracks import true_tracks_at
 from sonar_tracking.bags.storage.metadata import OfferedQuality
 from sonar_tracking.bags.storage.recording_information import RecordingInformation
 from sonar_tracking.bags.storage.writer import new_bag
 from sonar_tracking.configuration import parameter
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.motion import wrap_angle
-from sonar_tracking.records.arrays import FloatArray, IndexArray, IntArray
+from sonar_tracking.records.arrays import FloatArray, IndexArray
 from sonar_tracking.records.contacts import Contacts
+from sonar_tracking.records.datum import Datum
 from sonar_tracking.records.positions import TruthTracks
 from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS, seconds
 from sonar_tracking.simulation.scenarios.scenario import DEFAULT_EPOCH
@@ -111,6 +108,7 @@ def read_pings(
     sensor: ContactSensor,
     own_ship: Path | str | None = None,
     truth: Path | str | None = None,
+    origin: MapOrigin | None = None,
 ) -> RecordedPings:
     """Read recorded contacts.
 
@@ -121,16 +119,19 @@ def read_pings(
     sensor : ContactSensor
         What the file does not tell.
     own_ship, truth : Path or str, optional
-        CSV or npz of own ship's and of the targets' positions.
+        CSV, npz or NMEA log of own ship's and of the targets' positions.
+    origin : MapOrigin, optional
+        The datum; default: the first place that a file tells, if one does.
 
     Raises
     ------
     ConfigurationError
         If a file cannot be used.
     """
-    lines = read_contact_lines(file, sensor.epoch)
+    origin = origin or MapOrigin()
+    lines = read_contact_lines(file, sensor.epoch, origin)
     notes = list(lines.bad)
-    surveyed = _surveyed_own_ship(file, lines, own_ship, sensor.epoch, notes)
+    surveyed = _surveyed_own_ship(file, lines, own_ship, sensor.epoch, origin, notes)
     stamps, first = np.unique(lines.stamp, return_index=True)
     stamps = stamps - round(sensor.latency * NANOSECONDS)
     motion = own_ship_at(surveyed, stamps)
@@ -142,8 +143,8 @@ def read_pings(
         _ping(lines, rows, motion, index, sensor, sensor.maximum_range or farthest)
         for index, rows in enumerate(groups)
     )
-    true = true_tracks_at(truth, stamps, sensor.epoch, notes) if truth is not None else ()
-    return RecordedPings(pings, motion, true, tuple(notes))
+    true = true_tracks_at(truth, stamps, sensor.epoch, notes, origin)
+    return RecordedPings(pings, motion, true, tuple([*notes, *origin.notes]))
 
 
 def import_contacts(
@@ -153,6 +154,7 @@ def import_contacts(
     own_ship: Path | str | None = None,
     truth: Path | str | None = None,
     node_parameters: Mapping[str, Mapping[str, Any]] = DEFAULT_NODE_PARAMETERS,
+    datum: Datum | None = None,
 ) -> str:
     """Bring recorded contacts into a bag; return what was done, in words.
 
@@ -164,15 +166,19 @@ def import_contacts(
         The new bag.
     node_parameters : mapping of mapping
         Node, parameter, value: what a replay of the bag starts.
+    datum : Datum, optional
+        Of ``map``; default: the first place that a file tells, if one does.
 
     Raises
     ------
     ConfigurationError
         If a file cannot be used, or the bag not be made; no bag is left then.
     """
-    recorded = read_pings(file, sensor, own_ship, truth)
+    origin = MapOrigin(datum)
+    recorded = read_pings(file, sensor, own_ship, truth, origin)
     path = Path(output)
-    _write(path, recorded, _information(Path(file), recorded, node_parameters))
+    information = _information(Path(file), recorded, node_parameters, origin)
+    _write(path, recorded, information)
     count = sum(len(ping.range) for ping in recorded.pings)
     duration = seconds(recorded.pings[-1].stamp - recorded.pings[0].stamp)
     targets = len({target for entry in recorded.truth for target in entry.id.tolist()})
@@ -188,11 +194,12 @@ def _surveyed_own_ship(
     lines: ContactLines,
     own_ship: Path | str | None,
     epoch: int,
+    origin: MapOrigin,
     notes: list[str],
 ) -> SurveyedPositions:
     told = np.isfinite(lines.own_ship[:, :2]).all(axis=1)
     if own_ship is not None:
-        surveyed, bad = read_own_ship(own_ship, epoch)
+        surveyed, bad = read_own_ship(own_ship, epoch, origin)
         notes.extend(bad)
     elif told.any():
         stamp, first = np.unique(lines.stamp[told], return_index=True)
@@ -263,58 +270,16 @@ def _deviations(own: FloatArray, common: float, option: str) -> FloatArray:
     return np.asarray(filled)
 
 
-def true_tracks_at(
-    path: Path | str, stamps: IntArray, epoch: int, notes: list[str]
-) -> tuple[TruthTracks, ...]:
-    """Return the true states at the pings, each target from its first to its last position.
-
-    Parameters
-    ----------
-    path : Path or str
-        CSV or npz of true positions.
-    stamps : ndarray of int, shape (n,)
-        Of the pings, ascending, ns.
-    epoch : int
-        Instant of ``time_s`` = 0, ns.
-    notes : list of str
-        Told what was left out.
-
-    Raises
-    ------
-    ConfigurationError
-        If the file cannot be used, or has no instant in common with the pings.
-    """
-    targets, bad = read_true_positions(path, epoch)
-    notes.extend(bad)
-    whole = np.unique(np.concatenate([surveyed.stamp for surveyed in targets.values()]))
-    check_overlap(str(path), whole, stamps)
-    states = {
-        target: interpolated(
-            seconds(surveyed.stamp - stamps[0]), surveyed.position, seconds(stamps - stamps[0])
-        )
-        for target, surveyed in targets.items()
-    }
-    truth = []
-    for index, stamp in enumerate(stamps):
-        there = [t for t, s in targets.items() if s.stamp[0] <= stamp <= s.stamp[-1]]
-        truth.append(
-            TruthTracks(
-                stamp=int(stamp),
-                id=np.array(there, dtype=np.uint64),
-                position=np.array([states[t][0][index] for t in there]).reshape(-1, 2),
-                velocity=np.array([states[t][1][index] for t in there]).reshape(-1, 2),
-                next_stamp=int(stamps[index + 1]) if index + 1 < len(stamps) else END_OF_DATA,
-            )
-        )
-    return tuple(truth)
-
-
 def _information(
-    file: Path, recorded: RecordedPings, node_parameters: Mapping[str, Mapping[str, Any]]
+    file: Path,
+    recorded: RecordedPings,
+    node_parameters: Mapping[str, Mapping[str, Any]],
+    origin: MapOrigin,
 ) -> RecordingInformation:
     scenario = {
         "name": file.stem,
         "description": f"imported from {file.name}: {len(recorded.pings)} pings",
+        **origin.scenario(),
     }
     roles: dict[str, Any] = {CONTACTS_TOPIC: "input", ODOMETRY_TOPIC: "input"}
     if recorded.truth:

@@ -28,12 +28,14 @@ from sonar_tracking.bags.importers.audio_recording import (
     write_messages,
 )
 from sonar_tracking.bags.importers.bearing_truth_file import read_surveyed_bearings
-from sonar_tracking.bags.importers.contact_file import SurveyedPositions, read_own_ship
+from sonar_tracking.bags.importers.map_origin import MapOrigin
+from sonar_tracking.bags.importers.position_files import read_own_ship
 from sonar_tracking.bags.importers.sample_blocks import (
     ODOMETRY_TOPIC,
     SAMPLES_TOPIC,
     SampleBlocks,
 )
+from sonar_tracking.bags.importers.surveyed_positions import SurveyedPositions
 from sonar_tracking.bags.storage.bag_records import ODOMETRY_TYPE, SAMPLES_TYPE
 from sonar_tracking.bags.storage.recording_information import RecordingInformation
 from sonar_tracking.configuration import from_mapping
@@ -41,6 +43,7 @@ from sonar_tracking.passive.lines.band_demodulator_configuration import (
     BandDemodulatorConfiguration,
 )
 from sonar_tracking.passive.lines.band_demodulator_stage import chosen_bandwidth
+from sonar_tracking.records.datum import Datum
 
 LONGEST_COVARIANCE = 4.0
 """s, if that is not fewer snapshots than can be told apart from noise."""
@@ -93,6 +96,7 @@ def import_samples(
     truth: Path | str | None = None,
     time: GivenTime = NOT_GIVEN,
     progress: Callable[[float], None] | None = None,
+    datum: Datum | None = None,
 ) -> str:
     """Bring recorded audio into a bag of element time series; say what was done.
 
@@ -109,31 +113,35 @@ def import_samples(
     node_parameters : mapping of mapping
         Node, parameter, value: what a replay of the bag starts.
     own_ship : Path or str, optional
-        CSV or npz of own ship's positions; see :mod:`sonar_tracking.bags.importers.contact_file`.
+        CSV, npz or NMEA log of own ship's positions; see
+        :mod:`sonar_tracking.bags.importers.position_files`.
     truth : Path or str, optional
         CSV file of true bearings; see :mod:`sonar_tracking.bags.importers.bearing_truth_file`.
     time : GivenTime
         What is said of its time; default: what the geometry file, the names or the files say.
     progress : callable, optional
         Called with the share that is done, 0 to 1.
+    datum : Datum, optional
+        Of ``map``; default: own ship's first place, if its file tells places.
 
     Raises
     ------
     ConfigurationError
         If file, geometry, band, own ship or truth cannot be used; no bag is left then.
     """
-    array = read_array_geometry(geometry)
-    recording, array = opened_recording(file, array, time)
+    recording, array = opened_recording(file, read_array_geometry(geometry), time)
     columns = array.columns(recording.n_channels, str(recording.path))
     notes = list(recording.notes)
-    surveyed = _surveyed_own_ship(own_ship, array, notes)
+    origin = MapOrigin(datum)
+    surveyed = _surveyed_own_ship(own_ship, array, origin, notes)
     demodulator = _band(node_parameters.get("band_demodulator", {}))
     configuration = from_mapping(BandDemodulatorConfiguration, demodulator, str(recording.path))
     notes += check_bearings(array, configuration.center_frequency, str(geometry))
     blocks = SampleBlocks(recording, array, columns, surveyed, progress)
     notes += blocks.own_ship_notes
     band = blocks.band(configuration)
-    counted = _write(Path(output), recording, array, blocks, node_parameters, truth)
+    information = _information(recording, array, node_parameters, truth is not None, origin)
+    counted = _write(Path(output), recording, array, blocks, information, truth)
     summary = (
         f"{output}: {counted} at {recording.sample_rate} Hz. Bearings are made of the "
         f"{band.bandwidth:.3g} Hz around {band.frequency:g} Hz, lines looked for on each."
@@ -146,7 +154,7 @@ def _write(
     recording: Recording,
     array: RecordedArray,
     blocks: SampleBlocks,
-    node_parameters: Mapping[str, Mapping[str, Any]],
+    information: RecordingInformation,
     truth: Path | str | None,
 ) -> str:
     """Write the bag and return how much is in it, in words."""
@@ -156,7 +164,7 @@ def _write(
     first = next(samples)  # where none is of use, no bag is begun
     _, counts, n_samples = write_messages(
         output,
-        _information(recording, n_elements, node_parameters, bool(bearings)),
+        information,
         {SAMPLES_TOPIC: SAMPLES_TYPE, ODOMETRY_TOPIC: ODOMETRY_TYPE},
         heapq.merge(
             blocks.odometry(),
@@ -173,16 +181,18 @@ def _write(
 
 def _information(
     recording: Recording,
-    n_elements: int,
+    array: RecordedArray,
     node_parameters: Mapping[str, Mapping[str, Any]],
     with_truth: bool,
+    origin: MapOrigin,
 ) -> RecordingInformation:
     roles: dict[str, Any] = {SAMPLES_TOPIC: "input", ODOMETRY_TOPIC: "input"}
     if with_truth:
         roles[TRUTH_TOPIC] = "truth"
     name, rate = recording.path.name, recording.sample_rate
+    n_elements = len(array.element_positions)
     description = f"imported from {name}: {n_elements} elements, {rate} Hz"
-    scenario = {"name": recording.path.stem, "description": description}
+    scenario = {"name": recording.path.stem, "description": description, **origin.scenario()}
     return RecordingInformation(scenario, node_parameters, roles)
 
 
@@ -191,11 +201,11 @@ def _band(given: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _surveyed_own_ship(
-    path: Path | str | None, array: RecordedArray, notes: list[str]
+    path: Path | str | None, array: RecordedArray, origin: MapOrigin, notes: list[str]
 ) -> SurveyedPositions:
     if path is not None:
-        surveyed, bad = read_own_ship(path, array.epoch)
-        notes.extend(bad)
+        surveyed, bad = read_own_ship(path, array.epoch, origin)
+        notes.extend([*bad, *origin.notes])
         return surveyed
     notes.append("No --own-ship: it rests at the origin, its bow to the north.")
     return SurveyedPositions(np.array([array.epoch]), np.zeros((1, 2)), np.array([0.5 * np.pi]))

@@ -28,6 +28,7 @@ from sonar_tracking.bags.importers.audio_recording import (
     write_messages,
 )
 from sonar_tracking.bags.importers.bearing_truth_file import read_surveyed_bearings
+from sonar_tracking.bags.importers.map_origin import MapOrigin
 from sonar_tracking.bags.importers.recorded_messages import snapshots_cdr
 from sonar_tracking.bags.storage.bag_records import SNAPSHOTS_TYPE
 from sonar_tracking.bags.storage.recording_information import RecordingInformation
@@ -35,6 +36,7 @@ from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.passive.lines.demodulation import Band, Demodulator, design_band
 from sonar_tracking.passive.subspaces.block_checks import MAXIMUM_RELATIVE_BANDWIDTH
 from sonar_tracking.records.arrays import ComplexArray
+from sonar_tracking.records.datum import Datum
 from sonar_tracking.records.time import END_OF_DATA, seconds
 
 SNAPSHOTS_TOPIC = "/array/snapshots"
@@ -120,17 +122,15 @@ def import_wav(
     truth: Path | str | None = None,
     node_parameters: Mapping[str, Mapping[str, Any]] = DEFAULT_NODE_PARAMETERS,
     time: GivenTime = NOT_GIVEN,
+    datum: Datum | None = None,
 ) -> ImportSummary:
     """Bring a multichannel audio file into a bag of narrowband snapshots.
 
     Parameters
     ----------
-    file : Path or str
-        Audio file, one channel an element; or a directory, see
+    file, geometry : Path or str
+        Audio file, one channel an element, or a directory; and the array: see
         :func:`sonar_tracking.bags.importers.import_samples.import_samples`.
-    geometry : Path or str
-        YAML file; see
-        :func:`sonar_tracking.bags.importers.array_geometry_file.read_array_geometry`.
     frequency : float
         Centre of the band, Hz.
     bandwidth : float, optional
@@ -143,6 +143,8 @@ def import_wav(
         Node, parameter, value: what a replay of the bag starts.
     time : GivenTime
         What is said of its time; default: what the geometry file, the names or the files say.
+    datum : Datum, optional
+        Of ``map``.
 
     Raises
     ------
@@ -152,22 +154,22 @@ def import_wav(
     array = read_array_geometry(geometry)
     wav, array = opened_recording(file, array, time)
     columns = array.columns(wav.n_channels, str(wav.path))
-    plausible = check_bearings(array, frequency, str(geometry))
+    dropped = [*wav.notes, *check_bearings(array, frequency, str(geometry))]
     band = _checked_band(array, wav, frequency, bandwidth)
     surveyed = read_surveyed_bearings(truth) if truth is not None else []
-    dropped = [*wav.notes, *plausible]
     known = len(dropped)
     blocks = _finite_blocks(wav, columns, band, dropped)
     first = next(blocks, None)
     if first is None:
         raise ConfigurationError(dropped[-1] if len(dropped) > known else _too_short(wav, band))
-    information = _information(wav, array, band, node_parameters, bool(surveyed))
+    information = _information(wav, array, band, node_parameters, bool(surveyed), datum)
     messages = heapq.merge(
         _snapshot_messages(first, blocks, wav.sample_rate, array, band),
         truth_messages(surveyed, array),
     )
-    inputs = {SNAPSHOTS_TOPIC: SNAPSHOTS_TYPE}
-    path, counts, n_snapshots = write_messages(Path(output), information, inputs, messages)
+    path, counts, n_snapshots = write_messages(
+        Path(output), information, {SNAPSHOTS_TOPIC: SNAPSHOTS_TYPE}, messages
+    )
     written = path, counts[SNAPSHOTS_TOPIC], n_snapshots
     return _summary(wav, array, len(columns), band, written, dropped)
 
@@ -297,6 +299,7 @@ def _information(
     band: Band,
     node_parameters: Mapping[str, Mapping[str, Any]],
     with_truth: bool,
+    datum: Datum | None,
 ) -> RecordingInformation:
     scenario = {
         "name": wav.path.stem,
@@ -304,6 +307,7 @@ def _information(
             f"imported from {wav.path.name}: {len(array.element_positions)} elements, "
             f"{band.frequency:g} Hz, bandwidth {band.bandwidth:g} Hz"
         ),
+        **MapOrigin(datum).scenario(),
     }
     roles: dict[str, Any] = {SNAPSHOTS_TOPIC: "input"}
     if with_truth:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.bags.importers.contact_file import SurveyedPositions
+from sonar_tracking.bags.importers.surveyed_positions import SurveyedPositions
 from sonar_tracking.bags.importers.table_times import instant_text
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.motion import wrap_angle
@@ -85,7 +85,19 @@ def own_ship_at(surveyed: SurveyedPositions, stamps: IntArray) -> OwnShipMotion:
         _, speeds = interpolated(known, surveyed.position, known)
         azimuth = _course(speeds)
     heading, rate = interpolated(known, azimuth[:, None], wanted)
+    if surveyed.velocity is not None:
+        velocity = _told_velocity(known, surveyed, wanted)
     return OwnShipMotion(stamps, position, velocity, heading[:, 0], rate[:, 0])
+
+
+def _told_velocity(
+    known: FloatArray, surveyed: SurveyedPositions, wanted: FloatArray
+) -> FloatArray:
+    """Return velocities as told, linear between; those of the positions where they are not."""
+    assert surveyed.velocity is not None
+    _, made_good = interpolated(known, surveyed.position, known)
+    told = np.where(np.isfinite(surveyed.velocity), surveyed.velocity, made_good)
+    return np.stack([np.interp(wanted, known, column) for column in told.T], axis=1)
 
 
 def check_overlap(source: str, known: IntArray, wanted: IntArray) -> None:

@@ -15,10 +15,10 @@ import numpy as np
 from sonar_tracking.bags.audio.recording import Recording
 from sonar_tracking.bags.importers.array_geometry_file import RecordedArray
 from sonar_tracking.bags.importers.audio_recording import Message
-from sonar_tracking.bags.importers.contact_file import SurveyedPositions
 from sonar_tracking.bags.importers.contact_messages import odometry_cdr
 from sonar_tracking.bags.importers.own_ship_track import checked_coverage, own_ship_at
 from sonar_tracking.bags.importers.recorded_messages import samples_cdr
+from sonar_tracking.bags.importers.surveyed_positions import SurveyedPositions
 from sonar_tracking.errors import ConfigurationError, InputError
 from sonar_tracking.motion import lever_arm, swing_velocity
 from sonar_tracking.passive.lines.band_demodulator_configuration import (

@@ -1,8 +1,8 @@
-"""``sonar-tracking import``: a recorded array, or recorded contacts, into a bag to replay."""
+"""``sonar-tracking import``: recorded data into a bag to replay."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ from sonar_tracking.bags.importers.import_bearings import (
     import_bearings,
 )
 from sonar_tracking.bags.importers.import_contacts import ContactSensor, import_contacts
+from sonar_tracking.bags.importers.import_nmea import import_nmea
 from sonar_tracking.bags.importers.import_samples import import_samples, suggested_estimator
 from sonar_tracking.bags.importers.import_wav import import_wav
 from sonar_tracking.configuration import from_mapping
@@ -32,6 +33,7 @@ from sonar_tracking.graph.catalogue.passive_nodes import (
 )
 from sonar_tracking.graph.catalogue.tma_nodes import TMA_TRACKER
 from sonar_tracking.graph.catalogue.topics import BEARING_TRACKS, FREQUENCY_LINES
+from sonar_tracking.records.datum import Datum, datum_from_text
 from sonar_tracking.simulation.scenarios.scenario_mapping import checked_epoch
 
 
@@ -44,12 +46,13 @@ def import_wav_file(
     truth: Path | None = None,
     parameters: Path | None = None,
     time: GivenTime = NOT_GIVEN,
+    datum: Datum | None = None,
 ) -> str:
     """Import an audio file as snapshots and return what was done, in words.
 
     Parameters
     ----------
-    file, geometry, frequency, bandwidth, output, truth, time
+    file, geometry, frequency, bandwidth, output, truth, time, datum
         See :func:`sonar_tracking.bags.importers.import_wav.import_wav`.
     parameters : Path, optional
         YAML file of node, parameter, value: stored in the bag for its replay.
@@ -63,7 +66,7 @@ def import_wav_file(
         raise ConfigurationError("Give --frequency, the centre of the band snapshots are made of.")
     given = _given(parameters)
     settings = resolved_settings(given, (SUBSPACE_ESTIMATOR, BEARING_TRACKER), str(parameters))
-    summary = import_wav(file, geometry, frequency, bandwidth, output, truth, settings, time)
+    summary = import_wav(file, geometry, frequency, bandwidth, output, truth, settings, time, datum)
     return _with_next_command(summary.text(), output)
 
 
@@ -77,6 +80,7 @@ def import_audio_samples(
     truth: Path | None = None,
     parameters: Path | None = None,
     time: GivenTime = NOT_GIVEN,
+    datum: Datum | None = None,
 ) -> str:
     """Import audio files as element time series and return what was done, in words.
 
@@ -84,7 +88,7 @@ def import_audio_samples(
 
     Parameters
     ----------
-    file, geometry, output, own_ship, truth, time
+    file, geometry, output, own_ship, truth, time, datum
         See :func:`sonar_tracking.bags.importers.import_samples.import_samples`.
     frequency, bandwidth : float, optional
         Of the band bearings are made of, Hz, if the parameters do not say so.
@@ -115,7 +119,9 @@ def import_audio_samples(
         given[TMA_TRACKER.name] = topics | given.get(TMA_TRACKER.name, {})
     settings = resolved_settings(given, tuple(nodes), where)
     with progress_bar("importing") as progress:
-        done = import_samples(file, geometry, output, settings, own_ship, truth, time, progress)
+        done = import_samples(
+            file, geometry, output, settings, own_ship, truth, time, progress, datum
+        )
     return _with_next_command(done, output)
 
 
@@ -126,12 +132,13 @@ def import_contacts_file(
     own_ship: Path | None = None,
     truth: Path | None = None,
     parameters: Path | None = None,
+    datum: Datum | None = None,
 ) -> str:
     """Import recorded contacts and return what was done, in words.
 
     Parameters
     ----------
-    file, output, own_ship, truth
+    file, output, own_ship, truth, datum
         See :func:`sonar_tracking.bags.importers.import_contacts.import_contacts`.
     sensor : mapping
         Fields of ContactSensor by name; ``epoch`` as a person writes it.
@@ -147,7 +154,7 @@ def import_contacts_file(
     settings = resolved_settings(given, (HPDA_TRACKER,), str(parameters))
     values = {**sensor, "epoch": checked_epoch(sensor["epoch"], "")}
     described = from_mapping(ContactSensor, values, "import contacts")
-    done = import_contacts(file, output, described, own_ship, truth, settings)
+    done = import_contacts(file, output, described, own_ship, truth, settings, datum)
     return _with_next_command(done, output)
 
 
@@ -192,6 +199,39 @@ def import_bearings_file(
     described = from_mapping(BearingSensor, values, "import bearings")
     done = import_bearings(file, output, described, sources, settings)
     return _with_next_command(done, output)
+
+
+def import_nmea_logs(files: Sequence[Path], output: Path, datum: Datum | None, epoch: str) -> str:
+    """Import logs of NMEA 0183 and return what was done, in words.
+
+    Parameters
+    ----------
+    files, output, datum
+        See :func:`sonar_tracking.bags.importers.import_nmea.import_nmea`.
+    epoch : str
+        As a person writes it.
+
+    Raises
+    ------
+    ConfigurationError
+        If anything given cannot be used; no bag is left then.
+    """
+    done = import_nmea(files, output, datum, checked_epoch(epoch, ""))
+    return (
+        f"{done}\nshow it with: sonar-tracking show {output}; beside the data of a sensor give "
+        "the logs to its import, as --own-ship and --truth."
+    )
+
+
+def given_datum(text: str) -> Datum | None:
+    """Return the datum as typed; None = not typed.
+
+    Raises
+    ------
+    ConfigurationError
+        If it is none.
+    """
+    return datum_from_text(text) if text else None
 
 
 def given_time(epoch: str | None, time_pattern: str | None) -> GivenTime:

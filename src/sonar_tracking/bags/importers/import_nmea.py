@@ -1,0 +1,172 @@
+"""Logs of NMEA 0183 become a bag: own ship, and other ships by their AIS as the truth.
+
+Such a bag can be shown, drawn and exported; beside the data of a sensor the same logs are given to
+the import of these, as ``--own-ship`` and ``--truth``.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sonar_tracking.bags.importers.contact_messages import (
+    ODOMETRY_TYPE,
+    TRACKS_TYPE,
+    odometry_cdr,
+    truth_tracks_cdr,
+)
+from sonar_tracking.bags.importers.import_contacts import ODOMETRY_TOPIC, TRUTH_TOPIC
+from sonar_tracking.bags.importers.map_origin import MapOrigin
+from sonar_tracking.bags.importers.nmea_log import (
+    NmeaLog,
+    own_ship_of_log,
+    read_nmea_log,
+    ships_of_log,
+)
+from sonar_tracking.bags.importers.own_ship_track import OwnShipMotion, own_ship_at
+from sonar_tracking.bags.importers.true_tracks import ship_states, truth_pictures
+from sonar_tracking.bags.storage.metadata import OfferedQuality
+from sonar_tracking.bags.storage.recording_information import RecordingInformation
+from sonar_tracking.bags.storage.writer import new_bag
+from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.records.arrays import IntArray
+from sonar_tracking.records.datum import Datum
+from sonar_tracking.records.positions import TruthTracks
+from sonar_tracking.records.time import NANOSECONDS, seconds
+from sonar_tracking.simulation.scenarios.scenario import DEFAULT_EPOCH
+
+PERIOD = NANOSECONDS
+"""Between two pictures of the other ships, ns."""
+
+
+def import_nmea(
+    files: Sequence[Path | str],
+    output: Path | str,
+    datum: Datum | None = None,
+    epoch: int = DEFAULT_EPOCH,
+) -> str:
+    """Bring logs into a bag; return what was done, in words.
+
+    Parameters
+    ----------
+    files : sequence of Path or str
+        Logs: one of them tells where own ship was, or none does; others, or the same, have AIS.
+    output : Path or str
+        The new bag.
+    datum : Datum, optional
+        Of ``map``; default: the first place in the logs.
+    epoch : int
+        Its date is that of logs without one, ns.
+
+    Raises
+    ------
+    ConfigurationError
+        If a log cannot be used, or the bag not be made; no bag is left then.
+    """
+    logs = [read_nmea_log(file) for file in files]
+    origin, notes = MapOrigin(datum), list[str]()
+    motion = _own_ship(logs, epoch, origin, notes)
+    truth = _truth(logs, epoch, origin, motion, notes)
+    if motion is None and not truth:
+        raise ConfigurationError(
+            f"{', '.join(str(log.path) for log in logs)}: neither own ship (GGA, RMC) nor ships "
+            f"with AIS (VDM) can be read. {' '.join([*notes, *logs[0].wrong][:2])}".strip()
+        )
+    path = Path(output)
+    _write(path, motion, truth, _information(logs, motion, truth, origin))
+    stamps = np.concatenate(
+        [np.zeros(0, np.int64) if motion is None else motion.stamp, [t.stamp for t in truth]]
+    )
+    ships = {mmsi for entry in truth for mmsi in entry.id.tolist()}
+    told = [] if motion is None else [f"{len(motion.stamp)} positions of own ship"]
+    told += [f"{len(ships)} ships by AIS"] if truth else []
+    duration = seconds(int(stamps.max() - stamps.min()))
+    summary = f"{path}: {' and '.join(told)} over {duration:.1f} s."
+    unique = dict.fromkeys([*notes, *origin.notes])
+    return "\n".join([summary, *unique])
+
+
+def _own_ship(
+    logs: list[NmeaLog], epoch: int, origin: MapOrigin, notes: list[str]
+) -> OwnShipMotion | None:
+    """Return own ship at its own positions; None = no log tells any."""
+    told = [log for log in logs if log.fixes]
+    if len(told) > 1:
+        raise ConfigurationError(
+            f"{' and '.join(str(log.path) for log in told)} both tell where own ship was; give "
+            "one of them, or put consecutive logs into one file."
+        )
+    if not told:
+        return None
+    surveyed, bad = own_ship_of_log(told[0], epoch, origin)
+    notes.extend(bad)
+    return own_ship_at(surveyed, surveyed.stamp)
+
+
+def _truth(
+    logs: list[NmeaLog],
+    epoch: int,
+    origin: MapOrigin,
+    motion: OwnShipMotion | None,
+    notes: list[str],
+) -> tuple[TruthTracks, ...]:
+    """Return pictures of the other ships, one a second; none = no log has any."""
+    told = [log for log in logs if log.reports]
+    if len(told) > 1:
+        raise ConfigurationError(
+            f"{' and '.join(str(log.path) for log in told)} both have AIS; give one of them, or "
+            "put them into one file."
+        )
+    if not told:
+        return ()
+    ships, bad = ships_of_log(told[0], epoch, origin)
+    notes.extend(bad)
+    every = np.concatenate([np.array(ship.stamps, np.int64) for ship in ships.values()])
+    stamps = _pictures(every if motion is None else np.concatenate([every, motion.stamp]))
+    return truth_pictures(ship_states(ships, stamps), stamps)
+
+
+def _pictures(stamps: IntArray) -> IntArray:
+    """Return whole seconds from the first to the last of some instants, ns."""
+    first, last = int(stamps.min()) // PERIOD, int(stamps.max()) // PERIOD
+    return np.arange(first, last + 1, dtype=np.int64) * PERIOD
+
+
+def _information(
+    logs: list[NmeaLog],
+    motion: OwnShipMotion | None,
+    truth: tuple[TruthTracks, ...],
+    origin: MapOrigin,
+) -> RecordingInformation:
+    names = ", ".join(log.path.name for log in logs)
+    scenario = {
+        "name": logs[0].path.stem,
+        "description": f"imported from {names}",
+        **origin.scenario(),
+    }
+    roles: dict[str, Any] = {} if motion is None else {ODOMETRY_TOPIC: "input"}
+    roles |= {TRUTH_TOPIC: "truth"} if truth else {}
+    return RecordingInformation(scenario, {}, roles)
+
+
+def _write(
+    path: Path,
+    motion: OwnShipMotion | None,
+    truth: tuple[TruthTracks, ...],
+    information: RecordingInformation,
+) -> None:
+    states = () if motion is None else map(motion.state, range(len(motion.stamp)))
+    odometry = ((state.stamp, ODOMETRY_TOPIC, odometry_cdr(state)) for state in states)
+    pictures = ((entry.stamp, TRUTH_TOPIC, truth_tracks_cdr(entry)) for entry in truth)
+    with new_bag(path, information) as writer:
+        if motion is not None:
+            writer.add_topic(ODOMETRY_TOPIC, ODOMETRY_TYPE, role="input")
+        if truth:
+            quality = OfferedQuality(durability="transient_local")
+            writer.add_topic(TRUTH_TOPIC, TRACKS_TYPE, role="truth", qos=quality)
+        for stamp, topic, data in heapq.merge(odometry, pictures, key=lambda each: each[0]):
+            writer.write(topic, stamp, data)

@@ -1,0 +1,135 @@
+"""Where own ship was, when, and how it headed: the sentences of one instant put together.
+
+A position opens an instant, and the next later one closes it. Sentences without a time (HDT, VTG,
+VHW) are taken to be of the instant before them; where none comes, the last one holds for a while.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from sonar_tracking.bags.nmea.own_ship_sentences import OwnShipReport
+from sonar_tracking.bags.nmea.sentence_time import SentenceTime
+from sonar_tracking.errors import InputError
+
+KEPT_SECONDS = 5.0
+"""For so long heading and speed hold after they were told, s."""
+
+RESTART_SECONDS = 10.0
+"""A step back by more is a source that begins again, s."""
+
+LATE = "its time is before that of a position before it; it is not used"
+
+
+@dataclass(frozen=True, slots=True)
+class OwnShipFix:
+    """Own ship at one instant.
+
+    Attributes
+    ----------
+    instant : float
+        On the time line of the sentences, s.
+    latitude_deg, longitude_deg : float
+        deg, north and east positive.
+    heading_deg : float
+        Of the bow, from true north, deg; NaN = not told.
+    course_deg : float
+        Made good, from true north, deg; NaN = not told.
+    speed : float
+        Over ground, m/s; NaN = not told.
+    """
+
+    instant: float
+    latitude_deg: float
+    longitude_deg: float
+    heading_deg: float = math.nan
+    course_deg: float = math.nan
+    speed: float = math.nan
+
+
+@dataclass
+class _Kept:
+    """Values that were told without a time, and the instant they are taken to be of."""
+
+    values: tuple[float, ...] = ()
+    instant: float = math.nan
+
+    def take(self, instant: float, *values: float) -> bool:
+        """Keep the values unless there are some of this instant already."""
+        if math.isnan(values[0]) or self.instant == instant:
+            return False
+        self.values, self.instant = values, instant
+        return True
+
+    def at(self, instant: float) -> tuple[float, ...]:
+        """Return what holds at an instant; empty = nothing does."""
+        return self.values if abs(instant - self.instant) <= KEPT_SECONDS else ()
+
+
+class OwnShipFixes:
+    """Puts the reports of a stream together.
+
+    Parameters
+    ----------
+    time : SentenceTime
+        The time line of the stream.
+
+    Attributes
+    ----------
+    course_for_heading : int
+        Instants at which nothing told the heading.
+    """
+
+    def __init__(self, time: SentenceTime) -> None:
+        self.time = time
+        self.course_for_heading = 0
+        self._open: OwnShipFix | None = None
+        self._heading = _Kept()
+        self._water_heading = _Kept()
+        self._motion = _Kept()
+        self._closed = -math.inf
+
+    def take(self, report: OwnShipReport) -> OwnShipFix | None:
+        """Take one report; return the instant that it closes, if it does.
+
+        Raises
+        ------
+        InputError
+            If its time is before what has been told already.
+        """
+        closed = None
+        if not math.isnan(report.time_of_day):
+            closed = self._take_time(report)
+        instant = self._closed if self._open is None else self._open.instant
+        heading = self._water_heading if report.format == "VHW" else self._heading
+        heading.take(instant, report.heading_deg)
+        self._motion.take(instant, report.speed, report.course_deg)
+        return closed
+
+    def close(self) -> OwnShipFix | None:
+        """Return the instant that is open, if one is: nothing more of it is to come."""
+        fix, self._open = self._open, None
+        if fix is None:
+            return None
+        self._closed = fix.instant
+        heading = self._heading.at(fix.instant) or self._water_heading.at(fix.instant)
+        self.course_for_heading += not heading
+        speed, course = self._motion.at(fix.instant) or (math.nan, math.nan)
+        return replace(fix, heading_deg=(heading or (math.nan,))[0], course_deg=course, speed=speed)
+
+    def _take_time(self, report: OwnShipReport) -> OwnShipFix | None:
+        instant = self.time.take(report.time_of_day, report.day)
+        last = self._closed if self._open is None else self._open.instant
+        if instant < last - RESTART_SECONDS:
+            self._open, self._closed, last = None, -math.inf, -math.inf
+            self._heading, self._water_heading, self._motion = _Kept(), _Kept(), _Kept()
+        if instant < last or (instant <= last and self._open is None):
+            if report.has_position and instant < last:
+                raise InputError(f"{report.format}: {LATE}")
+            return None
+        closed = self.close() if self._open is not None and instant > last else None
+        if report.has_position and self._open is None:
+            place = (report.latitude_deg, report.longitude_deg)
+            self._open = OwnShipFix(instant, *place)
+        return closed
