@@ -159,8 +159,9 @@ def contacts(
     anticlockwise; or relative_bearing_deg, from the bow clockwise). Optional: amplitude (linear,
     noise mean 1; or amplitude_db), range_deviation_m, bearing_deviation_deg, own_east_m with
     own_north_m (or own_latitude_deg with own_longitude_deg) and own_heading_deg. latitude_deg and
-    longitude_deg may stand for east_m and north_m in every table. Lines of one time are one ping; a line with neither range nor
-    direction is a ping that heard nothing. A line that cannot be used is left out and named.
+    longitude_deg may stand for east_m and north_m in every table. Lines of one time are one ping; a
+    line with neither range nor direction is a ping that heard nothing. A line that cannot be used
+    is left out and named.
     """
     importer = needs("sonar_tracking.graph.verbs.import_command")
     sensor = {

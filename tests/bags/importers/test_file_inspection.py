@@ -30,6 +30,7 @@ READERS = {
     "bearings.csv": lambda path: read_bearing_lines(path, DEFAULT_EPOCH),
     "stations.csv": read_stations,
     "own_ship.csv": lambda path: read_own_ship(path, DEFAULT_EPOCH),
+    "own_ship.nmea": lambda path: read_own_ship(path, DEFAULT_EPOCH),
     "truth.csv": lambda path: true_positions_of_table(path, DEFAULT_EPOCH, MapOrigin()),
 }
 MUTATIONS = 40
@@ -43,6 +44,8 @@ MUTATIONS = 40
         ("bearings.csv", "4 bearings of 2 sensors", "import bearings"),
         ("stations.csv", "4 stations", "--stations"),
         ("own_ship.csv", "4 positions of own ship", "--own-ship"),
+        ("own_ship.nmea", "2 positions of own ship", "import nmea"),
+        ("ais.nmea", "3 AIS reports of 1 ships", "import nmea"),
         ("truth.csv", "true positions of 1 targets", "--truth"),
         ("true_bearings.csv", "true bearings at 4 instants", "--truth"),
         ("array.yaml", "8 elements", "--geometry"),

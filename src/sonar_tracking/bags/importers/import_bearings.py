@@ -162,7 +162,7 @@ def import_bearings(
     scenario = {**described, **origin.scenario()}
     information = RecordingInformation(scenario, settings_of(used), roles)
     _write(Path(output), information, types, heapq.merge(*messages, key=lambda each: each[0]))
-    return "\n".join([_summary(Path(output), lines, heard), *notes])
+    return "\n".join([_summary(Path(output), lines, heard), *dict.fromkeys(notes)])
 
 
 def _summary(output: Path, lines: BearingLines, heard: dict[str, SensorBearings]) -> str:

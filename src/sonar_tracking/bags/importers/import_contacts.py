@@ -144,7 +144,7 @@ def read_pings(
         for index, rows in enumerate(groups)
     )
     true = true_tracks_at(truth, stamps, sensor.epoch, notes, origin)
-    return RecordedPings(pings, motion, true, tuple([*notes, *origin.notes]))
+    return RecordedPings(pings, motion, true, tuple(dict.fromkeys([*notes, *origin.notes])))
 
 
 def import_contacts(

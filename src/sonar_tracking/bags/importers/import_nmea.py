@@ -7,7 +7,7 @@ the import of these, as ``--own-ship`` and ``--truth``.
 from __future__ import annotations
 
 import heapq
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +29,7 @@ from sonar_tracking.bags.importers.nmea_log import (
 )
 from sonar_tracking.bags.importers.own_ship_track import OwnShipMotion, own_ship_at
 from sonar_tracking.bags.importers.true_tracks import ship_states, truth_pictures
+from sonar_tracking.bags.nmea.ship_histories import ShipHistory
 from sonar_tracking.bags.storage.metadata import OfferedQuality
 from sonar_tracking.bags.storage.recording_information import RecordingInformation
 from sonar_tracking.bags.storage.writer import new_bag
@@ -70,7 +71,7 @@ def import_nmea(
     logs = [read_nmea_log(file) for file in files]
     origin, notes = MapOrigin(datum), list[str]()
     motion = _own_ship(logs, epoch, origin, notes)
-    truth = _truth(logs, epoch, origin, motion, notes)
+    truth = _truth(logs, epoch, origin, notes)
     if motion is None and not truth:
         raise ConfigurationError(
             f"{', '.join(str(log.path) for log in logs)}: neither own ship (GGA, RMC) nor ships "
@@ -111,7 +112,6 @@ def _truth(
     logs: list[NmeaLog],
     epoch: int,
     origin: MapOrigin,
-    motion: OwnShipMotion | None,
     notes: list[str],
 ) -> tuple[TruthTracks, ...]:
     """Return pictures of the other ships, one a second; none = no log has any."""
@@ -125,15 +125,18 @@ def _truth(
         return ()
     ships, bad = ships_of_log(told[0], epoch, origin)
     notes.extend(bad)
-    every = np.concatenate([np.array(ship.stamps, np.int64) for ship in ships.values()])
-    stamps = _pictures(every if motion is None else np.concatenate([every, motion.stamp]))
+    stamps = _pictures(ships.values())
     return truth_pictures(ship_states(ships, stamps), stamps)
 
 
-def _pictures(stamps: IntArray) -> IntArray:
-    """Return whole seconds from the first to the last of some instants, ns."""
-    first, last = int(stamps.min()) // PERIOD, int(stamps.max()) // PERIOD
-    return np.arange(first, last + 1, dtype=np.int64) * PERIOD
+def _pictures(ships: Iterable[ShipHistory]) -> IntArray:
+    """Return the whole seconds at which a ship is known, ns, and one more after each run of them.
+
+    The one more shows that nothing is known there: nobody is to interpolate over it.
+    """
+    runs = [run for ship in ships for run in ship.known_from_to()]
+    seconds_of = [np.arange(-(-a // PERIOD), b // PERIOD + 2, dtype=np.int64) for a, b in runs]
+    return np.unique(np.concatenate([np.zeros(0, np.int64), *seconds_of])) * PERIOD
 
 
 def _information(

@@ -21,7 +21,7 @@ from sonar_tracking.bags.nmea.ais_reports import FORMATS, AisReport, AisReports
 from sonar_tracking.bags.nmea.own_ship_fixes import OwnShipFix, OwnShipFixes
 from sonar_tracking.bags.nmea.own_ship_sentences import READERS, own_ship_report
 from sonar_tracking.bags.nmea.sentence_time import DAY, SentenceTime
-from sonar_tracking.bags.nmea.sentences import Sentence, lines_of, read_sentence
+from sonar_tracking.bags.nmea.sentences import Sentence, lines_of, parts_of, read_sentence
 from sonar_tracking.bags.nmea.ship_histories import LEAPS, ShipHistory, vectors
 from sonar_tracking.errors import ConfigurationError, InputError, shown
 from sonar_tracking.geodesy import north_azimuths
@@ -125,7 +125,7 @@ def read_nmea_log(path: Path | str) -> NmeaLog:
     own_ship, ais = OwnShipFixes(time), AisReports(time)
     fixes: list[OwnShipFix | None] = []
     reports: list[AisReport | None] = []
-    for number, line in enumerate(_lines(path), start=1):
+    for number, line in _numbered_lines(path):
         try:
             sentence = read_sentence(line)
             formats[shown(sentence.format, 8)] += 1
@@ -238,7 +238,7 @@ def ships_of_log(
     states = np.concatenate([position, velocity], axis=1)
     ships, faults = _histories([r.mmsi for r in log.reports], stamp, states)
     notes += [f"{log.path}: {count} times {sentence}." for sentence, count in faults.items()]
-    gaps = sum(ship.gaps() for ship in ships.values())
+    gaps = sum(len(ship.known_from_to()) - 1 for ship in ships.values() if ship.stamps)
     if gaps:
         notes.append(
             f"{log.path}: {gaps} times a ship is not heard for more than 90 s (7 min where it lies "
@@ -271,17 +271,18 @@ def _is_sentence(line: bytes) -> bool:
     return sentence is not None
 
 
-def _lines(path: Path) -> Iterator[bytes]:
-    """Yield the lines of a file, each with one sentence at most, in constant memory."""
+def _numbered_lines(path: Path) -> Iterator[tuple[int, bytes]]:
+    """Yield the number of each line of a file, and each part of it that may be a sentence."""
+    number, rest = 1, b""
     try:
         with path.open("rb") as file:
-            rest = b""
             while data := file.read(_READ_AT_ONCE):
-                data = rest + data
-                end = max(data.rfind(b"\n"), data.rfind(b"\r")) + 1
-                end = end or (0 if len(data) < _READ_AT_ONCE else len(data))
-                yield from lines_of(data[:end])
-                rest = data[end:]
-            yield from lines_of(rest)
+                lines = (rest + data).splitlines(keepends=True)
+                ends = lines[-1].endswith(b"\n") or len(lines[-1]) > _READ_AT_ONCE
+                rest = b"" if ends else lines.pop()
+                for line in lines:
+                    yield from ((number, part) for part in parts_of(line))
+                    number += 1
     except OSError as error:
         raise ConfigurationError(f"The file {path} cannot be read ({error.strerror}).") from error
+    yield from ((number, part) for part in parts_of(rest))

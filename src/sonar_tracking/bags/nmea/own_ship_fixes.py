@@ -50,21 +50,28 @@ class OwnShipFix:
 
 @dataclass
 class _Kept:
-    """Values that were told without a time, and the instant they are taken to be of."""
+    """Values that were told without a time, and the instant they are taken to be of.
 
-    values: tuple[float, ...] = ()
+    The first of an instant are those of it, the last of it hold until others come.
+    """
+
+    first: tuple[float, ...] = ()
+    last: tuple[float, ...] = ()
     instant: float = math.nan
 
-    def take(self, instant: float, *values: float) -> bool:
-        """Keep the values unless there are some of this instant already."""
-        if math.isnan(values[0]) or self.instant == instant:
-            return False
-        self.values, self.instant = values, instant
-        return True
+    def take(self, instant: float, *values: float) -> None:
+        """Keep values, unless the first of them is not known."""
+        if math.isnan(values[0]):
+            return
+        if self.instant != instant:
+            self.first, self.instant = values, instant
+        self.last = values
 
     def at(self, instant: float) -> tuple[float, ...]:
         """Return what holds at an instant; empty = nothing does."""
-        return self.values if abs(instant - self.instant) <= KEPT_SECONDS else ()
+        if abs(instant - self.instant) > KEPT_SECONDS or not self.last:
+            return ()
+        return self.first if instant == self.instant else self.last
 
 
 class OwnShipFixes:
@@ -121,15 +128,16 @@ class OwnShipFixes:
     def _take_time(self, report: OwnShipReport) -> OwnShipFix | None:
         instant = self.time.take(report.time_of_day, report.day)
         last = self._closed if self._open is None else self._open.instant
+        closed = None
         if instant < last - RESTART_SECONDS:
-            self._open, self._closed, last = None, -math.inf, -math.inf
+            closed = self.close()
             self._heading, self._water_heading, self._motion = _Kept(), _Kept(), _Kept()
-        if instant < last or (instant <= last and self._open is None):
-            if report.has_position and instant < last:
-                raise InputError(f"{report.format}: {LATE}")
-            return None
-        closed = self.close() if self._open is not None and instant > last else None
-        if report.has_position and self._open is None:
-            place = (report.latitude_deg, report.longitude_deg)
-            self._open = OwnShipFix(instant, *place)
+            self._closed = last = -math.inf
+        if instant < last and report.has_position:
+            raise InputError(f"{report.format}: {LATE}")
+        if instant > last:
+            closed = closed or self.close()
+            if report.has_position:
+                place = (report.latitude_deg, report.longitude_deg)
+                self._open = OwnShipFix(instant, *place)
         return closed

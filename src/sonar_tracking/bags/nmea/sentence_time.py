@@ -4,16 +4,23 @@ from __future__ import annotations
 
 import math
 
+from sonar_tracking.errors import InputError
 from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS, nanoseconds
 
 DAY = 86_400.0
 """s."""
 
+LONGEST_STEP, LONGEST_BACK = 3600.0, 60.0
+"""On and back in time from one sentence to the next, s; beyond it the next one must agree."""
+
+LEAPS = "its time leaps, and the next one does not agree; it is not used"
+
 
 class SentenceTime:
     """Instants of sentences, in s from a midnight that a date may tell only later.
 
-    A time of day more than half a day before the last one is of the next day.
+    A time of day more than half a day before the last one is of the next day. An instant that leaps
+    by hours is believed if the next one does so, too.
 
     Attributes
     ----------
@@ -24,6 +31,7 @@ class SentenceTime:
     def __init__(self) -> None:
         self.now = math.nan
         self._first_day: int | None = None
+        self._doubted = math.nan
 
     @property
     def is_dated(self) -> bool:
@@ -39,14 +47,22 @@ class SentenceTime:
             UTC, s.
         day : int, optional
             Days since 1970-01-01, if it tells them.
+
+        Raises
+        ------
+        InputError
+            If it leaps; two in a row that agree are believed.
         """
-        if day is not None and self._first_day is None:
-            self._first_day = day - round((self._continued(time_of_day) - time_of_day) / DAY)
-        if day is not None and self._first_day is not None:
-            self.now = (day - self._first_day) * DAY + time_of_day
+        first = self._first_day
+        if day is not None and first is None:
+            first = day - round((self._continued(time_of_day) - time_of_day) / DAY)
+        if day is None or first is None:
+            instant = self._continued(time_of_day)
         else:
-            self.now = self._continued(time_of_day)
-        return self.now
+            instant = (day - first) * DAY + time_of_day
+        self._believe(instant)
+        self._first_day = first
+        return instant
 
     def take_instant(self, instant: float) -> float:
         """Return the instant of a sentence whose time since 1970 (s) is told, s."""
@@ -75,6 +91,16 @@ class SentenceTime:
         first = day_without_date if self._first_day is None else self._first_day
         stamp = first * round(DAY) * NANOSECONDS + nanoseconds(instant)
         return min(max(stamp, 1), END_OF_DATA - 1)
+
+    def _believe(self, instant: float) -> None:
+        """Take an instant for the present, s; one that leaps only after another one that did."""
+        doubted, self._doubted = self._doubted, math.nan
+        near = math.isnan(self.now) or -LONGEST_BACK <= instant - self.now <= LONGEST_STEP
+        follows = doubted <= instant and (instant - doubted <= LONGEST_STEP or doubted > self.now)
+        if not (near or follows):
+            self._doubted = instant
+            raise InputError(LEAPS)
+        self.now = instant
 
     def _continued(self, time_of_day: float) -> float:
         if math.isnan(self.now):

@@ -1,8 +1,8 @@
-"""Sentences of NMEA 0183 in lines of bytes, as a serial line, a log or a datagram holds them.
+r"""Sentences of NMEA 0183 in lines of bytes, as a serial line, a log or a datagram holds them.
 
 ``$TTFFF,field,field*hh``: two letters of the talker, three of the format, and the exclusive or of
 all between. Encapsulated ones (AIS) begin with ``!``. A logger may have written something ahead,
-and a TAG block (``\\c:1767225600*hh\\``) tells when a sentence was heard.
+and a TAG block (``\c:1767225600*hh\``) tells when a sentence was heard.
 
 References
 ----------
@@ -64,9 +64,13 @@ class Sentence:
 
 def lines_of(data: bytes) -> list[bytes]:
     """Return the lines of some bytes without their ends, each with one sentence at most."""
+    return [part for line in data.splitlines() for part in parts_of(line)]
+
+
+def parts_of(line: bytes) -> list[bytes]:
+    """Return the parts of a line, each with one sentence at most; none of an empty line."""
     return [
         part
-        for line in data.splitlines()
         for begin in range(0, len(line), LONGEST)
         for part in _BETWEEN.split(line[begin : begin + LONGEST])
         if part.strip()

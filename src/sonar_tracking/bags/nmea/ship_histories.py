@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -161,10 +162,15 @@ class ShipHistory:
         unneeded = max(bisect_right(self.stamps, stamp) - 1, 0)
         del self.stamps[:unneeded], self.states[:unneeded]
 
-    def gaps(self) -> int:
-        """Return in how many gaps between two reports the ship is not known."""
-        middles = [(a + b) // 2 for a, b in zip(self.stamps, self.stamps[1:], strict=False)]
-        return sum(self.at(middle) is None for middle in middles)
+    def known_from_to(self) -> list[tuple[int, int]]:
+        """Return from when to when the ship is known, ns; between them are gaps."""
+        runs = [(self.stamps[0], self.stamps[0])]
+        for before, after in pairwise(self.stamps):
+            if self.at((before + after) // 2) is None:
+                runs.append((after, after))
+            else:
+                runs[-1] = (runs[-1][0], after)
+        return runs
 
 
 def _rests(state: FloatArray) -> bool:
