@@ -30,7 +30,6 @@ READERS = {
     "bearings.csv": lambda path: read_bearing_lines(path, DEFAULT_EPOCH),
     "stations.csv": read_stations,
     "own_ship.csv": lambda path: read_own_ship(path, DEFAULT_EPOCH),
-    "own_ship.nmea": lambda path: read_own_ship(path, DEFAULT_EPOCH),
     "truth.csv": lambda path: true_positions_of_table(path, DEFAULT_EPOCH, MapOrigin()),
 }
 MUTATIONS = 40

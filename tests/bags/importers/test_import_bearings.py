@@ -35,7 +35,7 @@ def imported(folder: Path, text: str, **files: str) -> tuple[dict[str, list[Any]
     for name, content in {"bearings": text, **files}.items():
         paths[name] = folder / f"{name}.csv"
         paths[name].write_text(content)
-    sources = BearingSources(*(paths.get(name) for name in ("stations", "own_ship", "truth")))
+    sources = BearingSources(paths.get("stations"), paths.get("own_ship"), paths.get("truth"))
     said = import_bearings(paths["bearings"], folder / "bag", SENSOR, sources, settings)
     bag = read_bag(folder / "bag")
     names = [name for name in bag.topics if "/passive/" in name]

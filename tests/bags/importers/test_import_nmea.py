@@ -137,7 +137,9 @@ def test_a_table_of_latitudes_is_the_same_track(tmp_path: Path) -> None:
     surveyed, _ = own_ship_of_table(table, START, MapOrigin(DATUM))
     np.testing.assert_allclose(surveyed.position, positions, atol=0.01)
     back = surface_places(surveyed.position, DATUM)
-    np.testing.assert_allclose(surface_positions(*back.T, DATUM), positions, atol=0.01)
+    np.testing.assert_allclose(
+        surface_positions(back[:, 0], back[:, 1], DATUM), positions, atol=0.01
+    )
     first = MapOrigin()
     surveyed, _ = own_ship_of_table(table, START, first)
     assert surveyed.position[0] == pytest.approx([0.0, 0.0], abs=0.01)

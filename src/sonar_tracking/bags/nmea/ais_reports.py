@@ -60,9 +60,9 @@ class AisReport:
     latitude_deg, longitude_deg : float
         deg, north and east positive.
     speed : float
-        Over ground, m/s; NaN = not told.
+        Over ground, m/s; NaN = unknown.
     course_deg : float
-        Made good, from true north, deg; NaN = not told.
+        Made good, from true north, deg; NaN = unknown.
     """
 
     mmsi: int
@@ -84,7 +84,7 @@ class AisReports:
     Attributes
     ----------
     own : int
-        Number of own ship, which is in no report; 0 = not told.
+        Number of own ship, which is in no report; 0 = unknown.
     """
 
     def __init__(self, time: SentenceTime) -> None:

@@ -33,11 +33,11 @@ class OwnShipFix:
     latitude_deg, longitude_deg : float
         deg, north and east positive.
     heading_deg : float
-        Of the bow, from true north, deg; NaN = not told.
+        Of the bow, from true north, deg; NaN = unknown.
     course_deg : float
-        Made good, from true north, deg; NaN = not told.
+        Made good, from true north, deg; NaN = unknown.
     speed : float
-        Over ground, m/s; NaN = not told.
+        Over ground, m/s; NaN = unknown.
     """
 
     instant: float

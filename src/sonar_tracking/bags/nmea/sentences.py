@@ -49,7 +49,7 @@ class Sentence:
     fields : tuple of str
         What stands between the commas after it.
     heard : float
-        When it was heard, by its TAG block, s since 1970; NaN = not told.
+        When it was heard, by its TAG block, s since 1970; NaN = unknown.
     """
 
     talker: str
