@@ -135,7 +135,7 @@ def test_damaged_lines_are_counted_and_none_crashes() -> None:
                 case 0:
                     line[generator.integers(len(line))] = generator.integers(256)
                 case 1:
-                    line = line[: max(1, generator.integers(len(line)))]
+                    line = line[: max(1, int(generator.integers(len(line))))]
                 case 2:
                     line = line[generator.integers(len(line)) :] or line
                 case _:
