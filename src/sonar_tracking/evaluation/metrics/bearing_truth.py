@@ -47,10 +47,12 @@ class BearingTruth:
 
     def __init__(self, samples: Sequence[BearingTracks] = ()) -> None:
         self.samples = TruthSamples(samples)
+        self._asked: dict[int, TrueBearings] = {}
 
     def add(self, sample: BearingTracks) -> None:
         """Take one more sample, the next in time."""
         self.samples.add(sample)
+        self._asked.clear()
 
     def first_seen(self) -> dict[int, int]:
         """Return the stamp (ns) of the first appearance of each target."""
@@ -60,8 +62,16 @@ class BearingTruth:
         """Return the truth at an instant, or None if the samples do not reach it.
 
         Between two samples a target is there if it is in both. Beyond the last sample its rate
-        carries on for as long as the last two samples are apart.
+        carries on for as long as the last two samples are apart. What was asked for before is
+        known: several runs, and several figures of each, ask for the same instants.
         """
+        if (known := self._asked.get(stamp)) is not None:
+            return known
+        if (true := self._interpolated(stamp)) is not None:
+            self._asked[stamp] = true
+        return true
+
+    def _interpolated(self, stamp: int) -> TrueBearings | None:
         around = self.samples.around(stamp)
         if around is None:
             return None

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from sonar_tracking.errors import Notice, Severity
+from sonar_tracking.evaluation.metrics.bearing_truth import BearingTruth
 from sonar_tracking.evaluation.studies.mismatch_bearings import study
 from sonar_tracking.evaluation.studies.mismatch_bearings.array_errors import ArrayErrors
 from sonar_tracking.evaluation.studies.mismatch_bearings.bound import bound_deg2
@@ -174,7 +175,7 @@ def test_errors_are_those_of_the_track_with_the_name_though_the_other_is_nearer(
         listed(condition, 0.5 * n, np.degrees(one.arrival_angle) + np.array([-0.4, 0.4]), (7, 8))
         for n, one in enumerate(truth)
     ]
-    errors = errors_under_names(truth, lagging)
+    errors = errors_under_names(BearingTruth(truth), lagging)
     assert np.degrees(np.abs(errors.error[:, 0])) == pytest.approx(0.4)
     assert errors.nees() == pytest.approx(0.16, rel=1e-6)
 
@@ -187,8 +188,8 @@ def test_names_are_right_where_tracks_cross_and_wrong_where_they_turn_back() -> 
         listed(condition, 0.5 * n, np.sort(np.degrees(one.arrival_angle)), (7, 8))
         for n, one in enumerate(truth)
     ]
-    assert share_of_right_names(two, truth, truth, intervals) == 1.0
-    assert share_of_right_names(two, truth, back, intervals) == 0.0
+    assert share_of_right_names(two, BearingTruth(truth), truth, intervals) == 1.0
+    assert share_of_right_names(two, BearingTruth(truth), back, intervals) == 0.0
 
 
 @pytest.mark.parametrize(
@@ -204,7 +205,7 @@ def test_a_notice_names_the_channels_if_it_names_all_of_them_and_no_others(
 ) -> None:
     condition = CONDITIONS["two channels exchanged, 8 elements, 20 dB"]
     run = ChainRun(list(crossing()), [Notice(Severity.WARN, "array", text)])
-    assert figures(condition, crossing(), run, (6, 3))["named_percent"] == named
+    assert figures(condition, BearingTruth(crossing()), run, (6, 3))["named_percent"] == named
 
 
 def test_bound_falls_with_the_level_and_rises_where_bearings_are_near() -> None:

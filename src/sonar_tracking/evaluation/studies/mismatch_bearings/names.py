@@ -46,23 +46,20 @@ class NamedErrors:
         return normalised_square_error(self.error, self.covariance)
 
 
-def errors_under_names(
-    truth: Sequence[BearingTracks], tracks: Sequence[BearingTracks]
-) -> NamedErrors:
+def errors_under_names(truth: BearingTruth, tracks: Sequence[BearingTracks]) -> NamedErrors:
     """Return the errors of the tracks that have the names of targets.
 
     Parameters
     ----------
-    truth : sequence of BearingTracks
+    truth : BearingTruth
         True bearings.
     tracks : sequence of BearingTracks
         The lists of a tracker.
     """
-    reference = BearingTruth(truth)
     names: dict[int, int] = {}
     errors, covariances = [np.empty((0, 2))], [np.empty((0, 2, 2))]
     for entry in tracks:
-        present = reference.at(entry.stamp)
+        present = truth.at(entry.stamp)
         if present is None:
             continue
         rows = np.flatnonzero(entry.established)
@@ -91,7 +88,7 @@ def errors_under_names(
 
 def share_of_right_names(
     scenario: Scenario,
-    truth: Sequence[BearingTracks],
+    truth: BearingTruth,
     tracks: Sequence[BearingTracks],
     intervals: tuple[Interval, Interval],
 ) -> float:
@@ -101,7 +98,7 @@ def share_of_right_names(
     ----------
     scenario : Scenario
         What was simulated.
-    truth : sequence of BearingTracks
+    truth : BearingTruth
         True bearings.
     tracks : sequence of BearingTracks
         The lists of a tracker.
@@ -118,16 +115,15 @@ def _targets(scenario: Scenario) -> range:
 
 def _names_in(
     scenario: Scenario,
-    truth: Sequence[BearingTracks],
+    truth: BearingTruth,
     tracks: Sequence[BearingTracks],
     interval: Interval,
 ) -> dict[int, int]:
     """Return the name that each target has longest in an interval, by the number of the target."""
     first, last = (scenario.stamp(time) for time in interval)
-    reference = BearingTruth(truth)
     held: dict[int, Counter[int]] = {target: Counter() for target in _targets(scenario)}
     for entry in tracks:
-        present = reference.at(entry.stamp) if first <= entry.stamp <= last else None
+        present = truth.at(entry.stamp) if first <= entry.stamp <= last else None
         if present is None:
             continue
         rows = np.flatnonzero(entry.established)

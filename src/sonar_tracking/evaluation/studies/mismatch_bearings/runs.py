@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sonar_tracking.errors import Notice, Severity
-from sonar_tracking.evaluation.metrics.bearing_score import score_bearing_tracks
+from sonar_tracking.evaluation.metrics.bearing_score import OnlineBearingScore
 from sonar_tracking.evaluation.metrics.bearing_truth import BearingTruth
 from sonar_tracking.evaluation.metrics.score_statistics import mean
 from sonar_tracking.evaluation.monte_carlo.run_synthesis import block_truth, true_bearings
@@ -125,7 +125,7 @@ def runs_under(condition: Condition, seeds: Seeds) -> tuple[MismatchRun, ...]:
         by_default.take(wrong)
         told = [replace(block, data=data) for data in block.data]
         beside.take(wrong if condition.faint else told)
-    truth = block_truth(condition.scenario)
+    truth = BearingTruth(block_truth(condition.scenario))
     return tuple(
         MismatchRun(
             condition.name,
@@ -201,7 +201,7 @@ def told_configuration(condition: Condition, stamp: int) -> BearingTrackerConfig
 
 
 def figures(
-    condition: Condition, truth: Sequence[BearingTracks], run: ChainRun, faulty: Sequence[int]
+    condition: Condition, truth: BearingTruth, run: ChainRun, faulty: Sequence[int]
 ) -> dict[str, float]:
     """Return the figures of one chain in one run.
 
@@ -209,14 +209,16 @@ def figures(
     ----------
     condition : Condition
         Of the run.
-    truth : sequence of BearingTracks
+    truth : BearingTruth
         True bearings.
     run : ChainRun
         What the chain gave.
     faulty : sequence of int
         Elements whose channels are exchanged or inverted.
     """
-    score = score_bearing_tracks(truth, run.tracks)
+    online = OnlineBearingScore(truth)
+    online.add_all(run.tracks)
+    score = online.score()
     errors = errors_under_names(truth, run.tracks)
     false = float(score.identities.false_tracks)
     texts = [notice.text for notice in run.notices if notice.severity != Severity.OK]
@@ -248,14 +250,14 @@ def figures(
 
 
 def _start(
-    condition: Condition, truth: Sequence[BearingTracks], tracks: Sequence[BearingTracks]
+    condition: Condition, truth: BearingTruth, tracks: Sequence[BearingTracks]
 ) -> dict[str, float]:
     """Return when the source has a track first, s, and whether within 20 s and 60 s, percent."""
-    reference, first = BearingTruth(truth), np.inf
+    first = np.inf
     if not condition.scenario.targets:
         return {}
     for entry in tracks:
-        present = reference.at(entry.stamp)
+        present = truth.at(entry.stamp)
         if present is None or not entry.established.any():
             continue
         angles = entry.arrival_angle[entry.established]
@@ -269,12 +271,11 @@ def _start(
     }
 
 
-def _count_right(truth: Sequence[BearingTracks], tracks: Sequence[BearingTracks]) -> float:
+def _count_right(truth: BearingTruth, tracks: Sequence[BearingTracks]) -> float:
     """Return the share of the periods with as many confirmed tracks as there are targets."""
-    reference = BearingTruth(truth)
     right = []
     for entry in tracks:
-        present = reference.at(entry.stamp)
+        present = truth.at(entry.stamp)
         if present is not None:
             confirmed = np.count_nonzero(entry.status == TrackStatus.CONFIRMED)
             right.append(int(confirmed) == len(present.id))

@@ -36,7 +36,7 @@ from sonar_tracking.evaluation.studies.mismatch_bearings.runs import (
     mismatch_runs,
 )
 
-RUNS_PER_TASK = 25
+RUNS_PER_TASK = 50
 
 STYLES = {
     DEFAULTS: Style("#D55E00", "o"),
