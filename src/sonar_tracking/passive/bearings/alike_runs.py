@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import fields, is_dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -27,8 +28,9 @@ def kind_of(entry: Any) -> Hashable:
     """Return everything of an entry but the numbers in its arrays."""
     if isinstance(entry, np.ndarray):
         return entry.shape
-    if is_dataclass(entry):
-        return tuple(kind_of(getattr(entry, each.name)) for each in fields(entry))
+    kind: Any = type(entry)
+    if (names := _field_names(kind)) is not None:
+        return tuple([kind_of(getattr(entry, name)) for name in names])
     return entry
 
 
@@ -37,24 +39,26 @@ def stacked(entries: Sequence[Any]) -> Any:
     first = entries[0]
     if isinstance(first, np.ndarray):
         return np.stack(entries)
-    if not is_dataclass(first):
-        return first
-    parts = {
-        each.name: stacked([getattr(entry, each.name) for entry in entries])
-        for each in fields(first)
-    }
     kind: Any = type(first)
-    return kind(**parts)
+    if (names := _field_names(kind)) is None:
+        return first
+    return kind(**{name: stacked([getattr(entry, name) for entry in entries]) for name in names})
 
 
 def row_of(entry: Any, row: int) -> Any:
     """Return one of the entries that were stacked."""
     if isinstance(entry, np.ndarray):
         return entry[row]
-    if not is_dataclass(entry):
-        return entry
     kind: Any = type(entry)
-    return kind(**{each.name: row_of(getattr(entry, each.name), row) for each in fields(entry)})
+    if (names := _field_names(kind)) is None:
+        return entry
+    return kind(**{name: row_of(getattr(entry, name), row) for name in names})
+
+
+@lru_cache(maxsize=64)
+def _field_names(kind: type) -> tuple[str, ...] | None:
+    """Return the names of the fields of a dataclass, None for any other type."""
+    return tuple(each.name for each in fields(kind)) if is_dataclass(kind) else None
 
 
 def kind_of_array(estimates: SubspaceEstimates) -> Hashable:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from sonar_tracking.errors import Notice
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.passive.bearings.bearing_measurement import BearingMeasurement
+from sonar_tracking.passive.bearings.steering_uncertainty import SteeringMisfit
 from sonar_tracking.passive.bearings.track_existence import Evidence
 from sonar_tracking.records.arrays import FloatArray
 
@@ -31,6 +32,8 @@ class FollowedTracks:
         Why nothing was measured.
     first : bool
         Whether the estimate only told the time.
+    misfit : SteeringMisfit or None
+        What the covariance leaves at the bearings; None = it was not judged.
     """
 
     filters: KalmanState
@@ -40,3 +43,4 @@ class FollowedTracks:
     evidence: Evidence
     notices: tuple[Notice, ...]
     first: bool
+    misfit: SteeringMisfit | None

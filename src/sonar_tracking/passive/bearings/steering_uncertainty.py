@@ -32,7 +32,7 @@ from sonar_tracking.errors import Notice, Severity
 from sonar_tracking.geometry import steering_pair, wavenumber
 from sonar_tracking.passive.directions.signal_subspace import signal_subspace
 from sonar_tracking.passive.directions.sources_at_angles import PRIOR_VARIANCE, unresolved
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray
 from sonar_tracking.records.bearings import BearingTracks, SubspaceEstimates
 
 _KEPT = 0.998
@@ -52,6 +52,28 @@ _LARGEST_SQUARE = 0.1
 _FEWEST_DIMENSIONS = 4
 _TOLD_FROM = 0.02
 _LARGE = 64
+
+
+@dataclass(frozen=True)
+class SteeringMisfit:
+    """What a covariance leaves of its signal eigenvectors, of one run or of several alike.
+
+    Attributes
+    ----------
+    chi : ndarray, shape (...)
+        chi^2, pure numbers.
+    weight : ndarray, shape (...)
+        What it is over its degrees of freedom with e = 1, pure numbers.
+    freedom : float
+        Its degrees of freedom.
+    judged : ndarray of bool, shape (...)
+        Whether it says something: all tracks are resolved.
+    """
+
+    chi: FloatArray
+    weight: FloatArray
+    freedom: float
+    judged: BoolArray
 
 
 @dataclass(frozen=True)
@@ -87,42 +109,25 @@ class SteeringUncertainty:
         error = float(np.sqrt(self.excess / self.weight))
         return error if error >= _LEAST_ERROR else 0.0
 
-    def update(
-        self, estimates: SubspaceEstimates, angles: FloatArray, share: float
-    ) -> SteeringUncertainty:
+    def looks_at(self, n_elements: int) -> bool:
+        """Return whether the next covariance is judged, not only counted."""
+        return n_elements <= _LARGE or self.n_seen % 4 == 0
+
+    def update(self, misfit: SteeringMisfit | None, share: float) -> SteeringUncertainty:
         """Return the sums after one more covariance.
 
         Parameters
         ----------
-        estimates : SubspaceEstimates
-            Of a single run.
-        angles : ndarray, shape (n_tracks,)
-            Of all tracks in the middle of the covariance, rad.
+        misfit : SteeringMisfit or None
+            Of the covariance of a single run; None = it is only counted.
         share : float
             How many of its snapshots are new, 0 to 1.
         """
-        covariance, n_tracks = estimates.covariance, len(angles)
-        n_elements = len(estimates.element_positions)
-        n_free = n_elements - 2 * n_tracks
-        snapshots = estimates.covariance_snapshots
-        rank = min(estimates.rank if estimates.rank >= 0 else n_tracks, snapshots - 1)
-        if covariance is None or not 0 < rank <= n_tracks or n_free < _FEWEST_DIMENSIONS:
-            return self
         seen = replace(self, n_seen=self.n_seen + 1)
-        if n_elements > _LARGE and self.n_seen % 4:
+        if misfit is None or not misfit.judged:
             return seen
-        if not covariance.any() or (unresolved(angles, angles, estimates).sum() > n_tracks):
-            return seen
-        subspace = signal_subspace(covariance, rank, estimates.noise_covariance)
-        number = wavenumber(estimates.center_frequency, estimates.sound_speed)
-        pair = steering_pair(estimates.element_positions, angles, number, "array_centre")
-        spanned = np.linalg.qr(subspace.whitened(np.concatenate(pair, axis=-1))).Q
-        outside = subspace.vectors - spanned @ (spanned.conj().T @ subspace.vectors)
-        ratios = np.maximum(subspace.eigenvalues / subspace.noise_power, 1.0)
-        weights = 2.0 * snapshots * (ratios - 1.0) ** 2 / ratios
-        chi = float(weights @ (outside.real**2 + outside.imag**2).sum(axis=0))
-        freedom, kept = 2.0 * rank * n_free, _KEPT**share
-        weight = float(weights.sum()) * n_free / n_elements
+        chi, freedom, kept = float(misfit.chi), misfit.freedom, _KEPT**share
+        weight = float(misfit.weight)
         if chi - freedom > _LARGEST_SQUARE * weight:
             return seen  # The tracks are not where the sources are.
         return replace(
@@ -191,3 +196,53 @@ class SteeringUncertainty:
             "more (at broadside), which their variances hold. Calibrate the array."
         )
         return (Notice(Severity.WARN, "calibration", text),)
+
+
+def tells_of_steering(estimates: SubspaceEstimates, n_tracks: int) -> bool:
+    """Return whether a covariance with so many tracks is one to judge or to count at all."""
+    n_free = len(estimates.element_positions) - 2 * n_tracks
+    enough = 0 < _rank(estimates, n_tracks) <= n_tracks and n_free >= _FEWEST_DIMENSIONS
+    return estimates.covariance is not None and enough
+
+
+def steering_misfit(estimates: SubspaceEstimates, angles: FloatArray) -> SteeringMisfit:
+    """Return what covariances leave of their signal eigenvectors at the angles of the tracks.
+
+    Parameters
+    ----------
+    estimates : SubspaceEstimates
+        Of one run or of several alike; such as :func:`tells_of_steering` of.
+    angles : ndarray, shape (..., n_tracks)
+        Of all tracks in the middle of the covariance, rad.
+
+    Raises
+    ------
+    ValueError
+        If the estimates have no covariance.
+    """
+    covariance, n_tracks = estimates.covariance, angles.shape[-1]
+    if covariance is None:
+        raise ValueError("The estimates have no covariance.")
+    n_elements, rank = len(estimates.element_positions), _rank(estimates, n_tracks)
+    n_free, snapshots = n_elements - 2 * n_tracks, estimates.covariance_snapshots
+    close = unresolved(angles, angles, estimates).sum(axis=(-2, -1)) > n_tracks
+    subspace = signal_subspace(covariance, rank, estimates.noise_covariance)
+    number = wavenumber(estimates.center_frequency, estimates.sound_speed)
+    pair = steering_pair(estimates.element_positions, angles, number, "array_centre")
+    spanned = np.linalg.qr(subspace.whitened(np.concatenate(pair, axis=-1))).Q
+    within = np.swapaxes(spanned, -1, -2).conj() @ subspace.vectors
+    outside = subspace.vectors - spanned @ within
+    ratios = np.maximum(subspace.eigenvalues / subspace.noise_power[..., None], 1.0)
+    weights = 2.0 * snapshots * (ratios - 1.0) ** 2 / ratios
+    distances = (outside.real**2 + outside.imag**2).sum(axis=-2)
+    return SteeringMisfit(
+        chi=np.asarray((weights * distances).sum(axis=-1)),
+        weight=np.asarray(weights.sum(axis=-1) * n_free / n_elements),
+        freedom=2.0 * rank * n_free,
+        judged=np.asarray(~close & covariance.any(axis=(-2, -1))),
+    )
+
+
+def _rank(estimates: SubspaceEstimates, n_tracks: int) -> int:
+    rank = estimates.rank if estimates.rank >= 0 else n_tracks
+    return min(rank, estimates.covariance_snapshots - 1)

@@ -29,7 +29,12 @@ from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
     BearingTrackerConfiguration,
 )
 from sonar_tracking.passive.bearings.followed_tracks import FollowedTracks
-from sonar_tracking.passive.bearings.steering_uncertainty import SteeringUncertainty
+from sonar_tracking.passive.bearings.steering_uncertainty import (
+    SteeringMisfit,
+    SteeringUncertainty,
+    steering_misfit,
+    tells_of_steering,
+)
 from sonar_tracking.passive.bearings.track_existence import (
     ENDED,
     Evidence,
@@ -165,6 +170,7 @@ class TrackingSteps:
             evidence,
             updated.notices,
             interval is None,
+            self._misfit(estimates, state, updated),
         )
 
     def _without_unseen(
@@ -228,6 +234,21 @@ class TrackingSteps:
         state = replace(state, steering=steering)
         return state, TrackerUpdate(tracks, notices + steering.notices(estimates))
 
+    def _misfit(
+        self, estimates: SubspaceEstimates, state: TrackerState, updated: FilterUpdate
+    ) -> SteeringMisfit | None:
+        """Return what the covariance leaves at the bearings after it."""
+        # Runs that one stage follows have one array state in common, which is none of theirs.
+        of_its_own = state.existence.ndim == estimates.basis.ndim - 2
+        if updated.measurement is None or not self.needs_covariance or not of_its_own:
+            return None
+        mean = self.filters.targets(updated.filters).mean
+        telling = tells_of_steering(estimates, mean.shape[-2])
+        if not telling or not state.steering.looks_at(len(estimates.element_positions)):
+            return None
+        angles = mean[..., 0] + mean[..., 1] * estimates.covariance_time_offset
+        return steering_misfit(estimates, angles)
+
     def _judge_array(
         self, estimates: SubspaceEstimates, before: TrackerState, followed: FollowedTracks
     ) -> SteeringUncertainty:
@@ -235,12 +256,11 @@ class TrackingSteps:
         duration = estimates.covariance_snapshots * estimates.sample_period
         if followed.measurement is None or not self.needs_covariance or not duration > 0.0:
             return before.steering
-        if estimates.basis.ndim > 3:
+        telling = tells_of_steering(estimates, len(before.ids))
+        if estimates.basis.ndim > 3 or not telling:
             return before.steering
-        mean = self.filters.targets(followed.filters).mean
-        angles = mean[..., 0] + mean[..., 1] * estimates.covariance_time_offset
         share = min(seconds(estimates.stamp - before.stamp) / duration, 1.0)
-        return before.steering.update(estimates, angles, share)
+        return before.steering.update(followed.misfit, share)
 
     def _given_targets(self, estimates: SubspaceEstimates) -> KalmanState:
         configuration = self.configuration

@@ -51,6 +51,7 @@ def follow_together(
             interval,
             kind_of(state.filters),
             np.isfinite(state.excess).tobytes(),
+            state.steering.looks_at(len(own.element_positions)),
             kind_of_estimates(own),
         )
         for own, (state, interval) in zip(estimates, before, strict=True)
