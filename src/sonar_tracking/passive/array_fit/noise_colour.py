@@ -47,6 +47,9 @@ that 15 elements do not resolve bring 150."""
 
 _WHITE_AGAIN = 30.0
 _FIT_STEPS = 8
+_LEAST_GAIN_OF_A_STEP = 0.01
+"""Nats that a step is expected to gain; the fits are told apart by tens."""
+
 _FITTED_AGAIN = 8
 """Covariances after which the fit is tried from its starts again, then after ever more of them."""
 
@@ -228,14 +231,19 @@ def _white(model: NoiseModel) -> NoiseColour:
 def _fitted(
     covariance: ComplexArray, n_snapshots: int, model: NoiseModel
 ) -> tuple[FloatArray, NoiseEvidence]:
-    """Return the parameters that describe one covariance most briefly, and their evidence."""
+    """Return the parameters that describe one covariance most briefly, and their evidence.
+
+    A start goes on only as long as a step is expected to raise the likelihood.
+    """
     fits = []
     for most_sources in _FEWEST_SOURCES:
-        parameters, limit = np.zeros(model.n_parameters), most_sources
-        for step in range(_FIT_STEPS):
-            if step == _FIT_STEPS // 2:
-                limit = None
-            evidence = noise_evidence(covariance[None], n_snapshots, model, parameters, limit)
-            parameters = evidence.step(0, model, parameters)
+        parameters = np.zeros(model.n_parameters)
+        for limit in dict.fromkeys((most_sources, None)):
+            n_steps = _FIT_STEPS if most_sources is None else _FIT_STEPS // 2
+            for _ in range(n_steps):
+                evidence = noise_evidence(covariance[None], n_snapshots, model, parameters, limit)
+                before, parameters = parameters, evidence.step(0, model, parameters)
+                if 0.5 * evidence.score[0] @ (parameters - before) < _LEAST_GAIN_OF_A_STEP:
+                    break
         fits.append((parameters, noise_evidence(covariance[None], n_snapshots, model, parameters)))
     return min(fits, key=lambda fit: float(fit[1].description[0]))
