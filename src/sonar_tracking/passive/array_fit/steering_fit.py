@@ -16,7 +16,11 @@ import numpy as np
 from sonar_tracking.geometry import beamwidth, is_uniform_line, steering_vectors
 from sonar_tracking.passive.array_fit.judged_covariance import JudgedCovariance
 from sonar_tracking.passive.array_fit.strong_sources import StrongSources
-from sonar_tracking.passive.directions.projection_fit import ProjectionProblem, projection_fit
+from sonar_tracking.passive.directions.projection_fit import (
+    ProjectionProblem,
+    any_fit_below,
+    projection_fit,
+)
 from sonar_tracking.passive.directions.steering_span import steering_span
 from sonar_tracking.passive.sources.mdl import (
     forward_backward_smoothed,
@@ -136,18 +140,19 @@ def _unresolved_pair(strong: StrongSources) -> bool:
     problem = ProjectionProblem(strong.vectors, strong.positions, number)
     worst = int(np.argmax(strong.floors))
     apart = _PAIR * beamwidth(strong.positions, number)
-    for each, angle in enumerate(angles):
-        step = apart / max(float(np.cos(angle)), apart)
-        pair = [angle - step, angle + step]
-        coherent = np.concatenate([np.delete(angles, each), pair])
-        starts = [coherent]
+    step = apart / np.maximum(np.cos(angles), apart)
+    pairs = np.stack([angles - step, angles + step], axis=-1)
+    coherent, others = list[FloatArray](), list[FloatArray]()
+    for each, pair in enumerate(pairs):
+        coherent.append(np.concatenate([np.delete(angles, each), pair]))
         if each != worst:
-            starts.append(np.concatenate([np.delete(angles, [each, worst]), pair]))
-        for start in starts:
-            fitted = projection_fit(problem, start, steps=_PAIR_STEPS)
-            if problem.error(fitted) < _EXPLAINED * strong.floor:
-                return True
-    return False
+            others.append(np.concatenate([np.delete(angles, [each, worst]), pair]))
+    most = _EXPLAINED * strong.floor
+    return any(
+        any_fit_below(problem, np.stack(starts), most, _PAIR_STEPS)
+        for starts in (coherent, others)
+        if starts
+    )
 
 
 def _coherent(strong: StrongSources, judged: JudgedCovariance) -> bool:

@@ -135,14 +135,46 @@ def projection_fit(
     """
     error = problem.error(angles)
     for _ in range(steps):
-        step = problem.step(angles)
-        largest = np.abs(step).max(axis=-1, keepdims=True)
-        step = step * np.minimum(1.0, largest_step / np.maximum(largest, largest_step))
-        angles, lower = _descent(problem, angles, error, step)
+        angles, lower = _descent(
+            problem, angles, error, _capped_step(problem, angles, largest_step)
+        )
         if not (lower < error).any():
             break
         error = lower
     return angles
+
+
+def any_fit_below(
+    problem: ProjectionProblem, starts: FloatArray, largest_error: float, steps: int = STEPS
+) -> bool:
+    """Return whether one of several fits leaves less than an error: the first that does ends it.
+
+    Parameters
+    ----------
+    problem : ProjectionProblem
+        What is fitted, to one set of combinations.
+    starts : ndarray, shape (n_starts, n_targets)
+        Where the fits begin, rad.
+    largest_error : float
+        As :meth:`ProjectionProblem.error`, pure number.
+    steps : int
+        As of :func:`projection_fit`.
+    """
+    angles, error = starts, problem.error(starts)
+    for _ in range(steps):
+        if not len(angles) or (error < largest_error).any():
+            break
+        found, lower = _descent(problem, angles, error, _capped_step(problem, angles, LARGEST_STEP))
+        moved = lower < error
+        angles, error = found[moved], lower[moved]
+    return bool((error < largest_error).any())
+
+
+def _capped_step(problem: ProjectionProblem, angles: FloatArray, largest_step: float) -> FloatArray:
+    """Return the Gauss-Newton step, scaled down so that no angle changes more than that, rad."""
+    step = problem.step(angles)
+    largest = np.abs(step).max(axis=-1, keepdims=True)
+    return step * np.minimum(1.0, largest_step / np.maximum(largest, largest_step))
 
 
 def _descent(

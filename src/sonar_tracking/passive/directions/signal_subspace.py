@@ -14,6 +14,7 @@ Hwang, Kim, Kim, Park, Nam (2005), eqs. 3-9.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -166,15 +167,25 @@ def noise_factor(noise_covariance: ComplexArray) -> ComplexArray:
     InputError
         If it is not Hermitian or not positive definite.
     """
-    skew = np.abs(noise_covariance - noise_covariance.conj().T).max()
-    if not skew <= _HERMITIAN_TOLERANCE * np.abs(noise_covariance).max():
+    matrix = np.ascontiguousarray(noise_covariance, dtype=np.complex128)
+    return _kept_factor(matrix.tobytes(), len(matrix))
+
+
+@lru_cache(maxsize=8)
+def _kept_factor(covariance_bytes: bytes, n_elements: int) -> ComplexArray:
+    """Return the factor of a covariance by its bytes: many steps of an estimate ask for it."""
+    covariance = np.frombuffer(covariance_bytes, np.complex128).reshape(n_elements, n_elements)
+    skew = np.abs(covariance - covariance.conj().T).max()
+    if not skew <= _HERMITIAN_TOLERANCE * np.abs(covariance).max():
         raise InputError(
             "The noise covariance is not Hermitian; give one that equals its conjugate transpose."
         )
     try:
-        return np.asarray(np.linalg.cholesky(noise_covariance), dtype=np.complex128)
+        factor = np.asarray(np.linalg.cholesky(covariance), dtype=np.complex128)
     except np.linalg.LinAlgError:
         raise InputError(
             "The noise covariance is not positive definite; measure it with more snapshots than "
             "elements."
         ) from None
+    factor.setflags(write=False)
+    return factor

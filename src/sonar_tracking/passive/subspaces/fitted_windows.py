@@ -76,7 +76,8 @@ def _judged(
         # What is no plane wave is known to be there: neither noise nor elements can be judged.
         return None
     header = memory.header
-    memory = memory.fitted(replace(fit, colour=replace(fit.colour, coloured=False)))
+    if fit.faults.found:
+        memory = memory.fitted(replace(fit, colour=replace(fit.colour, coloured=False)))
     snapshots = covariance_snapshots(configuration, memory, window.covariance_end)
     positions = header.element_positions
     size = judged_size(positions, len(snapshots))
