@@ -23,6 +23,8 @@ NODES = (
     "hydrophone_simulator",
     "bearing_simulator",
     "contact_simulator",
+    "own_ship_nmea",
+    "ais_truth",
     "band_demodulator",
     "subspace_estimator",
     "bearing_tracker",

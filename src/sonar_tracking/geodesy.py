@@ -30,6 +30,12 @@ FLATTENING = 1.0 / 298.257223563
 
 ECCENTRICITY_SQUARED = FLATTENING * (2.0 - FLATTENING)
 
+FARTHEST = 200_000.0
+"""From the datum, m: beyond it the tangent plane is no map."""
+
+_MEAN_RADIUS = 6_371_000.0
+"""Of the Earth, m."""
+
 _SMALL_STEP = 1e-4
 """Along a meridian, deg: 11 m."""
 
@@ -145,6 +151,30 @@ def north_azimuths(latitude_deg: FloatArray, longitude_deg: FloatArray, datum: D
     north = surface_positions(latitude + _SMALL_STEP, longitude_deg, datum)
     east, along = np.moveaxis(north - south, -1, 0)
     return np.asarray(np.arctan2(along, east))
+
+
+def surface_distances(
+    latitude_deg: FloatArray, longitude_deg: FloatArray, datum: Datum
+) -> FloatArray:
+    """Return how far places are from a datum along the surface, to half a percent (a sphere).
+
+    Parameters
+    ----------
+    latitude_deg, longitude_deg : ndarray, shape (...)
+        deg.
+    datum : Datum
+        From where.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        m.
+    """
+    latitude, longitude = np.radians(latitude_deg), np.radians(longitude_deg)
+    origin, meridian = np.radians(datum.latitude_deg), np.radians(datum.longitude_deg)
+    half = np.sin(0.5 * (latitude - origin)) ** 2
+    half += np.cos(latitude) * np.cos(origin) * np.sin(0.5 * (longitude - meridian)) ** 2
+    return np.asarray(2.0 * _MEAN_RADIUS * np.arcsin(np.sqrt(np.clip(half, 0.0, 1.0))))
 
 
 def _origin(datum: Datum) -> FloatArray:

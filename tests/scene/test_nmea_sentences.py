@@ -12,14 +12,8 @@ from sonar_tracking.records.datum import Datum
 from sonar_tracking.records.own_ship import OwnShipState
 from sonar_tracking.records.positions import PositionTracks, TrackSource
 from sonar_tracking.records.time import NANOSECONDS
-from sonar_tracking.scene.nmea_sentences import (
-    KNOT,
-    NAUTICAL_MILE,
-    TrackSentences,
-    tll_sentence,
-    ttm_sentence,
-    with_checksum,
-)
+from sonar_tracking.scene.nmea_format import KNOT, NAUTICAL_MILE, with_checksum
+from sonar_tracking.scene.nmea_sentences import TrackSentences, tll_sentence, ttm_sentence
 
 BEGIN = 1_767_225_600 * NANOSECONDS + 45_296 * NANOSECONDS
 """2026-01-01T12:34:56Z, ns."""

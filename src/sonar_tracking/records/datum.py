@@ -38,6 +38,19 @@ class Datum:
         """Return names and values as a scenario has them."""
         return asdict(self)
 
+    def to_text(self) -> str:
+        """Return it as a person types it, see :func:`datum_from_text`."""
+        return f"{self.latitude_deg!r},{self.longitude_deg!r},{self.height!r}"
+
+
+_DIGITS = 7
+"""Of degrees: 1 cm."""
+
+
+def datum_at(latitude_deg: float, longitude_deg: float) -> Datum:
+    """Return the datum at a place (deg), to a centimetre, so that people can type it."""
+    return Datum(round(latitude_deg, _DIGITS), round(longitude_deg, _DIGITS))
+
 
 def datum_from_mapping(values: Any, where: str) -> Datum:
     """Read a datum from names and values.

@@ -18,5 +18,6 @@ class NmeaOutputConfiguration:
     datum: str = parameter(
         "",
         "latitude and longitude of the origin of map, degrees, e.g. 54.18,7.89, for the sentence "
-        "TLL; empty = ranges and bearings from own ship alone",
+        "TLL; empty = that of the scenario or recording, or on map/datum; without any, ranges and "
+        "bearings from own ship alone",
     )

@@ -11,8 +11,6 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
-from functools import reduce
-from operator import xor
 
 import numpy as np
 
@@ -23,25 +21,13 @@ from sonar_tracking.records.datum import Datum
 from sonar_tracking.records.own_ship import OwnShipState
 from sonar_tracking.records.positions import MAP_FRAME, PositionTracks
 from sonar_tracking.records.time import NANOSECONDS
+from sonar_tracking.scene.nmea_format import KNOT, NAUTICAL_MILE, with_checksum
 
 INTERVAL = 2 * NANOSECONDS
 """Shortest time between two sentences of one kind about one track, ns."""
 
-NAUTICAL_MILE = 1852.0
-KNOT = NAUTICAL_MILE / 3600.0
-
 MOST_TARGETS = 99
 """Numbers of targets have two digits; 00 is that of no target."""
-
-
-def checksum(codes: Iterable[int]) -> str:
-    """Return the exclusive or of the characters between ``$`` and ``*``, two digits."""
-    return f"{reduce(xor, codes, 0):02X}"
-
-
-def with_checksum(body: str) -> str:
-    """Return a whole sentence: what stands between ``$`` and ``*``, and its checksum."""
-    return f"${body}*{checksum(body.encode('ascii'))}"
 
 
 def tll_sentence(

@@ -65,6 +65,12 @@ def test_own_ship_and_ships_come_out_where_they_were(tmp_path: Path) -> None:
     assert sum(ANCHORED.mmsi in p.id for p in pictures) == 1
 
 
+def test_own_ship_alone_is_a_bag_that_can_be_opened(tmp_path: Path) -> None:
+    log = written(tmp_path, "log.nmea", log_lines(20, ships=()))
+    assert "20 positions of own ship over" in import_nmea([log], tmp_path / "bag")
+    assert len(list(records_of(read_bag(tmp_path / "bag"), "/own_ship/odometry"))) == 20
+
+
 def test_contacts_take_own_ship_and_truth_of_one_log(tmp_path: Path) -> None:
     log = written(tmp_path, "log.nmea", log_lines())
     begin = BEGIN.timestamp()

@@ -10,7 +10,7 @@ import numpy as np
 
 from sonar_tracking.geodesy import surface_places
 from sonar_tracking.records.datum import Datum
-from sonar_tracking.scene.nmea_sentences import KNOT, checksum, with_checksum
+from sonar_tracking.scene.nmea_format import KNOT, checksum, with_checksum
 
 DATUM = Datum(54.18, 7.89)
 BEGIN = datetime(2026, 5, 1, 23, 59, 30, tzinfo=timezone.utc)

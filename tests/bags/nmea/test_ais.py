@@ -21,7 +21,7 @@ from sonar_tracking.bags.nmea.ship_histories import LEAPS, ShipHistory, report_s
 from sonar_tracking.errors import InputError
 from sonar_tracking.geodesy import surface_places
 from sonar_tracking.records.time import NANOSECONDS
-from sonar_tracking.scene.nmea_sentences import KNOT
+from sonar_tracking.scene.nmea_format import KNOT
 from tests.bags.nmea.nmea_scene import (
     ANCHORED,
     BEGIN,

@@ -14,7 +14,7 @@ from sonar_tracking.bags.nmea.sentence_time import SentenceTime
 from sonar_tracking.bags.nmea.sentences import read_sentence
 from sonar_tracking.errors import InputError
 from sonar_tracking.records.time import NANOSECONDS
-from sonar_tracking.scene.nmea_sentences import KNOT, with_checksum
+from sonar_tracking.scene.nmea_format import KNOT, with_checksum
 from tests.bags.nmea.nmea_scene import BEGIN, OWN_VELOCITY, compass, gga, hdt, log_lines, rmc
 
 

@@ -16,7 +16,7 @@ from sonar_tracking.bags.nmea.sentences import (
     read_sentence,
 )
 from sonar_tracking.errors import InputError
-from sonar_tracking.scene.nmea_sentences import checksum, with_checksum
+from sonar_tracking.scene.nmea_format import checksum, with_checksum
 from tests.bags.nmea.nmea_scene import log_lines
 
 PUBLISHED = b"$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47"

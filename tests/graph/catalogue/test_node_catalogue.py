@@ -38,9 +38,11 @@ def test_every_topic_has_a_type(node: NodeDescription) -> None:
 
 def test_every_input_comes_from_one_node() -> None:
     """Sources that publish the same, e.g. own ship, are never in one graph."""
-    computed = [topic for node in NODES.values() if not node.section for topic in node.outputs]
+    sources = [node for node in NODES.values() if node.section or node.is_live]
+    trackers = [node for node in NODES.values() if node not in sources]
+    computed = [topic for node in trackers for topic in node.outputs]
     assert len(set(computed)) == len(computed)
-    simulated = {topic for node in NODES.values() if node.section for topic in node.outputs}
+    simulated = {topic for node in sources for topic in node.outputs}
     # Snapshots are simulated, or taken out of samples that are: a scenario has one or the other.
     assert simulated & set(computed) == {SNAPSHOTS}
     for node in NODES.values():

@@ -33,6 +33,8 @@ STAGES = {
     "tma_tracker": "sonar_tracking.tma.targets.tma_tracker_stage",
     "hpda_tracker": "sonar_tracking.active.contact_tracker",
     "track_fusion": "sonar_tracking.fusion.track_fusion_stage",
+    "own_ship_nmea": "sonar_tracking.bags.nmea.live_own_ship",
+    "ais_truth": "sonar_tracking.bags.nmea.live_ships",
     "nmea_output": "sonar_tracking.scene.nmea_sentences",
     "scene_publisher": "sonar_tracking.scene.scene_frames",
     "operator_display": "sonar_tracking.display.page.page_feed",

@@ -20,6 +20,7 @@ from rich.progress import Progress
 from sonar_tracking.bags.exporters.chart_files import write_geojson, write_kml
 from sonar_tracking.bags.exporters.export_rows import COLUMNS, rows_of
 from sonar_tracking.bags.exporters.track_lines import TrackLines
+from sonar_tracking.bags.storage.bag_datum import bag_datum
 from sonar_tracking.bags.storage.bag_records import (
     BEARING_TRACKS_TYPE,
     ODOMETRY_TYPE,
@@ -29,7 +30,7 @@ from sonar_tracking.bags.storage.bag_records import (
 from sonar_tracking.bags.storage.reader import Bag, read_bag
 from sonar_tracking.bags.storage.topic_names import RECORDED_NAMES, TopicNames
 from sonar_tracking.errors import ConfigurationError, unknown_name_text
-from sonar_tracking.records.datum import ADVICE, Datum, datum_from_text, datum_of
+from sonar_tracking.records.datum import ADVICE, Datum, datum_from_text
 
 CHARTS = {"geojson": write_geojson, "kml": write_kml}
 FORMATS = ("csv", *CHARTS)
@@ -87,7 +88,7 @@ def export_bag(
     typed = datum_from_text(datum) if datum else None
     bag = read_bag(path).named(names)
     chosen = _chosen_topics(bag, topics, file_format)
-    origin = typed or datum_of(bag.recording.scenario if bag.recording else {}, str(path))
+    origin = typed or bag_datum(bag)
     if origin is None and file_format in CHARTS:
         raise ConfigurationError(
             f"{path} does not say where map lies on the Earth, which {file_format} needs: "

@@ -78,7 +78,7 @@ def import_nmea(
             f"with AIS (VDM) can be read. {' '.join([*notes, *logs[0].wrong][:2])}".strip()
         )
     path = Path(output)
-    _write(path, motion, truth, _information(logs, motion, truth, origin))
+    _write(path, motion, truth, _information(logs, motion, origin))
     stamps = np.concatenate(
         [np.zeros(0, np.int64) if motion is None else motion.stamp, [t.stamp for t in truth]]
     )
@@ -142,7 +142,6 @@ def _pictures(ships: Iterable[ShipHistory]) -> IntArray:
 def _information(
     logs: list[NmeaLog],
     motion: OwnShipMotion | None,
-    truth: tuple[TruthTracks, ...],
     origin: MapOrigin,
 ) -> RecordingInformation:
     names = ", ".join(log.path.name for log in logs)
@@ -152,7 +151,7 @@ def _information(
         **origin.scenario(),
     }
     roles: dict[str, Any] = {} if motion is None else {ODOMETRY_TOPIC: "input"}
-    roles |= {TRUTH_TOPIC: "truth"} if truth else {}
+    roles[TRUTH_TOPIC] = "truth"
     return RecordingInformation(scenario, {}, roles)
 
 
@@ -168,8 +167,8 @@ def _write(
     with new_bag(path, information) as writer:
         if motion is not None:
             writer.add_topic(ODOMETRY_TOPIC, ODOMETRY_TYPE, role="input")
-        if truth:
-            quality = OfferedQuality(durability="transient_local")
-            writer.add_topic(TRUTH_TOPIC, TRACKS_TYPE, role="truth", qos=quality)
+        # Without ships, too: a bag without a topic of these messages is taken for a foreign one.
+        quality = OfferedQuality(durability="transient_local")
+        writer.add_topic(TRUTH_TOPIC, TRACKS_TYPE, role="truth", qos=quality)
         for stamp, topic, data in heapq.merge(odometry, pictures, key=lambda each: each[0]):
             writer.write(topic, stamp, data)

@@ -10,15 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.geodesy import surface_positions
+from sonar_tracking.geodesy import FARTHEST, surface_distances, surface_positions
 from sonar_tracking.records.arrays import FloatArray
-from sonar_tracking.records.datum import Datum
-
-FARTHEST = 200_000.0
-"""From the datum, m: beyond it the tangent plane is no map."""
-
-_DIGITS = 7
-"""Of degrees: 1 cm."""
+from sonar_tracking.records.datum import Datum, datum_at
 
 
 class MapOrigin:
@@ -88,9 +82,9 @@ class MapOrigin:
         datum = self._known(float(latitude_deg[0]), float(longitude_deg[0]), source)
         positions = surface_positions(latitude_deg, longitude_deg, datum)
         # The far side of the Earth lies beneath the plane: it is the arc that counts.
-        far = _arc(latitude_deg, longitude_deg, datum) > FARTHEST
+        far = surface_distances(latitude_deg, longitude_deg, datum) > FARTHEST
         if far.all():
-            nearest = float(np.min(_arc(latitude_deg, longitude_deg, datum)))
+            nearest = float(np.min(surface_distances(latitude_deg, longitude_deg, datum)))
             raise ConfigurationError(
                 f"{source} lies {nearest / 1000.0:.0f} km from the datum and farther; give "
                 f"--datum within {FARTHEST / 1000.0:.0f} km of it."
@@ -103,7 +97,7 @@ class MapOrigin:
 
     def _known(self, latitude_deg: float, longitude_deg: float, source: str) -> Datum:
         if self.datum is None:
-            self.datum = Datum(round(latitude_deg, _DIGITS), round(longitude_deg, _DIGITS))
+            self.datum = datum_at(latitude_deg, longitude_deg)
             self.notes.append(
                 f"no --datum: the origin of map is the first place in {source}, "
                 f"{self.datum.latitude_deg:g},{self.datum.longitude_deg:g}."
@@ -116,12 +110,3 @@ class MapOrigin:
                 f"{self._of_places} has latitudes and longitudes, {self._of_plane} metres east and "
                 "north of an origin that is not told; give --datum LATITUDE,LONGITUDE of it."
             )
-
-
-def _arc(latitude_deg: FloatArray, longitude_deg: FloatArray, datum: Datum) -> FloatArray:
-    """Return distances along the surface of a sphere, m."""
-    latitude, longitude = np.radians(latitude_deg), np.radians(longitude_deg)
-    origin, meridian = np.radians(datum.latitude_deg), np.radians(datum.longitude_deg)
-    half = np.sin(0.5 * (latitude - origin)) ** 2
-    half += np.cos(latitude) * np.cos(origin) * np.sin(0.5 * (longitude - meridian)) ** 2
-    return np.asarray(2.0 * 6_371_000.0 * np.arcsin(np.sqrt(np.clip(half, 0.0, 1.0))))

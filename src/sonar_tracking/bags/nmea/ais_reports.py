@@ -19,7 +19,7 @@ from datetime import date
 from sonar_tracking.bags.nmea.sentence_time import SentenceTime
 from sonar_tracking.bags.nmea.sentences import Sentence
 from sonar_tracking.errors import InputError
-from sonar_tracking.scene.nmea_sentences import KNOT
+from sonar_tracking.scene.nmea_format import KNOT
 
 FORMATS = ("VDM", "VDO")
 

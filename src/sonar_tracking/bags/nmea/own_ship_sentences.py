@@ -13,7 +13,7 @@ from datetime import date
 
 from sonar_tracking.bags.nmea.sentences import Sentence
 from sonar_tracking.errors import InputError
-from sonar_tracking.scene.nmea_sentences import KNOT
+from sonar_tracking.scene.nmea_format import KNOT
 
 _EPOCH = date(1970, 1, 1)
 _FIRST_CENTURY = 70

@@ -16,7 +16,7 @@ import re
 from dataclasses import dataclass
 
 from sonar_tracking.errors import InputError
-from sonar_tracking.scene.nmea_sentences import checksum
+from sonar_tracking.scene.nmea_format import checksum
 
 LONGEST = 1000
 """Bytes of a line that can be a sentence with what a logger writes ahead; the rest is another."""

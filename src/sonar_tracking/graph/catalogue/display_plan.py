@@ -8,11 +8,13 @@ from typing import Any
 
 from sonar_tracking.graph.catalogue.active_nodes import HPDA_TRACKER
 from sonar_tracking.graph.catalogue.display_nodes import SCENE_PUBLISHER
+from sonar_tracking.graph.catalogue.nmea_nodes import NMEA_OUTPUT
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
 from sonar_tracking.graph.catalogue.tma_nodes import TMA_TRACKER
 from sonar_tracking.graph.catalogue.topics import DIAGNOSTICS, Topic
+from sonar_tracking.records.datum import Datum
 
 _MOUNTINGS = {"sonar": HPDA_TRACKER.name, "array": TMA_TRACKER.name}
 """The trackers that are told where a sensor is on own ship, by what it is."""
@@ -43,6 +45,25 @@ def planned_displays(planned: Iterable[PlannedNode], recorded: bool) -> tuple[Pl
     return tuple(
         replace(node, publishers=NODES[node.name].markers if recorded else ()) for node in displays
     )
+
+
+def with_datum(
+    given: Mapping[str, Mapping[str, Any]], datum: Datum | None
+) -> dict[str, dict[str, Any]]:
+    """Return parameters by which the sentences for chart plotters have the datum of the data.
+
+    Parameters
+    ----------
+    given : mapping
+        Node name, parameter name, value; a datum that is given there goes before.
+    datum : Datum or None
+        Of the scenario or recording.
+    """
+    told = {name: dict(values) for name, values in given.items()}
+    plotter = told.get(NMEA_OUTPUT.name)
+    if datum is not None and plotter is not None and not plotter.get("datum"):
+        plotter["datum"] = datum.to_text()
+    return told
 
 
 def with_mountings(given: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, Any]]:

@@ -14,7 +14,7 @@ from sonar_tracking.configuration import checked_value
 from sonar_tracking.errors import ConfigurationError, unknown_name_text
 from sonar_tracking.graph.catalogue.active_nodes import HPDA_TRACKER
 from sonar_tracking.graph.catalogue.display_nodes import SCENE_PUBLISHER
-from sonar_tracking.graph.catalogue.display_plan import with_mountings
+from sonar_tracking.graph.catalogue.display_plan import with_datum, with_mountings
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.node_settings import (
@@ -122,7 +122,8 @@ def nodes_of_scenario(given: Mapping[str, str]) -> list[LaunchedNode]:
     scenario = load_scenario(name)
     nodes = started_nodes(scenario, name)
     transport = choose_transport(scenario.block_bytes, n_publishers=1)
-    parameters = with_published_topics(nodes, with_mountings(scenario.nodes), scenario.namespaces)
+    given_there = with_datum(with_mountings(scenario.nodes), scenario.datum)
+    parameters = with_published_topics(nodes, given_there, scenario.namespaces)
     for node in nodes:
         if node.serves_clock:
             parameters.setdefault(node.name, {})["scenario"] = name

@@ -9,7 +9,7 @@ from __future__ import annotations
 from sonar_tracking.graph.catalogue.active_nodes import HPDA_TRACKER
 from sonar_tracking.graph.catalogue.display_nodes import SCENE_PUBLISHER
 from sonar_tracking.graph.catalogue.fusion_nodes import TRACK_FUSION
-from sonar_tracking.graph.catalogue.nmea_nodes import NMEA_OUTPUT
+from sonar_tracking.graph.catalogue.nmea_nodes import AIS_TRUTH, NMEA_OUTPUT, OWN_SHIP_NMEA
 from sonar_tracking.graph.catalogue.page_nodes import OPERATOR_DISPLAY
 from sonar_tracking.graph.catalogue.passive_nodes import (
     BAND_DEMODULATOR,
@@ -25,6 +25,8 @@ NODES = {
     for description in (
         WORLD_SIMULATOR,
         *SENSOR_SIMULATORS,
+        OWN_SHIP_NMEA,
+        AIS_TRUTH,
         BAND_DEMODULATOR,
         SUBSPACE_ESTIMATOR,
         BEARING_TRACKER,

@@ -32,6 +32,9 @@ class NodeDescription:
         emits everything due up to ``/clock``.
     on_request : bool
         Started only if the scenario names it under ``nodes``, not whenever its inputs are there.
+    is_live : bool
+        It brings in what others send while they send it. No run or replay starts it: their clocks
+        wait for nobody outside.
     topic_parameters : mapping of str to Topic
         Inputs that may be several topics of one kind, by the parameter that lists their names;
         a scenario that does not set the parameter gets whatever its nodes publish. The first kind
@@ -55,6 +58,7 @@ class NodeDescription:
     outputs: tuple[Topic, ...] = ()
     section: str = ""
     on_request: bool = False
+    is_live: bool = False
     topic_parameters: Mapping[str, Topic] = field(default_factory=dict)
     station_outputs: tuple[Topic, ...] = ()
     markers: tuple[Topic, ...] = ()
@@ -88,8 +92,9 @@ class NodeDescription:
             for namespace in namespaces.get(self.section, ("",))
             for topic in self.station_outputs
         ]
-        untrue = TopicRole.OUTPUT if self.section else TopicRole.INPUT
-        role = TopicRole.INPUT if self.section else TopicRole.OUTPUT
+        is_source = self.section or self.is_live
+        untrue = TopicRole.OUTPUT if is_source else TopicRole.INPUT
+        role = TopicRole.INPUT if is_source else TopicRole.OUTPUT
         return tuple(
             replace(topic, role=role) if topic.role is untrue else topic
             for topic in (*self.outputs, *stations)

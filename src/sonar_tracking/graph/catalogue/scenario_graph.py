@@ -34,7 +34,9 @@ def started_nodes(scenario: Scenario, where: str) -> tuple[NodeDescription, ...]
     available: set[str] = set()
     published: set[str] = set()
     for node in NODES.values():
-        if node.section:
+        if node.is_live:
+            wanted = False
+        elif node.section:
             wanted = node.section in scenario.simulated
         elif node.is_display:
             wanted = not node.on_request and bool(_heard(node) & available)
@@ -49,6 +51,12 @@ def started_nodes(scenario: Scenario, where: str) -> tuple[NodeDescription, ...]
             available |= {topic.name for topic in (*node.outputs, *node.station_outputs)}
     for name in scenario.nodes:
         node_asked = NODES.get(name)
+        if node_asked is not None and node_asked.is_live:
+            raise ConfigurationError(
+                f"{where}: nodes: {name} takes what others send while they send it, which the "
+                f"clock of a run cannot wait for; start it beside trackers of live data: ros2 run "
+                f"sonar_tracking {name}."
+            )
         if node_asked is not None and node_asked not in started:
             reason = _missing(node_asked, available, published)
             raise ConfigurationError(

@@ -14,6 +14,9 @@ TIME_TOPIC = "flow/time"
 BEGIN_TOPIC = "flow/begin"
 """When a scenario began, where no simulation time tells it; kept for late readers."""
 
+DATUM_TOPIC = "map/datum"
+"""Where the origin of ``map`` is (``sensor_msgs/NavSatFix``), in a live graph; kept likewise."""
+
 
 class TopicKind(Enum):
     """How a topic is transported: see :mod:`sonar_tracking.graph.node_base.quality_of_service`."""

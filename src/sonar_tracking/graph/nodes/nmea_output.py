@@ -11,13 +11,14 @@ from typing import Any
 from sonar_tracking.errors import ConfigurationError, Notice, Severity
 from sonar_tracking.graph.catalogue.nmea_nodes import NMEA_OUTPUT
 from sonar_tracking.graph.catalogue.topics import FUSED_TRACKS, ODOMETRY
+from sonar_tracking.graph.node_base.datum_topic import listen_to_datum
 from sonar_tracking.graph.node_base.event_time_join import JoinedItem
 from sonar_tracking.graph.node_base.node_process import run_node
 from sonar_tracking.graph.node_base.sonar_node import SonarNode
 from sonar_tracking.message_reading.own_ship_reading import OwnShipReader
 from sonar_tracking.message_reading.position_reading import position_tracks_from_message
 from sonar_tracking.own_ship_interpolation import interpolate_own_ship
-from sonar_tracking.records.datum import datum_from_text
+from sonar_tracking.records.datum import Datum, datum_from_text
 from sonar_tracking.scene.nmea_configuration import NmeaOutputConfiguration
 from sonar_tracking.scene.nmea_sentences import TrackSentences
 
@@ -36,8 +37,9 @@ class NmeaOutput(SonarNode):
         super().__init__(NMEA_OUTPUT)
         configuration = self.configuration(NmeaOutputConfiguration, check=_check)
         datum = configuration.datum
-        self._datum = datum_from_text(datum, "datum") if datum else None
-        self._sentences = TrackSentences(self._datum)
+        self._sentences = TrackSentences(datum_from_text(datum, "datum") if datum else None)
+        if not datum:
+            listen_to_datum(self, self._take_datum)
         self._address = (configuration.address, configuration.port)
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
@@ -68,7 +70,10 @@ class NmeaOutput(SonarNode):
 
     def reset(self) -> None:
         """Begin to number the tracks again."""
-        self._sentences = TrackSentences(self._datum)
+        self._sentences = TrackSentences(self._sentences.datum)
+
+    def _take_datum(self, datum: Datum) -> None:
+        self._sentences.datum = datum
 
 
 def _check(configuration: NmeaOutputConfiguration) -> None:

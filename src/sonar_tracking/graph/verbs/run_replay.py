@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from sonar_tracking.bags.storage.bag_datum import bag_datum
 from sonar_tracking.bags.storage.reader import Bag, read_bag
 from sonar_tracking.bags.storage.recording_information import RecordingInformation
 from sonar_tracking.bags.storage.repair import repair_bag
@@ -17,6 +18,7 @@ from sonar_tracking.graph.catalogue.display_nodes import SCENE_PUBLISHER
 from sonar_tracking.graph.catalogue.display_plan import (
     planned_displays,
     shown_topics,
+    with_datum,
     with_mountings,
 )
 from sonar_tracking.graph.catalogue.flow_window import flow_window
@@ -238,7 +240,7 @@ def settings_of(bag: Bag, parameters: Path | None, display: RunDisplay) -> NodeS
             f"{bag.path} does not say with which nodes it was recorded; by the types of its "
             f"messages: {', '.join(inferred)}. --parameters FILE gives others."
         )
-    given = with_mountings(given)
+    given = with_datum(with_mountings(given), bag_datum(bag))
     if not recorded.get(SCENE_PUBLISHER.name):
         given[SCENE_PUBLISHER.name].setdefault("bearing_topics", _bearing_topics(bag, processing))
     return resolved_settings(given, (*processing, SCENE_PUBLISHER), where)
@@ -259,7 +261,7 @@ def _processing(given: Mapping[str, Mapping[str, Any]]) -> tuple[NodeDescription
     return tuple(
         node
         for node in NODES.values()
-        if node.name in given and not node.section and not node.is_display
+        if node.name in given and not (node.section or node.is_live or node.is_display)
     )
 
 

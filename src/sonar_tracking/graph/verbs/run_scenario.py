@@ -15,6 +15,7 @@ from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.display_plan import (
     planned_displays,
     shown_topics,
+    with_datum,
     with_mountings,
 )
 from sonar_tracking.graph.catalogue.flow_window import flow_window
@@ -162,7 +163,7 @@ def plan_scenario(
     sources = tuple(node.name for node in descriptions if node.serves_clock)
     if not options.display_topics:
         descriptions = tuple(node for node in descriptions if not node.is_display)
-    given = with_mountings(scenario.nodes)
+    given = with_datum(with_mountings(scenario.nodes), scenario.datum)
     given = with_published_topics(descriptions, given, scenario.namespaces)
     settings = resolved_settings(given, descriptions, f"{where}: nodes")
     _check_source_count(scenario, settings, where)
