@@ -8,6 +8,7 @@ is told apart: the distance between them can be fitted to the GPS only.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,9 +25,11 @@ from sonar_tracking.tma.batch.direction_smoother import (
     smooth_directions,
     systematic_covariance,
 )
-from sonar_tracking.tma.estimators.range_bank import RangeBank
+from sonar_tracking.tma.estimators.range_bank import update_range_banks
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
-from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
+from sonar_tracking.tma.estimators.range_bank_state import RangeBankState
+from sonar_tracking.tma.estimators.recursion import estimate_of
+from sonar_tracking.tma.estimators.sensor_frame import TmaEstimate, TmaMeasurement
 
 CONFIGURATION = RangeBankConfiguration(
     minimum_range=50.0,
@@ -91,15 +94,21 @@ def locate_ship(arrays: tuple[ArrayBearings, ...]) -> tuple[ShipTrack, ...]:
     arrays : tuple of ArrayBearings
         What was measured.
     """
+    ways = [(SINGLE, join_bearings((array,), elevations=True)) for array in arrays]
+    if len(arrays) > 1:
+        ways.append((CROSS, join_bearings(arrays, elevations=False)))
+        ways.append((BOTH, join_bearings(arrays, elevations=True)))
+    estimates = _filtered([joined for _, joined in ways])
+    tracked = [
+        _tracked(system, joined, own) for (system, joined), own in zip(ways, estimates, strict=True)
+    ]
     tracks: list[ShipTrack] = []
-    for array in arrays:
+    for array, of_array in zip(arrays, tracked, strict=False):
         fixes = fix_single_seconds(array)
-        tracks += [fixes, _consistent(fixes, array)]
-        tracks.extend(_tracked(SINGLE, join_bearings((array,), elevations=True)))
+        tracks += [fixes, _consistent(fixes, array), *of_array]
     if len(arrays) > 1:
         tracks.append(cross_fixes(arrays[0], arrays[1]))
-        tracks.extend(_tracked(CROSS, join_bearings(arrays, elevations=False)))
-        tracks.extend(_tracked(BOTH, join_bearings(arrays, elevations=True)))
+        tracks += [track for of_both in tracked[len(arrays) :] for track in of_both]
     return tuple(tracks)
 
 
@@ -182,12 +191,33 @@ def measurement_of(joined: JoinedBearings, index: int) -> TmaMeasurement:
     )
 
 
-def _tracked(system: str, joined: JoinedBearings) -> tuple[ShipTrack, ...]:
+def _filtered(joined: Sequence[JoinedBearings]) -> list[list[TmaEstimate]]:
+    """Return what a filter of each makes of its bearings; all take in at once what is of one time.
+
+    The filters know nothing of each other: together they only cost less.
+    """
+    stamps = [[nanoseconds(float(time)) for time in one.history.times] for one in joined]
+    states: list[RangeBankState | None] = [None for _ in joined]
+    estimates: list[list[TmaEstimate]] = [[] for _ in joined]
+    while pending := [own for own in range(len(joined)) if len(estimates[own]) < len(stamps[own])]:
+        following = {own: stamps[own][len(estimates[own])] for own in pending}
+        now = [own for own in pending if following[own] == min(following.values())]
+        measured = [measurement_of(joined[own], len(estimates[own])) for own in now]
+        updates = update_range_banks([states[own] for own in now], measured, CONFIGURATION)
+        for own, measurement, done in zip(now, measured, updates, strict=True):
+            states[own] = done.state
+            estimates[own].append(
+                estimate_of(
+                    done.state.bank, measurement, done.reborn, done.manoeuvre, done.restarted
+                )
+            )
+    return estimates
+
+
+def _tracked(
+    system: str, joined: JoinedBearings, estimates: Sequence[TmaEstimate]
+) -> tuple[ShipTrack, ...]:
     """Return the track of the filter, that of the smoother, and the latter at the antenna."""
-    estimator = RangeBank(CONFIGURATION)
-    estimates = [
-        estimator.update(measurement_of(joined, index)) for index in range(len(joined.ship))
-    ]
     mean = np.stack([one.mean for one in estimates])
     covariance = np.stack([one.covariance for one in estimates])
     systematic = float(np.radians(SMOOTHER.systematic_deviation_deg))
