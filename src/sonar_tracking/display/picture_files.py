@@ -59,6 +59,10 @@ def save_picture(figure: Figure, path: Path) -> tuple[Path, Path]:
         Of the PNG; the SVG stands beside it.
     """
     vector = path.with_suffix(".svg")
+    # Room is made for the texts once: each file would do it twice, which takes as long as drawing.
+    figure.set_dpi(DOTS_PER_INCH)
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
     figure.savefig(path, dpi=DOTS_PER_INCH)
     figure.savefig(vector, dpi=DOTS_PER_INCH, metadata={"Date": None})
     return path, vector
