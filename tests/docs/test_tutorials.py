@@ -25,6 +25,8 @@ NOT_RUN = {
     r"sonar-tracking run (crossing_targets|tma|cross_fix|tonals|active) --rate": (
         "minutes of data; tests/system runs these scenarios"
     ),
+    r"sonar-tracking run doa_fusion --duration 20 --rate max": "recorded_run of tests/system is it",
+    r"sonar-tracking run doa_fusion .* --record seen": "record_and_replay.md makes the same bag",
     r"sonar-tracking replay ship_bag": "needs a bag of others; tests/system/test_replay.py has one",
     r"sonar-tracking replay my_bag --loop": "does not end; tests/system/test_replay.py ends it",
     r"sonar-tracking show": "does not end; tests/display/page/test_show_bag.py shows recordings",
@@ -44,6 +46,7 @@ NOT_RUN_PAGES = {
     "README.md": "one screen of the commands that the tutorials run",
     "docs/get_started.md": "the two commands",
     "docs/tutorials/several_machines.md": "two machines; tests/system/test_network_namespaces.py",
+    "docs/tutorials/publish_contacts.md": "test_publish_contacts.py runs it from top to bottom",
     "CONTRIBUTING.md": "a release by hand; tests/system/test_packaging.py makes one",
 }
 
@@ -105,7 +108,7 @@ def test_page_works_from_top_to_bottom(page: str, tmp_path: Path) -> None:
 
 def test_every_file_a_page_makes_is_used_by_it() -> None:
     """A file that no command reads would not be tested."""
-    for page in TUTORIALS:
+    for page in (*TUTORIALS, "docs/tutorials/publish_contacts.md"):
         blocks = blocks_of(DOCS.parent / page)
         lines = " ".join(line for block in blocks for line in block.commands)
         for block in blocks:
