@@ -166,16 +166,18 @@ class Probe:
         """Publish ``/clock``."""
         self._clock.publish(Clock(clock=time_from_stamp(stamp)))
 
-    def wait(self, condition: Callable[[], object], what: str) -> None:
-        """Handle events until a condition holds."""
+    def wait(self, condition: Callable[[], object], what: str | Callable[[], str]) -> None:
+        """Handle events until a condition holds; what has not come is told as it is at the end."""
         deadline = time.monotonic() + PATIENCE
         while not condition():
-            assert time.monotonic() < deadline, f"not within {PATIENCE:g} s: {what}"
+            if time.monotonic() > deadline:
+                told = what if isinstance(what, str) else what()
+                raise AssertionError(f"not within {PATIENCE:g} s: {told}")
             self._executor.spin_once(timeout_sec=0.05)
 
     def wait_for_count(self, count: Callable[[], int], least: int, what: str) -> None:
         """Handle events until a count has reached a number."""
-        self.wait(lambda: count() >= least, f"{least} {what}, there are {count()}")
+        self.wait(lambda: count() >= least, lambda: f"{least} {what}, there are {count()}")
 
     def wait_matched(self, node: str, *topics: str) -> None:
         """Wait until a node reports at least one remote endpoint on each of the topics."""
@@ -206,7 +208,7 @@ class Probe:
         """Wait for a status with a sentence that contains all the parts."""
         self.wait(
             lambda: any(all(p in text for p in parts) for text in self.sentences(status)),
-            f"{status} with {' ... '.join(parts)}; heard {self.sentences(status)[-1:]}",
+            lambda: f"{status} with {' ... '.join(parts)}; heard {self.sentences(status)[-1:]}",
         )
 
     def finished(self, node: str, topic: str) -> int:

@@ -113,17 +113,25 @@ class HalfHour:
                     END_OF_DATA if ends else begin + STEP // BLOCKS
                 )
                 self.publishers[SAMPLES.name].publish(samples)
+                self._counts["probe", "/array/samples"] = BLOCKS * number + index
+                self._wait()
             ping = replace(_ping(number), stamp=self.start + number * STEP, next_stamp=following)
             self.publishers[CONTACTS.name].publish(contacts_to_message(ping))
-            self._counts["probe", "/array/samples"] = BLOCKS * (number + 1)
             self._counts["probe", "/active/contacts"] = number + 1
-            self.probe.wait(lambda: self._behind() <= LEAD, f"step {number}: {self._counts}")
+            self._wait()
         self._publish_own_ship(STEPS + 1)  # the last bearings belong to the end of their period
 
     def _publish_own_ship(self, number: int) -> None:
         position = (SPEED * number * STEP_SECONDS, 0.0)
         state = OwnShipState(self.start + number * STEP, position, 0.0, (SPEED, 0.0), 0.0)
         self.publishers[ODOMETRY.name].publish(own_ship_to_message(state))
+
+    def _wait(self) -> None:
+        """Wait for the slowest node: the usual transport holds four blocks of samples, no more."""
+        self.probe.wait(
+            lambda: self._behind() <= LEAD,
+            lambda: f"all but {LEAD} of what was published to be finished: {self._counts}",
+        )
 
     def _behind(self) -> int:
         """Return the largest number of messages any consumer has not finished."""
