@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -38,6 +39,7 @@ targets:
   - {name: ferry, motion: {kind: kinematic, position: [1000.0, 4500.0], course_deg: 200, speed: 5}}
 nodes: {hpda_tracker: {}, tma_tracker: {}, track_fusion: {}}
 """
+ALL_NODES = SCENARIO.splitlines()[-1]
 BEACON = (5000.0, 1000.0)
 
 
@@ -70,7 +72,10 @@ class Operator:
         """Handle events until a condition holds while a command runs."""
 
         def turn() -> bool:
-            self._executor.spin_once(timeout_sec=0.05)
+            # All that has come: lists come faster than one a turn, and the run does not wait.
+            end = time.monotonic() + 0.05
+            while time.monotonic() < end:
+                self._executor.spin_once(timeout_sec=0.01)
             return condition()
 
         run.wait_for(turn)
@@ -142,7 +147,8 @@ def test_a_tracker_that_was_killed_gets_what_it_was_told_again(
     tmp_path: Path, operator: Operator
 ) -> None:
     scene, bag = tmp_path / "scene.yaml", tmp_path / "bag"
-    scene.write_text(SCENARIO.replace("duration: 120.0", "duration: 250.0"), encoding="utf-8")
+    longer = SCENARIO.replace("duration: 120.0", "duration: 250.0")
+    scene.write_text(longer.replace(ALL_NODES, "nodes: {hpda_tracker: {}}"), encoding="utf-8")
     active = operator.listen(ACTIVE_TRACKS)
     run = RunningCommand(tmp_path, "run", scene, "--rate", 20, "--record", bag)
     try:
