@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import signal
@@ -9,9 +10,13 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
+from sonar_tracking import cli
+from sonar_tracking.stop_signals import STOP_SIGNALS
 from tests.ros_domain import ros_domain
 
 COMMAND = [sys.executable, "-m", "sonar_tracking"]
@@ -47,6 +52,36 @@ def run_command(
         timeout=PATIENCE,
         check=False,
     )
+
+
+def refused(home: Path, *arguments: object) -> str:
+    """Return what is said of a request that is refused with exit code 2, in this process.
+
+    Nothing is to be started, so that no process of its own is needed, which costs its imports.
+    """
+    said = io.StringIO()
+    handlers = {number: signal.getsignal(number) for number in STOP_SIGNALS}
+    words = ["sonar-tracking", *map(str, arguments)]
+    try:
+        with (
+            mock.patch.dict(os.environ, environment(home)),
+            mock.patch.object(sys, "argv", words),
+            redirect_stdout(io.StringIO()),
+            redirect_stderr(said),
+        ):
+            assert _exit_code() == cli.REFUSED, said.getvalue()
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+    return said.getvalue()
+
+
+def _exit_code() -> object:
+    """Return the exit code of the command, which refuses its options by itself."""
+    try:
+        return cli.main()
+    except SystemExit as end:
+        return end.code
 
 
 def report_of(path: Path) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from sonar_tracking.evaluation.studies.room_array.responses import (
 )
 from sonar_tracking.evaluation.studies.room_array.study import BANDWIDTH, node_parameters, track_bag
 from tests.recorded_data import recorded_data
-from tests.system.command_line import report_of, run_command
+from tests.system.command_line import refused, report_of, run_command
 
 MEASURED = "ula32_room_responses/rir_sources_1_2_3_4_5_8_9.npz"
 PAIR = (8, 9)
@@ -58,17 +58,9 @@ def test_a_request_that_cannot_be_met_is_one_sentence(tmp_path: Path) -> None:
     (tmp_path / "array.yaml").write_text("n_elements: 8\nspacing: 0.03\n")
     (tmp_path / "array.wav").write_text("no sound")
     arguments = ("--geometry", tmp_path / "array.yaml", "--frequency", 5000)
-    done = run_command(
-        tmp_path, "import", "wav", tmp_path / "array.wav", *arguments, "--output", tmp_path / "bag"
-    )
-    assert done.returncode == 2
-    assert "is no audio file" in done.stdout and "Traceback" not in done.stdout
+    words = ("import", "wav", tmp_path / "array.wav", *arguments, "--output", tmp_path / "bag")
+    assert "is no audio file" in refused(tmp_path, *words)
     (tmp_path / "wrong.yaml").write_text("bearing_tracker: {metod: ryu}\n")
-    done = run_command(
-        tmp_path, "import", "wav", tmp_path / "array.wav", *arguments, "--output",
-        tmp_path / "bag", "--parameters", tmp_path / "wrong.yaml",
-    )  # fmt: skip
-    assert done.returncode == 2
-    assert "did you mean method" in done.stdout
-    done = run_command(tmp_path, "evaluate", "room-array")
-    assert done.returncode == 2 and "--data" in done.stdout
+    said = refused(tmp_path, *words, "--parameters", tmp_path / "wrong.yaml")
+    assert "did you mean method" in said
+    assert "--data" in refused(tmp_path, "evaluate", "room-array")

@@ -25,12 +25,12 @@ from sonar_tracking.graph.message_writing.field_writing import message_class
 from sonar_tracking.graph.orchestration.run_observer import tracks_from_bytes
 from sonar_tracking.graph.verbs import run_command as run_command_module
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
-from tests.ros_domain import ros_domain
 from tests.system.command_line import (
     PATIENCE,
     RunningCommand,
     digests,
     environment,
+    refused,
     report_of,
     run_command,
 )
@@ -321,15 +321,10 @@ BAD_REQUESTS = [
 
 
 @pytest.mark.parametrize(("arguments", "sentence"), BAD_REQUESTS)
-def test_a_bad_request_is_one_sentence(
-    arguments: list[str],
-    sentence: str,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-    tmp_path: Path,
-) -> None:
-    assert refused(arguments, capsys, monkeypatch, tmp_path).count("\n") == 1
-    assert sentence in refused(arguments, capsys, monkeypatch, tmp_path)
+def test_a_bad_request_is_one_sentence(arguments: list[str], sentence: str, tmp_path: Path) -> None:
+    said = refused(tmp_path, *arguments)
+    assert said.count("\n") == 1
+    assert sentence in said
 
 
 BAD_SCENARIOS = [
@@ -346,16 +341,12 @@ BAD_SCENARIOS = [
 
 @pytest.mark.parametrize(("text", "sentence"), BAD_SCENARIOS)
 def test_a_bad_parameter_is_refused_before_anything_starts(
-    text: str,
-    sentence: str,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-    tmp_path: Path,
+    text: str, sentence: str, tmp_path: Path
 ) -> None:
     scenario = tmp_path / "bad.yaml"
     array = "" if text.startswith("array") else "array: {n_elements: 8}\n"
     scenario.write_text(f"{array}{text}\n")
-    said = refused(["run", str(scenario)], capsys, monkeypatch, tmp_path)
+    said = refused(tmp_path, "run", scenario)
     assert sentence in said
     assert "bad.yaml" in said
     assert not list(tmp_path.glob("sonar_tracking/*"))
@@ -366,33 +357,15 @@ def test_a_bad_parameter_is_refused_before_anything_starts(
     [("rclpy", "source your ROS 2"), ("sonar_tracking_msgs", "./scripts/run.sh")],
 )
 def test_missing_ros_is_named_before_anything_starts(
-    package: str,
-    remedy: str,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-    tmp_path: Path,
+    package: str, remedy: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr(run_command_module, "find_spec", lambda name: name != package or None)
-    said = refused(["run"], capsys, monkeypatch, tmp_path)
+    said = refused(tmp_path, "run")
     assert package in said and remedy in said
 
 
 def test_a_missing_package_of_a_verb_is_named(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr(cli, "_needs", lambda name: __import__("a_package_nobody_has"))
-    assert "pip install a_package_nobody_has" in refused(["doctor"], capsys, monkeypatch, tmp_path)
-
-
-def refused(
-    arguments: list[str],
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-    home: Path,
-) -> str:
-    """Return what is said of a request that is refused with exit code 2."""
-    monkeypatch.setenv("ROS_HOME", str(home))
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(ros_domain()))  # not that of the tests beside
-    monkeypatch.setattr("sys.argv", ["sonar-tracking", *arguments])
-    assert cli.main() == 2
-    return capsys.readouterr().err
+    assert "pip install a_package_nobody_has" in refused(tmp_path, "doctor")

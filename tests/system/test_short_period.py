@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from tests.system.command_line import report_of, run_command
+from tests.system.command_line import refused, report_of, run_command
 
 SCENARIO = """
 duration: 2.0
@@ -34,6 +34,5 @@ def test_bursts_of_estimates_pass_without_loss(tmp_path: Path) -> None:
 def test_more_sources_than_elements_are_refused_before_the_run(tmp_path: Path) -> None:
     scenario = tmp_path / "many.yaml"
     scenario.write_text(SCENARIO.replace("SOURCES", "8"))
-    done = run_command(tmp_path, "run", scenario)
-    assert done.returncode == 2
-    assert "source_count is 8, but the array has only 8 elements" in done.stdout
+    said = refused(tmp_path, "run", scenario)
+    assert "source_count is 8, but the array has only 8 elements" in said
