@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import io
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
+from contextlib import redirect_stdout
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -86,13 +89,27 @@ def without_pose(bearings: BearingTracks) -> BearingTracks:
     return replace(bearings, sensor=sensor)
 
 
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a bag of everything, which no test changes."""
+    return recorded(tmp_path_factory.mktemp("recorded") / "bag")
+
+
+@pytest.fixture(scope="module")
+def smoothed(bag: Path) -> tuple[Path, str]:
+    """Return the bag made of it by default, and what was printed."""
+    said = io.StringIO()
+    with redirect_stdout(said):
+        made = smooth_bag(bag)
+    return made, said.getvalue()
+
+
 def test_the_new_bag_holds_what_was_and_better_tracks(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    bag: Path, smoothed: tuple[Path, str]
 ) -> None:
-    bag = recorded(tmp_path / "bag")
-    made = smooth_bag(bag)
-    assert made == tmp_path / "bag_smoothed"
-    assert "tracks in /passive/tracks_smoothed." in capsys.readouterr().out
+    made, said = smoothed
+    assert made == bag.with_name("bag_smoothed")
+    assert "tracks in /passive/tracks_smoothed." in said
     old, new = read_bag(bag), read_bag(made)
     assert set(new.topics) == {*old.topics, "/passive/tracks_smoothed"}
     kept = [one for one in new.messages() if one.topic != "/passive/tracks_smoothed"]
@@ -118,8 +135,7 @@ def test_a_bag_of_bearings_alone_is_tracked_first(tmp_path: Path) -> None:
     assert score.identities.held_share > 0.95 and score.median_error_m < 40.0
 
 
-def test_larger_systematic_errors_give_larger_covariances(tmp_path: Path) -> None:
-    bag = recorded(tmp_path / "bag")
+def test_larger_systematic_errors_give_larger_covariances(bag: Path, tmp_path: Path) -> None:
     spread = []
     for number, deviation in enumerate((0.0, 2.0)):
         made = smooth_bag(bag, tmp_path / str(number), None, deviation)
@@ -128,9 +144,10 @@ def test_larger_systematic_errors_give_larger_covariances(tmp_path: Path) -> Non
     assert spread[1] > 2.0 * spread[0]
 
 
-def test_what_cannot_be_smoothed_is_refused_in_words(tmp_path: Path) -> None:
-    bag = recorded(tmp_path / "bag")
-    made = smooth_bag(bag)
+def test_what_cannot_be_smoothed_is_refused_in_words(
+    bag: Path, smoothed: tuple[Path, str], tmp_path: Path
+) -> None:
+    made, _ = smoothed
     with pytest.raises(ConfigurationError, match="smooth the bag it was made from"):
         smooth_bag(made, tmp_path / "twice")
     with pytest.raises(ConfigurationError, match="exists already"):
@@ -153,12 +170,12 @@ def test_what_cannot_be_smoothed_is_refused_in_words(tmp_path: Path) -> None:
     assert not [path for path in tmp_path.iterdir() if path.name in ("mute_smoothed", "twice")]
 
 
-def test_the_command_smooths_a_damaged_bag_and_says_so(tmp_path: Path) -> None:
+def test_the_command_smooths_a_damaged_bag_and_says_so(bag: Path, tmp_path: Path) -> None:
     """A third of the file is gone: what is whole is smoothed."""
-    bag = recorded(tmp_path / "bag")
-    (file,) = bag.glob("*.mcap")
+    damaged = shutil.copytree(bag, tmp_path / "bag")
+    (file,) = damaged.glob("*.mcap")
     file.write_bytes(file.read_bytes()[: 2 * file.stat().st_size // 3])
-    command = [sys.executable, "-m", "sonar_tracking", "smooth", str(bag)]
+    command = [sys.executable, "-m", "sonar_tracking", "smooth", str(damaged)]
     done = subprocess.run(
         [*command, "--output", str(tmp_path / "new"), "--acceleration", "0.02"],
         capture_output=True,
@@ -166,7 +183,7 @@ def test_the_command_smooths_a_damaged_bag_and_says_so(tmp_path: Path) -> None:
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    assert "/passive/tracks_smoothed" in done.stdout and str(bag) in done.stdout
+    assert "/passive/tracks_smoothed" in done.stdout and str(damaged) in done.stdout
     assert "/passive/tracks_smoothed" in read_bag(tmp_path / "new").topics
     nothing = subprocess.run(
         [*command[:-1], str(tmp_path / "none")], capture_output=True, text=True, check=False
