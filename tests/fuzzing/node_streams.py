@@ -122,7 +122,8 @@ def endless(messages: list[Message]) -> Iterator[Message]:
     length = end - begin
     for turn in count():
         for topic, message in within:
-            later = copy.deepcopy(message)
+            later = copy.copy(message)  # what is not changed here is not changed by anyone
+            later.header = copy.deepcopy(message.header)
             later.header.stamp = time_from_stamp(
                 stamp_from_time(message.header.stamp) + turn * length
             )
