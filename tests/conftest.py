@@ -32,6 +32,8 @@ settings.load_profile("busy_machine")
 MARKS = {
     "tests/system/": pytest.mark.system,
     "tests/docs/test_tutorials.py": pytest.mark.system,
+    "tests/display/page/test_page_in_browser.py": pytest.mark.slow,
+    "tests/display/page/test_waterfalls_in_browser.py": pytest.mark.slow,
     "tests/docs/test_build.py": pytest.mark.slow,
     "tests/graph/nodes/": pytest.mark.graph,
     "tests/evaluation/offline/": pytest.mark.slow,

@@ -54,6 +54,7 @@ def test_errors_that_are_noise_are_taken_for_noise() -> None:
     assert not any(n.culprit == "lasting error" for u in updates for n in u.notices)
 
 
+@pytest.mark.slow
 def test_errors_that_last_stay_in_the_covariances() -> None:
     """The filter would otherwise claim to know a position eight times better than it can."""
     squares = []

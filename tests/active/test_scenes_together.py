@@ -67,6 +67,7 @@ def assert_same(one: ContactTrackerUpdate, other: ContactTrackerUpdate) -> None:
             np.testing.assert_array_equal(getattr(first, field.name), getattr(second, field.name))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", VARIANTS)
 def test_each_scene_is_as_by_itself_bit_for_bit(name: str) -> None:
     configuration, runs = VARIANTS[name], scenes()

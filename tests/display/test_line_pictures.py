@@ -108,6 +108,7 @@ def test_the_lines_heard_most_are_kept() -> None:
     assert line_histories([lines(0, [1], np.nan)], 0) == {}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n_rows", [1, 5])
 def test_pictures_are_drawn(tmp_path: Path, n_rows: int) -> None:
     lists = [lines(second, [7, 8]) for second in range(n_rows)]

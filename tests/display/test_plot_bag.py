@@ -116,11 +116,13 @@ def test_whatever_the_bag_holds_is_drawn(
             assert drawing.startswith("<?xml") and "</text>" in drawing
 
 
+@pytest.mark.slow
 def test_a_bag_of_one_instant_is_drawn(tmp_path: Path) -> None:
     written = plot_bag(bag(tmp_path / "run", ACTIVE, 1), tmp_path / "pictures")
     assert len([path for path in written if path.suffix != ".svg"]) == 4
 
 
+@pytest.mark.slow
 def test_the_table_tells_where_a_track_ended(tmp_path: Path) -> None:
     plot_bag(bag(tmp_path / "run", ACTIVE), tmp_path / "pictures")
     lines = (tmp_path / "pictures" / "tracks.txt").read_text().splitlines()

@@ -26,7 +26,7 @@ def stack(label: str, frequency: float = np.nan) -> DotStack:
     return DotStack(label, stamps, residual, np.full(10, 0.01), frequency)
 
 
-@pytest.mark.parametrize("n_tracks", [1, MOST_COLUMNS])
+@pytest.mark.parametrize("n_tracks", [1, pytest.param(MOST_COLUMNS, marks=pytest.mark.slow)])
 def test_dots_are_drawn_of_any_number_of_tracks(tmp_path: Path, n_tracks: int) -> None:
     tracks = [
         TrackDots(str(number), (stack("array"), stack("array 300 Hz", 300.0)))

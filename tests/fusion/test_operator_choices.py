@@ -112,6 +112,7 @@ def test_two_rows_of_one_ship_become_one(first_goes_on: bool) -> None:
     assert np.linalg.norm(after[-1].state[row, :2] - frames[-1].truth[0, :2]) < 400.0
 
 
+@pytest.mark.slow
 def test_when_one_of_its_tracks_ends_a_merged_row_goes_on_with_the_other() -> None:
     stage, frames = TrackFusionStage(AT_ONCE), list(moments(Ships(FOUR), 300.0))
     for moment in frames[:40]:
@@ -152,6 +153,7 @@ def test_a_row_of_bearings_gives_them_to_the_target_it_is_merged_with() -> None:
     assert after[1].id[row] == nearest(after[1], 0)
 
 
+@pytest.mark.slow
 def test_what_cannot_be_done_changes_nothing() -> None:
     def fail(stage: TrackFusionStage, seen: PositionTracks) -> None:
         known = alive(seen)[0]

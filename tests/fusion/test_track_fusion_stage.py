@@ -43,6 +43,7 @@ def errors(moment: Moment, update: FusionUpdate) -> tuple[np.ndarray, np.ndarray
     return tracks.state - moment.truth[nearest], tracks.covariance
 
 
+@pytest.mark.slow
 def test_every_ship_has_one_row_under_one_name() -> None:
     results = run(Ships(FOUR))
     names = {tuple(sorted(update.tracks.id)) for _, update in results[30:]}
@@ -84,6 +85,7 @@ def test_the_covariance_is_honest_and_bearings_help(degrees: float) -> None:
     assert np.mean(squares) < 0.5 * np.mean(alone)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "scene",
     [Ships(FOUR, silent_sonar=(200.0, 500.0)), Ships(FOUR, silent_array=(200.0, 500.0))],
@@ -98,6 +100,7 @@ def test_one_name_through_the_loss_of_either_source(scene: Ships) -> None:
         assert np.all(np.sum(error[:, :2] * solved, axis=1) < 20.0)
 
 
+@pytest.mark.slow
 def test_the_side_of_the_array_follows_own_ship_s_turns() -> None:
     """A ship abeam to starboard is to port after a turn: no bearing is taken for its mirror's."""
     for moment, update in run(Ships(FOUR))[80:]:
@@ -105,6 +108,7 @@ def test_the_side_of_the_array_follows_own_ship_s_turns() -> None:
         assert np.all(np.hypot(error[:, 0], error[:, 1]) < 150.0)
 
 
+@pytest.mark.slow
 def test_bearing_tracks_that_change_their_sources_are_given_back() -> None:
     stage, scene = TrackFusionStage(AT_ONCE), Ships(FOUR)
     for moment in moments(scene, 500.0):
@@ -146,6 +150,7 @@ def test_echoes_show_that_a_bearing_track_is_of_something_else() -> None:
     assert set(heard.tolist()) == {202, 203, 204}
 
 
+@pytest.mark.slow
 def test_echoes_far_from_where_a_lost_ship_may_be_wait_for_its_bearings() -> None:
     """Neither surely the old ship nor surely a new one: no second row is confirmed meanwhile."""
     stage, names = TrackFusionStage(AT_ONCE), set()

@@ -20,8 +20,11 @@ TOLERANCE = 1e-5
 """Relative to the number, and to a thousandth of the largest of its kind: other machines round
 otherwise."""
 
-LONG = {"appearing_targets", "batch_estimates", "cross_fix", "crossing_targets", "range_bank"}
-"""Cases of more than a second."""
+LONG = {
+    *("appearing_targets", "batch_estimates", "cross_fix", "crossing_targets", "range_bank"),
+    *("fused_line", "stacked_lines", "stacked_lines_restarted", "summed_lines", "tonals"),
+}
+"""Cases of more than half a second."""
 
 
 def largest(values: np.ndarray) -> float:

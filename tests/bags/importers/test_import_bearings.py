@@ -88,6 +88,7 @@ def test_lines_keep_their_identity(tmp_path: Path) -> None:
     assert second.frequency.tolist() == [50.1, 50.0] and len(third.line_id) == 0
 
 
+@pytest.mark.slow
 def test_two_stations_follow_what_both_see_in_clutter(tmp_path: Path) -> None:
     generator = np.random.default_rng(3)
     places = {"west 1": np.array([-500.0, 0.0]), "2": np.array([500.0, 100.0])}

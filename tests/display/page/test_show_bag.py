@@ -88,6 +88,7 @@ def test_a_bag_with_nothing_to_show_is_refused(tmp_path: Path) -> None:
         RecordedPage(only_pictures, 0, "127.0.0.1")
 
 
+@pytest.mark.slow
 def test_the_command_shows_a_bag_until_it_is_interrupted(tmp_path: Path) -> None:
     path = bag(tmp_path / "bag", TOPICS)
     command = [sys.executable, "-m", "sonar_tracking", "show", str(path), "--no-browser"]

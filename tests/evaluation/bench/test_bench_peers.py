@@ -91,6 +91,7 @@ def test_pyroomacoustics_finds_the_same_bearings(grid_step: float) -> None:
     assert found == pytest.approx(ours, abs=grid_step)
 
 
+@pytest.mark.slow
 def test_stone_soup_locates_the_target_of_s1() -> None:
     if not contact_stages.stone_soup_installed():
         pytest.skip("Stone Soup is not installed; ./scripts/test.sh installs it")

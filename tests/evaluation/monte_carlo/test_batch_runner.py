@@ -55,6 +55,7 @@ def now(_: None) -> int:
     return time.monotonic_ns()
 
 
+@pytest.mark.slow
 def test_tasks_are_begun_in_their_order() -> None:
     """Long ones first: then no worker waits long for the last of them."""
     begun = compute([Task(now, None)] * 6, Workers(1), lambda: None)

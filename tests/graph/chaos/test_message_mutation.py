@@ -44,6 +44,7 @@ def test_the_same_seed_gives_the_same_message() -> None:
     assert first == again
 
 
+@pytest.mark.slow
 def test_every_field_is_changed_now_and_then() -> None:
     good = contacts()
     changed: set[str] = set()

@@ -94,6 +94,7 @@ def test_without_track_before_detect_it_gets_none(faint: list[SubspaceEstimates]
     assert max(confirmed(tracked(faint, track_before_detect=False))) == 0
 
 
+@pytest.mark.slow
 def test_runs_together_are_as_each_by_itself(faint: list[SubspaceEstimates]) -> None:
     others = estimates_of(source(-12.0, 10.0), seed=2)
     stages = [BearingTrackerStage(BearingTrackerConfiguration()) for _ in range(2)]
@@ -109,11 +110,13 @@ def test_its_track_ends_when_it_falls_silent() -> None:
     assert counts[58] == 1 and counts[-1] == 0
 
 
+@pytest.mark.slow
 def test_noise_gets_no_track() -> None:
     for seed in (1, 2):
         assert max(confirmed(tracked(estimates_of(duration=120.0, seed=seed)))) == 0
 
 
+@pytest.mark.slow
 def test_faint_sources_are_found_beside_others_unless_these_are_loud() -> None:
     """Echoes of a loud source are as strong as a faint source: they get no tracks."""
     for level_db, expected in ((-6.0, 2), (10.0, 1)):

@@ -49,6 +49,7 @@ def test_a_platform_that_is_not_there_is_named(section: str) -> None:
         scenario_from_mapping(alone, "sea")
 
 
+@pytest.mark.slow
 def test_two_ships_make_one_picture_though_an_array_is_turned() -> None:
     scenario = replace(load_scenario("two_ships"), duration=180.0)
     _, updates = run_offline_fusion_chain(scenario)

@@ -85,7 +85,13 @@ def data_of(scenario: Scenario) -> tuple[list[OwnShipState], list[TruthTracks]]:
     return [state for each in states for state in each], [each.truth_tracks for each in data]
 
 
-@pytest.mark.parametrize("name", ["active", "cross_fix", "crossing_targets", "tma", "tonals"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("active", "crossing_targets", "tonals"),
+        *(pytest.param(name, marks=pytest.mark.slow) for name in ("cross_fix", "tma")),
+    ],
+)
 def test_the_world_is_that_of_the_data_bit_for_bit(name: str) -> None:
     scenario = load_scenario(name)
     if scenario.array_given:

@@ -89,6 +89,7 @@ def test_an_ended_target_does_not_come_back_from_the_same_bearing_track() -> Non
     assert len(running(listed(fed(stage, frames()[:AT])[-1]))) == 2
 
 
+@pytest.mark.slow
 def test_marked_lines_are_not_used_until_they_are_unmarked() -> None:
     stage, _ = started()
     stage.mark_own_ship_line(OwnShipLine(210.0, 5.0))

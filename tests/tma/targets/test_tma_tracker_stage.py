@@ -64,6 +64,7 @@ def test_a_target_is_found_and_its_side_resolved_by_own_ship_s_turn() -> None:
     assert tracks.next_stamp == END_OF_DATA
 
 
+@pytest.mark.slow
 def test_what_is_not_observable_stays_tentative() -> None:
     silent = replace(NEAR, lines=())
     stage = TmaTrackerStage()
