@@ -104,7 +104,8 @@ class SteeringFit:
             The covariance.
         """
         over_noise = strong.over_noise
-        if over_noise and (_unresolved_pair(strong) or _coherent(strong, judged)):
+        # Coherent sources first: to tell them takes one fit, and a pair several.
+        if over_noise and (_coherent(strong, judged) or _unresolved_pair(strong)):
             return self
         if not strong.resolved:
             alone = over_noise and bool((strong.floors >= strong.shallow).all())
