@@ -23,6 +23,7 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
+from sonar_tracking.bags.storage.bag_datum import bag_datum
 from sonar_tracking.bags.storage.reader import Bag, read_bag
 from sonar_tracking.bags.storage.topic_names import RECORDED_NAMES, TopicNames
 from sonar_tracking.display.bag_contents import BagContents, bag_contents, drawn_topics
@@ -48,6 +49,7 @@ from sonar_tracking.display.tactical_scene import (
 )
 from sonar_tracking.display.track_history import TrackHistory
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.records.datum import Datum
 
 TABLE_WIDTH = 130
 
@@ -92,15 +94,16 @@ def plot_bag(
             f"are {', '.join(opened.topics)}."
         )
     directory, start, title = Path(output), min(begins), _title(opened)
+    datum = bag_datum(opened)
     directory.mkdir(parents=True, exist_ok=True)
     written: list[Path] = []
     with picture_style():
         with _progress(console) as progress:
             task = progress.add_task("drawing", total=None)
-            for files in _pictures(contents, start, directory, title):
+            for files in _pictures(contents, start, directory, title, datum):
                 written += files
                 progress.update(task, description=f"drawing, {len(written) // 2} pictures")
-        written += _write_tables(contents, start, directory, console)
+        written += _write_tables(contents, start, directory, console, datum)
     for path in written:
         console.print(f"wrote {path}")
     return tuple(written)
@@ -120,7 +123,7 @@ def _contents(bag: Bag, console: Console) -> BagContents:
 
 
 def _pictures(
-    contents: BagContents, start: int, directory: Path, title: str
+    contents: BagContents, start: int, directory: Path, title: str, datum: Datum | None
 ) -> Iterator[Sequence[Path]]:
     """Draw one picture after the other, and yield its files."""
     yield from _draw_bearings(contents, start, directory, title)
@@ -129,7 +132,7 @@ def _pictures(
     if contents.dots:
         path = directory / "stacked_dots.png"
         yield draw_stacked_dots(contents.dots, contents.legs, start, path, title)
-    yield from _draw_places(contents, start, directory, title)
+    yield from _draw_places(contents, start, directory, title, datum)
 
 
 def _title(bag: Bag) -> str:
@@ -213,7 +216,7 @@ def _near(topic: str, others: Mapping[str, tuple[Any, ...]]) -> tuple[Any, ...]:
 
 
 def _draw_places(
-    contents: BagContents, start: int, directory: Path, title: str
+    contents: BagContents, start: int, directory: Path, title: str, datum: Datum | None
 ) -> Iterator[Sequence[Path]]:
     """Draw the chart, and the contacts as the sensor sees them."""
     truth = tuple(history for truth in contents.position_truth.values() for history in truth)
@@ -227,6 +230,7 @@ def _draw_places(
         contacts=contact_points(contents.contacts, start, contents.sound_speed),
         bearings=bearing_lines(lists, start),
         stations=stations_at_rest(lists),
+        datum=datum,
     )
     if not scene.is_empty:
         yield draw_tactical_plot(scene, directory / "tactical_plot.png", title)
@@ -237,7 +241,7 @@ def _draw_places(
 
 
 def _write_tables(
-    contents: BagContents, start: int, directory: Path, console: Console
+    contents: BagContents, start: int, directory: Path, console: Console, datum: Datum | None
 ) -> list[Path]:
     """Print the tables of the tracks and write them as text and as a picture."""
     tables: list[SummaryTable] = [
@@ -246,7 +250,7 @@ def _write_tables(
         if tracks
     ]
     tables += [
-        position_summary(topic, tracks, start)
+        position_summary(topic, tracks, start, datum)
         for topic, tracks in contents.position_tracks.items()
         if tracks
     ]

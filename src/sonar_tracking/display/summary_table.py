@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sonar_tracking.display.picture_files import new_figure, save_picture
+from sonar_tracking.display.place_text import place_text
 from sonar_tracking.display.position_history import PositionHistory
 from sonar_tracking.display.position_table import COLUMNS, position_cells, shown_cells
 from sonar_tracking.display.track_history import TrackHistory
 from sonar_tracking.records.arrays import FloatArray, IntArray
 from sonar_tracking.records.bearings import AngleKind, TrackStatus
+from sonar_tracking.records.datum import Datum
 from sonar_tracking.records.time import seconds
 
 if TYPE_CHECKING:
@@ -100,7 +102,9 @@ def bearing_summary(title: str, histories: Iterable[TrackHistory], start: int) -
     return SummaryTable(title, headings, tuple(rows))
 
 
-def position_summary(title: str, histories: Iterable[PositionHistory], start: int) -> SummaryTable:
+def position_summary(
+    title: str, histories: Iterable[PositionHistory], start: int, datum: Datum | None = None
+) -> SummaryTable:
     """Return a table with one row a position track, as it stood at its end.
 
     Parameters
@@ -111,6 +115,8 @@ def position_summary(title: str, histories: Iterable[PositionHistory], start: in
         Tracks to list.
     start : int
         Stamp that counts as time zero, ns.
+    datum : Datum or None
+        Of ``map``; None = places are not listed.
     """
     listed = tuple(histories)
     heights = any(np.isfinite(history.tracks.z[-1]) for history in listed)
@@ -119,12 +125,13 @@ def position_summary(title: str, histories: Iterable[PositionHistory], start: in
             str(history.id),
             *_life(history.stamps, start),
             *shown_cells(position_cells(history.tracks, len(history.stamps) - 1), heights),
+            *(() if datum is None else (place_text(history.positions[-1], datum),)),
         )
         for history in listed
     )
-    return SummaryTable(
-        title, ("track", "first\ns", "last\ns", *shown_cells(COLUMNS, heights)), rows
-    )
+    headings = ("track", "first\ns", "last\ns", *shown_cells(COLUMNS, heights))
+    headings += () if datum is None else ("latitude\nlongitude",)
+    return SummaryTable(title, headings, rows)
 
 
 def draw_summary_tables(tables: Sequence[SummaryTable], path: Path) -> tuple[Path, Path]:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sonar_tracking.display.chart_graticule import draw_graticule
 from sonar_tracking.display.picture_files import new_figure, save_picture
 from sonar_tracking.display.position_history import PositionHistory
 from sonar_tracking.display.tactical_scene import TacticalScene
@@ -67,6 +68,8 @@ def draw_tactical_plot(scene: TacticalScene, path: Path, title: str = "") -> tup
     axes.grid(color="white", linewidth=1.2)
     axes.set_axisbelow(True)
     axes.set(xlabel=f"east, {unit}", ylabel=f"north, {unit}", title=title)
+    if scene.datum is not None:
+        draw_graticule(axes, low, high, scale, scene.datum)
     interval = _mark_interval(scene)
     _draw_contacts(axes, scene, scale)
     _draw_bearings(axes, scene, scale, 2.0 * float(np.linalg.norm(high - low)))

@@ -13,6 +13,7 @@ from sonar_tracking.display.position_history import PositionHistory
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import AngleKind, BearingTracks
 from sonar_tracking.records.contacts import Contacts
+from sonar_tracking.records.datum import Datum
 from sonar_tracking.records.own_ship import OwnShipState
 from sonar_tracking.records.time import seconds
 from sonar_tracking.sensor_pose import yaw_of
@@ -44,6 +45,8 @@ class TacticalScene:
         Time (s), x, y (m) of the sensor, azimuth (rad).
     stations : mapping of str to tuple of float
         x, y (m) of sensors at rest.
+    datum : Datum or None
+        Of ``map``; None = latitudes and longitudes are not drawn.
     """
 
     start: int
@@ -54,6 +57,7 @@ class TacticalScene:
     contacts: FloatArray = field(default_factory=lambda: _nothing(3))
     bearings: FloatArray = field(default_factory=lambda: _nothing(4))
     stations: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    datum: Datum | None = None
 
     @property
     def is_empty(self) -> bool:

@@ -23,6 +23,11 @@ class PageConfiguration(ShownMountings):
     )
     open_browser: bool = parameter(False, "open the page in the browser of this machine")
     title: str = parameter("", "what the page shows, e.g. the name of the scenario")
+    datum: str = parameter(
+        "",
+        "latitude and longitude of the origin of map, degrees, to show places; empty = that on "
+        "map/datum",
+    )
     topics: tuple[str, ...] = parameter(
         (), "full names of the topics to show; empty = all below the namespace of the node"
     )

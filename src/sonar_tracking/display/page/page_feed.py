@@ -17,6 +17,7 @@ from sonar_tracking.display.page.own_ship_log import OwnShipLog
 from sonar_tracking.display.page.page_commands import command_frame
 from sonar_tracking.display.page.page_configuration import PageConfiguration
 from sonar_tracking.display.page.page_frames import Frame, text_frame
+from sonar_tracking.display.page.place_frames import datum_frame
 from sonar_tracking.display.page.track_frames import (
     StationPlaces,
     alignment_frame,
@@ -42,6 +43,7 @@ from sonar_tracking.message_reading.line_reading import frequency_lines_from_mes
 from sonar_tracking.message_reading.own_ship_reading import OwnShipReader
 from sonar_tracking.message_reading.position_reading import position_tracks_from_message
 from sonar_tracking.message_reading.sample_reading import samples_from_message
+from sonar_tracking.records.datum import Datum, datum_from_text
 
 TRUTH_PERIOD = 2.0
 """Between two lists of the truth that are shown, s of data time: it moves steadily."""
@@ -64,7 +66,9 @@ class PageFeed:
         self._sources: dict[str, str] = {}
         self.health = Health()
         self.history = FrameHistory(60.0 * configuration.history_minutes)
+        self._datum = datum_from_text(configuration.datum, "datum") if configuration.datum else None
         self._begin()
+        self._tell_datum()
         self._takers: dict[str, Callable[[str, Any], Iterable[Frame]]] = {
             "Odometry": self._own_ship,
             "Tracks": self._tracks,
@@ -88,6 +92,15 @@ class PageFeed:
         self._pings = ContactFrames(configuration, self._log)
         seconds = 60.0 * configuration.history_minutes
         self._waterfalls = WaterfallFrames(self._log, self._places, seconds)
+
+    def take_datum(self, datum: Datum) -> None:
+        """Take the datum of ``map``: from now on the page shows places."""
+        self._datum = datum
+        self._tell_datum()
+
+    def _tell_datum(self) -> None:
+        if self._datum is not None:
+            self.emit(datum_frame(self._datum))
 
     def take(self, topic: str, message: Any, size: int = 0) -> None:
         """Take a message, and send the frames it makes.
@@ -140,6 +153,7 @@ class PageFeed:
     def _forget(self, kind: str, time: float) -> None:
         self.history.clear()
         self._begin()
+        self._tell_datum()
         self._send(text_frame(kind, time))  # news to who is there, and no part of the past
 
     def emit(self, frame: Frame) -> None:

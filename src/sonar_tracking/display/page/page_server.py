@@ -86,8 +86,8 @@ class PageServer:
         span: Span | None = None,
         show_part: Callable[[float], None] | None = None,
     ) -> None:
-        self.feed = PageFeed(configuration, self._send)
         self.clients: set[PageClient] = set()
+        self.feed = PageFeed(configuration, self._send)
         self.token = token
         self.title = configuration.title
         self.recording = recording

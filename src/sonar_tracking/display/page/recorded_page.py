@@ -10,6 +10,7 @@ from dataclasses import fields
 from itertools import islice
 from typing import Any
 
+from sonar_tracking.bags.storage.bag_datum import bag_datum
 from sonar_tracking.bags.storage.digest import decoded_message
 from sonar_tracking.bags.storage.log_time import head_stamp
 from sonar_tracking.bags.storage.message_definitions import typestore_of
@@ -174,10 +175,12 @@ def _configuration(bag: Bag, port: int, address: str) -> PageConfiguration:
     parameters = bag.recording.node_parameters if bag.recording else {}
     given: Mapping[str, Any] = parameters.get(_MOUNTINGS, {})
     known = {field.name for field in fields(PageConfiguration)}
+    datum = bag_datum(bag)
     return PageConfiguration(
         **{name: value for name, value in given.items() if name in known},
         port=port,
         address=address,
         title=bag.path.name,
+        datum="" if datum is None else datum.to_text(),
         history_minutes=_LONGEST_MINUTES,
     )

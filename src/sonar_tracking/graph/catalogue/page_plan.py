@@ -13,6 +13,7 @@ from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES
 from sonar_tracking.graph.catalogue.page_nodes import OPERATOR_DISPLAY
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
 from sonar_tracking.graph.catalogue.topics import DIAGNOSTICS, Topic
+from sonar_tracking.records.datum import Datum
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,7 @@ def planned_page(
     topics: Iterable[Topic],
     settings: Mapping[str, Mapping[str, Any]],
     title: str,
+    datum: Datum | None = None,
 ) -> tuple[PlannedNode, ...]:
     """Return the node that serves the page, if there is to be one.
 
@@ -52,6 +54,8 @@ def planned_page(
         Node name, parameter name, value; of the scene: where the sensors are on own ship.
     title : str
         Of the page.
+    datum : Datum or None
+        Of ``map``.
     """
     if options is None:
         return ()
@@ -64,6 +68,7 @@ def planned_page(
         "address": options.address,
         "open_browser": options.browser,
         "title": title,
+        "datum": datum.to_text() if datum is not None else "",
         "topics": tuple(shown),
         "types": tuple(topic.message_type for topic in shown.values()),
     }

@@ -34,6 +34,7 @@ from sonar_tracking.graph.catalogue.topics import DIAGNOSTICS
 from sonar_tracking.graph.message_writing.field_writing import message_class
 from sonar_tracking.graph.node_base import parameters, quality_of_service
 from sonar_tracking.graph.node_base.command_sender import CommandSender
+from sonar_tracking.graph.node_base.datum_topic import listen_to_datum
 from sonar_tracking.graph.node_base.diagnostics import MATCHED, Diagnostics
 from sonar_tracking.graph.node_base.node_process import run_node
 from sonar_tracking.graph.node_base.node_watch import STATUS_PERIOD
@@ -91,6 +92,9 @@ class OperatorDisplay(Node):
         for topic, type_name in zip(configuration.topics, configuration.types, strict=True):
             self._listen(topic, type_name, type_name in KEPT_TYPES)
         self._listen(DIAGNOSTICS.name, DIAGNOSTICS.message_type, kept=False)
+        if not configuration.datum:
+            feed = self._server.feed
+            listen_to_datum(self, lambda datum: self._server.do(lambda: feed.take_datum(datum)))
         self._diagnostics.add(MATCHED, self._matched)
         self._diagnostics.add(PAGE, self._page)
         ReadyReports(self, self._diagnostics, self._matched, lambda: self._received)

@@ -188,14 +188,15 @@ def plan_replay(
         )
     largest = largest_input_bytes(bag, offered)
     played = [*offered, *(topic for node in nodes for topic in node.publishers)]
+    title = str(scenario.get("name") or "")
     return GraphPlan(
-        scenario=str(scenario.get("name") or bag.path.name),
+        scenario=title or bag.path.name,
         nodes=nodes,
         offered=offered,
         transport=choose_transport(largest, n_publishers=2),
         displays=(
             *planned_displays(planned, options.record is not None),
-            *planned_page(options.page, played, settings, str(scenario.get("name") or "")),
+            *planned_page(options.page, played, settings, title, bag_datum(bag)),
         ),
         flow_window=flow_window(options.rate, largest),
     )

@@ -191,6 +191,7 @@ def plan_scenario(
             planned_recorder(options.record, topics.values(), shown, known, names, log_directory),
         )
     largest = _largest_message_bytes(scenario, settings)
+    played = (*_published(nodes), *offered)
     return GraphPlan(
         scenario=scenario.name,
         nodes=nodes,
@@ -199,7 +200,7 @@ def plan_scenario(
         transport=choose_transport(largest, n_publishers=2),
         displays=(
             *names.planned(planned_displays(planned, options.record is not None)),
-            *planned_page(options.page, (*_published(nodes), *offered), given, scenario.name),
+            *planned_page(options.page, played, given, scenario.name, scenario.datum),
         ),
         naming=names,
         flow_window=flow_window(options.rate, largest),

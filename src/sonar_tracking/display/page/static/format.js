@@ -42,6 +42,21 @@ export function distance(metres) {
   return metres < 9999.5 ? `${metres.toFixed(0)} m` : `${(metres / 1000).toFixed(1)} km`;
 }
 
+/** Degrees and minutes to 2 m of a position in the map, by the polynomials of the datum. */
+export function place(x, y, datum) {
+  const [u, v] = datum ? [x / datum.reach, y / datum.reach] : [NaN, NaN];
+  if (!(Math.abs(u) <= 1 && Math.abs(v) <= 1)) return UNKNOWN;
+  const sum = (terms) => datum.powers.reduce((total, [i, j], n) => total + terms[n] * u ** i * v ** j, 0);
+  const longitude = ((((sum(datum.longitude) + 180) % 360) + 360) % 360) - 180;
+  return `${minutes(sum(datum.latitude), 2, "NS")} ${minutes(longitude, 3, "EW")}`;
+}
+
+function minutes(angle, digits, sides) {
+  const thousandths = Math.round(Math.abs(angle) * 60000);
+  const whole = String(Math.floor(thousandths / 60000)).padStart(digits, "0");
+  return `${whole}°${((thousandths % 60000) / 1000).toFixed(3).padStart(6, "0")}'${sides[angle < 0 ? 1 : 0]}`;
+}
+
 /** Time of day of data, UTC; data that began at 0 are shown as the time since. */
 export function clock(seconds, digits = 0) {
   if (!Number.isFinite(seconds)) return "--:--:--";

@@ -22,6 +22,7 @@ class Page {
     this.time = new TimeControl(this.history);
     this.selection = new Selection();
     this.health = null;
+    this.datum = null;
     this.connection = "connecting";
     this.heard = performance.now();
     this.dirty = true;
@@ -69,6 +70,10 @@ class Page {
   }
 
   on_sources() {}
+
+  on_datum(frame) {
+    this.datum = frame;
+  }
 
   on_recording(frame) {
     this.time.recording = frame.state;

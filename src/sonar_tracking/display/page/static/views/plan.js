@@ -2,7 +2,7 @@
 
 import { Canvas, Labels, element, icon, label } from "../canvas.js";
 import { openTrackMenu } from "../track_menu.js";
-import { DEGREE, bearing, distance, fixed, niceStep } from "../format.js";
+import { DEGREE, bearing, distance, fixed, niceStep, place as placeText } from "../format.js";
 import { palette } from "../palette.js";
 import {
   SIDE, SOURCE, STATUS, TERMINATED, bearingTopics, ownShipAt, pictureTopics, polar, tracksAt, truthTopics,
@@ -416,6 +416,7 @@ export class Plan {
       const from = this.ship ?? this.origin;
       const azimuth = Math.atan2(place.y - from.y, place.x - from.x);
       text = `${bearing(azimuth)}°  ${distance(Math.hypot(place.x - from.x, place.y - from.y))}`;
+      if (this.page.datum) text += `  ${placeText(place.x, place.y, this.page.datum)}`;
       if (row) {
         const seen = polar(row, this.ship);
         const name = this.page.selection.nameOf(row.topic, row.id);

@@ -1,7 +1,7 @@
 // The tracks of the picture as a table: sorted, pinned, named.
 
 import { element } from "../canvas.js";
-import { UNKNOWN, bearing, degrees, distance, duration, fixed } from "../format.js";
+import { UNKNOWN, bearing, degrees, distance, duration, fixed, place } from "../format.js";
 import { palette } from "../palette.js";
 import { SIDE, SOURCE, STATUS, ownShipAt, polar, tracksAt } from "../picture.js";
 import { openTrackMenu, rename } from "../track_menu.js";
@@ -22,6 +22,7 @@ const COLUMNS = [
   ["age", (r) => -r.initiated, (r) => duration(r.t - r.initiated), true, "Since the track was started"],
   ["heard", (r) => -r.updated, (r) => duration(r.t - r.updated), true, "Since its last measurement"],
   ["sensors", (r) => r.contributors.length, (r) => sensorsText(r), false, "Who contributes, with the numbers there"],
+  ["place", (r) => r.y, (r) => r.place, true, "Latitude and longitude; sorted from south to north"],
 ];
 
 export class TrackTable {
@@ -35,10 +36,11 @@ export class TrackTable {
     body.classList.add("scrolls");
     this.heads = COLUMNS.map(([words, , , numeric, title], column) => {
       const button = element("button", { title: `${title}. Click to sort.`, onclick: () => this.sort(column) }, words);
-      return element("th", { class: numeric ? "n" : "", scope: "col" }, button);
+      return element("th", { class: cellClass(column, numeric), scope: "col" }, button);
     });
     this.rows = element("tbody");
-    body.append(element("table", {}, element("thead", {}, element("tr", {}, element("th", {}, ""), ...this.heads)), this.rows));
+    this.table = element("table", {}, element("thead", {}, element("tr", {}, element("th", {}, ""), ...this.heads)), this.rows);
+    body.append(this.table);
     this.empty = element("div", { class: "empty" }, "No tracks yet.");
     body.append(this.empty);
     this.count = element("span", { class: "figures" });
@@ -86,7 +88,12 @@ export class TrackTable {
     const known = Number.isFinite(t);
     const ship = known ? ownShipAt(history, t) : null;
     const rows = known ? tracksAt(history, t) : [];
-    for (const row of rows) row.seen = polar(row, ship);
+    const { datum } = this.page;
+    this.table.classList.toggle("placeless", !datum);
+    for (const row of rows) {
+      row.seen = polar(row, ship);
+      row.place = place(row.x, row.y, datum);
+    }
     this.arrange(rows);
     this.empty.hidden = rows.length > 0;
     const confirmed = rows.filter((row) => row.status === 1).length;
@@ -125,7 +132,7 @@ export class TrackTable {
   makeLine() {
     const pin = element("button", { class: "pin", title: "Keep on top", "aria-label": "Keep on top" }, "○");
     const line = element("tr", { tabindex: 0 }, element("td", {}, pin));
-    for (const [, , , numeric] of COLUMNS) line.append(element("td", { class: numeric ? "n" : "" }));
+    COLUMNS.forEach(([, , , numeric], column) => line.append(element("td", { class: cellClass(column, numeric) })));
     line.cells[1].append(element("span", { class: "swatch" }), document.createTextNode(""));
     return line;
   }
@@ -143,6 +150,10 @@ export class TrackTable {
     setText(line.cells[1].lastChild, this.page.selection.nameOf(row.topic, row.id) + side);
     for (let column = 1; column < COLUMNS.length; column++) setText(line.cells[column + 1], COLUMNS[column][2](row));
   }
+}
+
+function cellClass(column, numeric) {
+  return `${numeric ? "n" : ""}${COLUMNS[column][0] === "place" ? " place" : ""}`;
 }
 
 function setText(node, text) {
