@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from sonar_tracking.bags.audio.open_audio import open_audio
+from sonar_tracking.bags.audio.recorded_files import open_recording
 from sonar_tracking.errors import ConfigurationError
 
 soundfile = pytest.importorskip("soundfile")
@@ -136,3 +137,12 @@ def test_damaged_files_are_refused_or_read_with_a_word_on_what_lacks(
             continue
         if samples.shape[1] == 3 and np.isfinite(samples).all():
             assert len(samples) >= N or notes, number
+
+
+@pytest.mark.parametrize("ending", FORMATS)
+def test_another_sample_rate_in_one_directory_is_refused(tmp_path: Path, ending: str) -> None:
+    for number, rate in enumerate((8000, 16_000), start=1):
+        path = tmp_path / f"a_2022010{number}_000000.{ending}"
+        soundfile.write(path, SAMPLES, rate, "PCM_16", format=FORMATS[ending])
+    with pytest.raises(ConfigurationError, match=r"16000 Hz, .* has 8000 Hz; import files of one"):
+        open_recording(tmp_path, 3, None, 1)

@@ -14,6 +14,8 @@ from sonar_tracking.bags.exporters.chart_files import KML_NAMESPACE
 from sonar_tracking.bags.exporters.export_bag import export_bag
 from sonar_tracking.bags.exporters.export_rows import ExportRow
 from sonar_tracking.bags.exporters.track_lines import MOST_KEPT, TrackLine
+from sonar_tracking.bags.storage.bag_records import COMMANDS_TYPE
+from sonar_tracking.bags.storage.message_definitions import installed_typestore
 from sonar_tracking.bags.storage.recording_information import RecordingInformation
 from sonar_tracking.bags.storage.writer import new_bag
 from sonar_tracking.errors import ConfigurationError
@@ -22,7 +24,7 @@ from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.datum import Datum
 from sonar_tracking.records.own_ship import OwnShipState
 from sonar_tracking.records.positions import PositionTracks, TrackSource
-from tests.bags.bag_fixtures import EPOCH, SECOND, tracks_cdr
+from tests.bags.bag_fixtures import EPOCH, SECOND, filled, tracks_cdr
 from tests.bags.position_fixtures import (
     BEARINGS,
     ODOMETRY,
@@ -136,6 +138,28 @@ def test_a_chart_has_one_line_a_target(tmp_path: Path) -> None:
     assert {mark.findtext("k:name", namespaces=space) for mark in marks} == set(names)
     text = marks[0].findtext("k:LineString/k:coordinates", namespaces=space)
     assert text is not None and len(text.split()) == 5
+
+
+@pytest.mark.parametrize("namespace", ["", "/ship_a"])
+def test_tracks_have_the_names_operators_gave_them(tmp_path: Path, namespace: str) -> None:
+    scenario = {"datum": HELGOLAND.to_mapping()}
+    commands = f"{namespace}/operator/commands"
+    with new_bag(tmp_path / "trip", RecordingInformation(scenario)) as writer:
+        writer.add_topic(f"{namespace}/tracks", POSITIONS, role="output")
+        writer.add_topic(commands, COMMANDS_TYPE, role="input")
+        for second, name in enumerate(("ferry", "", "Ferry 2")):
+            stamp = (BEGIN + second) * SECOND
+            command = filled(COMMANDS_TYPE, command=5, topic="tracks", id=7, name=name)
+            data = installed_typestore(COMMANDS_TYPE).serialize_cdr(command, COMMANDS_TYPE)
+            writer.write(commands, stamp, bytes(data))
+            writer.write(f"{namespace}/tracks", stamp, position_tracks_cdr(picture(second)))
+    rows = table(export_bag(tmp_path / "trip", "csv", tmp_path / "trip.csv"))
+    assert {row["name"] for row in rows if row["id"] == "7"} == {"Ferry 2"}
+    assert {row["name"] for row in rows if row["id"] != "7"} == {""}
+    chart = json.loads(export_bag(tmp_path / "trip", "geojson", tmp_path / "c.json").read_text())
+    assert [entry["properties"]["name"] for entry in chart["features"]] == ["Ferry 2"]
+    kml = export_bag(tmp_path / "trip", "kml", tmp_path / "trip.kml").read_text()
+    assert "<name>Ferry 2</name>" in kml
 
 
 def test_a_damaged_bag_gives_what_is_left(tmp_path: Path) -> None:

@@ -48,15 +48,16 @@ def write_kml(lines: Mapping[LineName, TrackLine], file: TextIO) -> None:
 
 
 def track_name(topic: str, line: TrackLine) -> str:
-    """Return what a chart calls a track."""
+    """Return what a chart calls a track: as an operator did, else topic and number."""
     number = line.last.get("id")
-    return "own ship" if number is None else f"{topic} {number}"
+    given = str(line.last.get("name") or "")
+    return given or ("own ship" if number is None else f"{topic} {number}")
 
 
 def _properties(line: TrackLine) -> dict[str, Any]:
     """Return the cells that hold something, the time span and the times of the points."""
     told = {name: value for name, value in line.last.items() if _is_told(value)}
-    for name in ("time", "stamp_ns", "latitude_deg", "longitude_deg"):
+    for name in ("name", "time", "stamp_ns", "latitude_deg", "longitude_deg"):
         told.pop(name, None)
     if line.contributors:
         told["contributors"] = ";".join(line.contributors)

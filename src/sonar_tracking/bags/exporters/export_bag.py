@@ -19,6 +19,7 @@ from rich.progress import Progress
 
 from sonar_tracking.bags.exporters.chart_files import write_geojson, write_kml
 from sonar_tracking.bags.exporters.export_rows import COLUMNS, rows_of
+from sonar_tracking.bags.exporters.operator_names import operator_names
 from sonar_tracking.bags.exporters.track_lines import TrackLines
 from sonar_tracking.bags.storage.bag_datum import bag_datum
 from sonar_tracking.bags.storage.bag_records import (
@@ -162,14 +163,17 @@ def _write_table(
     advance: Callable[[], None],
 ) -> _Told:
     told = _Told()
+    names = operator_names(bag, told.rejected)
     writer = csv.DictWriter(file, COLUMNS, restval="", lineterminator="\n")
     writer.writeheader()
     for topic, record in records_in_order(bag, topics, told.rejected):
         for row in rows_of(record, datum):
             cells = {name: _cell(value) for name, value in row.values.items()}
-            writer.writerow({**cells, "topic": topic, "role": bag.topics[topic].role})
+            track = (topic, int(row.values.get("id") or 0))
+            head = {"topic": topic, "role": bag.topics[topic].role, "name": names.get(track, "")}
+            writer.writerow({**cells, **head})
             told.rows += 1
-            told.tracks.add((topic, int(row.values.get("id") or 0)))
+            told.tracks.add(track)
         advance()
     return told
 
@@ -183,9 +187,11 @@ def _write_chart(
     advance: Callable[[], None],
 ) -> _Told:
     told, lines = _Told(), TrackLines()
+    names = operator_names(bag, told.rejected)
     for topic, record in records_in_order(bag, topics, told.rejected):
         for row in rows_of(record, datum):
-            row.values.update(topic=topic, role=bag.topics[topic].role)
+            name = names.get((topic, int(row.values.get("id") or 0)), "")
+            row.values.update(topic=topic, role=bag.topics[topic].role, name=name)
             told.rows += lines.add(topic, row)
         advance()
     whole = lines.finish()

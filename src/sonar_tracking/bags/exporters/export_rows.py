@@ -33,7 +33,8 @@ COVARIANCES = {
 """Upper triangle of the covariance of a position, SI units."""
 
 COLUMNS = (
-    *("topic", "role", "time", "stamp_ns", "kind", "id", "status", "source", "sensor", "frame"),
+    *("topic", "role", "time", "stamp_ns", "kind", "id", "name", "status", "source", "sensor"),
+    "frame",
     *("latitude_deg", "longitude_deg", "x_m", "y_m", "z_m", "vx_m_s", "vy_m_s"),
     *("speed_m_s", "course_deg", "heading_deg", *COVARIANCES, "z_standard_deviation_m"),
     *("existence_probability", "initiated_s", "updated_s", "observability", "hypothesis"),

@@ -16,6 +16,7 @@ from sonar_tracking.message_reading.array_reading import (
     snapshots_from_message,
     subspaces_from_message,
 )
+from sonar_tracking.message_reading.command_reading import command_from_message
 from sonar_tracking.message_reading.contact_reading import (
     contacts_from_message,
     thresholds_from_message,
@@ -43,6 +44,7 @@ ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
 IMAGE_TYPE = "sensor_msgs/msg/Image"
 SUBSPACES_TYPE = "sonar_tracking_msgs/msg/SubspaceEstimates"
 THRESHOLDS_TYPE = "sonar_tracking_msgs/msg/DetectionThreshold"
+COMMANDS_TYPE = "sonar_tracking_msgs/msg/OperatorCommand"
 
 Record = TypeVar("Record")
 
@@ -57,6 +59,7 @@ _CONVERSIONS: dict[str, Callable[[Any], Any]] = {
     FREQUENCY_LINES_TYPE: frequency_lines_from_message,
     ODOMETRY_TYPE: own_ship_from_message,
     IMAGE_TYPE: lofar_rows_from_message,
+    COMMANDS_TYPE: command_from_message,
 }
 
 
