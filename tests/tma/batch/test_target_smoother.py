@@ -6,6 +6,7 @@ of 0.5 degrees and six lines of 1 Hz; the bound of the filter at its end is 83 m
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -24,6 +25,7 @@ from sonar_tracking.tma.batch.target_smoother import (
 )
 from sonar_tracking.tma.batch.track_smoother import TrackPath, smooth_path
 from sonar_tracking.tma.estimators.range_bank import RangeBank
+from tests.tma.runs_together import joined_runs, slices_of
 
 RUNS = 3
 DEVIATION = np.radians(0.5)
@@ -98,20 +100,49 @@ def half_a_degree_off(runs: TmaRuns) -> TmaRuns:
     return replace(runs, azimuth=runs.azimuth + np.radians(0.5))
 
 
+SCENES: dict[str, Callable[[], TmaScene]] = {
+    "S1": lambda: scenario("S1"),
+    "S3": lambda: scenario("S3"),
+    "turn": lambda: turning(scenario("S1")),
+    "zigzag": lambda: weaving(scenario("S1")),
+}
+CASES: list[tuple[str, Callable[[TmaRuns], TmaRuns]]] = [
+    ("S1", as_told),
+    ("S1", twice_as_wrong),
+    ("S1", correlated),
+    ("S1", with_outliers),
+    ("S1", half_a_degree_off),
+    ("turn", as_told),
+    ("zigzag", as_told),
+]
+
+
+def runs_of(name: str, disturb: Callable[[TmaRuns], TmaRuns]) -> TmaRuns:
+    return disturb(simulate_runs(SCENES[name](), np.random.SeedSequence(15).spawn(RUNS)))
+
+
+@cache
+def filtered(*cases: tuple[str, Callable[[TmaRuns], TmaRuns]]) -> list[tuple[FloatArray, ...]]:
+    """Return mean and covariance of every frame in the runs of each case, by the range bank."""
+    parts, bank = [runs_of(*case) for case in cases], RangeBank()
+    estimates = [bank.update(measurement) for measurement in joined_runs(parts).frames()]
+    mean = np.stack([one.mean for one in estimates], axis=1)
+    covariance = np.stack([one.covariance for one in estimates], axis=1)
+    return [(mean[own], covariance[own]) for own in slices_of(parts)]
+
+
 def smoothed(
-    scene: TmaScene,
-    seed: int,
+    name: str,
     disturb: Callable[[TmaRuns], TmaRuns],
     configuration: TargetSmootherConfiguration,
 ) -> FloatArray:
     """Return distance (m) and NEES per dimension of every frame, shape (2, RUNS, n_frames)."""
-    runs = disturb(simulate_runs(scene, np.random.SeedSequence(seed).spawn(RUNS)))
-    bank = RangeBank()
-    estimates = [bank.update(measurement) for measurement in runs.frames()]
+    runs, case = runs_of(name, disturb), (name, disturb)
+    together = CASES if case in CASES else [case]
+    means, covariances = filtered(*together)[together.index(case)]
+    scene = runs.scene
     figures = []
-    for run in range(RUNS):
-        mean = np.array([one.mean[run] for one in estimates])
-        covariance = np.array([one.covariance[run] for one in estimates])
+    for run, (mean, covariance) in enumerate(zip(means, covariances, strict=True)):
         start = smooth_path(TrackPath(scene.times, mean, covariance), 0.01).mean
         prior = KalmanState(mean[0], covariance[0])
         path = smooth_target(history_of(runs, run), start, prior, configuration)
@@ -135,9 +166,8 @@ def smoothed(
 def test_the_whole_path_is_found_with_an_honest_covariance(
     name: str, disturb: Callable[[TmaRuns], TmaRuns], rmse: float
 ) -> None:
-    scene = turning(scenario("S1")) if name == "turn" else scenario(name)
     few = TargetSmootherConfiguration(systematic_deviation_deg=0.1)
-    distance, nees = smoothed(scene, 15, disturb, few)
+    distance, nees = smoothed(name, disturb, few)
     assert np.sqrt(np.mean(distance**2)) < rmse
     assert 0.4 < np.mean(nees) < 1.6
     assert np.mean(nees > 5.0) < 0.02
@@ -147,7 +177,7 @@ def test_the_whole_path_is_found_with_an_honest_covariance(
 def test_a_zigzag_is_no_lasting_error_of_bearings() -> None:
     """Taken for one, the path is hundreds of metres off, with a NEES of thirty."""
     few = TargetSmootherConfiguration(systematic_deviation_deg=0.1)
-    distance, nees = smoothed(weaving(scenario("S1")), 15, as_told, few)
+    distance, nees = smoothed("zigzag", as_told, few)
     assert np.sqrt(np.mean(distance**2)) < 350.0
     assert np.mean(nees) < 2.0
 
@@ -156,7 +186,7 @@ def test_a_zigzag_is_no_lasting_error_of_bearings() -> None:
 def test_a_lasting_error_of_half_a_degree_is_allowed_for_by_default() -> None:
     none = TargetSmootherConfiguration(systematic_deviation_deg=0.0)
     by_configuration = [
-        float(np.mean(smoothed(scenario("S1"), 15, half_a_degree_off, configuration)[1]))
+        float(np.mean(smoothed("S1", half_a_degree_off, configuration)[1]))
         for configuration in (TargetSmootherConfiguration(), none)
     ]
     assert 0.4 < by_configuration[0] < 2.0 < 4.0 < by_configuration[1]
