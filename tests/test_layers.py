@@ -33,6 +33,7 @@ ROOMS = (
     "own_ship_interpolation",
     "sensor_pose",
     "filtering",
+    "alignment",
     # stages, one package each, independent of one another
     "passive.performance",
     "passive.directions",

@@ -11,8 +11,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from sonar_tracking.alignment.bearing_errors import BearingKey
+from sonar_tracking.alignment.target_updates import Bearings
 from sonar_tracking.fusion.fused_target import FusedTarget
-from sonar_tracking.fusion.fusion_records import BearingKey, HeardBearing
+from sonar_tracking.fusion.fusion_records import HeardBearing
 from sonar_tracking.fusion.lone_bearings import (
     guarded,
     heard,
@@ -20,7 +22,6 @@ from sonar_tracking.fusion.lone_bearings import (
     predicted_bearings,
     unheard,
 )
-from sonar_tracking.fusion.target_updates import Bearings
 from sonar_tracking.records.arrays import FloatArray
 
 HIGHEST_EVIDENCE = float(np.log(1e4))

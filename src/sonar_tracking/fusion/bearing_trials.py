@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.fusion.aligned_targets import (
+from sonar_tracking.alignment.aligned_targets import (
     MOTION,
     AlignedTargets,
     MotionStrengths,
@@ -27,8 +27,15 @@ from sonar_tracking.fusion.aligned_targets import (
     replaced,
     with_array,
 )
+from sonar_tracking.alignment.bearing_errors import BearingKey
+from sonar_tracking.alignment.shared_alignment import AlignmentInformation, told_alignment
+from sonar_tracking.alignment.target_updates import (
+    Bearings,
+    updated_by_bearings,
+    updated_by_positions,
+)
 from sonar_tracking.fusion.fused_target import FusedTarget
-from sonar_tracking.fusion.fusion_records import BearingKey, HeardBearing
+from sonar_tracking.fusion.fusion_records import HeardBearing
 from sonar_tracking.fusion.joint_decisions import spoken_for, sure_pairs
 from sonar_tracking.fusion.lone_bearings import (
     guarded,
@@ -37,13 +44,7 @@ from sonar_tracking.fusion.lone_bearings import (
     predicted_bearings,
     unheard,
 )
-from sonar_tracking.fusion.shared_alignment import AlignmentInformation, told_alignment
 from sonar_tracking.fusion.sided_bearings import sided_bearings
-from sonar_tracking.fusion.target_updates import (
-    Bearings,
-    updated_by_bearings,
-    updated_by_positions,
-)
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 
 GATE = 4.0

@@ -6,11 +6,12 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Set
 
 import numpy as np
 
+from sonar_tracking.alignment.bearing_errors import BearingKey
 from sonar_tracking.filtering.consistency import normalised_squared
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.fusion.copied_rows import bearing_keys, copied_row
 from sonar_tracking.fusion.fused_rows import FusedRow
-from sonar_tracking.fusion.fusion_records import BearingKey, ListKey
+from sonar_tracking.fusion.fusion_records import ListKey
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks

@@ -6,10 +6,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from sonar_tracking.alignment.bearing_errors import BearingKey
 from sonar_tracking.filtering.constant_velocity import process_noise_matrix, transition_matrix
 from sonar_tracking.filtering.kalman import KalmanState, predict
 from sonar_tracking.fusion.fused_rows import FusedRow
-from sonar_tracking.fusion.fusion_records import BearingKey, ListKey
+from sonar_tracking.fusion.fusion_records import ListKey
 from sonar_tracking.fusion.rotation import rotated
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import TrackStatus

@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from sonar_tracking.fusion.aligned_targets import (
+from sonar_tracking.alignment.aligned_targets import (
     AlignedTargets,
     MotionStrengths,
     joined,

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from sonar_tracking.fusion.fusion_records import BearingKey, ListKey
+from sonar_tracking.alignment.bearing_errors import BearingKey
+from sonar_tracking.fusion.fusion_records import ListKey
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks, TrackSource
 

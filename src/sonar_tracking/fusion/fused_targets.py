@@ -7,6 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from sonar_tracking.alignment.aligned_targets import STRENGTHS
+from sonar_tracking.alignment.bearing_errors import BearingKey
 from sonar_tracking.errors import InputError
 from sonar_tracking.fusion.bearing_links import HIGHEST_EVIDENCE, BearingLinks
 from sonar_tracking.fusion.bearing_trials import Trial
@@ -15,9 +17,9 @@ from sonar_tracking.fusion.echo_targets import EchoTargets
 from sonar_tracking.fusion.exchanges import ECHOES
 from sonar_tracking.fusion.fused_rows import ShownRows
 from sonar_tracking.fusion.fused_target import Contributor, FusedTarget
-from sonar_tracking.fusion.fusion_records import BearingKey, ListKey
+from sonar_tracking.fusion.fusion_records import ListKey
 from sonar_tracking.fusion.target_filters import TargetFilters
-from sonar_tracking.fusion.track_fusion_configuration import STRENGTHS, TrackFusionConfiguration
+from sonar_tracking.fusion.track_fusion_configuration import TrackFusionConfiguration
 from sonar_tracking.records.time import NANOSECONDS, UNKNOWN_STAMP, nanoseconds
 
 PAUSE = 60.0

@@ -6,15 +6,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from sonar_tracking.alignment.bearing_errors import BearingKey
 from sonar_tracking.errors import InputError, Notice
 from sonar_tracking.motion import KinematicState, wrap_angle
 from sonar_tracking.records.alignments import ArrayAlignments
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import BearingTracks
 from sonar_tracking.records.positions import PositionTracks
-
-BearingKey = tuple[str, int]
-"""Station and its bearing track."""
 
 ListKey = tuple[str, int]
 """Track list and the identifier of a row in it."""

@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from sonar_tracking.alignment.bearing_errors import BearingKey
 from sonar_tracking.fusion.bearing_trials import GATE, Trial
 from sonar_tracking.fusion.fused_target import FusedTarget
-from sonar_tracking.fusion.fusion_records import BearingKey, HeardBearing
+from sonar_tracking.fusion.fusion_records import HeardBearing
 from sonar_tracking.fusion.target_filters import TargetFilters
 from sonar_tracking.motion import wrap_angle
 

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from sonar_tracking.fusion.aligned_targets import AlignedTargets
+from sonar_tracking.alignment.aligned_targets import AlignedTargets
+from sonar_tracking.alignment.target_updates import Bearings, expected_azimuths
 from sonar_tracking.fusion.fusion_records import HeardBearing
-from sonar_tracking.fusion.target_updates import Bearings, expected_azimuths
 
 
 def sided_bearings(

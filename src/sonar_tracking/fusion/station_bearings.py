@@ -8,9 +8,10 @@ from functools import lru_cache
 
 import numpy as np
 
+from sonar_tracking.alignment.bearing_errors import BearingKey
 from sonar_tracking.errors import InputError, Notice, Severity, shown
 from sonar_tracking.fusion.fused_target import Contributor
-from sonar_tracking.fusion.fusion_records import BearingKey, HeardBearing
+from sonar_tracking.fusion.fusion_records import HeardBearing
 from sonar_tracking.fusion.track_fusion_configuration import TrackFusionConfiguration
 from sonar_tracking.motion import KinematicState
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus

@@ -7,8 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from sonar_tracking.filtering.kalman import KalmanState
-from sonar_tracking.fusion.aligned_targets import (
+from sonar_tracking.alignment.aligned_targets import (
     MOTION,
     AlignedTargets,
     MotionStrengths,
@@ -19,21 +18,15 @@ from sonar_tracking.fusion.aligned_targets import (
     with_array,
     with_arrays,
 )
-from sonar_tracking.fusion.bearing_errors import BearingErrors
-from sonar_tracking.fusion.bearing_trials import GATE, BearingTrials, Trial
-from sonar_tracking.fusion.exchanges import ECHOES, Exchange, Exchanges
-from sonar_tracking.fusion.fused_target import FusedTarget
-from sonar_tracking.fusion.fusion_records import HeardBearing
-from sonar_tracking.fusion.lone_bearings import guarded
-from sonar_tracking.fusion.shared_alignment import (
+from sonar_tracking.alignment.bearing_errors import BearingErrors
+from sonar_tracking.alignment.shared_alignment import (
     AlignmentInformation,
     SharedAlignment,
     information_of,
     no_information,
     shared_alignment,
 )
-from sonar_tracking.fusion.sided_bearings import sided_bearings
-from sonar_tracking.fusion.target_updates import (
+from sonar_tracking.alignment.target_updates import (
     Bearings,
     expected_azimuths,
     innovations,
@@ -41,6 +34,13 @@ from sonar_tracking.fusion.target_updates import (
     updated_by_positions,
     updated_if_expected,
 )
+from sonar_tracking.filtering.kalman import KalmanState
+from sonar_tracking.fusion.bearing_trials import GATE, BearingTrials, Trial
+from sonar_tracking.fusion.exchanges import ECHOES, Exchange, Exchanges
+from sonar_tracking.fusion.fused_target import FusedTarget
+from sonar_tracking.fusion.fusion_records import HeardBearing
+from sonar_tracking.fusion.lone_bearings import guarded
+from sonar_tracking.fusion.sided_bearings import sided_bearings
 from sonar_tracking.records.alignments import ArrayAlignments
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
 

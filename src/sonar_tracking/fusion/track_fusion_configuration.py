@@ -8,14 +8,6 @@ import numpy as np
 
 from sonar_tracking.configuration import parameter
 from sonar_tracking.errors import ConfigurationError, shown
-from sonar_tracking.fusion.aligned_targets import MotionStrengths
-
-STRENGTHS = MotionStrengths(
-    density=np.array([3e-5, 4e-3, 0.2, 5.0]),
-    share=np.array([0.45, 0.5, 0.045, 0.005]),
-    duration=1000.0,
-)
-"""Of ships: on their courses, as the sea lets them, turning by some hundredths of m/s^2, hard."""
 
 
 @dataclass(frozen=True)

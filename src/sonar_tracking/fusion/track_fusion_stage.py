@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import math
 
+from sonar_tracking.alignment.bearing_errors import BearingKey
+from sonar_tracking.alignment.shared_alignment import SharedAlignment
 from sonar_tracking.errors import Notice
 from sonar_tracking.fusion.alignment_notices import beyond_prior, measured_alignments
 from sonar_tracking.fusion.echo_association import met_targets
@@ -23,16 +25,9 @@ from sonar_tracking.fusion.fused_rows import (
 )
 from sonar_tracking.fusion.fused_target import FusedTarget, moves
 from sonar_tracking.fusion.fused_targets import FusedTargets
-from sonar_tracking.fusion.fusion_records import (
-    BearingKey,
-    FusionFrame,
-    FusionUpdate,
-    HeardBearing,
-    ListKey,
-)
+from sonar_tracking.fusion.fusion_records import FusionFrame, FusionUpdate, HeardBearing, ListKey
 from sonar_tracking.fusion.meetings import meetings_of_bearings, meetings_of_echoes
 from sonar_tracking.fusion.new_trials import new_trials
-from sonar_tracking.fusion.shared_alignment import SharedAlignment
 from sonar_tracking.fusion.station_bearings import (
     StationBearings,
     station_bearings,

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from sonar_tracking.active.contacts.contact_positions import place_contacts
+from sonar_tracking.alignment.aligned_targets import MotionStrengths
 from sonar_tracking.evaluation.offline.offline_fusion_chain import FusedMoment
 from sonar_tracking.evaluation.studies.track_fusion.conditions import ACCELERATION
-from sonar_tracking.fusion.aligned_targets import MotionStrengths
 from sonar_tracking.fusion.fused_target import FusedTarget
 from sonar_tracking.fusion.fusion_records import HeardBearing
 from sonar_tracking.fusion.station_bearings import station_bearings

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from sonar_tracking.alignment.aligned_targets import MOTION, AlignedTargets, replaced
 from sonar_tracking.filtering.kalman import symmetrised
-from sonar_tracking.fusion.aligned_targets import MOTION, AlignedTargets, replaced
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 

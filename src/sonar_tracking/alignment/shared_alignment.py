@@ -18,8 +18,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sonar_tracking.alignment.aligned_targets import MOTION, AlignedTargets
 from sonar_tracking.filtering.kalman import symmetrised
-from sonar_tracking.fusion.aligned_targets import MOTION, AlignedTargets
 from sonar_tracking.records.arrays import FloatArray
 
 

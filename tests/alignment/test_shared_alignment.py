@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sonar_tracking.filtering.kalman import KalmanState, predict, update
-from sonar_tracking.fusion.aligned_targets import (
+from sonar_tracking.alignment.aligned_targets import (
     MOTION,
     MotionStrengths,
     begun,
@@ -14,16 +13,17 @@ from sonar_tracking.fusion.aligned_targets import (
     predicted,
     with_array,
 )
-from sonar_tracking.fusion.shared_alignment import (
+from sonar_tracking.alignment.shared_alignment import (
     information_of,
     no_information,
     shared_alignment,
 )
-from sonar_tracking.fusion.target_updates import (
+from sonar_tracking.alignment.target_updates import (
     Bearings,
     updated_by_bearings,
     updated_by_positions,
 )
+from sonar_tracking.filtering.kalman import KalmanState, predict, update
 from sonar_tracking.records.arrays import FloatArray
 
 STRAIGHT = MotionStrengths(np.array([1e-4]), np.ones(1), 60.0)

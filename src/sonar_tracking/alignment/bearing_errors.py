@@ -21,8 +21,10 @@ import math
 
 import numpy as np
 
-from sonar_tracking.fusion.fusion_records import BearingKey
 from sonar_tracking.records.arrays import FloatArray
+
+BearingKey = tuple[str, int]
+"""Station and its bearing track."""
 
 MEMORY = 200.0
 """Innovations after which what was before counts by e^-1."""

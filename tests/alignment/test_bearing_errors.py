@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sonar_tracking.fusion.bearing_errors import LARGEST_SCALE, BearingErrors
+from sonar_tracking.alignment.bearing_errors import LARGEST_SCALE, BearingErrors
 from sonar_tracking.records.arrays import FloatArray
 
 TOLD = 1e-4

@@ -4,7 +4,7 @@ A target's state is x, y, vx, vy and one angle for each array that may be misali
 the array is really turned anticlockwise from what its data tell. The arrays are common to all
 targets, but given their misalignments the targets are independent of one another, so each target
 keeps the joint distribution of its own motion and of the misalignments that its own measurements
-tell (:mod:`sonar_tracking.fusion.shared_alignment` puts these together).
+tell (:mod:`sonar_tracking.alignment.shared_alignment` puts these together).
 
 The motion is nearly straight, with white accelerations of one of several strengths: interacting
 multiple models, in which the strength is drawn anew at a constant rate.
@@ -56,6 +56,14 @@ class MotionStrengths:
         """
         kept = np.exp(-interval / self.duration)
         return np.asarray(kept * np.eye(len(self.share)) + (1.0 - kept) * self.share)
+
+
+STRENGTHS = MotionStrengths(
+    density=np.array([3e-5, 4e-3, 0.2, 5.0]),
+    share=np.array([0.45, 0.5, 0.045, 0.005]),
+    duration=1000.0,
+)
+"""Of ships: on their courses, as the sea lets them, turning by some hundredths of m/s^2, hard."""
 
 
 @dataclass(frozen=True)
