@@ -7,15 +7,20 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from sonar_tracking.filtering.kalman import KalmanState
+from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.time import NANOSECONDS, nanoseconds
+from sonar_tracking.tma.estimators.hypothesis_bank import mixture_moments
 from sonar_tracking.tma.estimators.range_bank_state import REFUSED_AZIMUTHS
+from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
 from sonar_tracking.tma.targets.array_sides import SIDE_PROBABILITY
 from sonar_tracking.tma.targets.baseline_solver import BaselineSolver
 from sonar_tracking.tma.targets.lasting_residuals import LastingResiduals, direction_residuals
+from sonar_tracking.tma.targets.misaligned_stations import ALIGNED, UsedAlignment
 from sonar_tracking.tma.targets.systematic_errors import (
     Sight,
     SystematicErrors,
+    displacement,
     systematic_covariance,
 )
 from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
@@ -143,7 +148,10 @@ class FollowedTarget:
             self.residuals.add(observation.sensor_id, kind, residual, observation.stamp)
 
     def take(
-        self, solutions: tuple[TargetSolution, ...], configuration: TmaTrackerConfiguration
+        self,
+        solutions: tuple[TargetSolution, ...],
+        configuration: TmaTrackerConfiguration,
+        alignment: UsedAlignment = ALIGNED,
     ) -> None:
         """Let solutions of the solver stand, with what constant errors of the stations add."""
         errors = configuration.systematic_errors
@@ -151,9 +159,46 @@ class FollowedTarget:
             self.solutions = solutions
             return
         recent = self._recent()
-        sights = [one for one in self.sights.values() if one.stamp >= recent]
+        seen = {name: one for name, one in self.sights.items() if one.stamp >= recent}
+        sights, azimuths = list(seen.values()), alignment.spread(list(seen), errors.deviation)
         factor = self.residuals.factor(_coordinates(solutions), recent)
-        self.solutions = tuple(_with_errors(one, sights, errors, factor) for one in solutions)
+        self.solutions = tuple(
+            _with_errors(one, sights, errors, factor, azimuths) for one in solutions
+        )
+
+    def adopt(self, state: KalmanState, stamp: int, configuration: TmaTrackerConfiguration) -> None:
+        """Let the only solution be where the stations find it once their alignment is known."""
+        if len(self.solutions) != 1 or self.solutions[0].spatial is not None:
+            return
+        covariance = state.covariance.copy()
+        covariance[(0, 1), (0, 1)] += configuration.target_size**2
+        (solution,) = self.solutions
+        self.solutions = (replace(solution, stamp=stamp, mean=state.mean, covariance=covariance),)
+        self.judge(configuration)
+
+    def realign(self, turned: UsedAlignment, state: KalmanState | None) -> None:
+        """Move the hypotheses of the solver as stations are turned, or to where the target is.
+
+        Parameters
+        ----------
+        turned : UsedAlignment
+            By how much azimuths that have been taken in are to be turned.
+        state : KalmanState or None
+            x, y, vx, vy of the target; None = that follows from its stations.
+        """
+        solver, sights = self.solver, list(self.sights.values())
+        if not isinstance(solver, TargetSolver) or solver.state is None or not sights:
+            return
+        bank = solver.state.bank
+        mean = bank.mean.copy()
+        if state is not None and len(self.solutions) == 1:
+            mean[:, :KINEMATIC] += state.mean - mixture_moments(bank)[0][:KINEMATIC]
+        else:
+            change = turned.turned(list(self.sights))
+            for component in mean:
+                component[:2] += displacement(component[:2], sights, change)
+        solver.state = replace(solver.state, bank=replace(bank, mean=mean))
+        self.residuals = LastingResiduals()
 
     def _recent(self) -> int:
         """Return the stamp before which a station's last observation does not count, ns."""
@@ -231,14 +276,18 @@ def _coordinates(solutions: tuple[TargetSolution, ...]) -> int:
 
 
 def _with_errors(
-    solution: TargetSolution, sights: list[Sight], errors: SystematicErrors, factor: float
+    solution: TargetSolution,
+    sights: list[Sight],
+    errors: SystematicErrors,
+    factor: float,
+    azimuths: FloatArray | None,
 ) -> TargetSolution:
     """Return a solution with the covariance of lasting errors, whose variance has a factor."""
     if not sights or errors.none:
         return solution
     covariance, spatial = solution.covariance.copy(), solution.spatial
     position = solution.mean[:2] if spatial is None else spatial.mean[list(PLACE)]
-    added = systematic_covariance(position, sights, errors, factor)
+    added = systematic_covariance(position, sights, errors, factor, azimuths)
     covariance[:2, :2] += added[:2, :2]
     if spatial is not None:
         widened = spatial.covariance.copy()

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from sonar_tracking.errors import Notice
 from sonar_tracking.motion import KinematicState
+from sonar_tracking.records.alignments import ArrayAlignments
 from sonar_tracking.records.bearings import BearingTracks
 from sonar_tracking.records.lines import FrequencyLines
 from sonar_tracking.records.positions import PositionTracks
@@ -63,7 +64,10 @@ class TmaUpdate:
         The complete picture at the stamp of the frame; None = the frame had no bearing tracks.
     notices : tuple of Notice
         What the user should know of the frame.
+    alignments : ArrayAlignments
+        How the stations heard so far are turned from what their data tell.
     """
 
     tracks: PositionTracks | None
     notices: tuple[Notice, ...]
+    alignments: ArrayAlignments

@@ -92,7 +92,11 @@ class SystematicErrors:
 
 
 def systematic_covariance(
-    position: FloatArray, sights: Sequence[Sight], errors: SystematicErrors, factor: float = 1.0
+    position: FloatArray,
+    sights: Sequence[Sight],
+    errors: SystematicErrors,
+    factor: float = 1.0,
+    azimuths: FloatArray | None = None,
 ) -> FloatArray:
     """Return the covariance that lasting errors add to that of a position.
 
@@ -106,13 +110,49 @@ def systematic_covariance(
         Their deviations.
     factor : float
         By which the variance of errors of directions is larger than told.
+    azimuths : ndarray, shape (n_sights, n_sights), or None
+        Covariance of the errors of azimuths, rad^2; None = as the deviations tell.
 
     Returns
     -------
     ndarray, shape (2, 2) or (3, 3)
         m^2.
     """
-    rows, deviations = [], []
+    moved, elevated = _displacements(position, sights)
+    n_sights = len(sights)
+    spread = np.zeros((n_sights + len(elevated), n_sights + len(elevated)))
+    told = errors.deviation**2 * np.eye(n_sights)
+    spread[:n_sights, :n_sights] = told if azimuths is None else azimuths
+    for row, slope in enumerate(elevated, n_sights):
+        spread[row, row] = errors.of_elevation(slope) ** 2
+    added = moved @ spread @ moved.T
+    return np.asarray(factor * added + errors.size**2 * np.eye(len(position)))
+
+
+def displacement(position: FloatArray, sights: Sequence[Sight], turned: FloatArray) -> FloatArray:
+    """Return by how much a position moves as the azimuths of stations are turned.
+
+    Parameters
+    ----------
+    position : ndarray, shape (2,) or (3,)
+        Of the target, m; with z if its height is estimated.
+    sights : sequence of Sight
+        Of the stations that observe it; at least one.
+    turned : ndarray, shape (n_sights,)
+        By how much, anticlockwise, rad.
+
+    Returns
+    -------
+    ndarray, shape (2,) or (3,)
+        m.
+    """
+    moved, _ = _displacements(position, sights)
+    return np.asarray(moved[:, : len(sights)] @ turned)
+
+
+def _displacements(position: FloatArray, sights: Sequence[Sight]) -> tuple[FloatArray, list[float]]:
+    """Return how a position moves with each azimuth, then each elevation, and their tangents."""
+    rows, rises, slopes = [], [], []
     for sight in sights:
         offset = position[:2] - sight.position
         distance = max(float(np.hypot(*offset)), NEAREST)
@@ -122,18 +162,16 @@ def systematic_covariance(
         slant = np.hypot(distance, height) if sight.elevated else distance
         # An error across the line of sight: overhead the azimuth itself errs by more.
         rows.append(_padded(np.array([-direction[1], direction[0]]) / slant, position))
-        deviations.append(errors.deviation)
         if sight.elevated:
             rise = _padded(-direction * height / slant**2, position)
             rise[2:] = distance / slant**2
-            rows.append(rise)
-            deviations.append(errors.of_elevation(abs(height) / distance))
-    derivative = np.array(rows)
+            rises.append(rise)
+            slopes.append(abs(height) / distance)
+    derivative = np.array(rows + rises)
     values, vectors = np.linalg.eigh(derivative.T @ derivative)
     fixed = values > FIXED * values[-1]
     inverse = (vectors * np.where(fixed, 1.0 / np.where(fixed, values, 1.0), 0.0)) @ vectors.T
-    moved = inverse @ derivative.T * np.array(deviations)
-    return np.asarray(factor * moved @ moved.T + errors.size**2 * np.eye(len(position)))
+    return inverse @ derivative.T, slopes
 
 
 def _padded(row: FloatArray, position: FloatArray) -> FloatArray:

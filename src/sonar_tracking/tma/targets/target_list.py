@@ -6,12 +6,16 @@ turn out to be one go on in one solver; while the side of a line array is open, 
 
 from __future__ import annotations
 
+import numpy as np
+
 from sonar_tracking.errors import InputError, Notice
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks
 from sonar_tracking.records.time import UNKNOWN_STAMP, common_watermark, nanoseconds
 from sonar_tracking.tma.targets.array_sides import LEFT, RIGHT
 from sonar_tracking.tma.targets.followed_target import SILENCE, FollowedTarget, new_solver
+from sonar_tracking.tma.targets.misaligned_stations import ALIGNED, Misalignments, UsedAlignment
+from sonar_tracking.tma.targets.station_alignment import StationAlignment
 from sonar_tracking.tma.targets.station_pairing import Pair, StationPairing
 from sonar_tracking.tma.targets.station_view import StationRecord
 from sonar_tracking.tma.targets.target_notices import misled
@@ -24,6 +28,10 @@ TrackKey = tuple[str, int]
 
 RELEASED_AFTER = 10
 """A station whose azimuths do not fit so many times in a row sees another target."""
+
+
+NOTICEABLE = 0.1
+"""Standard deviations by which a misalignment changes before it is used as it is known now."""
 
 
 class TargetList:
@@ -57,6 +65,12 @@ class TargetList:
         self._targets: list[FollowedTarget] = []
         self._ended: list[TrackRow] = []
         self._pairing = StationPairing(self.configuration.association_odds)
+        self._alignment = StationAlignment(
+            self.configuration.alignment_deviation,
+            self.configuration.systematic_errors.deviation,
+            self.configuration.maximum_speed,
+        )
+        self._used = ALIGNED
 
     def end_track(self, number: int) -> None:
         """End the target of a row since an operator says so; its bearing tracks start no other.
@@ -134,6 +148,8 @@ class TargetList:
         """Take a bearing track that has ended from its target, which ends with the last one."""
         target = self._target_of.pop(key)
         del target.members[key[0]]
+        if len(target.members) == 1:
+            self._alignment.end(target)
         if target.members:
             target.bearing_track_id = next(iter(target.members.values()))
         elif self.configuration.coast_duration == 0.0:
@@ -142,6 +158,7 @@ class TargetList:
     def _end(self, target: FollowedTarget) -> None:
         self._targets.remove(target)
         self._pairing.end(target)
+        self._alignment.end(target)
         self._replace(target, ())
 
     def _replace(self, target: FollowedTarget, solutions: tuple[TargetSolution, ...]) -> None:
@@ -151,7 +168,7 @@ class TargetList:
             if solution.side in target.row_of and solution.side not in staying:
                 self._ended.append(self._row(target, solution, TrackStatus.TERMINATED))
                 del target.row_of[solution.side]
-        target.take(solutions, self.configuration)
+        target.take(solutions, self.configuration, self._used)
 
     def _end_coasted(self) -> None:
         for target in [one for one in self._targets if not one.members]:
@@ -172,7 +189,10 @@ class TargetList:
         for key in second.members.items():
             self._target_of[key] = first
         first.solver = pair.solver
-        self._replace(first, pair.solver.solutions())
+        solutions = pair.solver.solutions()
+        if len(solutions) == 1:
+            self._alignment.begin(first, second, solutions[0])
+        self._replace(first, solutions)
         first.judge(self.configuration)
         self._end(second)
 
@@ -182,6 +202,7 @@ class TargetList:
             for sensor, count in list(target.misfits.items()):
                 if count >= RELEASED_AFTER and len(target.members) > 1:
                     key = (sensor, target.members[sensor])
+                    self._alignment.end(target, trusted=False)
                     self._leave(key)
                     target.misfits = {}
 
@@ -204,6 +225,24 @@ class TargetList:
                 target.forsake()
             else:
                 self._end(target)
+
+    def _use_alignment(self) -> Misalignments:
+        """Return the misalignments; once some is found targets are where they make them."""
+        found = self._alignment.found()
+        stations, used = tuple(self._alignment.stations), self._used
+        if not (found.found or used.sensor_id):
+            return found
+        states = self._alignment.states(found, self._stamp)
+        change = UsedAlignment(stations, found.mean - used.turned(stations), found.covariance)
+        if np.any(np.abs(change.mean) > NOTICEABLE * found.deviation):
+            self._used = UsedAlignment(stations, found.mean, found.covariance)
+            for target in self._targets:
+                target.realign(change, states.get(target))
+                if target.solutions:
+                    self._replace(target, target.solver.solutions())
+        for target, state in states.items():
+            target.adopt(state, self._stamp, self.configuration)
+        return found
 
     def picture(self) -> PositionTracks:
         """Return the complete picture at the stamp of the last frame; an ended row appears once."""

@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from sonar_tracking.errors import Notice, Severity, shown
+from sonar_tracking.records.alignments import ArrayAlignments
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
+
+CERTAIN = 3.0
+"""Standard deviations from which on it is said that a station is turned."""
 
 
 def unconfirmed(target: FollowedTarget) -> Notice:
@@ -29,3 +35,18 @@ def misled(target: FollowedTarget) -> Notice:
 def _name(target: FollowedTarget) -> str:
     sensors = " and ".join(shown(one) for one in target.members)
     return f"bearing track {target.bearing_track_id} of {sensors}"
+
+
+def turned(alignments: ArrayAlignments) -> list[Notice]:
+    """Return the notices of stations that are certain to be turned from what their data tell."""
+    notices = []
+    columns = alignments.misalignment, alignments.misalignment_standard_deviation
+    for sensor, angle, deviation in zip(alignments.sensor_id, *columns, strict=True):
+        if abs(angle) > CERTAIN * deviation:
+            text = (
+                f"{shown(sensor)} is turned by {np.degrees(angle):.1f} degrees from what its data "
+                f"tell, known to {np.degrees(deviation):.1f}: its bearings are corrected; check "
+                "its mounting_yaw_deg or its pose."
+            )
+            notices.append(Notice(Severity.WARN, f"alignment of {shown(sensor)}", text))
+    return notices

@@ -59,6 +59,14 @@ class TmaTrackerConfiguration(RangeBankConfiguration):
         minimum=0.0,
         maximum=90.0,
     )
+    alignment_deviation_deg: float = parameter(
+        2.0,
+        "of the misalignment of a station that is misaligned; it is estimated where several "
+        "stations hear the same targets, and used once it is certain. 0 = none",
+        unit="deg",
+        minimum=0.0,
+        maximum=45.0,
+    )
     target_size: float = parameter(
         10.0,
         "standard deviation of where on a target what is heard comes from, which is added to the "
@@ -145,6 +153,11 @@ class TmaTrackerConfiguration(RangeBankConfiguration):
     def azimuth_deviation(self) -> float:
         """In rad."""
         return float(np.radians(self.azimuth_deviation_deg))
+
+    @property
+    def alignment_deviation(self) -> float:
+        """In rad."""
+        return float(np.radians(self.alignment_deviation_deg))
 
     @property
     def systematic_errors(self) -> SystematicErrors:

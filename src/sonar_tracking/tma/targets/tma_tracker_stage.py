@@ -14,6 +14,7 @@ import numpy as np
 
 from sonar_tracking.errors import InputError, Notice, Severity
 from sonar_tracking.motion import KinematicState
+from sonar_tracking.records.alignments import ArrayAlignments
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
 from sonar_tracking.records.commands import OwnShipLine
 from sonar_tracking.records.lines import FrequencyLines
@@ -36,7 +37,7 @@ from sonar_tracking.tma.targets.station_view import (
     track_angles,
 )
 from sonar_tracking.tma.targets.target_list import TargetList, TrackKey
-from sonar_tracking.tma.targets.target_notices import unconfirmed
+from sonar_tracking.tma.targets.target_notices import turned, unconfirmed
 from sonar_tracking.tma.targets.target_records import TargetObservation
 from sonar_tracking.tma.targets.tma_tracker_configuration import (
     TmaTrackerConfiguration,
@@ -144,8 +145,18 @@ class TmaTrackerStage(TargetList):
         self._release_misfits()
         self._forsake_misled(notices)
         self._end_coasted()
+        alignments = self._aligned(notices)
         tracks = self.picture() if frame.bearings or frame.unusable else None
-        return TmaUpdate(tracks, tuple(notices))
+        return TmaUpdate(tracks, tuple(notices), alignments)
+
+    def _aligned(self, notices: list[Notice]) -> ArrayAlignments:
+        """Return how stations are turned, and say of which it is certain."""
+        found = self._use_alignment()
+        stations = tuple(self._alignment.stations)
+        alignments = ArrayAlignments(self._stamp, stations, found.mean, found.deviation)
+        if found.found:
+            notices += turned(alignments)
+        return alignments
 
     def _read_bearings(
         self,
@@ -236,9 +247,10 @@ class TmaTrackerStage(TargetList):
         for key, _ in seen:
             if key in born:
                 self._begin(key)
-        targets = [(self._target_of[key], one) for key, one in seen]
+        told = [(self._target_of[key], one) for key, one in seen]
+        targets = [(target, self._used.corrected(one)) for target, one in told]
         outcomes = observe_together(targets, self._pairing)
-        for (key, observation), (target, _), outcome in zip(seen, targets, outcomes, strict=True):
+        for (key, _), (target, observation), outcome in zip(seen, targets, outcomes, strict=True):
             try:
                 if isinstance(outcome, Exception):
                     raise outcome
@@ -254,3 +266,5 @@ class TmaTrackerStage(TargetList):
                 notices.append(left_out(key[0], f"track {key[1]} became numerically impossible"))
                 self._pairing.end(target)
                 target.solver = new_solver(self.configuration)
+        usable = zip(told, outcomes, strict=True)
+        self._alignment.take([one for one, found in usable if not isinstance(found, Exception)])

@@ -1,0 +1,216 @@
+"""The misalignment of stations, from the targets that several of them hear.
+
+Beside its solver each target of several stations has a filter of its motion and of the
+misalignments of all stations, which takes the azimuths as they are told; what all of them tell of
+the misalignments adds up (:mod:`sonar_tracking.alignment.shared_alignment`). It begins with what
+each station has heard before they were found to hear the same target, about the solution, but with
+a covariance so wide that this counts for nothing.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sonar_tracking.alignment.aligned_targets import (
+    MOTION,
+    STRENGTHS,
+    AlignedTargets,
+    begun,
+    joined,
+    predicted,
+    replaced,
+    with_array,
+)
+from sonar_tracking.alignment.bearing_errors import BearingErrors
+from sonar_tracking.alignment.shared_alignment import (
+    information_of,
+    no_information,
+    told_alignment,
+)
+from sonar_tracking.alignment.target_updates import Bearings, innovations, updated_if_expected
+from sonar_tracking.filtering.kalman import KalmanState
+from sonar_tracking.motion import wrap_angle
+from sonar_tracking.records.time import NANOSECONDS, UNKNOWN_STAMP
+from sonar_tracking.tma.targets.followed_target import FollowedTarget
+from sonar_tracking.tma.targets.misaligned_stations import Misalignments, misalignments
+from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
+
+REMEMBERED = 200
+"""Azimuths of a target that are kept until another station hears it."""
+
+VAGUE = 0.2
+"""Standard deviation of the range of a new target, as part of it."""
+
+GATE = 4.0
+"""Standard deviations beyond which an azimuth is of something else."""
+
+
+@dataclass(frozen=True)
+class _Heard:
+    """Azimuths of one target as told by a station, and its bearing track."""
+
+    observation: TargetObservation
+    track: int
+
+
+class StationAlignment:
+    """Estimates the misalignments of all stations.
+
+    Parameters
+    ----------
+    deviation : float
+        Of the misalignment of a station that is misaligned, rad; 0 = none is.
+    lasting : float
+        Of what is left of it where a station is aligned, rad.
+    maximum_speed : float
+        Of targets, per axis, m/s.
+    """
+
+    def __init__(self, deviation: float, lasting: float, maximum_speed: float) -> None:
+        self._prior, self._lasting = deviation**2, lasting**2
+        self._speed = maximum_speed
+        self.stations: dict[str, int] = {}
+        self._errors: list[BearingErrors] = []
+        self._targets: list[FollowedTarget] = []
+        self._aligned = begun(np.empty((0, 4)), np.empty((0, 4, 4)), STRENGTHS, np.empty(0))
+        self._ended = no_information(0)
+        self._stamp = UNKNOWN_STAMP
+        self._logs: dict[FollowedTarget, deque[_Heard]] = {}
+
+    def take(self, seen: Sequence[tuple[FollowedTarget, TargetObservation]]) -> None:
+        """Take in what one station observed of targets at one instant, as told."""
+        heard = [one for one in seen if one[1].azimuths]
+        if not heard or not self._prior:
+            return
+        sensor, stamp = heard[0][1].sensor_id, heard[0][1].stamp
+        self._know(sensor)
+        followed = []
+        for target, observation in heard:
+            own = _Heard(observation, target.members.get(sensor, 0))
+            if target in self._targets:
+                followed.append((self._targets.index(target), own))
+            else:
+                self._logs.setdefault(target, deque(maxlen=REMEMBERED)).append(own)
+        if followed:
+            self._predict(stamp)
+            rows = np.array([row for row, _ in followed])
+            updated = self._updated(self._aligned.rows(rows), [own for _, own in followed])
+            self._aligned = replaced(self._aligned, rows, updated)
+
+    def begin(
+        self, first: FollowedTarget, second: FollowedTarget, solution: TargetSolution
+    ) -> None:
+        """Follow a target that two stations have been found to hear."""
+        logs = [self._logs.pop(one, deque()) for one in (first, second)]
+        if not all(logs) or first in self._targets:
+            return
+        start = max(log[0].observation.stamp for log in logs)
+        heard = [one for log in logs for one in log if one.observation.stamp >= start]
+        heard.sort(key=lambda one: (one.observation.stamp, one.observation.sensor_id))
+        state = solution.mean.copy()
+        state[:2] -= (solution.stamp - start) / NANOSECONDS * state[2:]
+        places = np.array([log[-1].observation.position for log in logs])
+        distance = float(np.max(np.hypot(*(state[:2] - places).T)))
+        spread = np.diag(np.repeat([(VAGUE * distance) ** 2, self._speed**2 / 3.0], 2))
+        prior = np.full(len(self.stations), self._prior)
+        target = begun(state[None], spread[None], STRENGTHS, prior)
+        for one in heard:
+            stamp = one.observation.stamp
+            target = predicted(target, (stamp - start) / NANOSECONDS, STRENGTHS)
+            target, start = self._updated(target, [one]), stamp
+        self._predict(max(start, self._stamp))
+        target = predicted(target, (self._stamp - start) / NANOSECONDS, STRENGTHS)
+        self._aligned = joined(self._aligned, target)
+        self._targets.append(first)
+
+    def end(self, target: FollowedTarget, trusted: bool = True) -> None:
+        """Follow a target no longer, and keep what it has told if that is trusted."""
+        self._logs.pop(target, None)
+        if target not in self._targets:
+            return
+        row = self._targets.index(target)
+        if trusted:
+            mean, covariance = self._aligned.rows(np.array([row])).collapsed()
+            told = information_of(mean, covariance, np.full(len(self.stations), self._prior))
+            self._ended = self._ended.plus(told)
+        self._targets.remove(target)
+        left = np.delete(np.arange(len(self._aligned)), row)
+        self._aligned = self._aligned.rows(left)
+
+    def found(self) -> Misalignments:
+        """Return what is known of the misalignments of :attr:`stations`."""
+        told = self._ended
+        if self._targets:
+            mean, covariance = self._aligned.collapsed()
+            prior = np.full(len(self.stations), self._prior)
+            told = told.plus(information_of(mean, covariance, prior))
+        return misalignments(told, self._prior, self._lasting)
+
+    def states(self, found: Misalignments, stamp: int) -> dict[FollowedTarget, KalmanState]:
+        """Return x, y, vx, vy of the targets at a stamp, ns, as misalignments found make them."""
+        if not self._targets:
+            return {}
+        self._predict(max(stamp, self._stamp))
+        mean, covariance = self._aligned.collapsed()
+        mean, covariance = told_alignment(mean, covariance, found.mean, found.covariance)
+        states = zip(mean[:, :MOTION], covariance[:, :MOTION, :MOTION], strict=True)
+        return {
+            target: KalmanState(*state) for target, state in zip(self._targets, states, strict=True)
+        }
+
+    def _know(self, sensor_id: str) -> None:
+        if sensor_id not in self.stations:
+            self.stations[sensor_id] = len(self.stations)
+            self._errors.append(BearingErrors())
+            self._aligned = with_array(self._aligned, self._prior)
+            self._ended = self._ended.with_array()
+
+    def _predict(self, stamp: int) -> None:
+        interval = (stamp - self._stamp) / NANOSECONDS
+        self._aligned = predicted(self._aligned, interval, STRENGTHS)
+        self._stamp = stamp
+
+    def _updated(self, targets: AlignedTargets, heard: list[_Heard]) -> AlignedTargets:
+        """Return targets with an azimuth each of one station, at their instant."""
+        first = heard[0].observation
+        station = self.stations[first.sensor_id]
+        told = np.array([one.observation.azimuth_variance for one in heard])
+        bearings = Bearings(
+            azimuth=np.array([one.observation.azimuths[0] for one in heard]),
+            variance=told,
+            station=np.array(first.position),
+            array=station,
+            propagation_speed=first.propagation_speed,
+        )
+        bearings = _nearer_sides(bearings, targets, heard)
+        innovation, predicted_variance = innovations(targets, bearings)
+        errors = self._errors[station]
+        scaled = replace(bearings, variance=errors.scale * told)
+        updated, _ = updated_if_expected(targets, scaled, GATE)
+        keys = [(first.sensor_id, one.track) for one in heard]
+        errors.learn(keys, innovation, predicted_variance, told)
+        return updated
+
+
+def _nearer_sides(bearings: Bearings, targets: AlignedTargets, heard: list[_Heard]) -> Bearings:
+    """Return bearings of the sides of line arrays that are nearer to what is expected."""
+    other = np.array(
+        [
+            one.observation.azimuths[1] if len(one.observation.azimuths) == 2 else np.nan
+            for one in heard
+        ]
+    )
+    if np.all(np.isnan(other)):
+        return bearings
+    innovation, _ = innovations(targets, bearings)
+    there = wrap_angle(other - (bearings.azimuth - innovation))
+    swapped = np.abs(there) < np.abs(innovation)
+    return replace(
+        bearings,
+        azimuth=np.where(swapped, other, bearings.azimuth),
+        other_side=np.where(swapped, bearings.azimuth, other),
+    )
