@@ -12,6 +12,7 @@ from sonar_tracking.graph.catalogue.topics import (
     FREQUENCY_LINES,
     ODOMETRY,
     PASSIVE_TRACKS,
+    STATION_ALIGNMENTS,
 )
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
 
@@ -22,7 +23,7 @@ TMA_TRACKER = NodeDescription(
     configurations=(TmaTrackerConfiguration, TmaInputConfiguration, NodeConfiguration),
     inputs=(),
     optional_inputs=(ODOMETRY,),
-    outputs=(PASSIVE_TRACKS,),
+    outputs=(PASSIVE_TRACKS, STATION_ALIGNMENTS),
     topic_parameters={"bearing_topics": BEARING_TRACKS, "line_topics": FREQUENCY_LINES},
     on_request=True,
     commanded_topic=PASSIVE_TRACKS,

@@ -144,6 +144,13 @@ ALIGNMENTS = Topic(
     TopicRole.OUTPUT,
     "how the arrays are turned from what their data tell",
 )
+STATION_ALIGNMENTS = Topic(
+    "passive/station_alignment",
+    "sonar_tracking_msgs/msg/ArrayAlignments",
+    TopicKind.TRACKS,
+    TopicRole.OUTPUT,
+    "how stations are turned from what their data tell, by what several of them hear",
+)
 OWN_TRACKS = Topic(
     "own_tracks",
     "sonar_tracking_msgs/msg/Tracks",

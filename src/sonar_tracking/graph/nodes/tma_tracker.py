@@ -16,8 +16,10 @@ from sonar_tracking.graph.catalogue.topics import (
     FREQUENCY_LINES,
     ODOMETRY,
     PASSIVE_TRACKS,
+    STATION_ALIGNMENTS,
     Topic,
 )
+from sonar_tracking.graph.message_writing.alignment_writing import alignments_to_message
 from sonar_tracking.graph.message_writing.position_writing import position_tracks_to_message
 from sonar_tracking.graph.node_base.data_flow import Received
 from sonar_tracking.graph.node_base.event_time_join import JoinedItem
@@ -46,9 +48,9 @@ class TmaTracker(SonarNode):
     """Shell around :class:`sonar_tracking.tma.targets.tma_tracker_stage.TmaTrackerStage`.
 
     Bearings and lines of one stamp are one frame, in the order of the topics; every frame with
-    bearings, usable or not, gives exactly one list. Odometry is waited for only where the data do
-    not tell where their sensor is. A message that cannot be read does not spoil the frame: tracks
-    of its station are predicted.
+    bearings, usable or not, gives exactly one list, and the alignment of several stations. Odometry
+    is waited for only where the data do not tell where their sensor is. A message that cannot be
+    read does not spoil the frame: tracks of its station are predicted.
     """
 
     uses_rest_of_group = True
@@ -66,6 +68,7 @@ class TmaTracker(SonarNode):
         self._stage = TmaTrackerStage(self._configuration, len(bearings))
         self._published = 0
         self._tracks = self.data_publisher(PASSIVE_TRACKS)
+        self._alignments = self.data_publisher(STATION_ALIGNMENTS)
         group: dict[Topic, Callable[[Any], Any]] = {
             **dict.fromkeys(bearings, measured_directions_from_message),
             **dict.fromkeys(lines, frequency_lines_from_message),
@@ -102,6 +105,10 @@ class TmaTracker(SonarNode):
         update = self._stage.update(frame)
         if update.tracks is not None:
             self._publish(update.tracks)
+            if len(self._bearings) > 1:
+                next_stamp = update.tracks.next_stamp
+                told = replace(update.alignments, next_stamp=next_stamp)
+                self._alignments.publish(alignments_to_message(told))
         return update.notices
 
     def substitute(self, rejected: Received) -> None:

@@ -1,0 +1,105 @@
+"""Protects that stations which are turned are found, and spoil positions no longer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.simulation.scenarios.bearing_sensor_configuration import (
+    BearingSensorConfiguration,
+)
+from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
+from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+from tests.tma.passive_scene import DIRECTIONS, FAR, NEAR, running, scene, simulated
+
+ABOARD = replace(DIRECTIONS, frame_interval=4.0)
+BUOY = BearingSensorConfiguration(
+    sensor_id="buoy",
+    namespace="buoy",
+    platform="fixed",
+    position=(3000.0, -500.0),
+    angle_kind="azimuth",
+    frame_interval=4.0,
+)
+TOLD = TmaTrackerConfiguration(alignment_deviation_deg=0.0)
+"""Stations are taken to be aligned, whatever their bearings tell."""
+
+SCORED = 600.0
+"""From when on positions are scored, s."""
+
+SEEDS = range(1, 5)
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run: root mean square error of positions, m, and what is said of the stations."""
+
+    rmse: float
+    sensors: tuple[str, ...]
+    misalignment: FloatArray
+    deviation: FloatArray
+    notices: tuple[str, ...]
+
+
+def followed(
+    seed: int, misalignment_deg: float, configuration: TmaTrackerConfiguration | None = None
+) -> Run:
+    """Return how two targets are followed by own ship and a buoy that is turned."""
+    stations = (ABOARD, replace(BUOY, misalignment_deg=misalignment_deg))
+    stage = TmaTrackerStage(configuration, n_stations=2)
+    squares, notices = [], []
+    frames = simulated(scene(*stations, targets=(NEAR, FAR), duration=800.0, seed=seed))
+    begin = frames[0][0].stamp
+    for frame, truth in frames:
+        update = stage.update(frame)
+        notices += [notice.text for notice in update.notices]
+        if frame.stamp - begin < SCORED * 1e9:
+            continue
+        assert update.tracks is not None
+        found = running(update.tracks).state[:, :2]
+        for position in truth.truth_tracks.position:
+            squares.append(np.min(np.sum((found - position) ** 2, axis=1)))
+    told = update.alignments
+    columns = told.misalignment, told.misalignment_standard_deviation
+    return Run(float(np.sqrt(np.mean(squares))), told.sensor_id, *columns, tuple(notices))
+
+
+def together(runs: list[Run]) -> float:
+    return float(np.sqrt(np.mean([run.rmse**2 for run in runs])))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("misalignment_deg", "part"), [(1.0, 0.5), (3.0, 0.3)])
+def test_a_turned_station_is_found_and_spoils_positions_no_longer(
+    misalignment_deg: float, part: float
+) -> None:
+    runs = [followed(seed, misalignment_deg) for seed in SEEDS]
+    told = [followed(seed, misalignment_deg, TOLD) for seed in SEEDS]
+    assert together(runs) < part * together(told)
+    errors = []
+    for run in runs:
+        own = run.sensors.index("buoy")
+        errors.append((run.misalignment[own] - np.radians(misalignment_deg)) / run.deviation[own])
+        assert any("is turned by" in text for text in run.notices)
+    assert np.mean(np.square(errors)) < 2.5
+
+
+@pytest.mark.slow
+def test_aligned_stations_lose_nothing() -> None:
+    for seed in SEEDS:
+        run, told = followed(seed, 0.0), followed(seed, 0.0, TOLD)
+        assert run.rmse == told.rmse
+        assert not any("is turned by" in text for text in run.notices)
+        assert np.all(np.abs(run.misalignment) < run.deviation)
+
+
+def test_one_station_alone_tells_nothing_of_its_alignment() -> None:
+    stage = TmaTrackerStage(n_stations=1)
+    turned = replace(ABOARD, misalignment_deg=3.0)
+    for frame, _ in simulated(scene(turned, targets=(NEAR,), duration=60.0)):
+        alignments = stage.update(frame).alignments
+    assert alignments.misalignment == pytest.approx([0.0])
+    assert np.degrees(alignments.misalignment_standard_deviation[0]) > 0.5
