@@ -38,7 +38,7 @@ def _name(target: FollowedTarget) -> str:
 
 
 def turned(alignments: ArrayAlignments) -> list[Notice]:
-    """Return the notices of stations that are certain to be turned from what their data tell."""
+    """Return the notices of stations some of which are turned from what their data tell."""
     notices = []
     columns = alignments.misalignment, alignments.misalignment_standard_deviation
     for sensor, angle, deviation in zip(alignments.sensor_id, *columns, strict=True):
@@ -49,4 +49,11 @@ def turned(alignments: ArrayAlignments) -> list[Notice]:
                 "its mounting_yaw_deg or its pose."
             )
             notices.append(Notice(Severity.WARN, f"alignment of {shown(sensor)}", text))
+    if not notices:
+        names = " and ".join(map(shown, alignments.sensor_id))
+        text = (
+            f"the bearings of {names} do not agree: a station is turned from what its data tell, "
+            "and which is not certain yet; check their mounting_yaw_deg or their poses."
+        )
+        notices.append(Notice(Severity.WARN, "alignment of stations", text))
     return notices
