@@ -52,6 +52,8 @@ from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.records.datum import Datum
 
 TABLE_WIDTH = 130
+PLACES_FROM = 110
+"""Columns of a terminal that has room for places."""
 
 
 def plot_bag(
@@ -243,7 +245,25 @@ def _draw_places(
 def _write_tables(
     contents: BagContents, start: int, directory: Path, console: Console, datum: Datum | None
 ) -> list[Path]:
-    """Print the tables of the tracks and write them as text and as a picture."""
+    """Print the tables of the tracks and write them as text and as a picture.
+
+    A narrow terminal has no room for places.
+    """
+    tables = _tables(contents, start, datum)
+    if not tables:
+        return []
+    printed = tables if console.width >= PLACES_FROM else _tables(contents, start, None)
+    for table in printed:
+        console.print(table.to_rich())
+    text = directory / "tracks.txt"
+    with text.open("w", encoding="utf-8") as file:
+        to_file = Console(file=file, width=TABLE_WIDTH, highlight=False)
+        for table in tables:
+            to_file.print(table.to_rich())
+    return [text, *draw_summary_tables(tables, directory / "track_table.png")]
+
+
+def _tables(contents: BagContents, start: int, datum: Datum | None) -> list[SummaryTable]:
     tables: list[SummaryTable] = [
         bearing_summary(topic, tracks, start)
         for topic, tracks in contents.bearing_tracks.items()
@@ -254,12 +274,4 @@ def _write_tables(
         for topic, tracks in contents.position_tracks.items()
         if tracks
     ]
-    if not tables:
-        return []
-    text = directory / "tracks.txt"
-    with text.open("w", encoding="utf-8") as file:
-        to_file = Console(file=file, width=TABLE_WIDTH, highlight=False)
-        for table in tables:
-            console.print(table.to_rich())
-            to_file.print(table.to_rich())
-    return [text, *draw_summary_tables(tables, directory / "track_table.png")]
+    return tables

@@ -98,5 +98,6 @@ class SentenceInput:
         for kind, count in self._faults.items():
             if count != self._reported[kind]:
                 self._reported[kind] = count
+                # Lasting: it is logged once, and the count goes on.
                 text = f"{count} times {kind}."
-                self._diagnostics.report(SENTENCES, kind, Severity.WARN, text)
+                self._diagnostics.report(SENTENCES, kind, Severity.WARN, text, lasting=True)
