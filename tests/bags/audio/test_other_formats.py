@@ -146,3 +146,15 @@ def test_another_sample_rate_in_one_directory_is_refused(tmp_path: Path, ending:
         soundfile.write(path, SAMPLES, rate, "PCM_16", format=FORMATS[ending])
     with pytest.raises(ConfigurationError, match=r"16000 Hz, .* has 8000 Hz; import files of one"):
         open_recording(tmp_path, 3, None, 1)
+
+
+@pytest.mark.parametrize("rate", [RATE, 2 * RATE])
+def test_a_second_stream_in_a_flac_file_is_told(
+    tmp_path: Path, originals: dict[str, bytes], rate: int
+) -> None:
+    soundfile.write(tmp_path / "b.flac", SAMPLES, rate, "PCM_16")
+    both = originals["flac"] + (tmp_path / "b.flac").read_bytes()
+    (tmp_path / "both.flac").write_bytes(both)
+    _, notes = read(tmp_path / "both.flac")
+    place = f"from byte {len(originals['flac'])} on, of {rate} Hz where the first has {RATE} Hz"
+    assert place in notes and "it is not used" in notes

@@ -6,8 +6,12 @@ The number in the head of the file is zero or too small if the recorder did not 
 from __future__ import annotations
 
 import re
+from mmap import ACCESS_READ, mmap
 from pathlib import Path
 from typing import BinaryIO
+
+_STREAM = re.compile(rb"fLaC[\x00\x80]\x00\x00\x22", re.DOTALL)
+"""Marker of a stream, with the head of its first block: always one of 34 bytes."""
 
 _SYNC = re.compile(rb"\xff[\xf8\xf9]")
 _SEARCHED = 1 << 20
@@ -32,6 +36,19 @@ def total_patch(path: Path, n_samples: int) -> dict[int, bytes]:
         head = file.read(_TOTAL_POSITION + 5)
     upper = int.from_bytes(head[_TOTAL_POSITION:], "big") >> 36 << 36
     return {_TOTAL_POSITION: (upper | n_samples).to_bytes(5, "big")}
+
+
+def further_stream(path: Path) -> tuple[int, int] | None:
+    """Return where another stream begins behind the first, bytes, and its sample rate, Hz.
+
+    None = there is none. Decoders end with the first stream, whatever its neighbour holds.
+    """
+    with path.open("rb") as file, mmap(file.fileno(), 0, access=ACCESS_READ) as data:
+        found = _STREAM.search(data, 4)
+        if found is None:
+            return None
+        rate = int.from_bytes(data[found.start() + 18 : found.start() + 21], "big") >> 4
+        return found.start(), rate
 
 
 def held_samples(path: Path) -> int | None:

@@ -12,7 +12,12 @@ from typing import Any
 import numpy as np
 
 from sonar_tracking.bags.audio.audio_file import AudioDescription, AudioFile, length_note
-from sonar_tracking.bags.audio.flac_length import announced_samples, held_samples, total_patch
+from sonar_tracking.bags.audio.flac_length import (
+    announced_samples,
+    further_stream,
+    held_samples,
+    total_patch,
+)
 from sonar_tracking.bags.audio.header_repair import RepairedFile, SampleChunk, sample_chunk
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.records.arrays import FloatArray
@@ -108,6 +113,11 @@ def open_sound(path: Path) -> SoundFile:
     if _is_flac(path) and (announced := announced_samples(path)) != n_samples:
         told = announced / info.samplerate if announced else None
         notes.append(length_note(path, told, n_samples / info.samplerate))
+    if _is_flac(path) and (further := further_stream(path)) is not None:
+        notes.append(
+            f"{path} holds another FLAC stream from byte {further[0]} on, of {further[1]} Hz where "
+            f"the first has {info.samplerate} Hz; it is not used: put it into a file of its own."
+        )
     description = AudioDescription(
         path=path,
         kind=f"{info.format}, {info.subtype.replace('_', ' ')}",
