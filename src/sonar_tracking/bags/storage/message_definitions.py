@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 
 SEPARATOR = "=" * 80
 
+KEPT_DEFINITIONS = 64
+"""Of bags, whose parsed types are kept: bags that are opened one after the other have the same."""
+
 
 @dataclass(frozen=True)
 class MessageDefinition:
@@ -91,6 +94,7 @@ def installed_typestore(type_name: str) -> Typestore:
     return store
 
 
+@functools.lru_cache(maxsize=KEPT_DEFINITIONS)
 def typestore_of(definition: MessageDefinition) -> Typestore:
     """Return a rosbags typestore made from the definition a bag carries.
 
