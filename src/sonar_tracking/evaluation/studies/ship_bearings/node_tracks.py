@@ -66,8 +66,9 @@ def frames_of(arrays: Sequence[ArrayBearings], elevations: bool) -> tuple[Passiv
     """
     bearings: dict[int, list[BearingTracks]] = {}
     for array in arrays:
+        deviation = array.azimuth_deviation()
         for index, time in enumerate(array.times):
-            one = _bearings(array, index, elevations)
+            one = _bearings(array, index, deviation[index : index + 1], elevations)
             bearings.setdefault(nanoseconds(float(time)), []).append(one)
     return tuple(PassiveFrame(stamp, tuple(bearings[stamp])) for stamp in sorted(bearings))
 
@@ -116,9 +117,11 @@ def _live(arrays: Sequence[ArrayBearings], elevations: bool) -> list[PositionTra
     return [tracks for tracks in updates if tracks is not None]
 
 
-def _bearings(array: ArrayBearings, index: int, elevations: bool) -> BearingTracks:
+def _bearings(
+    array: ArrayBearings, index: int, deviation: FloatArray, elevations: bool
+) -> BearingTracks:
     azimuth = array.azimuth[index : index + 1]
-    variance = array.azimuth_deviation()[index : index + 1] ** 2
+    variance = deviation**2
     unknown = np.full(1, np.nan)
     nothing = np.empty(0)
     return BearingTracks(
