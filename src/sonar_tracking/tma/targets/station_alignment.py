@@ -4,7 +4,8 @@ Beside its solver each target of several stations has a filter of its motion and
 misalignments of all stations, which takes the azimuths as they are told; what all of them tell of
 the misalignments adds up (:mod:`sonar_tracking.alignment.shared_alignment`). It begins with what
 each station has heard before they were found to hear the same target, about the solution, but with
-a covariance so wide that this counts for nothing.
+a covariance so wide that this counts for nothing. A crossing that is off by the misalignment is a
+bad place to linearise about: once it is known what is kept of the targets is filtered anew.
 """
 
 from __future__ import annotations
@@ -34,13 +35,17 @@ from sonar_tracking.alignment.shared_alignment import (
 from sonar_tracking.alignment.target_updates import Bearings, innovations, updated_if_expected
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.motion import wrap_angle
+from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.time import NANOSECONDS, UNKNOWN_STAMP
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
 from sonar_tracking.tma.targets.misaligned_stations import Misalignments, misalignments
 from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
 
-REMEMBERED = 200
-"""Azimuths of a target that are kept until another station hears it."""
+REMEMBERED = 400
+"""Azimuths of a target that are kept."""
+
+LINEAR = 0.01
+"""A filter about where misalignments make a target is good as long as these change by less, rad."""
 
 VAGUE = 0.2
 """Standard deviation of the range of a new target, as part of it."""
@@ -78,6 +83,7 @@ class StationAlignment:
         self._targets: list[FollowedTarget] = []
         self._aligned = begun(np.empty((0, 4)), np.empty((0, 4, 4)), STRENGTHS, np.empty(0))
         self._ended = no_information(0)
+        self._linearised = np.empty(0)
         self._stamp = UNKNOWN_STAMP
         self._logs: dict[FollowedTarget, deque[_Heard]] = {}
 
@@ -91,10 +97,9 @@ class StationAlignment:
         followed = []
         for target, observation in heard:
             own = _Heard(observation, target.members.get(sensor, 0))
+            self._logs.setdefault(target, deque(maxlen=REMEMBERED)).append(own)
             if target in self._targets:
                 followed.append((self._targets.index(target), own))
-            else:
-                self._logs.setdefault(target, deque(maxlen=REMEMBERED)).append(own)
         if followed:
             self._predict(stamp)
             rows = np.array([row for row, _ in followed])
@@ -111,21 +116,27 @@ class StationAlignment:
         start = max(log[0].observation.stamp for log in logs)
         heard = [one for log in logs for one in log if one.observation.stamp >= start]
         heard.sort(key=lambda one: (one.observation.stamp, one.observation.sensor_id))
-        state = solution.mean.copy()
-        state[:2] -= (solution.stamp - start) / NANOSECONDS * state[2:]
-        places = np.array([log[-1].observation.position for log in logs])
+        self._logs[first] = deque(heard, maxlen=REMEMBERED)
+        self._targets.append(first)
+        self._aligned = joined(self._aligned, self._filtered(first, solution.mean, solution.stamp))
+
+    def _filtered(self, target: FollowedTarget, state: FloatArray, stamp: int) -> AlignedTargets:
+        """Return a target after what is kept of it, about its x, y, vx, vy at a stamp, ns."""
+        log = self._logs[target]
+        start = log[0].observation.stamp
+        state = state.copy()
+        state[:2] -= (stamp - start) / NANOSECONDS * state[2:]
+        places = np.array([one.observation.position for one in log])
         distance = float(np.max(np.hypot(*(state[:2] - places).T)))
         spread = np.diag(np.repeat([(VAGUE * distance) ** 2, self._speed**2 / 3.0], 2))
         prior = np.full(len(self.stations), self._prior)
-        target = begun(state[None], spread[None], STRENGTHS, prior)
-        for one in heard:
-            stamp = one.observation.stamp
-            target = predicted(target, (stamp - start) / NANOSECONDS, STRENGTHS)
-            target, start = self._updated(target, [one]), stamp
+        filtered = begun(state[None], spread[None], STRENGTHS, prior)
+        for one in log:
+            now = one.observation.stamp
+            filtered = predicted(filtered, (now - start) / NANOSECONDS, STRENGTHS)
+            filtered, start = self._updated(filtered, [one], learns=False), now
         self._predict(max(start, self._stamp))
-        target = predicted(target, (self._stamp - start) / NANOSECONDS, STRENGTHS)
-        self._aligned = joined(self._aligned, target)
-        self._targets.append(first)
+        return predicted(filtered, (self._stamp - start) / NANOSECONDS, STRENGTHS)
 
     def end(self, target: FollowedTarget, trusted: bool = True) -> None:
         """Follow a target no longer, and keep what it has told if that is trusted."""
@@ -143,6 +154,23 @@ class StationAlignment:
 
     def found(self) -> Misalignments:
         """Return what is known of the misalignments of :attr:`stations`."""
+        found = self._found()
+        if found.found and np.any(np.abs(found.mean - self._linearised) > LINEAR):
+            self._linearise(found)
+            found = self._found()
+        return found
+
+    def _linearise(self, found: Misalignments) -> None:
+        """Filter what is kept of the targets anew, about where misalignments found make them."""
+        states = self.states(found, self._stamp)
+        self._linearised = found.mean
+        # What targets have told that are no more was found about wrong places, and is not kept.
+        self._ended = no_information(len(self.stations))
+        for row, (target, state) in enumerate(states.items()):
+            anew = self._filtered(target, state.mean, self._stamp)
+            self._aligned = replaced(self._aligned, np.array([row]), anew)
+
+    def _found(self) -> Misalignments:
         told = self._ended
         if self._targets:
             mean, covariance = self._aligned.collapsed()
@@ -166,6 +194,7 @@ class StationAlignment:
         if sensor_id not in self.stations:
             self.stations[sensor_id] = len(self.stations)
             self._errors.append(BearingErrors())
+            self._linearised = np.append(self._linearised, 0.0)
             self._aligned = with_array(self._aligned, self._prior)
             self._ended = self._ended.with_array()
 
@@ -174,7 +203,9 @@ class StationAlignment:
         self._aligned = predicted(self._aligned, interval, STRENGTHS)
         self._stamp = stamp
 
-    def _updated(self, targets: AlignedTargets, heard: list[_Heard]) -> AlignedTargets:
+    def _updated(
+        self, targets: AlignedTargets, heard: list[_Heard], learns: bool = True
+    ) -> AlignedTargets:
         """Return targets with an azimuth each of one station, at their instant."""
         first = heard[0].observation
         station = self.stations[first.sensor_id]
@@ -191,8 +222,9 @@ class StationAlignment:
         errors = self._errors[station]
         scaled = replace(bearings, variance=errors.scale * told)
         updated, _ = updated_if_expected(targets, scaled, GATE)
-        keys = [(first.sensor_id, one.track) for one in heard]
-        errors.learn(keys, innovation, predicted_variance, told)
+        if learns:
+            keys = [(first.sensor_id, one.track) for one in heard]
+            errors.learn(keys, innovation, predicted_variance, told)
         return updated
 
 
