@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from sonar_tracking.fusion.fusion_records import FusionFrame, FusionUpdate
 from sonar_tracking.fusion.track_fusion_configuration import TrackFusionConfiguration
 from sonar_tracking.fusion.track_fusion_stage import TrackFusionStage
+from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks, TrackSource
 from sonar_tracking.records.time import NANOSECONDS
@@ -79,6 +81,40 @@ def test_nothing_is_taken_back_that_may_be_one_s_own() -> None:
     update, _ = fused(slice(0, 2), TrackSource.FUSED)
     assert len(update.tracks) == 2
     assert np.array_equal(update.tracks.covariance, update.own_tracks.covariance)
+
+
+def broken(covariance: FloatArray, which: str) -> FloatArray:
+    """Return covariances the first of which is impossible."""
+    wrong = covariance.copy()
+    wrong[0] = {"negative": -wrong[0], "nan": wrong[0] * np.nan, "tiny": wrong[0] * 1e-12}[which]
+    return wrong
+
+
+@pytest.mark.parametrize("which", ["negative", "nan", "tiny"])
+def test_a_row_with_an_impossible_covariance_is_named_and_the_others_are_used(which: str) -> None:
+    stage = TrackFusionStage(SHIP_A)
+    for moment in moments(Ships(FOUR[:2]), 30.0):
+        told = foreign_list(moment.truth, moment.frame.stamp, TrackSource.ACTIVE)
+        wrong = replace(told, covariance=broken(told.covariance, which))
+        frame = replace(moment.frame, active={}, bearings=(), foreign={OTHER: wrong})
+        update = stage.update(frame)
+        (text,) = [one.text for one in update.notices]
+        assert OTHER in text and f"track {told.id[0]}" in text and "left out" in text
+    assert len(update.tracks) == 1
+    assert list(update.tracks.contributor_id[:1]) == [told.id[1]]
+
+
+@pytest.mark.parametrize(("late", "said"), [(1000, "1000 s before"), (-1000, "1000 s after")])
+def test_a_list_of_another_epoch_is_left_out_with_a_sentence(late: int, said: str) -> None:
+    stage = TrackFusionStage(SHIP_A)
+    for moment in moments(Ships(FOUR[:1]), 10.0):
+        told = foreign_list(moment.truth, moment.frame.stamp, TrackSource.ACTIVE)
+        there = replace(told, stamp=told.stamp - late * NANOSECONDS)
+        frame = replace(moment.frame, active={}, bearings=(), foreign={OTHER: there})
+        update = stage.update(frame)
+        (text,) = [one.text for one in update.notices]
+        assert OTHER in text and said in text
+    assert len(update.tracks) == 0
 
 
 def test_impossible_covariances_and_other_epochs_are_left_out() -> None:

@@ -42,7 +42,7 @@ def usable_measurements(tracks: PositionTracks) -> BoolArray:
     return np.asarray(finite & are_covariances(tracks.measurement_covariance))
 
 
-def unusable_rows(tracks: PositionTracks, topic: str) -> tuple[Notice, ...]:
+def unusable_rows(tracks: PositionTracks, topic: str, usable: BoolArray) -> tuple[Notice, ...]:
     """Return the notices of a list: confirmed rows that cannot be used.
 
     Parameters
@@ -51,15 +51,17 @@ def unusable_rows(tracks: PositionTracks, topic: str) -> tuple[Notice, ...]:
         The list.
     topic : str
         Where it comes from.
+    usable : ndarray of bool, shape (n,)
+        Rows whose state can be used.
     """
     confirmed = tracks.status == TrackStatus.CONFIRMED
     told = ~np.all(np.isnan(tracks.measurement), axis=1)
-    bad = confirmed & (~usable_states(tracks) | (told & ~usable_measurements(tracks)))
+    bad = confirmed & (~usable | (told & ~usable_measurements(tracks)))
     if not np.any(bad):
         return ()
     numbers = ", ".join(str(one) for one in tracks.id[bad][:3])
     text = (
-        f"{shown(topic)}: track {numbers} has a state or a covariance that is not finite or not "
-        "positive; it was left out, check the sender."
+        f"{shown(topic)}: track {numbers} has a state or a covariance that is not finite, not "
+        "positive or impossibly small; it was left out, check the sender."
     )
     return (Notice(Severity.WARN, f"data of {shown(topic)}", text),)

@@ -13,10 +13,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from sonar_tracking.errors import Notice, Severity, shown
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.fusion.copied_rows import moved_state
 from sonar_tracking.fusion.echo_association import log_odds_of_one_target
-from sonar_tracking.fusion.echo_checks import usable_states
+from sonar_tracking.fusion.echo_checks import unusable_rows, usable_states
 from sonar_tracking.fusion.fused_rows import Contribution, FusedRow
 from sonar_tracking.fusion.fusion_records import ListKey
 from sonar_tracking.fusion.inverse_covariance_intersection import inverse_covariance_intersection
@@ -25,6 +26,9 @@ from sonar_tracking.records.arrays import BoolArray
 from sonar_tracking.records.positions import PositionTracks, TrackSource
 from sonar_tracking.records.time import seconds
 from sonar_tracking.tma.targets.station_association import FREE, associate
+
+SHARPEST = 0.01
+"""No ship knows where a target is to less than this standard deviation, m."""
 
 LATEST_AGE = 60.0
 """A list that is older says nothing any more, s."""
@@ -53,10 +57,35 @@ class ForeignTracks:
         """Whether any other ship has told anything."""
         return bool(self._lists)
 
-    def take(self, topic: str, tracks: PositionTracks) -> None:
-        """Let a list be the last one of a ship; rows that cannot be used are left out."""
-        usable = usable_states(tracks) & tracks.established & _found_by_itself(tracks)
+    def take(self, topic: str, tracks: PositionTracks, stamp: int) -> tuple[Notice, ...]:
+        """Let a list be the last one of a ship; rows that cannot be used are left out.
+
+        Parameters
+        ----------
+        topic : str
+            Of the ship.
+        tracks : PositionTracks
+            Its list.
+        stamp : int
+            Of the frame, ns.
+
+        Returns
+        -------
+        tuple of Notice
+            What is wrong with it.
+        """
+        apart = seconds(stamp - tracks.stamp)
+        if not 0.0 <= apart <= LATEST_AGE:
+            text = (
+                f"{shown(topic)}: its list has a stamp {abs(apart):.0f} s "
+                f"{'before' if apart > 0.0 else 'after'} own data; it was left out: ships that "
+                "exchange tracks need clocks and epochs in common."
+            )
+            return (Notice(Severity.WARN, f"stamps of {shown(topic)}", text),)
+        possible = usable_states(tracks) & _possible(tracks)
+        usable = possible & tracks.established & _found_by_itself(tracks)
         self._lists[topic] = tracks.selected(usable)
+        return unusable_rows(tracks, topic, possible)
 
     def fused(self, rows: Sequence[FusedRow], stamp: int) -> list[FusedRow]:
         """Return own rows, fused with those of other ships, and what only these have.
@@ -151,6 +180,11 @@ class ForeignTracks:
             updated=float(tracks.updated[row]),
             contributors=contributors,
         )
+
+
+def _possible(tracks: PositionTracks) -> BoolArray:
+    """Return which rows, shape (n,), do not claim to know a position better than anybody can."""
+    return np.asarray(np.all(tracks.covariance[:, (0, 1), (0, 1)] >= SHARPEST**2, axis=1))
 
 
 def _found_by_itself(tracks: PositionTracks) -> BoolArray:

@@ -95,7 +95,7 @@ class TrackFusionStage(FusedTargets):
         notices: list[Notice] = []
         for topic, tracks in frame.active.items():
             self._watermarks[topic] = tracks.next_stamp
-            notices += unusable_rows(tracks, topic)
+            notices += unusable_rows(tracks, topic, usable_states(tracks))
             self._take_echoes(topic, tracks)
         for bearings in with_names_of_their_own(frame.bearings, notices):
             self._watermarks[f"bearings of {bearings.sensor.sensor_id}"] = bearings.next_stamp
@@ -104,8 +104,7 @@ class TrackFusionStage(FusedTargets):
             self._watermarks[topic] = tracks.next_stamp
             self._copies.take(topic, tracks)
         for topic, tracks in frame.foreign.items():
-            notices += unusable_rows(tracks, topic)
-            self._foreign.take(topic, tracks)
+            notices += self._foreign.take(topic, tracks, self._stamp)
         self._decide()
         self._end_orphans()
         watermark = common_watermark(self._watermarks.values(), self._n_sources, self._stamp)
