@@ -13,7 +13,11 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from sonar_tracking.one_thread import ONE_THREAD
-from tests.sharing_out import pytest_xdist_make_scheduler, scope  # noqa: F401  (a hook)
+from tests.sharing_out import (  # noqa: F401  (hooks)
+    pytest_testnodedown,
+    pytest_xdist_make_scheduler,
+    scope,
+)
 from tests.without_ros import (  # noqa: F401  (hooks)
     pytest_make_collect_report,
     pytest_runtest_makereport,

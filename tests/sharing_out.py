@@ -21,6 +21,9 @@ TOGETHER = {
     "tests/test_sizes.py": "source",
 }
 """Files that stay with one worker as if they were one, by how they begin."""
+PATIENCE = 10.0
+"""Longest wait for the end of a worker that is gone, s."""
+
 SHARED_OUT_SINGLY = ("tests/system/", "tests/docs/test_tutorials.py", "tests/regression/")
 
 
@@ -53,3 +56,10 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> LoadScopeSch
 
     config.option.loadscopereorder = False  # the order of the tests is meant as it is
     return FilesAndSingleTests(config, log)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node: WorkerController, error: object) -> None:
+    """Say how a worker that is gone has ended: a minus and the signal that killed it, or a code."""
+    if error:
+        print(f"\n{node.gateway.id} has ended with {node.gateway._io.popen.wait(PATIENCE)}")

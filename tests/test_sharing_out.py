@@ -17,7 +17,7 @@ def test_one():
 def test_that_crashes():
     if not os.path.exists("crashed"):
         open("crashed", "w").close()
-        os._exit(0)
+        os._exit(3)
 
 def test_two():
     pass
@@ -41,4 +41,5 @@ def test_a_worker_that_is_gone_costs_one_test(tmp_path: Path) -> None:
     )
     assert done.returncode == 1, done.stdout + done.stderr
     assert "crashed while running 'test_05.py::test_that_crashes'" in done.stdout
+    assert "has ended with 3" in done.stdout
     assert "1 failed, 22 passed" in done.stdout
