@@ -12,7 +12,8 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -54,12 +55,28 @@ GATE = 4.0
 """Standard deviations beyond which an azimuth is of something else."""
 
 
-@dataclass(frozen=True)
-class _Heard:
-    """Azimuths of one target as told by a station, and its bearing track."""
+class _Heard(NamedTuple):
+    """Azimuths of one target as told by a station: few numbers, since many are kept.
 
-    observation: TargetObservation
+    The other azimuth is that of the other side, rad, NaN = none; the track is the station's.
+    """
+
+    stamp: int
+    sensor_id: str
     track: int
+    azimuth: float
+    other: float
+    variance: float
+    place: tuple[float, float]
+    speed: float
+
+
+def _heard(observation: TargetObservation, track: int) -> _Heard:
+    azimuth, other = (*observation.azimuths, np.nan)[:2]
+    return _Heard(
+        *(observation.stamp, observation.sensor_id, track, azimuth, other),
+        *(observation.azimuth_variance, observation.position, observation.propagation_speed),
+    )
 
 
 class StationAlignment:
@@ -96,7 +113,7 @@ class StationAlignment:
         self._know(sensor)
         followed = []
         for target, observation in heard:
-            own = _Heard(observation, target.members.get(sensor, 0))
+            own = _heard(observation, target.members.get(sensor, 0))
             self._logs.setdefault(target, deque(maxlen=REMEMBERED)).append(own)
             if target in self._targets:
                 followed.append((self._targets.index(target), own))
@@ -113,9 +130,9 @@ class StationAlignment:
         logs = [self._logs.pop(one, deque()) for one in (first, second)]
         if not all(logs) or first in self._targets:
             return
-        start = max(log[0].observation.stamp for log in logs)
-        heard = [one for log in logs for one in log if one.observation.stamp >= start]
-        heard.sort(key=lambda one: (one.observation.stamp, one.observation.sensor_id))
+        start = max(log[0].stamp for log in logs)
+        heard = [one for log in logs for one in log if one.stamp >= start]
+        heard.sort(key=lambda one: (one.stamp, one.sensor_id))
         self._logs[first] = deque(heard, maxlen=REMEMBERED)
         self._targets.append(first)
         self._aligned = joined(self._aligned, self._filtered(first, solution.mean, solution.stamp))
@@ -123,16 +140,16 @@ class StationAlignment:
     def _filtered(self, target: FollowedTarget, state: FloatArray, stamp: int) -> AlignedTargets:
         """Return a target after what is kept of it, about its x, y, vx, vy at a stamp, ns."""
         log = self._logs[target]
-        start = log[0].observation.stamp
+        start = log[0].stamp
         state = state.copy()
         state[:2] -= (stamp - start) / NANOSECONDS * state[2:]
-        places = np.array([one.observation.position for one in log])
+        places = np.array([one.place for one in log])
         distance = float(np.max(np.hypot(*(state[:2] - places).T)))
         spread = np.diag(np.repeat([(VAGUE * distance) ** 2, self._speed**2 / 3.0], 2))
         prior = np.full(len(self.stations), self._prior)
         filtered = begun(state[None], spread[None], STRENGTHS, prior)
         for one in log:
-            now = one.observation.stamp
+            now = one.stamp
             filtered = predicted(filtered, (now - start) / NANOSECONDS, STRENGTHS)
             filtered, start = self._updated(filtered, [one], learns=False), now
         self._predict(max(start, self._stamp))
@@ -207,15 +224,15 @@ class StationAlignment:
         self, targets: AlignedTargets, heard: list[_Heard], learns: bool = True
     ) -> AlignedTargets:
         """Return targets with an azimuth each of one station, at their instant."""
-        first = heard[0].observation
+        first = heard[0]
         station = self.stations[first.sensor_id]
-        told = np.array([one.observation.azimuth_variance for one in heard])
+        told = np.array([one.variance for one in heard])
         bearings = Bearings(
-            azimuth=np.array([one.observation.azimuths[0] for one in heard]),
+            azimuth=np.array([one.azimuth for one in heard]),
             variance=told,
-            station=np.array(first.position),
+            station=np.array(first.place),
             array=station,
-            propagation_speed=first.propagation_speed,
+            propagation_speed=first.speed,
         )
         bearings = _nearer_sides(bearings, targets, heard)
         innovation, predicted_variance = innovations(targets, bearings)
@@ -230,12 +247,7 @@ class StationAlignment:
 
 def _nearer_sides(bearings: Bearings, targets: AlignedTargets, heard: list[_Heard]) -> Bearings:
     """Return bearings of the sides of line arrays that are nearer to what is expected."""
-    other = np.array(
-        [
-            one.observation.azimuths[1] if len(one.observation.azimuths) == 2 else np.nan
-            for one in heard
-        ]
-    )
+    other = np.array([one.other for one in heard])
     if np.all(np.isnan(other)):
         return bearings
     innovation, _ = innovations(targets, bearings)
