@@ -30,7 +30,7 @@ TOLD = TmaTrackerConfiguration(alignment_deviation_deg=0.0)
 SCORED = 600.0
 """From when on positions are scored, s."""
 
-SEEDS = range(1, 5)
+SEEDS = range(1, 3)
 
 MISALIGNED = "from what its data tell"
 """Said of a station that is turned."""
