@@ -9,6 +9,7 @@ from pathlib import Path
 STOPPED_WHILE_A_TEXT_IS_EXECUTED = """
 import signal, sys
 from sonar_tracking.stop_signals import interruptible, never_end, stop_code
+signal.signal(signal.SIGINT, signal.SIG_DFL)  # ignored where the tests run in the background
 interruptible()
 try:
     exec("signal.raise_signal(signal.SIGINT)")
