@@ -89,6 +89,7 @@ def test_a_recorded_replay_keeps_truth_and_knows_its_inputs(tmp_path: Path) -> N
         "/b/passive/bearing_tracks": "input",
         "/operator/commands": "input",
         "/passive/tracks": "output",
+        "/passive/station_alignment": "output",
         "/truth/bearing_tracks": "truth",
         "/diagnostics": "display",
     }

@@ -4,8 +4,10 @@ Beside its solver each target of several stations has a filter of its motion and
 misalignments of all stations, which takes the azimuths as they are told; what all of them tell of
 the misalignments adds up (:mod:`sonar_tracking.alignment.shared_alignment`). It begins with what
 each station has heard before they were found to hear the same target, about the solution, but with
-a covariance so wide that this counts for nothing. A crossing that is off by the misalignment is a
-bad place to linearise about: once it is known what is kept of the targets is filtered anew.
+a covariance so wide that this counts for nothing. One target alone tells nothing: where it moves
+otherwise than it is taken to, as animals do, its bearings look as if a station was turned. A
+crossing that is off by the misalignment is a bad place to linearise about: once it is known what is
+kept of the targets is filtered anew.
 """
 
 from __future__ import annotations
@@ -50,6 +52,9 @@ LINEAR = 0.01
 
 VAGUE = 0.2
 """Standard deviation of the range of a new target, as part of it."""
+
+WITNESSES = 2
+"""Targets that must have been followed at once for what they tell to count."""
 
 GATE = 4.0
 """Standard deviations beyond which an azimuth is of something else."""
@@ -100,6 +105,7 @@ class StationAlignment:
         self._targets: list[FollowedTarget] = []
         self._aligned = begun(np.empty((0, 4)), np.empty((0, 4, 4)), STRENGTHS, np.empty(0))
         self._ended = no_information(0)
+        self._most_at_once = 0
         self._linearised = np.empty(0)
         self._stamp = UNKNOWN_STAMP
         self._logs: dict[FollowedTarget, deque[_Heard]] = {}
@@ -135,6 +141,7 @@ class StationAlignment:
         heard.sort(key=lambda one: (one.stamp, one.sensor_id))
         self._logs[first] = deque(heard, maxlen=REMEMBERED)
         self._targets.append(first)
+        self._most_at_once = max(self._most_at_once, len(self._targets))
         self._aligned = joined(self._aligned, self._filtered(first, solution.mean, solution.stamp))
 
     def _filtered(self, target: FollowedTarget, state: FloatArray, stamp: int) -> AlignedTargets:
@@ -188,6 +195,8 @@ class StationAlignment:
             self._aligned = replaced(self._aligned, np.array([row]), anew)
 
     def _found(self) -> Misalignments:
+        if self._most_at_once < WITNESSES:
+            return misalignments(no_information(len(self.stations)), self._prior, self._lasting)
         told = self._ended
         if self._targets:
             mean, covariance = self._aligned.collapsed()

@@ -62,7 +62,7 @@ class TmaTrackerConfiguration(RangeBankConfiguration):
     alignment_deviation_deg: float = parameter(
         2.0,
         "of the misalignment of a station that is misaligned; it is estimated where several "
-        "stations hear the same targets, and used once it is certain. 0 = none",
+        "stations hear the same two targets or more, and used once it is certain. 0 = none",
         unit="deg",
         minimum=0.0,
         maximum=45.0,
