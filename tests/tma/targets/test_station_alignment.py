@@ -24,8 +24,10 @@ BUOY = BearingSensorConfiguration(
     angle_kind="azimuth",
     frame_interval=4.0,
 )
-TOLD = TmaTrackerConfiguration(alignment_deviation_deg=0.0)
+TOLD = TmaTrackerConfiguration()
 """Stations are taken to be aligned, whatever their bearings tell."""
+
+SOUGHT = TmaTrackerConfiguration(alignment_deviation_deg=2.0)
 
 SCORED = 600.0
 """From when on positions are scored, s."""
@@ -48,7 +50,7 @@ class Run:
 
 
 def followed(
-    seed: int, misalignment_deg: float, configuration: TmaTrackerConfiguration | None = None
+    seed: int, misalignment_deg: float, configuration: TmaTrackerConfiguration = SOUGHT
 ) -> Run:
     """Return how two targets are followed by own ship and a buoy that is turned."""
     stations = (ABOARD, replace(BUOY, misalignment_deg=misalignment_deg))
@@ -100,7 +102,7 @@ def test_aligned_stations_lose_nothing() -> None:
 
 
 def test_one_station_alone_tells_nothing_of_its_alignment() -> None:
-    stage = TmaTrackerStage(n_stations=1)
+    stage = TmaTrackerStage(SOUGHT, n_stations=1)
     turned = replace(ABOARD, misalignment_deg=3.0)
     for frame, _ in simulated(scene(turned, targets=(NEAR,), duration=60.0)):
         alignments = stage.update(frame).alignments

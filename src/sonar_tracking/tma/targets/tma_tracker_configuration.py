@@ -60,9 +60,10 @@ class TmaTrackerConfiguration(RangeBankConfiguration):
         maximum=90.0,
     )
     alignment_deviation_deg: float = parameter(
-        2.0,
-        "of the misalignment of a station that is misaligned; it is estimated where several "
-        "stations hear the same two targets or more, and used once it is certain. 0 = none",
+        0.0,
+        "of the misalignment of a station that is misaligned, to be set where stations are doubted; "
+        "it is estimated where several stations hear the same two targets or more, and used once "
+        "it is certain. 0 = none",
         unit="deg",
         minimum=0.0,
         maximum=45.0,
