@@ -62,8 +62,8 @@ class TmaTrackerConfiguration(RangeBankConfiguration):
     alignment_deviation_deg: float = parameter(
         0.0,
         "of the misalignment of a station that is misaligned, to be set where stations are "
-        "doubted; it is estimated where several stations hear the same two targets or more, and used once "
-        "it is certain. 0 = none",
+        "doubted; it is estimated where several stations hear the same two targets or more, and "
+        "used once it is certain. 0 = none",
         unit="deg",
         minimum=0.0,
         maximum=45.0,
