@@ -105,6 +105,14 @@ def datum_from_text(text: str, where: str = "--datum") -> Datum:
     return datum_from_mapping(dict(zip(names, numbers, strict=False)), where)
 
 
+def datum_if_told(text: str, where: str = "--datum") -> Datum | None:
+    """Read a datum as typed, or as a parameter has it; None = the text is empty.
+
+    Parameters and errors are those of :func:`datum_from_text`.
+    """
+    return datum_from_text(text, where) if text else None
+
+
 def datum_of(scenario: Mapping[str, Any], where: str) -> Datum | None:
     """Return the datum of a scenario as a recording keeps it; None = it has none.
 

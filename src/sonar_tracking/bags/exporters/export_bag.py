@@ -31,7 +31,7 @@ from sonar_tracking.bags.storage.bag_records import (
 from sonar_tracking.bags.storage.reader import Bag, read_bag
 from sonar_tracking.bags.storage.topic_names import RECORDED_NAMES, TopicNames
 from sonar_tracking.errors import ConfigurationError, unknown_name_text
-from sonar_tracking.records.datum import ADVICE, Datum, datum_from_text
+from sonar_tracking.records.datum import ADVICE, Datum, datum_if_told
 
 CHARTS = {"geojson": write_geojson, "kml": write_kml}
 FORMATS = ("csv", *CHARTS)
@@ -86,7 +86,7 @@ def export_bag(
     """
     if file_format not in FORMATS:
         raise ConfigurationError(unknown_name_text("--format", file_format, FORMATS))
-    typed = datum_from_text(datum) if datum else None
+    typed = datum_if_told(datum)
     bag = read_bag(path).named(names)
     chosen = _chosen_topics(bag, topics, file_format)
     origin = typed or bag_datum(bag)

@@ -17,23 +17,19 @@ import numpy as np
 from sonar_tracking.bags.importers.line_notes import LineNotes
 from sonar_tracking.bags.importers.map_origin import MapOrigin
 from sonar_tracking.bags.importers.surveyed_positions import SurveyedPositions
-from sonar_tracking.bags.nmea.ais_reports import FORMATS, AisReport, AisReports
-from sonar_tracking.bags.nmea.own_ship_fixes import OwnShipFix, OwnShipFixes
+from sonar_tracking.bags.nmea.ais_reports import FORMATS, AisReport, AisReports, is_ais
+from sonar_tracking.bags.nmea.own_ship_fixes import SLOW, OwnShipFix, OwnShipFixes
 from sonar_tracking.bags.nmea.own_ship_sentences import READERS, own_ship_report
 from sonar_tracking.bags.nmea.sentence_time import DAY, SentenceTime
-from sonar_tracking.bags.nmea.sentences import Sentence, lines_of, parts_of, read_sentence
-from sonar_tracking.bags.nmea.ship_histories import LEAPS, ShipHistory, vectors
+from sonar_tracking.bags.nmea.sentences import lines_of, parts_of, read_sentence
+from sonar_tracking.bags.nmea.ship_histories import FAR, LEAPS, ShipHistory, vectors
 from sonar_tracking.errors import ConfigurationError, InputError, shown
 from sonar_tracking.geodesy import north_azimuths
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import FloatArray, IntArray
 from sonar_tracking.records.time import NANOSECONDS
 
-SLOW = 0.2
-"""Below this the course made good says nothing of the heading, m/s."""
-
 _READ_AT_ONCE = 65_536
-_FAR = "an AIS report lies farther than 200 km from the datum; it is not used"
 
 
 @dataclass(frozen=True)
@@ -132,7 +128,7 @@ def read_nmea_log(path: Path | str) -> NmeaLog:
             report = own_ship_report(sentence)
             if report is not None:
                 fixes.append(own_ship.take(report))
-            elif sentence.format in FORMATS and sentence.talker != "P":
+            elif is_ais(sentence):
                 reports.append(ais.take(sentence))
         except InputError as error:
             notes.line(number, str(error))
@@ -254,7 +250,7 @@ def _histories(
     faults: Counter[str] = Counter()
     for index, mmsi in enumerate(numbers):
         if math.isnan(states[index, 0]):
-            faults[_FAR] += 1
+            faults[FAR] += 1
             continue
         try:
             ships.setdefault(mmsi, ShipHistory()).add(int(stamp[index]), states[index])
@@ -265,10 +261,10 @@ def _histories(
 
 def _is_sentence(line: bytes) -> bool:
     try:
-        sentence: Sentence | None = read_sentence(line)
+        read_sentence(line)
     except InputError:
-        sentence = None
-    return sentence is not None
+        return False
+    return True
 
 
 def _numbered_lines(path: Path) -> Iterator[tuple[int, bytes]]:

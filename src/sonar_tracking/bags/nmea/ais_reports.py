@@ -47,6 +47,11 @@ _AHEAD = 10.0
 """By so much the second of a report may be later than the time of the stream, s."""
 
 
+def is_ais(sentence: Sentence) -> bool:
+    """Return whether a sentence carries AIS, and is not a maker's own of that name."""
+    return sentence.format in FORMATS and sentence.talker != "P"
+
+
 @dataclass(frozen=True, slots=True)
 class AisReport:
     """Where a ship was.

@@ -7,7 +7,7 @@ from collections import Counter
 
 import numpy as np
 
-from sonar_tracking.bags.nmea.own_ship_fixes import KEPT_SECONDS, OwnShipFix, OwnShipFixes
+from sonar_tracking.bags.nmea.own_ship_fixes import KEPT_SECONDS, SLOW, OwnShipFix, OwnShipFixes
 from sonar_tracking.bags.nmea.own_ship_sentences import own_ship_report
 from sonar_tracking.bags.nmea.sentence_time import SentenceTime
 from sonar_tracking.bags.nmea.sentences import read_sentence
@@ -19,9 +19,6 @@ from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.datum import Datum, datum_at
 from sonar_tracking.records.own_ship import OwnShipState
 from sonar_tracking.records.time import seconds
-
-SLOW = 0.2
-"""Below this the course made good says nothing of the heading, m/s."""
 
 NO_DATE = "a position came before any date was known (RMC or ZDA); it is not used"
 FAR = "a position lies farther than 200 km from the datum; it is not used"

@@ -11,12 +11,12 @@ from collections import Counter
 
 import numpy as np
 
-from sonar_tracking.bags.nmea.ais_reports import FORMATS, AisReports
+from sonar_tracking.bags.nmea.ais_reports import AisReports, is_ais
 from sonar_tracking.bags.nmea.nmea_input_configuration import AisTruthConfiguration
 from sonar_tracking.bags.nmea.own_ship_sentences import own_ship_report
 from sonar_tracking.bags.nmea.sentence_time import SentenceTime
 from sonar_tracking.bags.nmea.sentences import Sentence, read_sentence
-from sonar_tracking.bags.nmea.ship_histories import LONGEST_REST, ShipHistory, report_state
+from sonar_tracking.bags.nmea.ship_histories import FAR, LONGEST_REST, ShipHistory, report_state
 from sonar_tracking.errors import InputError
 from sonar_tracking.geodesy import FARTHEST, surface_distances
 from sonar_tracking.records.bearings import TrackStatus
@@ -28,7 +28,6 @@ NO_DATUM = (
     "an AIS report came before the datum was known; it is not used: give the parameter datum, or "
     "start own_ship_nmea"
 )
-FAR = "an AIS report lies farther than 200 km from the datum; it is not used"
 
 _MOST_AT_ONCE = 60
 """Pictures that are made up for when time leaps on; earlier ones are left out."""
@@ -83,7 +82,7 @@ class LiveShips:
         return self._due()
 
     def _take(self, sentence: Sentence) -> None:
-        if sentence.talker != "P" and sentence.format in FORMATS:
+        if is_ais(sentence):
             self._take_ais(sentence)
             return
         report = own_ship_report(sentence)

@@ -16,6 +16,9 @@ from sonar_tracking.errors import InputError
 KEPT_SECONDS = 5.0
 """For so long heading and speed hold after they were told, s."""
 
+SLOW = 0.2
+"""Below this the course made good says nothing of the heading, m/s."""
+
 RESTART_SECONDS = 10.0
 """A step back by more is a source that begins again, s."""
 

@@ -36,6 +36,7 @@ FASTEST = 60.0
 LEAP = 500.0
 """By less than this beyond it a report does not leap, m."""
 
+FAR = "an AIS report lies farther than 200 km from the datum; it is not used"
 LEAPS = (
     "an AIS report leaps from the one before it, as where two ships have one number; it is not used"
 )

@@ -43,7 +43,7 @@ from sonar_tracking.message_reading.line_reading import frequency_lines_from_mes
 from sonar_tracking.message_reading.own_ship_reading import OwnShipReader
 from sonar_tracking.message_reading.position_reading import position_tracks_from_message
 from sonar_tracking.message_reading.sample_reading import samples_from_message
-from sonar_tracking.records.datum import Datum, datum_from_text
+from sonar_tracking.records.datum import Datum, datum_if_told
 
 TRUTH_PERIOD = 2.0
 """Between two lists of the truth that are shown, s of data time: it moves steadily."""
@@ -66,7 +66,7 @@ class PageFeed:
         self._sources: dict[str, str] = {}
         self.health = Health()
         self.history = FrameHistory(60.0 * configuration.history_minutes)
-        self._datum = datum_from_text(configuration.datum, "datum") if configuration.datum else None
+        self._datum = datum_if_told(configuration.datum, "datum")
         self._begin()
         self._tell_datum()
         self._takers: dict[str, Callable[[str, Any], Iterable[Frame]]] = {

@@ -90,9 +90,7 @@ class RecordedPage:
 
     def feed(self) -> None:
         """Hand the recording to the server, as much of it as is shown at a time."""
-        if not self._read(0, -math.inf):
-            return
-        self._say(WHOLE if self._is_complete else PART)
+        self._say(self._read(0, -math.inf), WHOLE)
 
     def follow(self) -> None:
         """Show the parts that are looked for, until an interruption."""
@@ -102,28 +100,25 @@ class RecordedPage:
                 time = self._wanted.get()
             begin = max(time - LEAD, self._span[0])
             self.server.do(self._begin_part, begin)
-            if self._read(self._log_time(begin), time):
-                self._say(LAST_PART if self._is_complete else PART)
+            self._say(self._read(self._log_time(begin), time), LAST_PART)
 
-    def _read(self, since: int, time: float) -> bool:
+    def _read(self, since: int, time: float) -> bool | None:
         """Show what was logged from a time on, ns, and what memory takes beyond a data time, s.
 
-        A few messages at a time: browsers are served. Returns False if another part was looked for
-        meanwhile.
+        A few messages at a time: browsers are served. Returns whether that was all to the end, None
+        if another part was looked for meanwhile.
         """
         messages = self._messages(since)
         done = threading.Event()
-        self._is_complete = False
         while batch := list(islice(messages, BATCH)):
             done.clear()
             self.server.do(self._take, batch, done)
             done.wait()
             if not self._wanted.empty():
-                return False
+                return None
             history = self.server.feed.history
             if history.bytes > LARGEST_PART and history.newest > time:
-                return True
-        self._is_complete = True
+                return False
         return True
 
     def _take(self, batch: list[Message], done: threading.Event) -> None:
@@ -137,8 +132,10 @@ class RecordedPage:
         self.server.feed.begin_part(time)
         self._tell(READING_PART)
 
-    def _say(self, state: str) -> None:
-        self.server.do(self._tell, state)
+    def _say(self, is_complete: bool | None, complete: str) -> None:
+        """Say how much is shown, unless another part comes."""
+        if is_complete is not None:
+            self.server.do(self._tell, complete if is_complete else PART)
 
     def _tell(self, state: str) -> None:
         self.server.recording = state

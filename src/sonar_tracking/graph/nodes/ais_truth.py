@@ -18,7 +18,7 @@ from sonar_tracking.graph.node_base.node_process import run_node
 from sonar_tracking.graph.node_base.sentence_input import SentenceInput
 from sonar_tracking.graph.node_base.sonar_node import SonarNode
 from sonar_tracking.message_reading.own_ship_reading import OwnShipReader
-from sonar_tracking.records.datum import Datum, datum_from_text
+from sonar_tracking.records.datum import Datum, datum_if_told
 from sonar_tracking.records.positions import PositionTracks
 
 
@@ -33,7 +33,7 @@ class AisTruth(SonarNode):
         super().__init__(AIS_TRUTH)
         configuration = self.configuration(AisTruthConfiguration, check=_check)
         datum = configuration.datum
-        self._ships = LiveShips(configuration, datum_from_text(datum, "datum") if datum else None)
+        self._ships = LiveShips(configuration, datum_if_told(datum, "datum"))
         self._tracks = self.data_publisher(TRUE_TRACKS)
         self.data_subscriptions({ODOMETRY: OwnShipReader()})
         if not datum:
@@ -65,8 +65,7 @@ class AisTruth(SonarNode):
 
 def _check(configuration: AisTruthConfiguration) -> None:
     """Refuse a datum that cannot be used."""
-    if configuration.datum:
-        datum_from_text(configuration.datum, "datum")
+    datum_if_told(configuration.datum, "datum")
 
 
 def main() -> int:

@@ -18,7 +18,7 @@ from sonar_tracking.graph.node_base.sonar_node import SonarNode
 from sonar_tracking.message_reading.own_ship_reading import OwnShipReader
 from sonar_tracking.message_reading.position_reading import position_tracks_from_message
 from sonar_tracking.own_ship_interpolation import interpolate_own_ship
-from sonar_tracking.records.datum import Datum, datum_from_text
+from sonar_tracking.records.datum import Datum, datum_if_told
 from sonar_tracking.scene.nmea_configuration import NmeaOutputConfiguration
 from sonar_tracking.scene.nmea_sentences import TrackSentences
 
@@ -37,7 +37,7 @@ class NmeaOutput(SonarNode):
         super().__init__(NMEA_OUTPUT)
         configuration = self.configuration(NmeaOutputConfiguration, check=_check)
         datum = configuration.datum
-        self._sentences = TrackSentences(datum_from_text(datum, "datum") if datum else None)
+        self._sentences = TrackSentences(datum_if_told(datum, "datum"))
         if not datum:
             listen_to_datum(self, self._take_datum)
         self._address = (configuration.address, configuration.port)
@@ -78,8 +78,7 @@ class NmeaOutput(SonarNode):
 
 def _check(configuration: NmeaOutputConfiguration) -> None:
     """Refuse an address that is none, and a datum that cannot be used."""
-    if configuration.datum:
-        datum_from_text(configuration.datum, "datum")
+    datum_if_told(configuration.datum, "datum")
     try:
         socket.getaddrinfo(configuration.address, configuration.port, socket.AF_INET)
     except OSError as error:

@@ -13,7 +13,7 @@ from sonar_tracking.graph.node_base.datum_topic import DatumTeller
 from sonar_tracking.graph.node_base.node_process import run_node
 from sonar_tracking.graph.node_base.sentence_input import SentenceInput
 from sonar_tracking.graph.node_base.sonar_node import SonarNode
-from sonar_tracking.records.datum import datum_from_text
+from sonar_tracking.records.datum import datum_if_told
 from sonar_tracking.records.own_ship import OwnShipState
 
 
@@ -27,7 +27,7 @@ class OwnShipNmea(SonarNode):
         super().__init__(OWN_SHIP_NMEA)
         configuration = self.configuration(OwnShipNmeaConfiguration, check=_check)
         datum = configuration.datum
-        self._live = LiveOwnShip(datum_from_text(datum, "datum") if datum else None)
+        self._live = LiveOwnShip(datum_if_told(datum, "datum"))
         self._odometry = self.data_publisher(ODOMETRY)
         self._teller = DatumTeller(self)
         self._teller.tell(self._live.datum)
@@ -52,8 +52,7 @@ class OwnShipNmea(SonarNode):
 
 def _check(configuration: OwnShipNmeaConfiguration) -> None:
     """Refuse a datum that cannot be used."""
-    if configuration.datum:
-        datum_from_text(configuration.datum, "datum")
+    datum_if_told(configuration.datum, "datum")
 
 
 def main() -> int:

@@ -33,7 +33,7 @@ from sonar_tracking.graph.catalogue.passive_nodes import (
 )
 from sonar_tracking.graph.catalogue.tma_nodes import TMA_TRACKER
 from sonar_tracking.graph.catalogue.topics import BEARING_TRACKS, FREQUENCY_LINES
-from sonar_tracking.records.datum import Datum, datum_from_text
+from sonar_tracking.records.datum import Datum, datum_if_told
 from sonar_tracking.simulation.scenarios.scenario_mapping import checked_epoch
 
 
@@ -231,7 +231,7 @@ def given_datum(text: str) -> Datum | None:
     ConfigurationError
         If it is none.
     """
-    return datum_from_text(text) if text else None
+    return datum_if_told(text)
 
 
 def given_time(epoch: str | None, time_pattern: str | None) -> GivenTime:
