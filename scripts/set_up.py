@@ -10,7 +10,8 @@ environment gets. Needs only the standard library.
                                             .venv/.set_up, where set_up.sh looks for them
 
 What has to be compiled, the messages, is kept as a wheel in .cache, outside of .venv. Whatever goes
-wrong is said in a sentence; the output of pip and of the compiler is in .cache/set_up.log.
+wrong is said in a sentence; the output of pip is in .cache/set_up.log, that of the compiler in
+.cache/messages.log.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ import sysconfig
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from importlib.metadata import distributions
 from pathlib import Path
@@ -35,7 +37,8 @@ ENVIRONMENT = PROJECT / ".venv"
 STATE = ENVIRONMENT / ".set_up"
 UNFINISHED = ENVIRONMENT / ".set_up_unfinished"
 CACHE = PROJECT / ".cache"
-LOG = CACHE / "set_up.log"
+LOG = "set_up.log"
+MESSAGE_LOG = "messages.log"
 REQUIREMENTS = PROJECT / "requirements"
 MESSAGES = PROJECT / "msg_defs"
 ROS = "ros.txt"
@@ -103,7 +106,8 @@ def set_up(kind: str, fingerprint: str, request: str) -> None:
         return
     begin = time.monotonic()
     lists = lists_of(kind, fingerprint, request)
-    LOG.write_text("")
+    for log in (LOG, MESSAGE_LOG):
+        (CACHE / log).write_text("")
     make_environment()
     UNFINISHED.touch()
     shutil.rmtree(STATE, ignore_errors=True)
@@ -132,9 +136,14 @@ def lists_of(kind: str, fingerprint: str, request: str) -> list[str]:
 def fill_environment(lists: Sequence[str]) -> None:
     """Install everything into the environment: these lists, the messages, the package."""
     say("Installing the dependencies (the first time about 400 MB, in a minute or two) ...")
-    install(*(f"--requirement={REQUIREMENTS / name}" for name in lists))
-    if ROS in lists:
-        install("--no-deps", "--force-reinstall", str(message_wheel()))
+    with ThreadPoolExecutor() as beside:
+        messages = None
+        if ROS in lists:
+            prepare_messages()
+            messages = beside.submit(message_wheel)
+        install(*(f"--requirement={REQUIREMENTS / name}" for name in lists if name != ROS))
+        if messages is not None:
+            install("--no-deps", "--force-reinstall", str(messages.result()))
     say("Installing sonar_tracking ...")
     install("--no-deps", "--no-build-isolation", "--editable", str(PROJECT))
     register()
@@ -255,37 +264,45 @@ def install(*arguments: str) -> None:
     pip("install", f"--constraint={REQUIREMENTS / 'constraints.txt'}", *arguments)
 
 
-def pip(command: str, *arguments: str) -> None:
+def pip(command: str, *arguments: str, log: str = LOG) -> None:
     """Run the environment's pip; its output goes to the log."""
     options = ["--disable-pip-version-check", "--no-input", "--progress-bar=off"]
     run_logged(
         [environment_python(), "-m", "pip", command, *options, *arguments],
         f"'pip {command}' failed: see whether the package index can be reached and the disk has"
         " room, and start again.",
+        log,
     )
 
 
-def run_logged(command: list[str], sentence: str) -> None:
+def run_logged(command: list[str], sentence: str, log: str = LOG) -> None:
     """Run a command with its output in the log; if it fails, show the end of that and say so."""
     # The environment's programs are found first: the messages' build looks for ROS along PATH.
     search_path = f"{ENVIRONMENT / 'bin'}{os.pathsep}{os.environ.get('PATH', '')}"
-    with LOG.open("a") as log:
-        print("$", shlex.join(command), file=log, flush=True)
+    with (CACHE / log).open("a") as output:
+        print("$", shlex.join(command), file=output, flush=True)
         finished = subprocess.run(
             command,
             stdin=subprocess.DEVNULL,
-            stdout=log,
+            stdout=output,
             stderr=subprocess.STDOUT,
             env={**os.environ, "PATH": search_path, "PIP_USER": "0"},
             close_fds=False,
             check=False,
         )
     if finished.returncode != 0:
-        say("".join(f"  {line}\n" for line in LOG.read_text().splitlines()[-15:]).rstrip())
-        raise SetUpError(f"{sentence} All output is in {LOG}.")
+        lines = (CACHE / log).read_text().splitlines()[-15:]
+        say("".join(f"  {line}\n" for line in lines).rstrip())
+        raise SetUpError(f"{sentence} All output is in {CACHE / log}.")
 
 
 # The messages
+
+
+def prepare_messages() -> None:
+    """Install ROS, and what the messages are compiled with if they have to be."""
+    lists = [ROS] if cached_message_wheel() is not None else [ROS, "build.txt"]
+    install(*(f"--requirement={REQUIREMENTS / name}" for name in lists))
 
 
 def message_wheel() -> Path:
@@ -293,11 +310,10 @@ def message_wheel() -> Path:
     kept = cached_message_wheel()
     if kept is not None:
         return kept
-    say("Compiling the messages, once (about a minute) ...")
-    install(f"--requirement={REQUIREMENTS / 'build.txt'}")
+    say("Compiling the messages, once (about a minute), while the rest is installed ...")
     with tempfile.TemporaryDirectory(dir=CACHE) as folder:
         options = ["--no-deps", "--no-build-isolation", f"--wheel-dir={folder}"]
-        pip("wheel", *options, str(MESSAGES))
+        pip("wheel", *options, str(MESSAGES), log=MESSAGE_LOG)
         (wheel,) = Path(folder).glob("*.whl")
         message_folder().mkdir(parents=True, exist_ok=True)
         return wheel.replace(message_folder() / wheel.name)

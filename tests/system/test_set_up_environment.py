@@ -30,7 +30,6 @@ def set_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
         "STATE": environment / ".set_up",
         "UNFINISHED": environment / ".set_up_unfinished",
         "CACHE": tmp_path / ".cache",
-        "LOG": tmp_path / ".cache" / "set_up.log",
         "REQUIREMENTS": tmp_path / "requirements",
         "MESSAGES": tmp_path / "msg_defs",
     }.items():
