@@ -68,8 +68,11 @@ def followed(
         for position in truth.truth_tracks.position:
             squares.append(np.min(np.sum((found - position) ** 2, axis=1)))
     told = update.alignments
+    rmse = float(np.sqrt(np.mean(squares)))
+    if told is None:
+        return Run(rmse, (), np.empty(0), np.empty(0), tuple(notices))
     columns = told.misalignment, told.misalignment_standard_deviation
-    return Run(float(np.sqrt(np.mean(squares))), told.sensor_id, *columns, tuple(notices))
+    return Run(rmse, told.sensor_id, *columns, tuple(notices))
 
 
 def together(runs: list[Run]) -> float:
@@ -106,5 +109,12 @@ def test_one_station_alone_tells_nothing_of_its_alignment() -> None:
     turned = replace(ABOARD, misalignment_deg=3.0)
     for frame, _ in simulated(scene(turned, targets=(NEAR,), duration=60.0)):
         alignments = stage.update(frame).alignments
+    assert alignments is not None
     assert alignments.misalignment == pytest.approx([0.0])
     assert np.degrees(alignments.misalignment_standard_deviation[0]) > 0.5
+
+
+def test_nothing_is_told_of_misalignments_that_are_not_estimated() -> None:
+    stage = TmaTrackerStage(TOLD, n_stations=2)
+    for frame, _ in simulated(scene(ABOARD, BUOY, targets=(NEAR,), duration=20.0)):
+        assert stage.update(frame).alignments is None

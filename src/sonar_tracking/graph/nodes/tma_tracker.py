@@ -105,7 +105,7 @@ class TmaTracker(SonarNode):
         update = self._stage.update(frame)
         if update.tracks is not None:
             self._publish(update.tracks)
-            if len(self._bearings) > 1:
+            if update.alignments is not None and len(self._bearings) > 1:
                 next_stamp = update.tracks.next_stamp
                 told = replace(update.alignments, next_stamp=next_stamp)
                 self._alignments.publish(alignments_to_message(told))

@@ -64,10 +64,11 @@ class TmaUpdate:
         The complete picture at the stamp of the frame; None = the frame had no bearing tracks.
     notices : tuple of Notice
         What the user should know of the frame.
-    alignments : ArrayAlignments
-        How the stations heard so far are turned from what their data tell.
+    alignments : ArrayAlignments or None
+        How the stations heard so far are turned from what their data tell; None = it is not
+        estimated.
     """
 
     tracks: PositionTracks | None
     notices: tuple[Notice, ...]
-    alignments: ArrayAlignments
+    alignments: ArrayAlignments | None

@@ -149,8 +149,10 @@ class TmaTrackerStage(TargetList):
         tracks = self.picture() if frame.bearings or frame.unusable else None
         return TmaUpdate(tracks, tuple(notices), alignments)
 
-    def _aligned(self, notices: list[Notice]) -> ArrayAlignments:
-        """Return how stations are turned, and say of which it is certain."""
+    def _aligned(self, notices: list[Notice]) -> ArrayAlignments | None:
+        """Return how stations are turned, and say of which it is certain; None = not estimated."""
+        if self.configuration.alignment_deviation == 0.0:
+            return None
         found = self._use_alignment()
         stations = tuple(self._alignment.stations)
         alignments = ArrayAlignments(self._stamp, stations, found.mean, found.deviation)
