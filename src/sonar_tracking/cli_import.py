@@ -19,19 +19,20 @@ _FREQUENCY = Annotated[
     float | None, typer.Option(help="Centre of the narrow band bearings are made of, Hz.")
 ]
 _BANDWIDTH = Annotated[float | None, typer.Option(help="Width of the narrow band, Hz.")]
-_BEARINGS = Annotated[
-    Path | None, typer.Option(help="CSV file: time_s, target, arrival_angle_deg.")
-]
+_BEARINGS = "CSV or npz: time_s, target, arrival_angle_deg"
 _PARAMETERS = Annotated[
     Path | None, typer.Option(help="YAML file: node, parameter, value; kept for the replay.")
 ]
+_SEVERAL = "; a directory of consecutive files, or repeat it"
+_POSITIONS = "NMEA log with AIS; or CSV or npz: time_s, target, east_m, north_m"
 _OWN_SHIP = Annotated[
-    Path | None,
-    typer.Option(help="NMEA log; or CSV or npz: time_s, east_m, north_m, heading_deg."),
+    list[Path] | None,
+    typer.Option(help=f"NMEA log; or CSV or npz: time_s, east_m, north_m, heading_deg{_SEVERAL}."),
 ]
-_TRUE_POSITIONS = Annotated[
-    Path | None,
-    typer.Option(help="NMEA log with AIS; or CSV or npz: time_s, target, east_m, north_m."),
+_TRUE_POSITIONS = Annotated[list[Path] | None, typer.Option(help=f"{_POSITIONS}{_SEVERAL}.")]
+_TRUTH = Annotated[
+    list[Path] | None,
+    typer.Option(help=f"{_BEARINGS}. Of time series also: {_POSITIONS}{_SEVERAL}."),
 ]
 _DATUM = Annotated[
     str,
@@ -61,7 +62,7 @@ def time_series(
     frequency: _FREQUENCY = None,
     bandwidth: _BANDWIDTH = None,
     own_ship: _OWN_SHIP = None,
-    truth: _BEARINGS = None,
+    truth: _TRUTH = None,
     epoch: _EPOCH = None,
     time_pattern: _TIME_PATTERN = None,
     parameters: _PARAMETERS = None,
@@ -82,8 +83,8 @@ def time_series(
             frequency,
             bandwidth,
             output,
-            own_ship,
-            truth,
+            own_ship or None,
+            truth or None,
             parameters,
             importer.given_time(epoch, time_pattern),
             importer.given_datum(datum),
@@ -102,10 +103,9 @@ def wav(
         bool, typer.Option("--samples", help="Keep the time series: the replay finds lines too.")
     ] = False,
     own_ship: Annotated[
-        Path | None,
-        typer.Option(help="With --samples: NMEA log; or CSV or npz, as for import samples."),
+        list[Path] | None, typer.Option(help="With --samples: as for import samples.")
     ] = None,
-    truth: _BEARINGS = None,
+    truth: _TRUTH = None,
     epoch: _EPOCH = None,
     time_pattern: _TIME_PATTERN = None,
     parameters: _PARAMETERS = None,
@@ -120,13 +120,14 @@ def wav(
     time, place = importer.given_time(epoch, time_pattern), importer.given_datum(datum)
     if samples:
         done = importer.import_audio_samples(
-            file, geometry, frequency, bandwidth, output, own_ship, truth, parameters, time, place
-        )
-    elif own_ship is not None:
+            file, geometry, frequency, bandwidth, output, own_ship or None, truth or None,
+            parameters, time, place,
+        )  # fmt: skip
+    elif own_ship:
         raise ConfigurationError("--own-ship goes with --samples; give both, or neither.")
     else:
         done = importer.import_wav_file(
-            file, geometry, frequency, bandwidth, output, truth, parameters, time, place
+            file, geometry, frequency, bandwidth, output, truth or None, parameters, time, place
         )
     print(done)
 
@@ -172,7 +173,8 @@ def contacts(
         "epoch": epoch,
     }
     place = importer.given_datum(datum)
-    print(importer.import_contacts_file(file, output, sensor, own_ship, truth, parameters, place))
+    beside = own_ship or None, truth or None
+    print(importer.import_contacts_file(file, output, sensor, *beside, parameters, place))
 
 
 @import_app.command()
@@ -209,14 +211,16 @@ def bearings(
         "frequency_deviation": frequency_deviation,
         "epoch": epoch,
     }
-    sources = importer.BearingSources(stations, own_ship, truth, importer.given_datum(datum))
+    beside = own_ship or None, truth or None
+    sources = importer.BearingSources(stations, *beside, importer.given_datum(datum))
     print(importer.import_bearings_file(file, output, sensor, sources, parameters))
 
 
 @import_app.command()
 def nmea(
     files: Annotated[
-        list[Path], typer.Argument(help="Logs of NMEA 0183: own ship, AIS, or both in one.")
+        list[Path],
+        typer.Argument(help="Logs of NMEA 0183, or directories: own ship, AIS."),
     ],
     output: _OUTPUT,
     epoch: Annotated[

@@ -7,10 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sonar_tracking.bags.importers import nmea_log
 from sonar_tracking.bags.importers.import_contacts import ContactSensor, import_contacts, read_pings
 from sonar_tracking.bags.importers.import_nmea import import_nmea
 from sonar_tracking.bags.importers.map_origin import MapOrigin
-from sonar_tracking.bags.importers.nmea_log import read_nmea_log
+from sonar_tracking.bags.importers.nmea_log import NmeaLog, read_nmea_log
+from sonar_tracking.bags.importers.own_ship_track import checked_coverage, own_ship_at
 from sonar_tracking.bags.importers.position_files import read_own_ship
 from sonar_tracking.bags.importers.position_tables import own_ship_of_table
 from sonar_tracking.bags.storage.bag_records import records_of
@@ -28,6 +30,7 @@ from tests.bags.nmea.nmea_scene import (
     gga,
     hdt,
     log_lines,
+    rmc,
     vdm,
 )
 
@@ -129,10 +132,92 @@ def test_logs_that_tell_nothing_are_refused(tmp_path: Path) -> None:
     timeless = written(tmp_path, "ais.nmea", [vdm(FERRY, t) for t in range(5)])
     with pytest.raises(ConfigurationError, match="before any date and time were known"):
         import_nmea([timeless], tmp_path / "bag")
-    both = written(tmp_path, "log.nmea", log_lines(5))
-    with pytest.raises(ConfigurationError, match="both tell where own ship was"):
-        import_nmea([both, both], tmp_path / "bag")
     assert not (tmp_path / "bag").exists()
+
+
+def test_logs_that_follow_are_one_track(tmp_path: Path) -> None:
+    """Three of a day, the last without its begin, two with some seconds of the one before."""
+    lines = log_lines(100)
+    at = [index for index, line in enumerate(lines) if "GGA" in line]
+    folder = tmp_path / "logs"
+    folder.mkdir()
+    for name, begin, end in (("1", 0, 40), ("2", 35, 50), ("10", 70, None)):
+        last = None if end is None else at[end]
+        written(folder, f"{name}.nmea", lines[at[begin] : last])
+    (folder / "README.txt").write_text("logs of a day")
+    said = import_nmea([folder], tmp_path / "bag", DATUM)
+    assert "80 positions of own ship and 2 ships by AIS over 99.0 s" in said
+    assert "README.txt holds no sentence" in said and "It is left out." in said
+    assert "1 overlap between files of own ship" in said
+    assert "4 s (5 positions) of " in said and "2.nmea" in said
+    assert "has no position for 21 s from 2026-05-02 00:00:19 UTC" in said
+    states = list(records_of(read_bag(tmp_path / "bag"), "/own_ship/odometry"))
+    for state in states:
+        elapsed = (state.stamp - START) * 1e-9
+        expected = (OWN_VELOCITY[0] * elapsed, OWN_VELOCITY[1] * elapsed)
+        assert state.position == pytest.approx(expected, abs=0.01)
+    ferry = [
+        p.state[p.id.tolist().index(FERRY.mmsi)][:2]
+        for p in records_of(read_bag(tmp_path / "bag"), "/truth/tracks")
+        if FERRY.mmsi in p.id
+    ]
+    assert len(ferry) == 91 and ferry[60] == pytest.approx(FERRY.at(60.0), abs=0.5)
+
+
+def test_tables_and_logs_follow_one_another_and_two_ships_do_not(tmp_path: Path) -> None:
+    log = written(tmp_path, "a.nmea", log_lines(20, ships=()))
+    rows = [f"{BEGIN.timestamp() + t},{5 * t},{2 * t},90" for t in range(15, 40)]
+    heads = "unix_time_s,east_m,north_m,heading_deg"
+    table = written(tmp_path, "b.csv", [heads, *rows])
+    surveyed, notes = read_own_ship([table, log], START, MapOrigin(DATUM))
+    assert len(surveyed.stamp) == 40 and surveyed.source == f"{log} and 1 more"
+    np.testing.assert_allclose(surveyed.position[:, 0], 5.0 * np.arange(40), atol=0.01)
+    assert sum("overlap" in note for note in notes) == 1
+    other = written(tmp_path, "b.csv", [heads, *(row.replace(",90", "00,90") for row in rows)])
+    _, notes = read_own_ship([table, other, log], START, MapOrigin(DATUM))
+    assert any("check that all are of one ship" in note for note in notes)
+
+
+def test_logs_without_a_date_are_of_days_that_follow(tmp_path: Path) -> None:
+    logs = [
+        written(
+            tmp_path, f"{day}.nmea", [gga(30.0 + 60 * t, (0.0, 0.0)) for t in range(0, 1439, 9)]
+        )
+        for day in range(3)
+    ]
+    surveyed, notes = read_own_ship(logs, START)
+    assert len(surveyed.stamp) == 3 * 160
+    assert surveyed.stamp[160] - surveyed.stamp[0] == 86_400 * NANOSECONDS
+    assert surveyed.stamp[320] - surveyed.stamp[160] == 86_400 * NANOSECONDS
+    assert sum("no date (RMC or ZDA)" in note for note in notes) == 3
+
+
+def test_a_heading_ahead_of_the_first_position_is_of_it(tmp_path: Path) -> None:
+    lines = [hdt(10.0), hdt(20.0), *(rmc(t, (5.0 * t, 0.0), (5.0, 0.0)) for t in range(100))]
+    surveyed, notes = read_own_ship(written(tmp_path, "a.nmea", lines), START, MapOrigin(DATUM))
+    assert np.degrees(surveyed.azimuth[0]) == pytest.approx(70.0, abs=0.01)
+    assert any("95 of 100 positions come without a heading" in note for note in notes)
+    motion = own_ship_at(surveyed, surveyed.stamp)
+    assert np.degrees(motion.azimuth[[5, 50, 99]]) == pytest.approx([70.0, 70.0, 0.0], abs=0.1)
+    (told,) = checked_coverage(surveyed, surveyed.stamp)
+    assert "has no heading at 35 of 100 positions for longer than 60 s" in told
+
+
+def test_a_log_that_is_own_ship_and_truth_is_read_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log = written(tmp_path, "log.nmea", log_lines())
+    rows = [f"{BEGIN.timestamp() + t},1000,45" for t in range(10, 60, 10)]
+    contacts = written(tmp_path, "contacts.csv", ["unix_time_s,range_m,bearing_deg", *rows])
+    read: list[Path] = []
+
+    def counted(path: Path) -> NmeaLog:
+        read.append(path)
+        return read_nmea_log(path)
+
+    monkeypatch.setattr(nmea_log, "read_nmea_log", counted)
+    assert "truth of" in import_contacts(contacts, tmp_path / "bag", SENSOR, log, log)
+    assert read == [log]
 
 
 def test_a_table_of_latitudes_is_the_same_track(tmp_path: Path) -> None:

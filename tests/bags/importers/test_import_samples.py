@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 from scipy.io import wavfile
 
+from sonar_tracking.bags.importers.audio_recording import GivenTime
 from sonar_tracking.bags.importers.import_samples import import_samples, suggested_estimator
+from sonar_tracking.bags.storage.bag_records import records_of
 from sonar_tracking.bags.storage.message_definitions import installed_typestore
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.errors import ConfigurationError
@@ -18,6 +20,7 @@ from sonar_tracking.message_reading.sample_reading import samples_from_message
 from sonar_tracking.records.samples import ArraySamples
 from sonar_tracking.records.time import END_OF_DATA
 from sonar_tracking.simulation.scenarios.scenario import DEFAULT_EPOCH
+from tests.bags.nmea.nmea_scene import BEGIN, DATUM, FERRY, OWN_VELOCITY, log_lines
 
 RATE = 2000
 N_ELEMENTS = 4
@@ -109,6 +112,50 @@ def test_the_bag_says_what_a_replay_starts_and_plays(tmp_path: Path) -> None:
     }
     times = [message.log_time for message in bag.messages()]
     assert times == sorted(times)
+
+
+def test_ais_is_the_truth_of_time_series(tmp_path: Path) -> None:
+    """Positions as reported; bearings as the array hears them, sound being late."""
+    log = tmp_path / "bridge.nmea"
+    log.write_text("\n".join(log_lines(40)))
+    _, said = imported(
+        tmp_path, noise(), own_ship=[log], truth=[log], datum=DATUM,
+        time=GivenTime(round(BEGIN.timestamp()) * SECOND + 10 * SECOND),
+    )  # fmt: skip
+    assert "rests" not in said
+    bag = read_bag(tmp_path / "bag")
+    assert {name for name, topic in bag.topics.items() if topic.role == "truth"} == {
+        "/truth/tracks",
+        "/truth/bearing_tracks",
+    }
+    positions = list(records_of(bag, "/truth/tracks"))
+    bearings = messages(tmp_path / "bag", "/truth/bearing_tracks")
+    assert len(positions) == len(bearings) == 4
+    for second, (picture, heard) in enumerate(zip(positions, bearings, strict=True), start=10):
+        row = picture.id.tolist().index(FERRY.mmsi)
+        assert picture.state[row, :2] == pytest.approx(FERRY.at(second), abs=0.5)
+        ahead = np.array(OWN_VELOCITY) / np.hypot(*OWN_VELOCITY)
+        array = second * np.array(OWN_VELOCITY) - 10.0 * ahead
+        late = np.hypot(*(FERRY.at(second) - array)) / 1500.0
+        away = FERRY.at(second - late) - array
+        expected = np.arcsin(-ahead @ away / np.hypot(*away))
+        assert heard.arrival_angle[row] == pytest.approx(expected, abs=1e-3)
+    rates = np.diff([each.arrival_angle[0] for each in bearings])
+    assert bearings[1].arrival_angle_rate[0] == pytest.approx(rates[1], rel=0.05, abs=1e-4)
+
+
+def test_positions_of_a_table_are_truth_as_well(tmp_path: Path) -> None:
+    truth = tmp_path / "truth.csv"
+    truth.write_text("time_s,target,east_m,north_m\n0,ferry,500,500\n9,ferry,500,590\n")
+    imported(tmp_path, noise(), truth=truth)
+    pictures = list(records_of(read_bag(tmp_path / "bag"), "/truth/tracks"))
+    assert [tuple(each.state[0]) for each in pictures[:2]] == [
+        pytest.approx((500.0, 500.0, 0.0, 10.0)),
+        pytest.approx((500.0, 510.0, 0.0, 10.0)),
+    ]
+    truth.write_text("time_s,target,east_m,north_m\n60,ferry,500,500\n90,ferry,500,590\n")
+    with pytest.raises(ConfigurationError, match="they do not overlap"):
+        imported(tmp_path, noise(), truth=truth)
 
 
 def test_blocks_with_samples_that_are_not_numbers_are_left_out_and_told(tmp_path: Path) -> None:

@@ -204,9 +204,9 @@ def test_bad_geometry_and_bands_are_named_and_leave_no_bag(
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("time,angle\n1,2\n", "needs time_s"),
-        ("time_s,target,arrival_angle_deg\n", "holds no bearings"),
-        ("time_s,target,arrival_angle_deg\n0,a,north\n", "line 2: .* must be numbers"),
+        ("time,angle\n1,2\n", "is no table with time_s"),
+        ("time_s,target,arrival_angle_deg\n", "holds no usable line"),
+        ("time_s,target,arrival_angle_deg\n0,a,north\n", "line 2: .* 'north', not a number"),
         ("time_s,target,arrival_angle_deg\n0,a,120\n", "line 2: .* between -90 and 90"),
     ],
 )

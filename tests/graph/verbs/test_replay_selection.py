@@ -74,13 +74,13 @@ def test_inferred_nodes_are_said_in_one_line_and_given_ones_are_not(tmp_path: Pa
     bag = foreign_bag(tmp_path, {"/x": CONTACTS, "/y": BEARINGS})
     said = io.StringIO()
     display = LineDisplay(Console(file=said, width=1000))
-    settings = settings_of(bag, None, display)
+    settings = settings_of(bag, None, display, None)
     assert set(settings) == {"hpda_tracker", "tma_tracker", "scene_publisher"}
     assert settings["tma_tracker"]["bearing_topics"] == ("y",)
     assert settings["scene_publisher"]["bearing_topics"] == ("y",)
     assert said.getvalue().count("\n") == 1 and "tma_tracker, hpda_tracker" in said.getvalue()
     (tmp_path / "own.yaml").write_text("hpda_tracker: {}\n")
-    given = settings_of(bag, tmp_path / "own.yaml", display)
+    given = settings_of(bag, tmp_path / "own.yaml", display, None)
     assert set(given) == {"hpda_tracker", "scene_publisher"}
     assert said.getvalue().count("\n") == 1
 

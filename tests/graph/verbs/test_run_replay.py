@@ -66,7 +66,7 @@ def replay_plan(folder: Path, record: Path | None) -> GraphPlan:
     listed = {"bearing_topics": ("a/passive/bearing_tracks", "b/passive/bearing_tracks")}
     settings = resolved_settings({node.name: listed}, (node,), "test")
     options = RunOptions(record=record)
-    return plan_replay(read_bag(station_bag(folder)), settings, options, folder)
+    return plan_replay(read_bag(station_bag(folder)), settings, options, folder, None)
 
 
 def test_truth_is_played_to_no_node_but_the_recorder(tmp_path: Path) -> None:

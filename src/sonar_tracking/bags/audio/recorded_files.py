@@ -89,11 +89,11 @@ def audio_paths(path: Path) -> list[Path]:
         raise ConfigurationError(
             f"The directory {path} has no audio file ({', '.join(AUDIO_ENDINGS)}); give another."
         )
-    return sorted(found, key=lambda each: _natural(each.name))
+    return sorted(found, key=lambda each: natural_order(each.name))
 
 
-def _natural(name: str) -> list[tuple[int, str]]:
-    """Return a key by which file 10 comes after file 9."""
+def natural_order(name: str) -> list[tuple[int, str]]:
+    """Return a key of the name of a file by which file 10 comes after file 9."""
     parts = re.split(r"(\d+)", name)
     return [(int(part), "") if index % 2 else (0, part) for index, part in enumerate(parts)]
 
@@ -172,7 +172,7 @@ def _parts(
     if len(groups) == 1:
         # Names that hold only the time: those of one time are side by side.
         return [AudioPart((file,), *starts.get(file.path, (None, 1.0))) for file in files]
-    return _side_by_side([groups[key] for key in sorted(groups, key=_natural)], starts, notes)
+    return _side_by_side([groups[key] for key in sorted(groups, key=natural_order)], starts, notes)
 
 
 def _side_by_side(

@@ -11,7 +11,6 @@ from sonar_tracking.bags.audio.recording import Recording
 from sonar_tracking.bags.importers.array_geometry_file import RecordedArray
 from sonar_tracking.bags.importers.bearing_truth_file import SurveyedBearings
 from sonar_tracking.bags.importers.recorded_messages import truth_cdr
-from sonar_tracking.bags.storage.bag_records import BEARING_TRACKS_TYPE
 from sonar_tracking.bags.storage.metadata import OfferedQuality
 from sonar_tracking.bags.storage.recording_information import RecordingInformation
 from sonar_tracking.bags.storage.writer import new_bag
@@ -80,6 +79,7 @@ def write_messages(
     output: Path,
     information: RecordingInformation,
     inputs: dict[str, str],
+    truth: dict[str, str],
     messages: Iterable[Message],
 ) -> tuple[Path, dict[str, int], int]:
     """Write a bag; return it, the messages of each topic, and the samples or snapshots in all.
@@ -89,9 +89,9 @@ def write_messages(
     output : Path
         The new bag.
     information : RecordingInformation
-        What the bag shall know of its making; its roles say whether there is truth.
-    inputs : dict of str to str
-        Topic and message type of the data.
+        What the bag shall know of its making.
+    inputs, truth : dict of str to str
+        Topic and message type of the data, and of what is known of the targets.
     messages : iterable
         By rising stamp.
 
@@ -100,14 +100,14 @@ def write_messages(
     ConfigurationError
         If the bag cannot be written to its end; nothing is left of it then.
     """
-    counts: dict[str, int] = dict.fromkeys((*inputs, TRUTH_TOPIC), 0)
+    counts: dict[str, int] = dict.fromkeys((*inputs, *truth), 0)
     total = 0
     with new_bag(output, information) as writer:
         for topic, type_name in inputs.items():
             writer.add_topic(topic, type_name, role="input")
-        if TRUTH_TOPIC in information.topic_roles:
+        for topic, type_name in truth.items():
             quality = OfferedQuality(durability="transient_local")
-            writer.add_topic(TRUTH_TOPIC, BEARING_TRACKS_TYPE, role="truth", qos=quality)
+            writer.add_topic(topic, type_name, role="truth", qos=quality)
         for stamp, topic, data, count in messages:
             writer.write(topic, stamp, data)
             counts[topic] += 1

@@ -1,22 +1,26 @@
-"""Surveyed bearings of the targets of a recording, from a CSV file.
+"""Surveyed bearings of the targets of a recording, from a table.
 
-Columns ``time_s`` (since the first sample), ``target`` (any name), ``arrival_angle_deg`` (from
-broadside, positive towards increasing element x), one row a target and instant.
+Columns ``time_s`` (since the first sample; or ``unix_time_s``), ``target`` (any name) and
+``arrival_angle_deg`` (from broadside, positive towards increasing element x), one row a target and
+instant.
 """
 
 from __future__ import annotations
 
-import csv
-import math
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
-from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.bags.importers.line_notes import LineNotes
+from sonar_tracking.bags.importers.nmea_log import looks_like_nmea
+from sonar_tracking.bags.importers.number_table import read_number_table, table_cells
+from sonar_tracking.bags.importers.position_files import Files, given_paths
+from sonar_tracking.bags.importers.table_times import NO_TIME, TIMES, table_stamps
 from sonar_tracking.records.arrays import FloatArray, IdArray
+from sonar_tracking.records.time import seconds
 
-_COLUMNS = ("time_s", "target", "arrival_angle_deg")
+ANGLE = "arrival_angle_deg"
+_NO_ANGLE = f"{ANGLE} is missing, or none from broadside; it must lie between -90 and 90"
 
 
 @dataclass(frozen=True)
@@ -39,57 +43,67 @@ class SurveyedBearings:
     rate: FloatArray
 
 
-def read_surveyed_bearings(path: Path | str) -> list[SurveyedBearings]:
-    """Read a truth file.
+def holds_true_bearings(given: Files) -> bool:
+    """Return whether what is given is one table with a column of arrival angles.
+
+    Raises
+    ------
+    ConfigurationError
+        If it is a table that cannot be read.
+    """
+    paths = given_paths(given)
+    if len(paths) != 1 or paths[0].is_dir() or looks_like_nmea(paths[0]):
+        return False
+    return ANGLE in table_cells(paths[0], LineNotes(paths[0]))[0]
+
+
+def read_surveyed_bearings(
+    given: Files, epoch: int
+) -> tuple[list[SurveyedBearings], tuple[str, ...]]:
+    """Read a table of true bearings; return them, and a sentence for what was left out.
+
+    Parameters
+    ----------
+    given : Path, str, or sequence of one
+        CSV or npz.
+    epoch : int
+        Instant of the first sample, ns.
 
     Returns
     -------
     list of SurveyedBearings
         In order of time.
+    tuple of str
 
     Raises
     ------
     ConfigurationError
-        If it cannot be read; file and line are named.
+        If it cannot be read, or no line can be used; file and lines are named.
     """
-    path = Path(path)
-    try:
-        with path.open(encoding="utf-8", newline="") as file:
-            reader = csv.DictReader(file)
-            if not set(_COLUMNS) <= set(reader.fieldnames or ()):
-                raise ConfigurationError(
-                    f"The truth file {path} has the columns {reader.fieldnames}; it needs "
-                    f"{', '.join(_COLUMNS)}."
-                )
-            rows = [_row(values, f"{path}, line {reader.line_num}") for values in reader]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise ConfigurationError(f"The truth file {path} cannot be read ({error}).") from error
-    if not rows:
-        raise ConfigurationError(f"The truth file {path} holds no bearings.")
-    return _by_time(rows)
-
-
-def _row(values: dict[str, str], where: str) -> tuple[float, str, float]:
-    try:
-        time, angle = float(values["time_s"]), float(values["arrival_angle_deg"])
-    except (TypeError, ValueError):
-        raise ConfigurationError(
-            f"{where}: time_s and arrival_angle_deg must be numbers."
-        ) from None
-    if not math.isfinite(time) or not abs(angle) <= 90.0:
-        raise ConfigurationError(
-            f"{where}: the arrival angle {angle:g} deg at {time:g} s is none from broadside; it "
-            "must lie between -90 and 90."
+    table = read_number_table(given_paths(given)[0], (ANGLE, "target"), TIMES, names=("target",))
+    stamp = table_stamps(table, epoch, table.names["target"])
+    angle = table.column(ANGLE)
+    good = table.passing({NO_TIME: stamp > 0, _NO_ANGLE: np.abs(angle) <= 90.0})
+    if not good.any():
+        raise table.nothing_usable()
+    rows = [
+        (
+            seconds(int(stamp[row]) - epoch),
+            table.names["target"][row],
+            float(np.radians(angle[row])),
         )
-    return time, values["target"], math.radians(angle)
+        for row in np.flatnonzero(good)
+    ]
+    return _by_time(rows), tuple(table.notes.sentences())
 
 
 def _by_time(rows: list[tuple[float, str, float]]) -> list[SurveyedBearings]:
-    names = list(dict.fromkeys(name for _, name, _ in rows))
+    histories: dict[str, dict[float, float]] = {}
+    for time, name, angle in rows:
+        histories.setdefault(name, {})[time] = angle
     seen: dict[float, list[tuple[int, float, float]]] = {}
-    for number, name in enumerate(names, start=1):
-        history = sorted({time: angle for time, n, angle in rows if n == name}.items())
-        times, angles = np.array(history).T
+    for number, history in enumerate(histories.values(), start=1):
+        times, angles = np.array(sorted(history.items())).T
         rates = np.gradient(angles, times) if len(times) > 1 else np.zeros(1)
         for time, angle, rate in zip(times, angles, rates, strict=True):
             seen.setdefault(float(time), []).append((number, angle, rate))

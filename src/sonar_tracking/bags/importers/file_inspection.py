@@ -118,9 +118,9 @@ def _table(path: Path) -> Inspected:
     columns = set(table_cells(path, LineNotes(path))[0])
     positions = set(PLANE) <= columns or set(PLACE) <= columns
     if {"target", "arrival_angle_deg"} <= columns:
-        bearings = read_surveyed_bearings(path)
+        bearings, told = read_surveyed_bearings(path, DEFAULT_EPOCH)
         command = f"sonar-tracking import wav FILE.wav --truth {path} ..."
-        return f"true bearings at {len(bearings)} instants", [], command
+        return f"true bearings at {len(bearings)} instants", list(told), command
     if "range_m" in columns:
         contacts = read_contact_lines(path, DEFAULT_EPOCH)
         count = int(np.sum(np.isfinite(contacts.range)))

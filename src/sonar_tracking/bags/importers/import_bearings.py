@@ -39,12 +39,13 @@ from sonar_tracking.bags.importers.contact_messages import (
 )
 from sonar_tracking.bags.importers.import_contacts import ODOMETRY_TOPIC, TRUTH_TOPIC
 from sonar_tracking.bags.importers.map_origin import MapOrigin
+from sonar_tracking.bags.importers.nmea_log import NmeaLogs
 from sonar_tracking.bags.importers.own_ship_track import (
     OwnShipMotion,
     checked_coverage,
     own_ship_at,
 )
-from sonar_tracking.bags.importers.position_files import read_own_ship
+from sonar_tracking.bags.importers.position_files import Files, read_own_ship
 from sonar_tracking.bags.importers.true_tracks import true_tracks_at
 from sonar_tracking.bags.storage.bag_records import BEARING_TRACKS_TYPE, FREQUENCY_LINES_TYPE
 from sonar_tracking.bags.storage.metadata import OfferedQuality
@@ -73,15 +74,15 @@ class BearingSources:
     ----------
     stations : Path or str, optional
         CSV or npz of where stations are.
-    own_ship, truth : Path or str, optional
-        CSV, npz or NMEA log of own ship's and of the targets' positions.
+    own_ship, truth : Path, str, or sequence of them, optional
+        CSV, npz or NMEA logs of own ship's and of the targets' positions.
     datum : Datum, optional
         Of ``map``; default: the first place that a file tells, if one does.
     """
 
     stations: Path | str | None = None
-    own_ship: Path | str | None = None
-    truth: Path | str | None = None
+    own_ship: Files | None = None
+    truth: Files | None = None
     datum: Datum | None = None
 
 
@@ -135,7 +136,8 @@ def import_bearings(
     notes = list(lines.notes)
     names = list(dict.fromkeys(lines.sensor.tolist()))
     origin = MapOrigin(sources.datum)
-    stations, motion = _places(file, lines, names, sources, sensor.epoch, origin, notes)
+    logs = NmeaLogs()
+    stations, motion = _places(file, lines, names, sources, sensor.epoch, origin, logs, notes)
     topics = sensor_topics(names)
     heard = {
         name: bearings_of_sensor(lines, name, sensor, motion, stations, notes) for name in names
@@ -143,7 +145,7 @@ def import_bearings(
     with_lines = {name for name, one in heard.items() if any(one.frequencies)}
     used = [(topics[n][0], topics[n][1] if n in with_lines else "") for n in names]
     stamps = np.unique(lines.stamp)
-    truth = true_tracks_at(sources.truth, stamps, sensor.epoch, notes, origin)
+    truth = true_tracks_at(sources.truth, stamps, sensor.epoch, notes, origin, logs)
     notes += origin.notes
     messages = [
         _messages(heard[n], topics[n], _sensor_at(n, lines, stations, motion)) for n in names
@@ -182,6 +184,7 @@ def _places(
     sources: BearingSources,
     epoch: int,
     origin: MapOrigin,
+    logs: NmeaLogs,
     notes: list[str],
 ) -> tuple[dict[str, StationPlace], OwnShipMotion | None]:
     """Return where the stations are, and own ship at the stamps of the bearings."""
@@ -192,7 +195,7 @@ def _places(
     aboard = [name for name in names if name not in stations]
     motion = None
     if sources.own_ship is not None:
-        surveyed, bad = read_own_ship(sources.own_ship, epoch, origin)
+        surveyed, bad = read_own_ship(sources.own_ship, epoch, origin, logs)
         notes.extend(bad)
         stamps = np.unique(lines.stamp)
         notes.extend(checked_coverage(surveyed, stamps))

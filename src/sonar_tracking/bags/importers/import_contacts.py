@@ -25,12 +25,13 @@ from sonar_tracking.bags.importers.contact_messages import (
     truth_tracks_cdr,
 )
 from sonar_tracking.bags.importers.map_origin import MapOrigin
+from sonar_tracking.bags.importers.nmea_log import NmeaLogs
 from sonar_tracking.bags.importers.own_ship_track import (
     OwnShipMotion,
     checked_coverage,
     own_ship_at,
 )
-from sonar_tracking.bags.importers.position_files import read_own_ship
+from sonar_tracking.bags.importers.position_files import Files, read_own_ship
 from sonar_tracking.bags.importers.surveyed_positions import SurveyedPositions
 from sonar_tracking.bags.importers.true_tracks import true_tracks_at
 from sonar_tracking.bags.storage.metadata import OfferedQuality
@@ -106,8 +107,8 @@ class RecordedPings:
 def read_pings(
     file: Path | str,
     sensor: ContactSensor,
-    own_ship: Path | str | None = None,
-    truth: Path | str | None = None,
+    own_ship: Files | None = None,
+    truth: Files | None = None,
     origin: MapOrigin | None = None,
 ) -> RecordedPings:
     """Read recorded contacts.
@@ -118,8 +119,8 @@ def read_pings(
         CSV or npz of contacts; see :mod:`sonar_tracking.bags.importers.contact_file`.
     sensor : ContactSensor
         What the file does not tell.
-    own_ship, truth : Path or str, optional
-        CSV, npz or NMEA log of own ship's and of the targets' positions.
+    own_ship, truth : Path, str, or sequence of them, optional
+        CSV, npz or NMEA logs of own ship's and of the targets' positions.
     origin : MapOrigin, optional
         The datum; default: the first place that a file tells, if one does.
 
@@ -131,7 +132,8 @@ def read_pings(
     origin = origin or MapOrigin()
     lines = read_contact_lines(file, sensor.epoch, origin)
     notes = list(lines.bad)
-    surveyed = _surveyed_own_ship(file, lines, own_ship, sensor.epoch, origin, notes)
+    logs = NmeaLogs()
+    surveyed = _surveyed_own_ship(file, lines, own_ship, sensor.epoch, origin, logs, notes)
     stamps, first = np.unique(lines.stamp, return_index=True)
     stamps = stamps - round(sensor.latency * NANOSECONDS)
     motion = own_ship_at(surveyed, stamps)
@@ -143,7 +145,7 @@ def read_pings(
         _ping(lines, rows, motion, index, sensor, sensor.maximum_range or farthest)
         for index, rows in enumerate(groups)
     )
-    true = true_tracks_at(truth, stamps, sensor.epoch, notes, origin)
+    true = true_tracks_at(truth, stamps, sensor.epoch, notes, origin, logs)
     return RecordedPings(pings, motion, true, tuple(dict.fromkeys([*notes, *origin.notes])))
 
 
@@ -151,8 +153,8 @@ def import_contacts(
     file: Path | str,
     output: Path | str,
     sensor: ContactSensor,
-    own_ship: Path | str | None = None,
-    truth: Path | str | None = None,
+    own_ship: Files | None = None,
+    truth: Files | None = None,
     node_parameters: Mapping[str, Mapping[str, Any]] = DEFAULT_NODE_PARAMETERS,
     datum: Datum | None = None,
 ) -> str:
@@ -192,14 +194,15 @@ def import_contacts(
 def _surveyed_own_ship(
     file: Path | str,
     lines: ContactLines,
-    own_ship: Path | str | None,
+    own_ship: Files | None,
     epoch: int,
     origin: MapOrigin,
+    logs: NmeaLogs,
     notes: list[str],
 ) -> SurveyedPositions:
     told = np.isfinite(lines.own_ship[:, :2]).all(axis=1)
     if own_ship is not None:
-        surveyed, bad = read_own_ship(own_ship, epoch, origin)
+        surveyed, bad = read_own_ship(own_ship, epoch, origin, logs)
         notes.extend(bad)
     elif told.any():
         stamp, first = np.unique(lines.stamp[told], return_index=True)

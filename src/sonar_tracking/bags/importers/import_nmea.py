@@ -20,15 +20,17 @@ from sonar_tracking.bags.importers.contact_messages import (
     truth_tracks_cdr,
 )
 from sonar_tracking.bags.importers.import_contacts import ODOMETRY_TOPIC, TRUTH_TOPIC
+from sonar_tracking.bags.importers.joined_positions import joined_positions
 from sonar_tracking.bags.importers.map_origin import MapOrigin
-from sonar_tracking.bags.importers.nmea_log import (
-    NmeaLog,
-    own_ship_of_log,
-    read_nmea_log,
-    ships_of_log,
+from sonar_tracking.bags.importers.nmea_log import NmeaLog, epochs_of_logs, read_nmea_log
+from sonar_tracking.bags.importers.nmea_tracks import own_ship_of_log, ships_of_logs
+from sonar_tracking.bags.importers.own_ship_track import (
+    OwnShipMotion,
+    checked_coverage,
+    own_ship_at,
 )
-from sonar_tracking.bags.importers.own_ship_track import OwnShipMotion, own_ship_at
-from sonar_tracking.bags.importers.true_tracks import ship_states, truth_pictures
+from sonar_tracking.bags.importers.position_files import read_each
+from sonar_tracking.bags.importers.true_tracks import TrueTargets
 from sonar_tracking.bags.nmea.ship_histories import ShipHistory
 from sonar_tracking.bags.storage.metadata import OfferedQuality
 from sonar_tracking.bags.storage.recording_information import RecordingInformation
@@ -55,7 +57,7 @@ def import_nmea(
     Parameters
     ----------
     files : sequence of Path or str
-        Logs: one of them tells where own ship was, or none does; others, or the same, have AIS.
+        Logs, or directories of them: of own ship, of AIS, or both; several follow one another.
     output : Path or str
         The new bag.
     datum : Datum, optional
@@ -68,8 +70,8 @@ def import_nmea(
     ConfigurationError
         If a log cannot be used, or the bag not be made; no bag is left then.
     """
-    logs = [read_nmea_log(file) for file in files]
     origin, notes = MapOrigin(datum), list[str]()
+    logs = read_each(list(dict.fromkeys(files)), read_nmea_log, notes)
     motion = _own_ship(logs, epoch, origin, notes)
     truth = _truth(logs, epoch, origin, notes)
     if motion is None and not truth:
@@ -96,15 +98,15 @@ def _own_ship(
 ) -> OwnShipMotion | None:
     """Return own ship at its own positions; None = no log tells any."""
     told = [log for log in logs if log.fixes]
-    if len(told) > 1:
-        raise ConfigurationError(
-            f"{' and '.join(str(log.path) for log in told)} both tell where own ship was; give "
-            "one of them, or put consecutive logs into one file."
-        )
     if not told:
         return None
-    surveyed, bad = own_ship_of_log(told[0], epoch, origin)
-    notes.extend(bad)
+    tracks = []
+    for log, day in zip(told, epochs_of_logs(told, epoch), strict=True):
+        track, bad = own_ship_of_log(log, day, origin)
+        tracks.append(track)
+        notes.extend(bad)
+    surveyed = joined_positions(tracks, notes)
+    notes.extend(checked_coverage(surveyed, surveyed.stamp))
     return own_ship_at(surveyed, surveyed.stamp)
 
 
@@ -116,17 +118,11 @@ def _truth(
 ) -> tuple[TruthTracks, ...]:
     """Return pictures of the other ships, one a second; none = no log has any."""
     told = [log for log in logs if log.reports]
-    if len(told) > 1:
-        raise ConfigurationError(
-            f"{' and '.join(str(log.path) for log in told)} both have AIS; give one of them, or "
-            "put them into one file."
-        )
     if not told:
         return ()
-    ships, bad = ships_of_log(told[0], epoch, origin)
+    ships, bad = ships_of_logs(told, epoch, origin)
     notes.extend(bad)
-    stamps = _pictures(ships.values())
-    return truth_pictures(ship_states(ships, stamps), stamps)
+    return tuple(TrueTargets(ships, {}).pictures(_pictures(ships.values())))
 
 
 def _pictures(ships: Iterable[ShipHistory]) -> IntArray:

@@ -9,7 +9,7 @@ ship rests at the origin, its bow to the north.
 from __future__ import annotations
 
 import heapq
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -21,15 +21,14 @@ from sonar_tracking.bags.importers.array_geometry_file import RecordedArray, rea
 from sonar_tracking.bags.importers.array_plausibility import check_bearings
 from sonar_tracking.bags.importers.audio_recording import (
     NOT_GIVEN,
-    TRUTH_TOPIC,
     GivenTime,
     opened_recording,
-    truth_messages,
     write_messages,
 )
-from sonar_tracking.bags.importers.bearing_truth_file import read_surveyed_bearings
 from sonar_tracking.bags.importers.map_origin import MapOrigin
-from sonar_tracking.bags.importers.position_files import read_own_ship
+from sonar_tracking.bags.importers.nmea_log import NmeaLogs
+from sonar_tracking.bags.importers.position_files import Files, read_own_ship
+from sonar_tracking.bags.importers.recording_truth import RecordingTruth, read_recording_truth
 from sonar_tracking.bags.importers.sample_blocks import (
     ODOMETRY_TOPIC,
     SAMPLES_TOPIC,
@@ -92,8 +91,8 @@ def import_samples(
     geometry: Path | str,
     output: Path | str,
     node_parameters: Mapping[str, Mapping[str, Any]],
-    own_ship: Path | str | None = None,
-    truth: Path | str | None = None,
+    own_ship: Files | None = None,
+    truth: Files | None = None,
     time: GivenTime = NOT_GIVEN,
     progress: Callable[[float], None] | None = None,
     datum: Datum | None = None,
@@ -112,11 +111,12 @@ def import_samples(
         The new bag.
     node_parameters : mapping of mapping
         Node, parameter, value: what a replay of the bag starts.
-    own_ship : Path or str, optional
-        CSV, npz or NMEA log of own ship's positions; see
+    own_ship : Path, str, or sequence of them, optional
+        CSV, npz or NMEA logs of own ship's positions; see
         :mod:`sonar_tracking.bags.importers.position_files`.
-    truth : Path or str, optional
-        CSV file of true bearings; see :mod:`sonar_tracking.bags.importers.bearing_truth_file`.
+    truth : Path, str, or sequence of them, optional
+        CSV file of true bearings, or files of where targets were; see
+        :mod:`sonar_tracking.bags.importers.recording_truth`.
     time : GivenTime
         What is said of its time; default: what the geometry file, the names or the files say.
     progress : callable, optional
@@ -132,21 +132,22 @@ def import_samples(
     recording, array = opened_recording(file, read_array_geometry(geometry), time)
     columns = array.columns(recording.n_channels, str(recording.path))
     notes = list(recording.notes)
-    origin = MapOrigin(datum)
-    surveyed = _surveyed_own_ship(own_ship, array, origin, notes)
+    origin, logs = MapOrigin(datum), NmeaLogs()
+    surveyed = _surveyed_own_ship(own_ship, array, origin, logs, notes)
     demodulator = _band(node_parameters.get("band_demodulator", {}))
     configuration = from_mapping(BandDemodulatorConfiguration, demodulator, str(recording.path))
     notes += check_bearings(array, configuration.center_frequency, str(geometry))
     blocks = SampleBlocks(recording, array, columns, surveyed, progress)
     notes += blocks.own_ship_notes
     band = blocks.band(configuration)
-    information = _information(recording, array, node_parameters, truth is not None, origin)
-    counted = _write(Path(output), recording, array, blocks, information, truth)
+    true = read_recording_truth(truth, array, blocks.end, surveyed, notes, origin, logs)
+    information = _information(recording, array, node_parameters, true.topics, origin)
+    counted = _write(Path(output), recording, array, blocks, information, true)
     summary = (
         f"{output}: {counted} at {recording.sample_rate} Hz. Bearings are made of the "
         f"{band.bandwidth:.3g} Hz around {band.frequency:g} Hz, lines looked for on each."
     )
-    return "\n".join([summary, *notes, *blocks.left_out()])
+    return "\n".join([summary, *dict.fromkeys([*notes, *origin.notes]), *blocks.left_out()])
 
 
 def _write(
@@ -155,20 +156,20 @@ def _write(
     array: RecordedArray,
     blocks: SampleBlocks,
     information: RecordingInformation,
-    truth: Path | str | None,
+    true: RecordingTruth,
 ) -> str:
     """Write the bag and return how much is in it, in words."""
     n_elements = len(array.element_positions)
-    bearings = read_surveyed_bearings(truth) if truth is not None else []
     samples = blocks.samples()
     first = next(samples)  # where none is of use, no bag is begun
     _, counts, n_samples = write_messages(
         output,
         information,
         {SAMPLES_TOPIC: SAMPLES_TYPE, ODOMETRY_TOPIC: ODOMETRY_TYPE},
+        true.topics,
         heapq.merge(
             blocks.odometry(),
-            truth_messages(bearings, array),
+            true.messages(),
             chain([first], samples),
             key=lambda message: message[0],
         ),
@@ -183,12 +184,11 @@ def _information(
     recording: Recording,
     array: RecordedArray,
     node_parameters: Mapping[str, Mapping[str, Any]],
-    with_truth: bool,
+    true: Iterable[str],
     origin: MapOrigin,
 ) -> RecordingInformation:
     roles: dict[str, Any] = {SAMPLES_TOPIC: "input", ODOMETRY_TOPIC: "input"}
-    if with_truth:
-        roles[TRUTH_TOPIC] = "truth"
+    roles |= dict.fromkeys(true, "truth")
     name, rate = recording.path.name, recording.sample_rate
     n_elements = len(array.element_positions)
     description = f"imported from {name}: {n_elements} elements, {rate} Hz"
@@ -201,11 +201,15 @@ def _band(given: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _surveyed_own_ship(
-    path: Path | str | None, array: RecordedArray, origin: MapOrigin, notes: list[str]
+    given: Files | None,
+    array: RecordedArray,
+    origin: MapOrigin,
+    logs: NmeaLogs,
+    notes: list[str],
 ) -> SurveyedPositions:
-    if path is not None:
-        surveyed, bad = read_own_ship(path, array.epoch, origin)
-        notes.extend([*bad, *origin.notes])
+    if given is not None:
+        surveyed, bad = read_own_ship(given, array.epoch, origin, logs)
+        notes.extend(bad)
         return surveyed
     notes.append("No --own-ship: it rests at the origin, its bow to the north.")
     return SurveyedPositions(np.array([array.epoch]), np.zeros((1, 2)), np.array([0.5 * np.pi]))

@@ -8,7 +8,7 @@ filter is centred on: ``epoch + sample / sample_rate``.
 from __future__ import annotations
 
 import heapq
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,10 +27,15 @@ from sonar_tracking.bags.importers.audio_recording import (
     truth_messages,
     write_messages,
 )
-from sonar_tracking.bags.importers.bearing_truth_file import read_surveyed_bearings
+from sonar_tracking.bags.importers.bearing_truth_file import (
+    SurveyedBearings,
+    holds_true_bearings,
+    read_surveyed_bearings,
+)
 from sonar_tracking.bags.importers.map_origin import MapOrigin
+from sonar_tracking.bags.importers.position_files import Files, files_text
 from sonar_tracking.bags.importers.recorded_messages import snapshots_cdr
-from sonar_tracking.bags.storage.bag_records import SNAPSHOTS_TYPE
+from sonar_tracking.bags.storage.bag_records import BEARING_TRACKS_TYPE, SNAPSHOTS_TYPE
 from sonar_tracking.bags.storage.recording_information import RecordingInformation
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.passive.lines.demodulation import Band, Demodulator, design_band
@@ -119,7 +124,7 @@ def import_wav(
     frequency: float,
     bandwidth: float | None,
     output: Path | str,
-    truth: Path | str | None = None,
+    truth: Files | None = None,
     node_parameters: Mapping[str, Mapping[str, Any]] = DEFAULT_NODE_PARAMETERS,
     time: GivenTime = NOT_GIVEN,
     datum: Datum | None = None,
@@ -137,8 +142,8 @@ def import_wav(
         Two-sided, Hz; default: half of what the narrowband model allows.
     output : Path or str
         The new bag.
-    truth : Path or str, optional
-        CSV file of true bearings; see :mod:`sonar_tracking.bags.importers.bearing_truth_file`.
+    truth : Path, str, or sequence of one, optional
+        Table of true bearings; see :mod:`sonar_tracking.bags.importers.bearing_truth_file`.
     node_parameters : mapping of mapping
         Node, parameter, value: what a replay of the bag starts.
     time : GivenTime
@@ -156,22 +161,38 @@ def import_wav(
     columns = array.columns(wav.n_channels, str(wav.path))
     dropped = [*wav.notes, *check_bearings(array, frequency, str(geometry))]
     band = _checked_band(array, wav, frequency, bandwidth)
-    surveyed = read_surveyed_bearings(truth) if truth is not None else []
+    surveyed = _surveyed_bearings(truth, array, dropped)
     known = len(dropped)
     blocks = _finite_blocks(wav, columns, band, dropped)
     first = next(blocks, None)
     if first is None:
         raise ConfigurationError(dropped[-1] if len(dropped) > known else _too_short(wav, band))
-    information = _information(wav, array, band, node_parameters, bool(surveyed), datum)
+    true = {TRUTH_TOPIC: BEARING_TRACKS_TYPE} if surveyed else {}
+    information = _information(wav, array, band, node_parameters, true, datum)
     messages = heapq.merge(
         _snapshot_messages(first, blocks, wav.sample_rate, array, band),
         truth_messages(surveyed, array),
     )
     path, counts, n_snapshots = write_messages(
-        Path(output), information, {SNAPSHOTS_TOPIC: SNAPSHOTS_TYPE}, messages
+        Path(output), information, {SNAPSHOTS_TOPIC: SNAPSHOTS_TYPE}, true, messages
     )
     written = path, counts[SNAPSHOTS_TOPIC], n_snapshots
     return _summary(wav, array, len(columns), band, written, dropped)
+
+
+def _surveyed_bearings(
+    truth: Files | None, array: RecordedArray, notes: list[str]
+) -> list[SurveyedBearings]:
+    if truth is None:
+        return []
+    if not holds_true_bearings(truth):
+        raise ConfigurationError(
+            f"{files_text(truth)} is no table with time_s, target and arrival_angle_deg; "
+            "positions and AIS go with the time series of the elements: use import samples."
+        )
+    surveyed, told = read_surveyed_bearings(truth, array.epoch)
+    notes.extend(told)
+    return surveyed
 
 
 def _summary(
@@ -298,7 +319,7 @@ def _information(
     array: RecordedArray,
     band: Band,
     node_parameters: Mapping[str, Mapping[str, Any]],
-    with_truth: bool,
+    true: Iterable[str],
     datum: Datum | None,
 ) -> RecordingInformation:
     scenario = {
@@ -309,7 +330,5 @@ def _information(
         ),
         **MapOrigin(datum).scenario(),
     }
-    roles: dict[str, Any] = {SNAPSHOTS_TOPIC: "input"}
-    if with_truth:
-        roles[TRUTH_TOPIC] = "truth"
+    roles: dict[str, Any] = {SNAPSHOTS_TOPIC: "input", **dict.fromkeys(true, "truth")}
     return RecordingInformation(scenario, node_parameters, roles)

@@ -6,27 +6,21 @@ by kind. See :mod:`sonar_tracking.bags.nmea`.
 
 from __future__ import annotations
 
-import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from sonar_tracking.bags.importers.line_notes import LineNotes
-from sonar_tracking.bags.importers.map_origin import MapOrigin
-from sonar_tracking.bags.importers.surveyed_positions import SurveyedPositions
 from sonar_tracking.bags.nmea.ais_reports import FORMATS, AisReport, AisReports, is_ais
-from sonar_tracking.bags.nmea.own_ship_fixes import SLOW, OwnShipFix, OwnShipFixes
+from sonar_tracking.bags.nmea.own_ship_fixes import OwnShipFix, OwnShipFixes
 from sonar_tracking.bags.nmea.own_ship_sentences import READERS, own_ship_report
 from sonar_tracking.bags.nmea.sentence_time import DAY, SentenceTime
 from sonar_tracking.bags.nmea.sentences import lines_of, parts_of, read_sentence
-from sonar_tracking.bags.nmea.ship_histories import FAR, LEAPS, ShipHistory, vectors
 from sonar_tracking.errors import ConfigurationError, InputError, shown
-from sonar_tracking.geodesy import north_azimuths
-from sonar_tracking.motion import wrap_angle
-from sonar_tracking.records.arrays import FloatArray, IntArray
+from sonar_tracking.records.arrays import IntArray
 from sonar_tracking.records.time import NANOSECONDS
 
 _READ_AT_ONCE = 65_536
@@ -91,6 +85,80 @@ class NmeaLog:
         instants = [each.instant for each in (self.reports if ships else self.fixes)]
         return np.array([self.time.stamp(each, day) for each in instants], dtype=np.int64)
 
+    def check_own_ship(self) -> None:
+        """Refuse a log that does not tell where own ship was.
+
+        Raises
+        ------
+        ConfigurationError
+            With what it has.
+        """
+        if self.fixes:
+            return
+        told = ", ".join(f"{n} {name}" for name, n in self.formats.most_common(8))
+        raise ConfigurationError(
+            f"{self.path} does not tell where own ship was: it has {told}, but no GGA or RMC that "
+            "can be used; headings have no times of their own, log them together with positions. "
+            f"{' '.join(self.wrong[:2])}".strip()
+        )
+
+    def check_ships(self) -> None:
+        """Refuse a log that does not tell where other ships were.
+
+        Raises
+        ------
+        ConfigurationError
+            With what is wrong with it.
+        """
+        if not self.reports:
+            raise ConfigurationError(
+                f"{self.path} has no AIS report of another ship that can be used (VDM, message 1, "
+                f"2, 3, 18 or 19). {' '.join(self.wrong[:2])}".strip()
+            )
+
+
+class NmeaLogs:
+    """Logs that were read, so that none is read twice."""
+
+    def __init__(self) -> None:
+        self._read: dict[Path, NmeaLog] = {}
+
+    def read(self, path: Path | str) -> NmeaLog:
+        """Return a log; see :func:`read_nmea_log`."""
+        path = Path(path)
+        if path not in self._read:
+            self._read[path] = read_nmea_log(path)
+        return self._read[path]
+
+
+def epochs_of_logs(logs: Sequence[NmeaLog], epoch: int) -> list[int]:
+    """Return the instant whose date is taken for each log, if it has none.
+
+    A log without a date follows the one before it: it is of that day, or of the next.
+
+    Parameters
+    ----------
+    logs : sequence of NmeaLog
+        In the order in which they follow.
+    epoch : int
+        Its date is that of the first of them, ns.
+
+    Returns
+    -------
+    list of int
+        ns.
+    """
+    epochs, end, day = [], 0, round(DAY) * NANOSECONDS
+    for log in logs:
+        instants = [*(fix.instant for fix in log.fixes), *(one.instant for one in log.reports)]
+        first, last = (log.time.stamp(f(instants), epoch // day) for f in (min, max))
+        if not log.time.is_dated and first < end - day // 2:
+            days = -((first - end + day // 2) // day)
+            epoch, last = epoch + days * day, last + days * day
+        epochs.append(epoch)
+        end = last
+    return epochs
+
 
 def looks_like_nmea(path: Path | str) -> bool:
     """Return whether one of the first lines of a file is a sentence."""
@@ -150,113 +218,6 @@ def read_nmea_log(path: Path | str) -> NmeaLog:
         wrong,
         own_ship.course_for_heading,
     )
-
-
-def own_ship_of_log(
-    log: NmeaLog, epoch: int, origin: MapOrigin
-) -> tuple[SurveyedPositions, tuple[str, ...]]:
-    """Return own ship's track in ``map``, and what was not used or assumed.
-
-    Parameters
-    ----------
-    log : NmeaLog
-        The log.
-    epoch : int
-        Its date is taken where the log tells none, ns.
-    origin : MapOrigin
-        The datum.
-
-    Raises
-    ------
-    ConfigurationError
-        If the log does not tell where own ship was.
-    """
-    if not log.fixes:
-        told = ", ".join(f"{n} {name}" for name, n in log.formats.most_common(8))
-        raise ConfigurationError(
-            f"{log.path} does not tell where own ship was: it has {told}, but no GGA or RMC that "
-            f"can be used. {' '.join(log.wrong[:2])}".strip()
-        )
-    notes = list(log.wrong)
-    stamp = log.stamps(epoch, notes)
-    if (np.diff(stamp) < 0).any():
-        notes.append(f"{log.path}: times go back; the positions are sorted by time.")
-    stamp, order = np.unique(stamp, return_index=True)
-    columns = np.array(
-        [(f.latitude_deg, f.longitude_deg, f.heading_deg, f.course_deg, f.speed) for f in log.fixes]
-    )[order]
-    latitude, longitude, heading, course, speed = columns.T
-    position = origin.positions(latitude, longitude, str(log.path))
-    near = np.isfinite(position[:, 0])
-    if not near.all():
-        notes.append(
-            f"{log.path}: {np.sum(~near)} positions lie farther than 200 km from the datum; they "
-            "are not used."
-        )
-    assert origin.datum is not None
-    north = north_azimuths(latitude, longitude, origin.datum)
-    if log.course_for_heading:
-        notes.append(
-            f"{log.path}: {log.course_for_heading} of {len(log.fixes)} positions come without a "
-            "heading (HDT or VHW): that around, or else the course made good, is taken."
-        )
-    if np.isnan(heading).all():
-        heading = np.where(speed >= SLOW, course, np.nan)
-    azimuth = wrap_angle(north - np.radians(heading))
-    velocity = vectors(speed, course, north)
-    surveyed = SurveyedPositions(
-        stamp[near], position[near], azimuth[near], str(log.path), velocity[near]
-    )
-    return surveyed, tuple(notes)
-
-
-def ships_of_log(
-    log: NmeaLog, epoch: int, origin: MapOrigin
-) -> tuple[dict[int, ShipHistory], tuple[str, ...]]:
-    """Return the reports of other ships in ``map`` by their MMSI, and what was not used.
-
-    Parameters and errors are those of :func:`own_ship_of_log`.
-    """
-    if not log.reports:
-        raise ConfigurationError(
-            f"{log.path} has no AIS report of another ship that can be used (VDM, message 1, 2, 3, "
-            f"18 or 19). {' '.join(log.wrong[:2])}".strip()
-        )
-    notes = list(log.wrong)
-    stamp = log.stamps(epoch, notes, ships=True)
-    columns = np.array(
-        [(r.latitude_deg, r.longitude_deg, r.speed, r.course_deg) for r in log.reports]
-    )
-    latitude, longitude, speed, course = columns.T
-    position = origin.positions(latitude, longitude, str(log.path))
-    assert origin.datum is not None
-    velocity = vectors(speed, course, north_azimuths(latitude, longitude, origin.datum))
-    states = np.concatenate([position, velocity], axis=1)
-    ships, faults = _histories([r.mmsi for r in log.reports], stamp, states)
-    notes += [f"{log.path}: {count} times {sentence}." for sentence, count in faults.items()]
-    gaps = sum(len(ship.known_from_to()) - 1 for ship in ships.values() if ship.stamps)
-    if gaps:
-        notes.append(
-            f"{log.path}: {gaps} times a ship is not heard for more than 90 s (7 min where it lies "
-            "still): it is in no truth meanwhile."
-        )
-    return ships, tuple(notes)
-
-
-def _histories(
-    numbers: list[int], stamp: IntArray, states: FloatArray
-) -> tuple[dict[int, ShipHistory], Counter[str]]:
-    ships: dict[int, ShipHistory] = {}
-    faults: Counter[str] = Counter()
-    for index, mmsi in enumerate(numbers):
-        if math.isnan(states[index, 0]):
-            faults[FAR] += 1
-            continue
-        try:
-            ships.setdefault(mmsi, ShipHistory()).add(int(stamp[index]), states[index])
-        except InputError:
-            faults[LEAPS] += 1
-    return ships, faults
 
 
 def _is_sentence(line: bytes) -> bool:

@@ -10,7 +10,7 @@ from sonar_tracking.bags.importers.surveyed_positions import SurveyedPositions
 from sonar_tracking.bags.importers.table_times import instant_text
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.motion import wrap_angle
-from sonar_tracking.records.arrays import FloatArray, IntArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 from sonar_tracking.records.own_ship import OwnShipState
 from sonar_tracking.records.time import seconds
 
@@ -20,8 +20,14 @@ COURSE_SPEED = 0.2
 FASTEST = 100.0
 """Own ship between two of its positions, m/s: faster and one of them is wrong."""
 
-LONG_GAP = 60.0
-"""Without a position, s, from which on a gap is told."""
+LONG_GAP, MANY_STEPS = 10.0, 10.0
+"""Without a position, s, from which on a gap is told; but not of a few usual steps."""
+
+LONGEST_HELD = 60.0
+"""Without a heading, s, from which on the course made good is taken; the same holds of it."""
+
+_NAMED = 3
+"""Gaps that are named; the others are counted."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +72,7 @@ def own_ship_at(surveyed: SurveyedPositions, stamps: IntArray) -> OwnShipMotion:
 
     Before the first and after the last position own ship goes on as there, which
     :func:`checked_coverage` tells. A heading missing in some lines is linear between the others;
-    where none was recorded it is the course made good, at rest the last one known.
+    where none was recorded, or none for long, it is the course made good, at rest the last one.
 
     Parameters
     ----------
@@ -78,16 +84,37 @@ def own_ship_at(surveyed: SurveyedPositions, stamps: IntArray) -> OwnShipMotion:
     first = surveyed.stamp[0]
     known, wanted = seconds(surveyed.stamp - first), seconds(stamps - first)
     position, velocity = interpolated(known, surveyed.position, wanted)
-    told = np.isfinite(surveyed.azimuth)
-    if told.any():
-        azimuth = np.interp(known, known[told], np.unwrap(surveyed.azimuth[told]))
-    else:
-        _, speeds = interpolated(known, surveyed.position, known)
-        azimuth = _course(speeds)
-    heading, rate = interpolated(known, azimuth[:, None], wanted)
+    heading, rate = interpolated(known, _azimuths(known, surveyed)[:, None], wanted)
     if surveyed.velocity is not None:
         velocity = _told_velocity(known, surveyed, wanted)
     return OwnShipMotion(stamps, position, velocity, heading[:, 0], rate[:, 0])
+
+
+def _azimuths(known: FloatArray, surveyed: SurveyedPositions) -> FloatArray:
+    """Return the azimuth of the bow at each position, rad, not wrapped."""
+    told = np.isfinite(surveyed.azimuth)
+    _, speeds = interpolated(known, surveyed.position, known)
+    if not told.any():
+        return _course(speeds)
+    azimuth = np.interp(known, known[told], np.unwrap(surveyed.azimuth[told]))
+    moving = np.hypot(speeds[:, 0], speeds[:, 1]) >= COURSE_SPEED
+    lost = _headless(known, told) & moving
+    if not lost.any():
+        return np.asarray(azimuth)
+    return np.unwrap(np.where(lost, np.arctan2(speeds[:, 1], speeds[:, 0]), azimuth))
+
+
+def _headless(known: FloatArray, told: BoolArray) -> BoolArray:
+    """Return at which positions (instants in s) no heading was told for long, before and after."""
+    steps = np.diff(known)
+    longest = max(LONGEST_HELD, MANY_STEPS * float(np.median(steps))) if len(steps) else 0.0
+    times = known[told]
+    after = np.searchsorted(times, known)
+    before = np.where(after > 0, times[np.maximum(after - 1, 0)], -np.inf)
+    behind = np.where(after < len(times), times[np.minimum(after, len(times) - 1)], np.inf)
+    alone = np.minimum(known - before, behind - known)
+    between = np.isfinite(before) & np.isfinite(behind)
+    return ~told & (np.where(between, behind - before, alone) > longest)
 
 
 def _told_velocity(
@@ -147,7 +174,23 @@ def checked_coverage(surveyed: SurveyedPositions, stamps: IntArray) -> list[str]
     if len(known) < 2:
         return []
     check_overlap(source, known, stamps)
-    return [*_extrapolation(source, known, stamps), *_leaps(surveyed)]
+    return [*_extrapolation(source, known, stamps), *_leaps(surveyed), *_without_heading(surveyed)]
+
+
+def _without_heading(surveyed: SurveyedPositions) -> list[str]:
+    """Return where a heading is known elsewhere, but not for long."""
+    told = np.isfinite(surveyed.azimuth)
+    if not told.any():
+        return []
+    known = seconds(surveyed.stamp - surveyed.stamp[0])
+    lost = np.flatnonzero(_headless(known, told))
+    if not len(lost):
+        return []
+    begin = instant_text(int(surveyed.stamp[lost[0]]))
+    return [
+        f"{surveyed.source} has no heading at {len(lost)} of {len(told)} positions for longer than "
+        f"{LONGEST_HELD:g} s, first at {begin}: the course made good is taken there."
+    ]
 
 
 def _extrapolation(source: str, known: IntArray, stamps: IntArray) -> list[str]:
@@ -169,13 +212,14 @@ def _leaps(surveyed: SurveyedPositions) -> list[str]:
     """Return where the track has long gaps, and where it goes faster than a ship."""
     source, known = surveyed.source, surveyed.stamp
     steps = seconds(np.diff(known))
-    usual = float(np.median(steps))
     notes = []
-    longest = int(np.argmax(steps))
-    if steps[longest] > max(LONG_GAP, 10.0 * usual):
+    gaps = np.flatnonzero(steps > max(LONG_GAP, MANY_STEPS * float(np.median(steps))))
+    if len(gaps):
+        named = [f"{steps[i]:.6g} s from {instant_text(int(known[i]))}" for i in gaps[:_NAMED]]
+        more = f" and {len(gaps) - _NAMED} times more" if len(gaps) > _NAMED else ""
         notes.append(
-            f"{source} has no position for {steps[longest]:.6g} s from "
-            f"{instant_text(int(known[longest]))}: own ship is taken to go straight meanwhile."
+            f"{source} has no position for {', '.join(named)}{more}: own ship is taken to go "
+            "straight meanwhile."
         )
     speeds = np.hypot(*np.diff(surveyed.position, axis=0).T) / steps
     fast = np.flatnonzero(speeds > FASTEST)

@@ -108,8 +108,8 @@ def own_ship_of_table(
 
 def true_positions_of_table(
     path: Path | str, epoch: int, origin: MapOrigin
-) -> tuple[dict[int, SurveyedPositions], tuple[str, ...]]:
-    """Read a table of true positions; targets are numbered from 1 in the order of the file.
+) -> tuple[dict[str, SurveyedPositions], tuple[str, ...]]:
+    """Read a table of true positions; return them by target, in the order of the file.
 
     Parameters and errors are those of :func:`own_ship_of_table`.
     """
@@ -118,10 +118,9 @@ def true_positions_of_table(
     positions = table_positions(table, origin)
     rows = _positioned(table, stamp, positions)
     names = np.array(table.names["target"])
-    numbered = {name: number for number, name in enumerate(dict.fromkeys(names[rows]), start=1)}
     targets = {
-        number: _surveyed(table, stamp, positions, rows[names[rows] == name])
-        for name, number in numbered.items()
+        name: _surveyed(table, stamp, positions, rows[names[rows] == name])
+        for name in dict.fromkeys(names[rows].tolist())
     }
     return targets, tuple(table.notes.sentences())
 

@@ -98,6 +98,11 @@ class SampleBlocks:
         self._spans: list[_Span] = []
         self._more_spans = 0
 
+    @property
+    def end(self) -> int:
+        """Instant at which the recording ends, ns."""
+        return int(self._motion.stamp[-1])
+
     def band(self, configuration: BandDemodulatorConfiguration) -> Band:
         """Return the band bearings are made of, or say why samples or band are of no use."""
         n_samples, rate = self._recording.n_samples, self._recording.sample_rate

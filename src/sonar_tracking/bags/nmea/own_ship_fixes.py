@@ -1,7 +1,8 @@
 """Where own ship was, when, and how it headed: the sentences of one instant put together.
 
 A position opens an instant, and the next later one closes it. Sentences without a time (HDT, VTG,
-VHW) are taken to be of the instant before them; where none comes, the last one holds for a while.
+VHW) are taken to be of the instant before them, those ahead of the first position of just before
+it; where none comes, the last one holds for a while.
 """
 
 from __future__ import annotations
@@ -69,6 +70,11 @@ class _Kept:
         if self.instant != instant:
             self.first, self.instant = values, instant
         self.last = values
+
+    def begin(self, instant: float) -> None:
+        """Take what came ahead of the first instant to be of just before it."""
+        if self.instant == -math.inf:
+            self.instant = math.nextafter(instant, -math.inf)
 
     def at(self, instant: float) -> tuple[float, ...]:
         """Return what holds at an instant; empty = nothing does."""
@@ -143,4 +149,6 @@ class OwnShipFixes:
             if report.has_position:
                 place = (report.latitude_deg, report.longitude_deg)
                 self._open = OwnShipFix(instant, *place)
+                for kept in (self._heading, self._water_heading, self._motion):
+                    kept.begin(instant)
         return closed

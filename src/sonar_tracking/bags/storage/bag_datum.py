@@ -7,7 +7,8 @@ from typing import Any
 from sonar_tracking.bags.storage.message_definitions import installed_typestore
 from sonar_tracking.bags.storage.reader import Bag
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.records.datum import Datum, datum_from_mapping, datum_of
+from sonar_tracking.message_reading.datum_reading import datum_from_message
+from sonar_tracking.records.datum import Datum, datum_of
 
 DATUM_TYPE = "sensor_msgs/msg/NavSatFix"
 _NAME = "map/datum"
@@ -37,13 +38,8 @@ def bag_datum(bag: Bag) -> Datum | None:
     store = installed_typestore(DATUM_TYPE)
     for message in bag.messages(topics):
         fix: Any = store.deserialize_cdr(message.data, DATUM_TYPE)
-        values = {
-            "latitude_deg": fix.latitude,
-            "longitude_deg": fix.longitude,
-            "height": fix.altitude,
-        }
         try:
-            return datum_from_mapping(values, f"{bag.path}: {message.topic}")
+            return datum_from_message(fix, f"{bag.path}: {message.topic}")
         except ConfigurationError:
             continue
     return None

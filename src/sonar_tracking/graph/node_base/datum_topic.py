@@ -13,7 +13,8 @@ from sensor_msgs.msg import NavSatFix
 
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.topics import DATUM_TOPIC
-from sonar_tracking.records.datum import Datum, datum_from_mapping
+from sonar_tracking.message_reading.datum_reading import datum_from_message
+from sonar_tracking.records.datum import Datum
 from sonar_tracking.records.positions import MAP_FRAME
 
 _KEPT = QoSProfile(
@@ -60,13 +61,8 @@ def listen_to_datum(node: Node, take: Callable[[Datum], None]) -> None:
     """
 
     def read(message: NavSatFix) -> None:
-        values = {
-            "latitude_deg": message.latitude,
-            "longitude_deg": message.longitude,
-            "height": message.altitude,
-        }
         try:
-            take(datum_from_mapping(values, DATUM_TOPIC))
+            take(datum_from_message(message, DATUM_TOPIC))
         except ConfigurationError as error:
             node.get_logger().warning(f"{error}")
 

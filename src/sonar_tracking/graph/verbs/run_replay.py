@@ -52,6 +52,7 @@ from sonar_tracking.graph.verbs.replay_comparison import ReplayComparison
 from sonar_tracking.graph.verbs.replay_selection import Selection
 from sonar_tracking.graph.verbs.replay_sizes import block_seconds, largest_input_bytes
 from sonar_tracking.graph.verbs.run_options import RunOptions
+from sonar_tracking.records.datum import Datum
 
 if TYPE_CHECKING:
     from sonar_tracking.graph.orchestration.player import Player
@@ -93,9 +94,10 @@ def replay_bag(
     """
     selection.check(options)
     bag = selection.of(opened_bag(path, repair, display))
-    settings = settings_of(bag, parameters, display)
+    datum = bag_datum(bag)
+    settings = settings_of(bag, parameters, display, datum)
     selection.check_loop(bag, settings)
-    plan = plan_replay(bag, settings, options, log_directory)
+    plan = plan_replay(bag, settings, options, log_directory, datum)
     if selection.loop:
         # The truth of one pass cannot be told from that of the next.
         inputs = tuple(topic for topic in plan.offered if topic.role is not TopicRole.TRUTH)
@@ -162,9 +164,13 @@ def _play(
 
 
 def plan_replay(
-    bag: Bag, settings: NodeSettings, options: RunOptions, log_directory: Path
+    bag: Bag,
+    settings: NodeSettings,
+    options: RunOptions,
+    log_directory: Path,
+    datum: Datum | None,
 ) -> GraphPlan:
-    """Return the graph that replays a bag.
+    """Return the graph that replays a bag with a datum, if it has one.
 
     Raises
     ------
@@ -196,7 +202,7 @@ def plan_replay(
         transport=choose_transport(largest, n_publishers=2),
         displays=(
             *planned_displays(planned, options.record is not None),
-            *planned_page(options.page, played, settings, title, bag_datum(bag)),
+            *planned_page(options.page, played, settings, title, datum),
         ),
         flow_window=flow_window(options.rate, largest),
     )
@@ -215,10 +221,13 @@ def opened_bag(path: Path, repair: bool, display: RunDisplay) -> Bag:
     return bag
 
 
-def settings_of(bag: Bag, parameters: Path | None, display: RunDisplay) -> NodeSettings:
+def settings_of(
+    bag: Bag, parameters: Path | None, display: RunDisplay, datum: Datum | None
+) -> NodeSettings:
     """Return every parameter of the nodes to start: from the bag, overridden by a file.
 
-    Where neither names a node, the nodes follow from the types of messages in the bag.
+    Where neither names a node, the nodes follow from the types of messages in the bag. Those that
+    need a datum get that of the bag.
 
     Raises
     ------
@@ -241,7 +250,7 @@ def settings_of(bag: Bag, parameters: Path | None, display: RunDisplay) -> NodeS
             f"{bag.path} does not say with which nodes it was recorded; by the types of its "
             f"messages: {', '.join(inferred)}. --parameters FILE gives others."
         )
-    given = with_datum(with_mountings(given), bag_datum(bag))
+    given = with_datum(with_mountings(given), datum)
     if not recorded.get(SCENE_PUBLISHER.name):
         given[SCENE_PUBLISHER.name].setdefault("bearing_topics", _bearing_topics(bag, processing))
     return resolved_settings(given, (*processing, SCENE_PUBLISHER), where)
