@@ -132,20 +132,26 @@ def replay(
     page_port: PagePortOption = 8080,
     page_address: PageAddressOption = "127.0.0.1",
     json: JsonOption = None,
+    plots: Annotated[
+        Path | None, typer.Option(help="Folder for pictures of the tracks, and for their bag.")
+    ] = None,
     cutoff: CutoffOption = CUTOFF_M,
     no_display_topics: NoDisplayTopicsOption = False,
 ) -> None:
     """Replay a recording through the live graph and compare with what was recorded."""
+    if plots is not None and record is None:
+        record = plots / "replayed"
     module, choice = _displayed(display, no_display, no_browser, page_port, page_address)
     selected = _load("sonar_tracking.graph.verbs.replay_selection").Selection(
         _names(remap, namespace), start_offset, inf if duration is None else duration, loop
     )
-    raise typer.Exit(
-        module.replay(
-            *(bag, rate, record, parameters, repair, selected),
-            *(choice, json, cutoff, not no_display_topics),
-        )
+    code = module.replay(
+        *(bag, rate, record, parameters, repair, selected),
+        *(choice, json, cutoff, not no_display_topics),
     )
+    if plots is not None and record is not None and record.exists():
+        _needs("sonar_tracking.display.plot_bag").plot_bag(record, plots)
+    raise typer.Exit(code)
 
 
 @app.command()

@@ -33,7 +33,7 @@ from sonar_tracking.bags.nmea.ais_reports import FORMATS
 from sonar_tracking.bags.nmea.own_ship_sentences import READERS
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.errors import ConfigurationError, shown
-from sonar_tracking.records.arrays import IntArray
+from sonar_tracking.records.arrays import FloatArray, IntArray
 from sonar_tracking.simulation.scenarios.scenario import DEFAULT_EPOCH
 
 BAGS = frozenset((".mcap", ".db3", ".zstd"))
@@ -88,7 +88,11 @@ def _geometry(path: Path) -> Inspected:
     array = read_array_geometry(path)
     what = f"the geometry of an array of {len(array.element_positions)} elements, "
     what += f"{array.aperture:.4g} m across, sound speed {array.sound_speed:g} m/s"
-    return what, [], f"sonar-tracking import wav FILE.wav --geometry {path} --output bag"
+    return (
+        what,
+        [],
+        (f"sonar-tracking import samples FILE.wav --geometry {path} --frequency HZ --output bag"),
+    )
 
 
 def _nmea(path: Path) -> Inspected:
@@ -125,11 +129,15 @@ def _table(path: Path) -> Inspected:
         contacts = read_contact_lines(path, DEFAULT_EPOCH)
         count = int(np.sum(np.isfinite(contacts.range)))
         what = f"{count} contacts, {_span(contacts.stamp)}"
-        return what, contacts.bad, f"sonar-tracking import contacts {path} --output bag"
+        heard = np.isfinite(contacts.range)
+        lacking = _lacking("--range-deviation METRES", contacts.range_deviation[heard])
+        lacking += _lacking("--bearing-deviation-deg DEGREES", contacts.azimuth_deviation[heard])
+        return what, contacts.bad, f"sonar-tracking import contacts {path}{lacking} --output bag"
     if columns & set(DIRECTIONS):
         lines = read_bearing_lines(path, DEFAULT_EPOCH)
         what = f"{len(lines.stamp)} bearings of {len(set(lines.sensor.tolist()))} sensors, "
         places = " --stations FILE" if len(set(lines.sensor.tolist())) > 1 else ""
+        places += _lacking("--bearing-deviation-deg DEGREES", lines.deviation)
         command = f"sonar-tracking import bearings {path}{places} --output bag"
         return what + _span(lines.stamp), list(lines.notes), command
     if positions and "target" in columns:
@@ -161,6 +169,11 @@ def _study(keys: set[str], path: Path) -> Inspected | None:
     else:
         return None
     return what, [], f"sonar-tracking evaluate {name} --data {path}"
+
+
+def _lacking(option: str, told: FloatArray) -> str:
+    """Return an option that stands for what lines do not tell; nothing if all of them do."""
+    return "" if np.isfinite(told).all() else f" {option}"
 
 
 def _span(stamp: IntArray) -> str:

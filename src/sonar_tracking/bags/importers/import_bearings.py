@@ -135,8 +135,7 @@ def import_bearings(
     lines = read_bearing_lines(file, sensor.epoch)
     notes = list(lines.notes)
     names = list(dict.fromkeys(lines.sensor.tolist()))
-    origin = MapOrigin(sources.datum)
-    logs = NmeaLogs()
+    origin, logs = MapOrigin(sources.datum), NmeaLogs()
     stations, motion = _places(file, lines, names, sources, sensor.epoch, origin, logs, notes)
     topics = sensor_topics(names)
     heard = {

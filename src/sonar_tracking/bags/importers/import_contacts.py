@@ -131,6 +131,7 @@ def read_pings(
     """
     origin = origin or MapOrigin()
     lines = read_contact_lines(file, sensor.epoch, origin)
+    _check_deviations(lines, sensor)
     notes = list(lines.bad)
     logs = NmeaLogs()
     surveyed = _surveyed_own_ship(file, lines, own_ship, sensor.epoch, origin, logs, notes)
@@ -239,13 +240,9 @@ def _ping(
         range=lines.range[rows],
         azimuth=wrap_angle(lines.azimuth[rows] + bow),
         amplitude=_amplitudes(lines, rows),
-        range_standard_deviation=_deviations(
-            lines.range_deviation[rows], sensor.range_deviation, "range_deviation"
-        ),
+        range_standard_deviation=_deviations(lines.range_deviation[rows], sensor.range_deviation),
         azimuth_standard_deviation=_deviations(
-            lines.azimuth_deviation[rows],
-            float(np.radians(sensor.bearing_deviation_deg)),
-            "bearing_deviation",
+            lines.azimuth_deviation[rows], float(np.radians(sensor.bearing_deviation_deg))
         ),
         sensor_position=(float(motion.position[index, 0]), float(motion.position[index, 1])),
         sensor_velocity=(float(motion.velocity[index, 0]), float(motion.velocity[index, 1])),
@@ -263,14 +260,26 @@ def _amplitudes(lines: ContactLines, rows: IndexArray) -> FloatArray:
     return own if np.isfinite(own).all() else np.zeros(0)
 
 
-def _deviations(own: FloatArray, common: float, option: str) -> FloatArray:
-    filled = np.where(np.isfinite(own), own, common)
-    if np.any(filled <= 0.0):
+def _deviations(own: FloatArray, common: float) -> FloatArray:
+    return np.where(np.isfinite(own), own, common)
+
+
+def _check_deviations(lines: ContactLines, sensor: ContactSensor) -> None:
+    """Refuse contacts of which neither file nor options tell how exact they are."""
+    told = {
+        "--range-deviation (m)": (lines.range_deviation, sensor.range_deviation),
+        "--bearing-deviation-deg": (lines.azimuth_deviation, sensor.bearing_deviation_deg),
+    }
+    heard = np.isfinite(lines.range)
+    lacking = [
+        option for option, (own, common) in told.items()
+        if common <= 0.0 and np.isnan(own[heard]).any()
+    ]  # fmt: skip
+    if lacking:
         raise ConfigurationError(
-            f"The contacts do not tell how exact they are; give --{option.replace('_', '-')}"
-            f"{'-deg' if option.startswith('bearing') else ''}, or a column of it."
+            f"The contacts do not tell how exact they are; give {' and '.join(lacking)}, or a "
+            "column of it."
         )
-    return np.asarray(filled)
 
 
 def _information(

@@ -111,11 +111,8 @@ def import_samples(
         The new bag.
     node_parameters : mapping of mapping
         Node, parameter, value: what a replay of the bag starts.
-    own_ship : Path, str, or sequence of them, optional
-        CSV, npz or NMEA logs of own ship's positions; see
-        :mod:`sonar_tracking.bags.importers.position_files`.
-    truth : Path, str, or sequence of them, optional
-        CSV file of true bearings, or files of where targets were; see
+    own_ship, truth : Path, str, or sequence of them, optional
+        See :mod:`sonar_tracking.bags.importers.position_files`, and
         :mod:`sonar_tracking.bags.importers.recording_truth`.
     time : GivenTime
         What is said of its time; default: what the geometry file, the names or the files say.

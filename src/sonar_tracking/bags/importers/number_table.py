@@ -1,13 +1,18 @@
 """Columns of numbers from a CSV file with a header, or from the arrays of an npz file.
 
 A line that cannot be read is left out and named, an unknown column is named; columns that
-are missing refuse the whole file. Cells of a CSV file stand between commas, semicolons or
-tabs, as its first line shows; between the latter two a decimal comma is read too.
+are missing refuse the whole file. Cells of a CSV file stand between commas, semicolons, tabs or
+blanks, as its first line shows; between all but the first a decimal comma is read too. Headings,
+times and angles may be written in the ways of
+:mod:`sonar_tracking.bags.importers.table_headings`.
 """
 
 from __future__ import annotations
 
+import codecs
 import csv
+import io
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,11 +21,16 @@ import numpy as np
 
 from sonar_tracking.bags.importers.line_notes import LineNotes, place
 from sonar_tracking.bags.importers.npz_file import read_npz
+from sonar_tracking.bags.importers.table_headings import canonical_columns
+from sonar_tracking.bags.importers.written_angles import written_angle
 from sonar_tracking.errors import ConfigurationError, shown, unknown_name_text
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 
 EMPTY = frozenset(("", "-", "na", "n/a", "nan", "null", "none"))
 """Cells that say nothing, in small letters."""
+
+_NUMERIC = re.compile(r"[\d\s.,:+\-°'′’\"″”NSEWe]+", re.IGNORECASE)
+_DECIMAL_COMMA = re.compile(r"(?<=\d),(?=\d)|^,(?=\d)")
 
 _Cells = tuple[dict[str, list[str]], list[int]]
 
@@ -146,44 +156,92 @@ def table_cells(path: Path, notes: LineNotes) -> _Cells:
         If it cannot be read.
     """
     if path.suffix == ".npz":
-        return _npz_cells(path)
+        cells, rows = _npz_cells(path)
+        return canonical_columns(cells, notes), rows
     try:
-        return _csv_cells(path, notes)
+        cells, rows = _csv_cells(path, notes)
+        return canonical_columns(cells, notes), rows
     except (OSError, ValueError, csv.Error) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else error
         raise ConfigurationError(f"The file {path} cannot be read ({reason}).") from error
 
 
 def _csv_cells(path: Path, notes: LineNotes) -> _Cells:
-    with path.open(encoding="utf-8-sig", newline="") as file:
-        first = file.readline()
-        delimiter = _delimiter(first)
-        file.seek(0)
-        reader = csv.reader(file, delimiter=delimiter)
-        header = [name.strip() for name in next(reader, [])]
-        twice = [name for name in header if header.count(name) > 1]
-        if twice:
-            raise ValueError(f"it has the column {shown(twice[0]) or 'without a name'} twice")
-        lines: list[list[str]] = []
-        rows = []
-        for line in reader:
-            if not any(cell.strip() for cell in line):
-                continue
-            if len(line) == len(header):
-                lines.append([cell.strip() for cell in line])
-                rows.append(reader.line_num)
-            else:
-                sentence = f"{{}} values under {len(header)} headings"
-                notes.line(reader.line_num, sentence, str(len(line)))
+    text, skipped = _text_of_table(path, notes)
+    delimiter = _delimiter(text.partition("\n")[0])
+    reader = csv.reader(
+        io.StringIO(text, newline=""), delimiter=delimiter, skipinitialspace=delimiter == " "
+    )
+    header = [name.strip() for name in next(reader, [])]
+    twice = [name for name in header if header.count(name) > 1]
+    if twice:
+        raise ValueError(f"it has the column {shown(twice[0]) or 'without a name'} twice")
+    if header and all(_is_number(name) for name in header):
+        raise ValueError(
+            "its first line holds numbers; write the names of the columns there, as time_s"
+        )
+    lines: list[list[str]] = []
+    rows = []
+    for line in reader:
+        cells = [cell.strip() for cell in line]
+        if cells[-1:] == [""] and len(cells) == len(header) + 1:
+            cells.pop()  # a delimiter at the end
+        if not any(cells) or cells[0].startswith("#"):
+            continue
+        if len(cells) == len(header):
+            lines.append(cells)
+            rows.append(reader.line_num + skipped)
+        else:
+            sentence = f"{{}} values under {len(header)} headings"
+            notes.line(reader.line_num + skipped, sentence, str(len(cells)))
     if delimiter != ",":
-        lines = [[cell.replace(",", ".") for cell in line] for line in lines]
+        lines = [[_with_point(cell) for cell in line] for line in lines]
     columns = {name: [line[place] for line in lines] for place, name in enumerate(header)}
     return columns, rows
 
 
+def _with_point(cell: str) -> str:
+    """Return a cell with a point for the comma of a number, or of an angle."""
+    if "," not in cell or not _NUMERIC.fullmatch(cell):
+        return cell
+    return _DECIMAL_COMMA.sub(".", cell)
+
+
+def _text_of_table(path: Path, notes: LineNotes) -> tuple[str, int]:
+    """Return the text from the headings on, and how many lines are ahead of them."""
+    data = path.read_bytes()
+    encoding = "utf-16" if data[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE) else "utf-8-sig"
+    try:
+        text = data.decode(encoding)
+    except UnicodeDecodeError:
+        text = data.decode("cp1252", errors="replace")
+        notes.say("the file is no UTF-8; it is read as Windows text (cp1252).")
+    lines = text.splitlines(keepends=True)
+    ahead = 0
+    while ahead < len(lines) and (not lines[ahead].strip() or lines[ahead][:4].lower() == "sep="):
+        ahead += 1
+    while ahead < len(lines) and lines[ahead].startswith("#"):
+        following = "".join(lines[ahead + 1 : ahead + 2]).lstrip()
+        if following and (following[0].isdecimal() or following[0] in "-+."):
+            lines[ahead] = lines[ahead].lstrip("# ")  # headings behind the sign of a comment
+            break
+        ahead += 1
+    return "".join(lines[ahead:]), ahead
+
+
 def _delimiter(header: str) -> str:
     """Return what stands between the headings; a comma where nothing else does."""
-    return max(",;\t", key=lambda delimiter: (header.count(delimiter), delimiter == ","))
+    found = max(",;\t", key=lambda delimiter: (header.count(delimiter), delimiter == ","))
+    blanks = len(header.split()) > 1 and not header.count(found) and "(" not in header
+    return " " if blanks and "[" not in header else found
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def _npz_cells(path: Path) -> _Cells:
@@ -201,6 +259,15 @@ def _npz_cells(path: Path) -> _Cells:
     return cells, list(range(count))
 
 
+def _value(name: str, cell: str) -> float | None:
+    """Return a cell as a number; None = it is none."""
+    if _is_number(cell):
+        return float(cell)
+    if name.endswith("latitude_deg"):
+        return written_angle(cell, "NS")
+    return written_angle(cell, "EW") if name.endswith("longitude_deg") else None
+
+
 def _as_numbers(
     path: Path,
     cells: Mapping[str, list[str]],
@@ -215,9 +282,10 @@ def _as_numbers(
         for index, cell in enumerate(cells[name]):
             if not good[index] or cell.lower() in EMPTY:
                 continue
-            try:
-                column[index] = float(cell)
-            except ValueError:
+            value = _value(name, cell)
+            if value is not None:
+                column[index] = value
+            else:
                 left = ", not a number; the cell is taken as empty"
                 sentence = f"{name} is {{}}{left if name in spared else ', not a number'}"
                 notes.line(rows[index], sentence, repr(shown(cell)))

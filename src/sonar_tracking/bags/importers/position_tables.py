@@ -129,7 +129,10 @@ def _positioned(table: NumberTable, stamp: IntArray, positions: FloatArray) -> I
     """Return the usable rows of a table of positions in order of time."""
     checks = {NO_TIME: stamp > 0}
     for index, name in enumerate(PLANE if PLANE[0] in table.numbers else PLACE):
-        checks[f"{name} is missing, or no position on earth"] = np.isfinite(positions[:, index])
+        wrong = f"{name} is missing, or no position on earth"
+        if name in PLACE:
+            wrong += " (degrees, 54.18 or 54 10.8 N; not 5410.8 as in NMEA)"
+        checks[wrong] = np.isfinite(positions[:, index])
     rows = np.flatnonzero(table.passing(checks))
     if not len(rows):
         raise table.nothing_usable()

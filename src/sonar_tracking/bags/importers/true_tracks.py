@@ -50,7 +50,7 @@ class TrueTargets:
         self._targets = targets
 
     def known(self) -> IntArray:
-        """Return the instants at which any target was seen, ascending, ns."""
+        """Return the instants at which any target was seen, shape (n,), ascending, ns."""
         told = [np.array(ship.stamps, np.int64) for ship in self._ships.values()]
         told += [surveyed.stamp for surveyed in self._targets.values()]
         return np.unique(np.concatenate([np.zeros(0, np.int64), *told]))

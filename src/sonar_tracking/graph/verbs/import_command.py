@@ -263,4 +263,5 @@ def _given(parameters: Path | None) -> dict[str, dict[str, Any]]:
 
 
 def _with_next_command(done: str, output: Path) -> str:
-    return f"{done}\nreplay it with: sonar-tracking replay {output}"
+    replay = f"sonar-tracking replay {output}"
+    return f"{done}\nreplay it with: {replay}\nor, for pictures of the tracks: {replay} --plots DIR"
