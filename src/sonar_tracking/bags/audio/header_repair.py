@@ -13,6 +13,8 @@ from pathlib import Path
 from types import TracebackType
 
 _MOST_CHUNKS = 1000
+_FARTHEST = 1 << 62
+"""Byte of a file that may be asked for."""
 
 
 class RepairedFile:
@@ -31,12 +33,12 @@ class RepairedFile:
         self._patches = dict(patches)
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        """Go to a position; one before the begin, by a damaged size, is the begin."""
+        """Go to a position; one that no file has, by a damaged size, is the begin or the end."""
         if whence == os.SEEK_CUR:
             offset += self._file.tell()
         elif whence == os.SEEK_END:
             offset += self._file.seek(0, os.SEEK_END)
-        return self._file.seek(max(offset, 0))
+        return self._file.seek(min(max(offset, 0), _FARTHEST))
 
     def tell(self) -> int:
         """Return the position."""

@@ -12,6 +12,9 @@ from sonar_tracking.errors import ConfigurationError
 AUDIO_ENDINGS = (".wav", ".flac", ".w64", ".rf64", ".bw64", ".aif", ".aiff", ".aifc", ".caf")
 """Of names, in lower case; what a file is, its content says."""
 
+HIGHEST_RATE = 20_000_000
+"""Sample rate that a recorder may have, Hz."""
+
 
 def open_audio(path: Path | str) -> AudioFile:
     """Open an audio file: WAV, RF64, FLAC, W64, AIFF, CAF, or what else libsndfile reads.
@@ -30,6 +33,12 @@ def open_audio(path: Path | str) -> AudioFile:
         if len(head) < 12:
             raise ConfigurationError(f"{path} is no audio file: it holds {len(head)} bytes.")
         is_wav = head[:4] in (b"RIFF", b"RF64", b"BW64") and head[8:12] == b"WAVE"
-        return (open_wav(path) if is_wav else None) or open_sound(path)
+        audio = (open_wav(path) if is_wav else None) or open_sound(path)
     except OSError as error:
         raise ConfigurationError(f"{path} cannot be read ({error.strerror}).") from error
+    if audio.sample_rate > HIGHEST_RATE:
+        raise ConfigurationError(
+            f"{path} says it was sampled at {audio.sample_rate} Hz; its format description is "
+            "damaged: copy it again."
+        )
+    return audio

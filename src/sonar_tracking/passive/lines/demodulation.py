@@ -17,10 +17,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from sonar_tracking.errors import ConfigurationError
-from sonar_tracking.passive.lines.kaiser_low_pass import kaiser_low_pass
+from sonar_tracking.passive.lines.kaiser_low_pass import kaiser_low_pass, kaiser_taps
 from sonar_tracking.records.arrays import ComplexArray, FloatArray
 
 _STOP_BAND_DB = 60.0
+
+_MOST_TAPS = 1 << 22
+"""Of a filter; one of these takes 34 MB."""
 _TRANSITION = 0.5
 """Width of the transition from pass band to stop band, in bandwidths."""
 
@@ -76,6 +79,13 @@ def design_band(sample_rate: float, frequency: float, bandwidth: float) -> Band:
         raise ConfigurationError(
             f"The band around {frequency:g} Hz reaches above half the sample rate of "
             f"{sample_rate:g} Hz; give a frequency below {sample_rate / 2 - half_width:g} Hz."
+        )
+    n_taps = kaiser_taps(sample_rate, _TRANSITION * bandwidth, _STOP_BAND_DB)
+    if n_taps > _MOST_TAPS:
+        raise ConfigurationError(
+            f"A bandwidth of {bandwidth:g} Hz at {sample_rate:g} Hz takes a filter of {n_taps} "
+            f"samples, {n_taps / sample_rate:.3g} s; give a bandwidth above "
+            f"{bandwidth * n_taps / _MOST_TAPS:.2g} Hz, or check the sample rate."
         )
     taps = kaiser_low_pass(sample_rate, bandwidth / 2, _TRANSITION * bandwidth, _STOP_BAND_DB)
     return Band(frequency, bandwidth, int(sample_rate // bandwidth), taps)

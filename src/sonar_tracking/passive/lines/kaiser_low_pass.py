@@ -73,12 +73,17 @@ def kaiser_low_pass(
         n_taps odd; pure numbers.
     """
     nyquist = sample_rate / 2
-    width = transition / nyquist
-    n_taps = math.ceil((stop_band_db - 7.95) / 2.285 / (np.pi * width) + 1) | 1
+    n_taps = kaiser_taps(sample_rate, transition, stop_band_db)
     offset = np.arange(n_taps) - 0.5 * (n_taps - 1)
     edge = cutoff / nyquist
     taps = edge * np.sinc(edge * offset) * _window(n_taps, 0.1102 * (stop_band_db - 8.7))
     return np.asarray(taps / np.sum(taps))
+
+
+def kaiser_taps(sample_rate: float, transition: float, stop_band_db: float) -> int:
+    """Return how many taps such a filter has; the parameters are those of the filter."""
+    width = transition / (sample_rate / 2)
+    return math.ceil((stop_band_db - 7.95) / 2.285 / (np.pi * width) + 1) | 1
 
 
 def _window(n_taps: int, shape: float) -> FloatArray:
