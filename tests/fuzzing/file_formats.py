@@ -75,8 +75,12 @@ def made(name: str, folder: Path) -> bytes:
         return b"hpda_tracker: {sound_speed: 1500.0, clutter_density: 1.0e-5}\ntma_tracker: {}\n"
     if ending == "npz":
         header, *rows = [x.split(",") for x in EXAMPLES[name.replace("npz", "csv")].split()]
+        columns = {
+            name: np.array(column)
+            for name, column in zip(header, zip(*rows, strict=True), strict=True)
+        }
         stream = io.BytesIO()
-        np.savez(stream, **dict(zip(header, map(np.array, zip(*rows, strict=True)), strict=True)))
+        np.savez(stream, allow_pickle=False, **columns)
         return stream.getvalue()
     return EXAMPLES[name].encode()
 
