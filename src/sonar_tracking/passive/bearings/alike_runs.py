@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from sonar_tracking.passive.sources.noise_of_windows import common_or_stacked
 from sonar_tracking.records.bearings import SubspaceEstimates
 
 
@@ -62,15 +63,14 @@ def _field_names(kind: type) -> tuple[str, ...] | None:
 
 
 def kind_of_array(estimates: SubspaceEstimates) -> Hashable:
-    """Return the array, the frequency and the snapshots that estimates rest on."""
-    noise = estimates.noise_covariance
+    """Return the array, the frequency and the snapshots that estimates rest on, but the noise."""
     return (
         estimates.element_positions.tobytes(),
         estimates.sample_period,
         estimates.center_frequency,
         estimates.sound_speed,
         estimates.covariance_snapshots,
-        None if noise is None else noise.tobytes(),
+        estimates.noise_covariance is None,
     )
 
 
@@ -102,4 +102,5 @@ def stacked_estimates(estimates: Sequence[SubspaceEstimates]) -> SubspaceEstimat
         basis=np.stack([each.basis for each in estimates]),
         covariance=stacked([each.covariance for each in estimates]),
         noise_power=np.stack([each.noise_power for each in estimates]),
+        noise_covariance=common_or_stacked([each.noise_covariance for each in estimates]),
     )

@@ -24,6 +24,7 @@ from sonar_tracking.passive.bearings.bearing_start import BearingStart
 from sonar_tracking.passive.bearings.followed_tracks import FollowedTracks
 from sonar_tracking.passive.bearings.tracker_state import TrackerState
 from sonar_tracking.passive.bearings.tracking_steps import TrackingSteps
+from sonar_tracking.passive.sources.noise_of_windows import common_or_stacked
 from sonar_tracking.passive.sources.weak_source_counting import counts_together
 from sonar_tracking.records.bearings import SubspaceEstimates
 
@@ -102,7 +103,9 @@ def weak_sources(
         together = [counter for row in rows if (counter := counters[row]) is not None]
         if together:
             first = rows[0]
-            counts = counts_together(together, estimates[first], starts[first].maximum_rate)
+            noise = common_or_stacked([estimates[row].noise_covariance for row in rows])
+            alike = replace(estimates[first], noise_covariance=noise)
+            counts = counts_together(together, alike, starts[first].maximum_rate)
             for row, count in zip(rows, counts.tolist(), strict=True):
                 weak[row] = count
     return weak

@@ -43,8 +43,9 @@ class SignalSubspace:
         lambda, linear power, descending.
     noise_power : ndarray, shape (...)
         sigma^2, linear power, mean of the other eigenvalues.
-    factor : ndarray, shape (n_elements, n_elements), complex, or None
-        Cholesky factor L of the noise covariance, pure numbers; None = white.
+    factor : ndarray, shape (..., n_elements, n_elements), complex, or None
+        Cholesky factor L of the noise covariance, of all runs or of each, pure numbers; None =
+        white.
     """
 
     vectors: ComplexArray
@@ -91,8 +92,8 @@ def signal_subspace(
         C, Hermitian, linear power.
     rank : int
         R, rank of the source covariance, at least 1 and below n_elements.
-    noise_covariance : ndarray, shape (n_elements, n_elements), complex, optional
-        C_v with trace n_elements; None = white. Pure numbers.
+    noise_covariance : ndarray, shape (..., n_elements, n_elements), complex, optional
+        C_v with trace n_elements, of all runs or of each; None = white. Pure numbers.
 
     Returns
     -------
@@ -136,8 +137,8 @@ def whitened_covariance(covariance: ComplexArray, factor: ComplexArray) -> Compl
     ----------
     covariance : ndarray, shape (..., n_elements, n_elements), complex
         C, Hermitian, linear power.
-    factor : ndarray, shape (n_elements, n_elements), complex
-        Cholesky factor L of the noise covariance, pure numbers.
+    factor : ndarray, shape (..., n_elements, n_elements), complex
+        Cholesky factor L of the noise covariance, of all or of each, pure numbers.
 
     Returns
     -------
@@ -150,16 +151,16 @@ def whitened_covariance(covariance: ComplexArray, factor: ComplexArray) -> Compl
 
 
 def noise_factor(noise_covariance: ComplexArray) -> ComplexArray:
-    """Return the lower Cholesky factor of a noise covariance.
+    """Return the lower Cholesky factor of a noise covariance, or of several.
 
     Parameters
     ----------
-    noise_covariance : ndarray, shape (n_elements, n_elements), complex
+    noise_covariance : ndarray, shape (..., n_elements, n_elements), complex
         C_v with trace n_elements, pure numbers.
 
     Returns
     -------
-    ndarray, shape (n_elements, n_elements), complex
+    ndarray, shape (..., n_elements, n_elements), complex
         L, pure numbers; C_v = L L^H.
 
     Raises
@@ -168,14 +169,14 @@ def noise_factor(noise_covariance: ComplexArray) -> ComplexArray:
         If it is not Hermitian or not positive definite.
     """
     matrix = np.ascontiguousarray(noise_covariance, dtype=np.complex128)
-    return _kept_factor(matrix.tobytes(), len(matrix))
+    return _kept_factor(matrix.tobytes(), matrix.shape)
 
 
 @lru_cache(maxsize=8)
-def _kept_factor(covariance_bytes: bytes, n_elements: int) -> ComplexArray:
-    """Return the factor of a covariance by its bytes: many steps of an estimate ask for it."""
-    covariance = np.frombuffer(covariance_bytes, np.complex128).reshape(n_elements, n_elements)
-    skew = np.abs(covariance - covariance.conj().T).max()
+def _kept_factor(covariance_bytes: bytes, shape: tuple[int, ...]) -> ComplexArray:
+    """Return the factor of covariances by their bytes: many steps of an estimate ask for it."""
+    covariance = np.frombuffer(covariance_bytes, np.complex128).reshape(shape)
+    skew = np.abs(covariance - np.swapaxes(covariance, -1, -2).conj()).max()
     if not skew <= _HERMITIAN_TOLERANCE * np.abs(covariance).max():
         raise InputError(
             "The noise covariance is not Hermitian; give one that equals its conjugate transpose."

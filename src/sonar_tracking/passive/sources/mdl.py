@@ -175,9 +175,9 @@ def source_counts(
         structure).
     n_snapshots : int
         Snapshots in it.
-    noise_covariance : ndarray, shape (n_elements, n_elements), complex, optional
-        Pure numbers, positive; None = white. Smoothed like the covariance and then whitened
-        with: the shift structure is no longer needed there.
+    noise_covariance : ndarray, shape (..., n_elements, n_elements), complex, optional
+        Of all or of each, pure numbers, positive; None = white. Smoothed like the covariance and
+        then whitened with: the shift structure is no longer needed there.
 
     Returns
     -------

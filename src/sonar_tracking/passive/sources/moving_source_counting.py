@@ -20,6 +20,7 @@ from sonar_tracking.passive.sources.mdl import (
     source_counts,
 )
 from sonar_tracking.passive.sources.music import bearings_in_snapshots
+from sonar_tracking.passive.sources.noise_of_windows import of_windows
 from sonar_tracking.passive.sources.steering_error import with_steering_error
 from sonar_tracking.records.arrays import ComplexArray, FloatArray, IndexArray, IntArray
 from sonar_tracking.records.bearings import ArraySnapshots
@@ -45,7 +46,7 @@ def count_moving_sources(
     eigenvalues : ndarray, shape (..., n_elements)
         Of their covariance, with the floor of the steering errors, linear power, descending.
     header : ArraySnapshots
-        Array and frequency.
+        Array and frequency; its noise covariance is that of all windows, or of each.
     maximum_rate : float
         Fastest bearing that must not be counted twice, rad/s.
     thorough : bool
@@ -133,8 +134,9 @@ class _Windows:
                 newest = self.covariance[rows[together]]
             else:
                 newest = sample_covariance(self.snapshots[rows[together], -n:])
-            loaded = with_steering_error(newest, self.steering_error, noise)
-            counts[together] = source_counts(loaded, n, noise)
+            own = of_windows(noise, rows[together])
+            loaded = with_steering_error(newest, self.steering_error, own)
+            counts[together] = source_counts(loaded, n, own)
         return counts
 
     def largest_turn(self, rows: IndexArray, counts: IntArray) -> FloatArray:
@@ -144,7 +146,8 @@ class _Windows:
         for count in set(counts.tolist()):
             together = counts == count
             own = self.snapshots[rows[together]]
-            turn[together] = _largest_turn(own, count, positions, self.number, noise)
+            own_noise = of_windows(noise, rows[together])
+            turn[together] = _largest_turn(own, count, positions, self.number, own_noise)
         return turn
 
 
@@ -162,6 +165,8 @@ def _largest_turn(
         return np.full(batch, np.inf)
     halves = np.stack([snapshots[..., :half, :], snapshots[..., -half:, :]])
     windows = halves.reshape(-1, half, n_elements)
+    if noise is not None and noise.ndim > 2:
+        noise = np.concatenate([noise, noise])
     early, late = bearings_in_snapshots(windows, count, positions, number, noise).reshape(
         2, *batch, count
     )

@@ -27,6 +27,7 @@ from sonar_tracking.passive.sources.angle_grid import (
     angle_grid,
     column_power,
 )
+from sonar_tracking.passive.sources.noise_of_windows import of_windows
 from sonar_tracking.records.arrays import ComplexArray, FloatArray, IndexArray
 
 _TINY = float(np.finfo(float).tiny)
@@ -53,8 +54,8 @@ class NullSpectrum:
         rad/m.
     signal_vectors : ndarray, shape (..., n_elements, n_sources), complex
         Orthonormal eigenvectors of (whitened) covariances, pure numbers.
-    factor : ndarray, shape (n_elements, n_elements), complex, or None
-        Cholesky factor of the noise covariance, pure numbers; None = white.
+    factor : ndarray, shape (..., n_elements, n_elements), complex, or None
+        Cholesky factor of the noise covariance, of all or of each, pure numbers; None = white.
     """
 
     positions: FloatArray
@@ -83,7 +84,8 @@ class NullSpectrum:
         """
         if len(rows) == len(self.signal_vectors):
             return self
-        return replace(self, signal_vectors=self.signal_vectors[rows])
+        factor = of_windows(self.factor, rows)
+        return replace(self, signal_vectors=self.signal_vectors[rows], factor=factor)
 
     def on_grid(self, grid: AngleGrid) -> FloatArray:
         """Return f at all angles of a grid.
@@ -102,7 +104,7 @@ class NullSpectrum:
             power = float(len(self.positions))
             return np.maximum(power - grid.power(self.signal_vectors), 0.0) / power
         # With whitened steering vectors L^-1 a: |E^H L^-1 a|^2 and |L^-1 a|^2.
-        whitening = np.asarray(np.linalg.inv(self.factor).conj().T, dtype=np.complex128)
+        whitening = np.asarray(adjoint(np.linalg.inv(self.factor)), dtype=np.complex128)
         whole = grid.power(whitening)
         inside = grid.power(whitening @ self.signal_vectors)
         return np.asarray(np.maximum(whole - inside, 0.0) / whole)
@@ -227,8 +229,8 @@ def bearings_in_snapshots(
         Element positions, m.
     wavenumber : float
         rad/m.
-    noise_covariance : ndarray, shape (n_elements, n_elements), complex, optional
-        Pure numbers; None = white noise.
+    noise_covariance : ndarray, shape (..., n_elements, n_elements), complex, optional
+        Of all windows or of each, pure numbers; None = white noise.
 
     Returns
     -------

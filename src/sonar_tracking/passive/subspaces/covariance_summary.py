@@ -64,9 +64,9 @@ def summarise_windows(
     n_columns : int
         Signal eigenvalues to leave out of the noise power; 0 = take the number found by MDL.
     header : ArraySnapshots
-        Array and frequency.
-    whitening : ndarray, shape (n_elements, n_elements), complex, or None
-        Inverse Cholesky factor of the noise covariance, pure numbers; None = white noise.
+        Array and frequency; its noise covariance is that of all windows, or of each.
+    whitening : ndarray, shape (..., n_elements, n_elements), complex, or None
+        Inverse Cholesky factor of that covariance, pure numbers; None = white noise.
     maximum_rate : float
         Fastest bearing that must not be counted twice, rad/s.
     steering_error : float
@@ -121,7 +121,7 @@ def _eigenvalues(
     eigenvalues = _descending_eigenvalues(snapshots, sampled) + floor
     if whitening is None:
         return eigenvalues, eigenvalues
-    signal_values = _descending_eigenvalues(snapshots @ whitening.T) + floor
+    signal_values = _descending_eigenvalues(snapshots @ np.swapaxes(whitening, -1, -2)) + floor
     if steering_error > 0.0:
         loaded = np.linalg.eigvalsh(covariance)[..., ::-1]
         eigenvalues = np.asarray(loaded, dtype=np.float64)

@@ -9,6 +9,7 @@ import numpy as np
 
 from sonar_tracking.geometry import is_uniform_line
 from sonar_tracking.passive.array_fit.array_fit import ArrayFit
+from sonar_tracking.passive.sources.noise_of_windows import common_or_stacked
 from sonar_tracking.passive.subspaces.basis_sampling import (
     BasisSampler,
     CapturedSubspace,
@@ -259,11 +260,13 @@ def _summaries(
         most = max(_ENTRIES_AT_ONCE // max(size, 1), 1)
         for part in (rows[begin : begin + most] for begin in range(0, len(rows), most)):
             windows = [covariance_snapshots(configuration, *ends[row]) for row in part]
+            memories = [ends[row][0] for row in part]
+            noise = common_or_stacked([each.header.noise_covariance for each in memories])
             together = summarise_windows(
                 np.stack(windows) if len(windows) > 1 else windows[0][None],
                 0 if counted else first.n_columns,
-                first.header,
-                first.whitening,
+                replace(first.header, noise_covariance=noise),
+                common_or_stacked([each.whitening for each in memories]),
                 math.radians(configuration.maximum_rate_deg),
                 configuration.steering_error or first.fit.steering.error_to_hide,
             )
@@ -299,13 +302,13 @@ def covariance_snapshots(
 
 def _kind(memory: EstimationMemory) -> tuple[object, ...]:
     """Return what the snapshots of two memories must have in common to be summarised together."""
-    header, noise = memory.header, memory.header.noise_covariance
+    header = memory.header
     return (
         memory.history.shape[:-2],
         header.element_positions.tobytes(),
         header.sample_period,
         header.center_frequency,
         header.sound_speed,
-        None if noise is None else noise.tobytes(),
+        header.noise_covariance is None,
         memory.fit.steering.error,
     )
