@@ -104,7 +104,7 @@ class NullSpectrum:
             power = float(len(self.positions))
             return np.maximum(power - grid.power(self.signal_vectors), 0.0) / power
         # With whitened steering vectors L^-1 a: |E^H L^-1 a|^2 and |L^-1 a|^2.
-        whitening = np.asarray(adjoint(np.linalg.inv(self.factor)), dtype=np.complex128)
+        whitening = adjoint(np.asarray(np.linalg.inv(self.factor), dtype=np.complex128))
         whole = grid.power(whitening)
         inside = grid.power(whitening @ self.signal_vectors)
         return np.asarray(np.maximum(whole - inside, 0.0) / whole)
