@@ -89,6 +89,17 @@ def test_the_past_is_bounded_in_memory(monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(history) == 10
 
 
+def test_where_the_data_begin_anew_nothing_of_a_later_time_is_left() -> None:
+    """A row that had begun, or a spectrum, would say again that the clock has gone back."""
+    history = FrameHistory(600.0)
+    kinds = ("tracks", "waterfall_open", "lofar", "dots")
+    for kind in kinds:
+        history.add(Frame(kind, f"{kind} a", 700.0, "x"))
+    assert all(history.begins_anew(Frame(kind, f"{kind} a", 100.0, "x")) for kind in kinds)
+    history.clear()
+    assert not any(history.begins_anew(Frame(kind, f"{kind} a", 100.0, "x")) for kind in kinds)
+
+
 class _Columns:
     """A message with two tracks and one status."""
 

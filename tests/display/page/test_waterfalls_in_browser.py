@@ -242,3 +242,22 @@ def test_spectra_of_several_seconds_are_means_of_power(start: Start, chromium: C
     # Two, then three seconds of five have the power 100 in the first column.
     expected = [[1000, 1005, 16.0206, 10.0], [1005, 1010, 17.7815, 10.0]]
     np.testing.assert_allclose(levels, expected, atol=1e-3)
+
+
+def test_beside_a_strong_line_the_noise_stays_at_its_level(
+    start: Start, chromium: Chromium
+) -> None:
+    page = chromium.open(start().address)
+    levels = page.value(
+        """(async () => {
+          const { overBackground } = await import('/integrated_rows.js');
+          const row = new Float32Array(400).fill(5);
+          row[200] = 55;
+          row[215] = 15;
+          return [...overBackground(row, 40, new Float32Array(400))];
+        })()"""
+    )
+    page.close()
+    np.testing.assert_allclose(np.delete(levels, [200, 215]), 0.0, atol=0.2)
+    assert levels[200] == pytest.approx(50.0, abs=0.3)
+    assert levels[215] == pytest.approx(10.0, abs=0.3)

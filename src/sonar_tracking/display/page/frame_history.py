@@ -18,6 +18,10 @@ STEADY = frozenset({"sources", "health", "command_result", "waterfall_open", "lo
 """Kinds that are no part of the past, or whose past is sent to who asks for it."""
 
 
+WITHOUT_TIME = frozenset({"sources", "health", "command_result"})
+"""Kinds that tell nothing of a time of the data: they are true wherever these begin."""
+
+
 class FrameHistory:
     """Frames of a bounded time, within bounded memory.
 
@@ -69,5 +73,6 @@ class FrameHistory:
     def clear(self) -> None:
         """Forget everything: the data begin anew."""
         self._frames.clear()
-        self.latest = {name: frame for name, frame in self.latest.items() if frame.kind in STEADY}
+        latest = self.latest.items()
+        self.latest = {name: frame for name, frame in latest if frame.kind in WITHOUT_TIME}
         self.bytes, self.newest = 0, -math.inf

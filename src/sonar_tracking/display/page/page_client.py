@@ -47,6 +47,7 @@ class ServedPage(Protocol):
     token: str
     title: str
     namespace: str
+    run: str
     recording: str
     span: Span | None
     remote_commands: bool
@@ -103,6 +104,7 @@ class PageClient(WebSocketHandler):
             version=VERSION,
             title=self._server.title,
             namespace=self._server.namespace,
+            run=self._server.run,
             token_needed=commands,
             may_command=commands and not (self.is_remote and not self._server.remote_commands),
             recording=self._server.recording,

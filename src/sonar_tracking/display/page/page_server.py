@@ -7,6 +7,7 @@ nothing is loaded from elsewhere. The feed belongs to its thread: others call :m
 from __future__ import annotations
 
 import asyncio
+import hashlib
 import threading
 from collections.abc import Callable, Mapping
 from importlib.util import find_spec
@@ -74,6 +75,8 @@ class PageServer:
         The browsers.
     refused : int
         Commands that were not taken.
+    run : str
+        The same for all pages of a run, whatever is started again, and of a recording.
     """
 
     def __init__(
@@ -92,6 +95,7 @@ class PageServer:
         self.title = configuration.title
         self.recording = recording
         self.namespace = namespace
+        self.run = _run_name(token or f"{configuration.title} {span}")
         self.span = span
         self._show_part = show_part
         self.remote_commands = configuration.remote_commands
@@ -219,6 +223,11 @@ class _File(StaticFileHandler):
         self.set_header("Content-Security-Policy", _POLICY)
         self.set_header("X-Content-Type-Options", "nosniff")
         self.set_header("Referrer-Policy", "no-referrer")
+
+
+def _run_name(secret: str) -> str:
+    """Return what tells one run from others, and does not tell its token."""
+    return hashlib.sha256(secret.encode()).hexdigest()[:16]
 
 
 def _uplot_files() -> Path:

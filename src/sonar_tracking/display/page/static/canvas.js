@@ -1,11 +1,14 @@
 // A canvas that fills its element sharply, whatever the size and the pixels of the screen.
 
+import { listenToKeys } from "./keyboard_pointer.js";
+
 export class Canvas {
   constructor(parent, label) {
     this.element = document.createElement("canvas");
     this.element.setAttribute("role", "img");
     this.element.setAttribute("aria-label", label);
     parent.append(this.element);
+    listenToKeys(this.element);
     this.pen = this.element.getContext("2d");
     this.width = 0;
     this.height = 0;

@@ -42,6 +42,11 @@ export function distance(metres) {
   return metres < 9999.5 ? `${metres.toFixed(0)} m` : `${(metres / 1000).toFixed(1)} km`;
 }
 
+/** A distance along an axis: one unit for all of it, by how far it goes. */
+export function axisDistance(metres, farthest) {
+  return farthest < 9999.5 ? `${metres.toFixed(0)} m` : `${Number((metres / 1000).toFixed(3))} km`;
+}
+
 /** Degrees and minutes to 2 m of a position in the map, by the polynomials of the datum. */
 export function place(x, y, datum) {
   const [u, v] = datum ? [x / datum.reach, y / datum.reach] : [NaN, NaN];

@@ -1,5 +1,8 @@
 // Rows of a stream integrated to longer ones: mean power, not mean decibels.
 
+const CLIPPING = 3; // backgrounds above which a column stands out
+const PASSES = 7;
+
 export class IntegratedRows {
   constructor() {
     this.key = null;
@@ -51,7 +54,8 @@ export function levelsOf(sum) {
 
 /**
  * Levels over their background, dB: the mean power of a window on either side of each column, what
- * stands out of it clipped away, as the line tracker does it.
+ * stands out of it clipped away, as the line tracker does it. Beside a strong line the first
+ * background is too high to clip all of it: it is done again with the better one.
  */
 export function overBackground(row, halfWidth, out) {
   const count = row.length;
@@ -60,15 +64,20 @@ export function overBackground(row, halfWidth, out) {
   const background = new Float64Array(count);
   for (let i = 0; i < count; i++) power[i] = 10 ** (row[i] / 10);
   const values = power.slice();
-  for (let pass = 0; pass < 2; pass++) {
-    for (let i = 0; i < count; i++) sums[i + 1] = sums[i] + values[i];
-    for (let i = 0; i < count; i++) {
-      const low = Math.max(0, i - halfWidth);
-      const high = Math.min(count, i + halfWidth + 1);
-      background[i] = (sums[high] - sums[low]) / (high - low);
-    }
-    for (let i = 0; i < count; i++) if (power[i] > 3 * background[i]) values[i] = background[i];
+  for (let pass = 0; pass < PASSES; pass++) {
+    windowedMeans(values, halfWidth, sums, background);
+    for (let i = 0; i < count; i++) values[i] = power[i] > CLIPPING * background[i] ? background[i] : power[i];
   }
   for (let i = 0; i < count; i++) out[i] = 10 * Math.log10((power[i] + 1e-30) / (background[i] + 1e-30));
   return out;
+}
+
+function windowedMeans(values, halfWidth, sums, means) {
+  const count = values.length;
+  for (let i = 0; i < count; i++) sums[i + 1] = sums[i] + values[i];
+  for (let i = 0; i < count; i++) {
+    const low = Math.max(0, i - halfWidth);
+    const high = Math.min(count, i + halfWidth + 1);
+    means[i] = (sums[high] - sums[low]) / (high - low);
+  }
 }

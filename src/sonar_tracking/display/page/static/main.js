@@ -61,6 +61,7 @@ class Page {
     if (frame.version !== PROTOCOL) location.reload();
     this.hello = frame;
     this.title = frame.title || "sonar_tracking";
+    this.selection.enter(frame.run);
     byId("title").textContent = this.title;
     document.title = `${this.title} – sonar_tracking`;
     this.commands.allowed = frame.may_command;
@@ -248,7 +249,17 @@ class Selection extends EventTarget {
   constructor() {
     super();
     this.track = null;
-    this.names = new Map(Object.entries(JSON.parse(localStorage.getItem("names") ?? "{}")));
+    this.run = null;
+    this.names = new Map();
+  }
+
+  /** Names hold in one run: the numbers of another are other targets. */
+  enter(run) {
+    if (run === this.run) return;
+    const kept = JSON.parse(localStorage.getItem("names") ?? "{}");
+    this.run = run;
+    this.names = new Map(kept.run === run ? Object.entries(kept.names) : []);
+    this.choose(null);
   }
 
   choose(track) {
@@ -268,7 +279,7 @@ class Selection extends EventTarget {
   rename(topic, id, name) {
     if (name) this.names.set(`${topic} ${id}`, name);
     else this.names.delete(`${topic} ${id}`);
-    localStorage.setItem("names", JSON.stringify(Object.fromEntries(this.names)));
+    localStorage.setItem("names", JSON.stringify({ run: this.run, names: Object.fromEntries(this.names) }));
     this.dispatchEvent(new Event("change"));
   }
 }

@@ -68,8 +68,10 @@ export function rowOf(frame, topic, i) {
   };
 }
 
-export function ownShipAt(history, t) {
-  return history.at("own_ship", t);
+/** Own ship's last state; one that is old is no longer hers. */
+export function ownShipAt(history, t, age = 30) {
+  const state = history.at("own_ship", t);
+  return state && t - state.t <= age ? state : null;
 }
 
 /** Bearing, range, course and speed of a row, with deviations, as seen from own ship. */

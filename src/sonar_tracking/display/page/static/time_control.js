@@ -156,7 +156,8 @@ export class TimeBar {
       time.playing = 0;
       time.seek(this.from + (this.to - this.from) * (Number(this.slider.value) / 1000));
     });
-    this.shown = element("span", { class: "figures time" });
+    this.shown = element("span", { class: "shown" });
+    this.behind = element("span");
     this.edge = button("live", "To the newest data (End)", () => time.resume());
     this.edge.className = "live";
     this.marks = element("span", { class: "figures marks", title: "Cursors A and B: Shift and click in a view; Escape clears them" });
@@ -164,7 +165,7 @@ export class TimeBar {
       button(icon("back"), "A step back (←; Shift: half a minute)", (e) => time.step(e.shiftKey ? -30 : -STEP)),
       this.toggle,
       button(icon("on"), "A step on (→; Shift: half a minute)", (e) => time.step(e.shiftKey ? 30 : STEP)),
-      this.rate, this.slider, this.shown, this.edge, this.marks,
+      this.rate, this.slider, element("span", { class: "figures time" }, this.shown, this.behind), this.edge, this.marks,
     );
   }
 
@@ -185,7 +186,8 @@ export class TimeBar {
     this.edge.textContent = time.recording ? "end" : "live";
     this.edge.classList.toggle("on", time.live);
     const behind = time.newest - time.now;
-    this.shown.textContent = known ? `${clock(time.now)}${time.live ? "" : `  −${duration(behind)}`}` : "";
+    this.shown.textContent = known ? clock(time.now) : "";
+    this.behind.textContent = known && !time.live && behind >= 0.5 ? `  −${duration(behind)}` : "";
     this.marks.textContent = marksText(time.marks);
   }
 }

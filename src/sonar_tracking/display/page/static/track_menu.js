@@ -1,9 +1,13 @@
 // What can be done with a track, a direction or a line: choose, rename, command.
 
+import { element } from "./canvas.js";
 import { openMenu } from "./commands.js";
 import { bearing } from "./format.js";
+import { Identities } from "./identity.js";
 import { bearingTopics, tracksAt } from "./picture.js";
 
+const MOST_OTHERS = 14; // tracks in a menu
+const LONGEST_NAME = 24;
 const LISTS = ["passive/bearing_tracks", "active/tracks", "passive/tracks", "tracks"];
 
 /** The name by which trackers know a topic: that in a graph without a namespace; "" = none of theirs. */
@@ -13,24 +17,42 @@ export function listOf(page, topic) {
   return LISTS.includes(name) ? name : "";
 }
 
-/** The menu of a track of the picture, of a bearing track ({topic, id, bearing: true}), or of a direction. */
-export function openTrackMenu(page, event, row, azimuth, point = null) {
+/**
+ * The menu of a track of the picture, of a bearing track ({topic, id, sensor}), or of a direction;
+ * there: {point: the place in the map, mark: what a cursor there would tell}, as far as known.
+ */
+export function openTrackMenu(page, event, row, azimuth, there = {}) {
   const place = { x: event.clientX, y: event.clientY };
-  const entries = row ? trackEntries(page, row, place) : directionEntries(page, azimuth, point);
-  const title = row ? `Track ${page.selection.nameOf(row.topic, row.id)}` : `Bearing ${bearing(azimuth)}°`;
+  const who = new Identities(page.history, page.selection, page.time.now);
+  const entries = row ? trackEntries(page, who, row, place) : directionEntries(page, azimuth, there.point);
+  if (there.mark) entries.push(markEntry(page, there.mark));
   if (!page.commands.possible) entries.push(["Read only: no commands", () => page.commands.explain()]);
-  openMenu(place.x, place.y, title, entries);
+  openMenu(place.x, place.y, row ? titleOf(who, row) : `Bearing ${bearing(azimuth)}°`, entries);
 }
 
-function trackEntries(page, row, place) {
+/** The name of a track, and what it is in the list that hears it. */
+function titleOf(who, row) {
+  const name = who.nameOf(row);
+  const owner = who.ownerOf(row);
+  if (!owner || owner.topic === row.topic) return `Track ${name}`;
+  return `Track ${name} (${row.sensor === undefined ? "of echoes" : "of bearings"}: ${row.id})`;
+}
+
+/** Set cursor A, or B after it, as Shift and a click do. */
+export function markEntry(page, mark) {
+  const { A, B } = page.time.marks;
+  return [`Cursor ${!A || B ? "A" : "B"} here`, () => page.time.markNext(mark)];
+}
+
+function trackEntries(page, who, row, place) {
   const { commands, selection } = page;
   const list = listOf(page, row.topic);
-  const entries = [["Choose", () => selection.choose({ topic: row.topic, id: row.id })]];
-  entries.push(["Rename…", () => rename(page, row)]);
+  const entries = [["Choose", () => selection.choose(who.choiceOf(row))]];
+  entries.push(["Rename…", () => rename(page, who.choiceOf(row))]);
   if (!commands.possible || !list) return entries;
   entries.push(["End track", () => commands.send({ command: "end_track", topic: list, id: row.id })]);
   if (list !== "passive/tracks") {
-    entries.push(["Merge with…", () => openMergeMenu(page, row, list, place)]);
+    entries.push(["Merge with…", () => openMergeMenu(page, who, row, list, place)]);
   }
   const sided = sideRow(page, row);
   if (sided) {
@@ -51,22 +73,22 @@ function sideRow(page, row) {
   return rows.find((other) => other.bearingTrack === row.bearingTrack && other.side === row.side) ?? null;
 }
 
-function openMergeMenu(page, row, list, place) {
-  const others = row.bearing
-    ? bearingRows(page, row.topic)
-    : tracksAt(page.history, page.time.now, [row.topic]);
+function openMergeMenu(page, who, row, list, place) {
+  const others = row.sensor === undefined
+    ? tracksAt(page.history, page.time.now, [row.topic])
+    : bearingRows(page, row);
   const entries = others
     .filter((other) => other.id !== row.id)
     .map((other) => [
-      `is the same target as ${page.selection.nameOf(other.topic, other.id)}`,
+      `is the same target as ${titleOf(who, other).replace("Track ", "")}`,
       () => page.commands.send({ command: "merge_tracks", topic: list, id: row.id, other_id: other.id }),
     ]);
-  openMenu(place.x, place.y, `Track ${page.selection.nameOf(row.topic, row.id)}, which goes on,`, entries.slice(0, 14));
+  openMenu(place.x, place.y, `${titleOf(who, row)}, which goes on,`, entries.slice(0, MOST_OTHERS));
 }
 
-function bearingRows(page, topic) {
+function bearingRows(page, { topic, sensor }) {
   const frame = page.history.at(`bearings ${topic}`, page.time.now);
-  return frame ? [...frame.id].map((id) => ({ topic, id })) : [];
+  return frame ? [...frame.id].map((id) => ({ topic, id, sensor })) : [];
 }
 
 /** Start a track: of bearings, where a direction is an angle from broadside, or of echoes at a point. */
@@ -104,13 +126,26 @@ export function lineEntries(page, frequency, sensor = "") {
   ];
 }
 
-export function rename(page, row) {
-  const given = prompt("Name of the track (empty: its number)", page.selection.names.get(`${row.topic} ${row.id}`) ?? "");
-  if (given === null) return;
-  const name = given.trim().slice(0, 24);
-  page.selection.rename(row.topic, row.id, name);
-  const list = listOf(page, row.topic);
+/** Ask for a name; the page goes on meanwhile. */
+export function rename(page, { topic, id }) {
+  const input = element("input", { type: "text", maxlength: LONGEST_NAME, "aria-label": `Name of track ${id}` });
+  input.value = page.selection.names.get(`${topic} ${id}`) ?? "";
+  const act = () => giveName(page, topic, id, input.value.trim());
+  const cancel = element("button", { type: "button", onclick: () => dialog.close() }, "Cancel");
+  const dialog = element("dialog", { class: "ask" },
+    element("form", { method: "dialog", onsubmit: act },
+      element("strong", {}, `Name of track ${id}`), input, element("small", {}, "Empty: its number"),
+      element("span", {}, cancel, element("button", { class: "on" }, "Rename"))));
+  dialog.addEventListener("close", () => dialog.remove());
+  document.body.append(dialog);
+  dialog.showModal();
+  input.select();
+}
+
+function giveName(page, topic, id, name) {
+  page.selection.rename(topic, id, name);
+  const list = listOf(page, topic);
   if (name && list && page.commands.possible) {
-    page.commands.send({ command: "rename_track", topic: list, id: row.id, name });
+    page.commands.send({ command: "rename_track", topic: list, id, name });
   }
 }

@@ -3,10 +3,11 @@
 import { AXES, BearingAxis, coneOf, relativeText } from "../bearing_axis.js";
 import { Canvas, element, label } from "../canvas.js";
 import { bearing, clock, degrees, duration, fixed } from "../format.js";
-import { trackRow } from "../heard_track.js";
+import { Identities } from "../identity.js";
 import { keptSelect, keptToggle, moreChoices, offer } from "../kept_choice.js";
 import { palette } from "../palette.js";
 import { bearingTopics, pictureTopics, polar, tracksAt, ownShipAt } from "../picture.js";
+import { readout } from "../readout.js";
 import { RowRing, floorOf } from "../row_ring.js";
 import { openTrackMenu } from "../track_menu.js";
 
@@ -48,6 +49,7 @@ export class BearingTime {
     canvas.addEventListener("pointermove", (event) => this.point(event));
     canvas.addEventListener("pointerleave", () => this.point(null));
     canvas.addEventListener("click", (event) => this.click(event));
+    canvas.addEventListener("dblclick", (event) => this.menu(event));
     canvas.addEventListener("contextmenu", (event) => this.menu(event));
   }
 
@@ -85,7 +87,7 @@ export class BearingTime {
       return;
     }
     const near = this.trackNear(event.offsetX, place);
-    if (near) this.page.selection.choose(this.pictureTrack(near) ?? { topic: near.topic, id: near.id });
+    if (near) this.page.selection.choose(this.identities.choiceOf(near));
     else this.page.selection.choose({ sensor: place.pose.sensor, beam: place.cone });
     this.page.askDraw();
   }
@@ -96,15 +98,7 @@ export class BearingTime {
     const place = this.placeOf(event);
     if (!place) return;
     const near = this.trackNear(event.offsetX, place);
-    openTrackMenu(this.page, event, near && { topic: near.topic, id: near.id, bearing: Boolean(near.sensor) }, place.azimuth);
-  }
-
-  /** The track of the picture that a bearing track is part of. */
-  pictureTrack({ id, sensor }) {
-    const { history, time } = this.page;
-    const found = tracksAt(history, time.now).find((row) =>
-      row.contributors.some(([, source, name, other]) => source === 1 && name === sensor && other === id));
-    return found ? { topic: found.topic, id: found.id } : null;
+    openTrackMenu(this.page, event, near && { topic: near.topic, id: near.id, sensor: near.sensor }, place.azimuth, { mark: { t: place.t, azimuth: place.azimuth } });
   }
 
   trackNear(x, { panel, t }) {
@@ -128,6 +122,7 @@ export class BearingTime {
     this.bearings = new BearingAxis(this.axis.value);
     this.pose = history.at(`waterfall ${this.topic} ${SCALES[0]}`, t) ?? this.firstRow();
     if (!this.pose) return;
+    this.identities = new Identities(history, this.page.selection, t);
     const shown = this.panels.filter(({ scale }) => this.scales.value === "all" || this.scales.value === String(scale));
     const width = (this.canvas.width - BETWEEN * (shown.length - 1)) / shown.length;
     for (const panel of this.panels) panel.box = null;
@@ -316,7 +311,7 @@ export class BearingTime {
     pen.lineJoin = "round";
     const names = [];
     const lines = this.linesOf(panel, t);
-    const chosenLine = this.chosenLine(lines);
+    const chosenLine = lines.find((line) => this.identities.isChosen(line));
     for (const line of lines) {
       const chosen = line === chosenLine;
       const many = lines.length > MOST_RIMMED && !chosen;
@@ -329,7 +324,7 @@ export class BearingTime {
           this.drawLine(pen, panel, line, side);
           pen.globalAlpha = 1;
         }
-        pen.strokeStyle = palette.track(line.id);
+        pen.strokeStyle = this.identities.colourOf(line);
         pen.lineWidth = chosen ? 2.6 : 1.3;
         this.drawLine(pen, panel, line, side);
       }
@@ -347,7 +342,7 @@ export class BearingTime {
     const taken = [];
     names.sort((a, b) => a.x - b.x);
     for (const { line, chosen, x, y } of names) {
-      const text = this.page.selection.nameOf(line.topic, line.id);
+      const text = this.identities.nameOf(line);
       pen.font = chosen ? "bold 12px system-ui, sans-serif" : "12px system-ui, sans-serif";
       const width = pen.measureText(text).width + 4;
       const left = x + 4 + width > box.x + box.width ? x - 2 - width : x + 4;
@@ -356,7 +351,7 @@ export class BearingTime {
       for (let tries = 0; tries < 8 && taken.some(covers); tries++) row += 13 * inwards;
       taken.push({ left, right: left + width, row });
       pen.textAlign = "left";
-      label(pen, text, left, row, palette.track(line.id), palette.panel);
+      label(pen, text, left, row, this.identities.colourOf(line), palette.panel);
     }
   }
 
@@ -375,16 +370,6 @@ export class BearingTime {
     }
     pen.stroke();
     pen.setLineDash([]);
-  }
-
-  /** The line of the choice: of the track itself, or of a bearing track that is part of it. */
-  chosenLine(lines) {
-    const { history, selection, time } = this.page;
-    const itself = lines.find((line) => selection.isChosen(line.topic, line.id));
-    const row = itself ? null : trackRow(history, selection.track, time.now);
-    if (!row) return itself;
-    return lines.find(({ sensor, id }) =>
-      row.contributors.some(([, source, name, other]) => source === 1 && name === sensor && other === id));
   }
 
   drawMarks(pen, marks) {
@@ -444,21 +429,6 @@ export class BearingTime {
     const levels = this.bearings.levels(frame, (this.probe ??= new Float32Array(count)));
     return levels[Math.min(count - 1, Math.floor(share * count))];
   }
-}
-
-/** One line of values at the bottom of a canvas. */
-export function readout(pen, canvas, text) {
-  pen.save();
-  pen.font = "12px system-ui, sans-serif";
-  const width = Math.min(pen.measureText(text).width + 12, canvas.width);
-  pen.fillStyle = palette.panel;
-  pen.globalAlpha = 0.88;
-  pen.fillRect(canvas.width - width, canvas.height - 20, width, 20);
-  pen.globalAlpha = 1;
-  pen.fillStyle = palette.text;
-  pen.textAlign = "right";
-  pen.fillText(text, canvas.width - 6, canvas.height - 10, canvas.width - 8);
-  pen.restore();
 }
 
 function sized(array, length) {

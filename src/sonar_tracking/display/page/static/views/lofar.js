@@ -7,9 +7,10 @@ import { askFor, chosenBeam, heardTracks } from "../heard_track.js";
 import { IntegratedRows, levelsOf, overBackground } from "../integrated_rows.js";
 import { keptSelect, keptToggle, moreChoices, offer } from "../kept_choice.js";
 import { palette } from "../palette.js";
-import { lineEntries } from "../track_menu.js";
+import { lineEntries, markEntry } from "../track_menu.js";
 import { RowRing, floorOf, resample } from "../row_ring.js";
-import { readout } from "./bearing_time.js";
+import { readout } from "../readout.js";
+import { SpectrumCurve } from "./spectrum_curve.js";
 
 const LINE_HEIGHT = 2; // CSS pixels
 const TOP = 17; // axis of frequencies
@@ -49,6 +50,7 @@ export class Lofar {
         button("−", "Wider (−)", () => this.zoomAround(0.5, 1 / 0.6)), button("all", "All (double click)", () => this.zoomTo(null)))],
     );
     tools.append(this.beam, this.harmonics, more);
+    this.curve = new SpectrumCurve(body);
     this.ring = new RowRing();
     this.integrated = new IntegratedRows();
     this.band = null;
@@ -58,7 +60,6 @@ export class Lofar {
   }
 
   listen(canvas) {
-    canvas.tabIndex = 0;
     canvas.addEventListener("pointermove", (event) => this.move(event));
     canvas.addEventListener("pointerleave", () => this.move(null));
     canvas.addEventListener("pointerdown", (event) => (this.drag = { x: event.offsetX, band: this.shownBand, moved: false }));
@@ -111,7 +112,11 @@ export class Lofar {
       this.held = frequency;
       this.page.askDraw();
     };
-    const entries = [["Hold the harmonic cursor here", hold], ...lineEntries(this.page, frequency, this.shownSensor)];
+    const t = this.ring.timeAt(event.offsetY - TOP - CURVE, this.box, false);
+    const entries = [
+      ["Hold the harmonic cursor here", hold], markEntry(this.page, { t, frequency }),
+      ...lineEntries(this.page, frequency, this.shownSensor),
+    ];
     openMenu(event.clientX, event.clientY, `${frequency.toFixed(2)} Hz`, entries);
   }
 
@@ -195,7 +200,7 @@ export class Lofar {
     this.empty.textContent = this.page.selection.track && !beam
       ? "The chosen track is not heard by an array with samples. A click in the bearing–time record listens there."
       : beam ? "Waiting for the spectrum of this beam." : "No samples of an array yet: its beams have spectra.";
-    if (!pen || !stream) return;
+    if (!pen || !stream) return this.curve.hide();
     const newest = stream.frames[stream.frames.length - 1];
     this.shownSensor = beam.sensor;
     const { first, step, count } = newest.frequency;
@@ -204,7 +209,7 @@ export class Lofar {
     this.box = { x: 0, y: TOP + CURVE, width: this.canvas.width, height: this.canvas.height - TOP - CURVE };
     this.drawRows(pen, rows, t, newest, beam);
     this.drawAxis(pen);
-    this.drawCurve(pen, rows(t - 30, t), newest);
+    this.showCurve(rows(t - 30, t), newest);
     if (this.lines.isOn && beam.track) this.drawLines(pen, beam, t);
     this.drawMarks(pen);
     const cursor = Number.isFinite(this.held) ? this.held : this.hover ? this.frequencyAt(this.hover.x) : NaN;
@@ -293,18 +298,19 @@ export class Lofar {
   }
 
   /** The mean spectrum of the last half minute, above the rows. */
-  drawCurve(pen, sums, newest) {
-    if (!sums.length) return;
+  showCurve(sums, newest) {
+    if (!sums.length) return this.curve.hide();
     const key = `${sums[0].t0} ${sums[sums.length - 1].t} ${this.flat.isOn} ${this.seconds.value} ${this.asked}`;
     if (this.curveKey !== key) {
       this.curveKey = key;
-      this.curve = Float32Array.from(this.levelsFor(this.meanOf(sums, newest)));
+      this.levels = Float32Array.from(this.levelsFor(this.meanOf(sums, newest)));
     }
     const { first, step } = newest.frequency;
-    const [low, high] = this.shownBand;
-    const pixels = new Float32Array(Math.round(this.canvas.width));
-    resample(this.curve, (low - first) / step + 0.5, (high - low) / step / pixels.length, pixels);
-    this.strokeCurve(pen, pixels);
+    if (this.frequencies?.length !== this.levels.length || this.frequencies[0] !== first) {
+      this.frequencies = Float64Array.from(this.levels, (_, i) => first + i * step);
+    }
+    const box = { y: TOP, width: this.canvas.width, height: CURVE };
+    this.curve.show(box, this.shownBand, this.frequencies, this.levels, this.flat.isOn);
   }
 
   meanOf(sums, newest) {
@@ -315,26 +321,6 @@ export class Lofar {
       mean.weight += sum.weight;
     }
     return mean;
-  }
-
-  strokeCurve(pen, pixels) {
-    let [least, most] = [Infinity, -Infinity];
-    for (const level of pixels) {
-      if (level < least) least = level;
-      if (level > most) most = level;
-    }
-    if (this.flat.isOn) [least, most] = [-3, Math.max(most, 10)];
-    const yOf = (level) => TOP + CURVE - 3 - ((Math.max(level, least) - least) / Math.max(most - least, 1)) * (CURVE - 6);
-    pen.strokeStyle = palette.accent;
-    pen.lineWidth = 1.2;
-    pen.beginPath();
-    pixels.forEach((level, x) => (Number.isFinite(level) ? pen.lineTo(x, yOf(level)) : null));
-    pen.stroke();
-    pen.lineWidth = 1;
-    pen.textAlign = "left";
-    pen.font = "11px system-ui, sans-serif";
-    label(pen, `${most.toFixed(0)} dB`, 3, TOP + 7, palette.faint, palette.panel);
-    pen.font = "12px system-ui, sans-serif";
   }
 
   drawLines(pen, beam, t) {

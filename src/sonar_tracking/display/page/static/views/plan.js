@@ -2,13 +2,15 @@
 
 import { Canvas, Labels, element, icon, label } from "../canvas.js";
 import { openTrackMenu } from "../track_menu.js";
-import { DEGREE, bearing, distance, fixed, niceStep, place as placeText } from "../format.js";
+import { DEGREE, axisDistance, bearing, distance, fixed, niceStep, place as placeText } from "../format.js";
+import { keptToggle } from "../kept_choice.js";
 import { palette } from "../palette.js";
 import {
   SIDE, SOURCE, STATUS, TERMINATED, bearingTopics, ownShipAt, pictureTopics, polar, tracksAt, truthTopics,
 } from "../picture.js";
 import { trackSymbol, ownShipSymbol } from "../symbols.js";
 
+const KNOT = 1.943844; // in m/s
 const CHI_95 = Math.sqrt(5.991); // of an ellipse that holds 95 % of the plane's normal distribution
 const TRAIL_SECONDS = 600;
 const LEADER_SECONDS = 180;
@@ -57,8 +59,9 @@ export class Plan {
     this.home = element("button", { title: "Own ship in the centre", "aria-label": "Own ship in the centre" }, icon("home"));
     this.home.addEventListener("click", () => this.recentre(null));
     const zoom = (factor, text, title) =>
-      element("button", { title, "aria-label": title, onclick: () => this.zoom(factor) }, text);
-    tools.append(this.up, this.home, zoom(0.7, icon("nearer"), "Nearer (+)"), zoom(1 / 0.7, icon("farther"), "Farther (−)"));
+      element("button", { class: "zoom", title, "aria-label": title, onclick: () => this.zoom(factor) }, text);
+    this.measuring = keptToggle("plan measure", "↔", "Measure by dragging (also: Alt and drag)", false, () => {});
+    tools.append(this.measuring, this.up, this.home, zoom(0.7, icon("nearer"), "Nearer (+)"), zoom(1 / 0.7, icon("farther"), "Farther (−)"));
   }
 
   recentre(place) {
@@ -78,7 +81,6 @@ export class Plan {
   }
 
   listen(surface) {
-    surface.tabIndex = 0;
     surface.addEventListener("wheel", (event) => {
       event.preventDefault();
       this.zoom(Math.exp(event.deltaY * 0.0015), event.offsetX, event.offsetY);
@@ -87,13 +89,15 @@ export class Plan {
     surface.addEventListener("pointerdown", (event) => {
       surface.setPointerCapture(event.pointerId);
       this.fingers.set(event.pointerId, { x: event.offsetX, y: event.offsetY });
-      this.pressed = { x: event.offsetX, y: event.offsetY, moved: false, measure: event.altKey || event.button === 2 || this.measuring };
+      this.pressed = { x: event.offsetX, y: event.offsetY, moved: false, measure: event.altKey || this.measuring.isOn };
     });
     surface.addEventListener("pointermove", (event) => this.move(event));
-    surface.addEventListener("pointerup", (event) => this.release(event));
+    surface.addEventListener("pointerup", (event) => this.fingers.delete(event.pointerId));
+    surface.addEventListener("click", (event) => this.click(event));
+    surface.addEventListener("dblclick", (event) => this.menu(event));
     surface.addEventListener("pointercancel", (event) => this.fingers.delete(event.pointerId));
     surface.addEventListener("pointerleave", () => { this.hover = null; this.page.askDraw(); });
-    surface.addEventListener("contextmenu", (event) => event.preventDefault());
+    surface.addEventListener("contextmenu", (event) => this.menu(event));
     surface.addEventListener("keydown", (event) => {
       const factor = { "+": 0.7, "-": 1 / 0.7 }[event.key];
       if (factor) this.zoom(factor);
@@ -124,20 +128,29 @@ export class Plan {
     this.page.askDraw();
   }
 
-  release(event) {
-    this.fingers.delete(event.pointerId);
-    if (!this.pressed || this.pressed.moved) return void (this.pressed = null);
-    this.pressed = null;
-    this.measure = null;
-    const [x, y] = [event.offsetX, event.offsetY];
-    const place = this.toMap(x, y);
-    const row = this.nearest(x, y);
-    const ship = this.ship;
+  /** What is at a place of the canvas: a track, or nothing but a direction. */
+  placeOf({ offsetX, offsetY }) {
+    const place = this.toMap(offsetX, offsetY);
+    const { ship } = this;
     const azimuth = ship ? Math.atan2(place.y - ship.y, place.x - ship.x) : NaN;
-    if (event.shiftKey) return this.page.time.markNext({ t: this.page.time.now, azimuth, ...place });
+    return { row: this.nearest(offsetX, offsetY), azimuth, ...place, t: this.page.time.now };
+  }
+
+  click(event) {
+    const dragged = this.pressed?.moved;
+    this.pressed = null;
+    if (dragged) return;
+    this.measure = null;
+    const { row, ...mark } = this.placeOf(event);
+    if (event.shiftKey) this.page.time.markNext(mark);
+    else this.page.selection.choose(row && { topic: row.topic, id: row.id });
+  }
+
+  menu(event) {
+    event.preventDefault();
+    const { row, ...mark } = this.placeOf(event);
     if (row) this.page.selection.choose({ topic: row.topic, id: row.id });
-    if (event.button === 2 || event.detail === 2) openTrackMenu(this.page, event, row, azimuth, place);
-    else if (!row) this.page.selection.choose(null);
+    openTrackMenu(this.page, event, row, mark.azimuth, { point: mark, mark });
   }
 
   /** The menu of a direction at a place of the screen. */
@@ -235,7 +248,7 @@ export class Plan {
     pen.textAlign = "left";
     for (let r = step, i = 0; r < farthest && i < 40; r += step, i++) {
       const y = place.y + r * this.scale;
-      if (y < height - 26) label(pen, distance(r), place.x + 4, y, palette.faint, palette.panel);
+      if (y < height - 26) label(pen, axisDistance(r, farthest), place.x + 4, y, palette.faint, palette.panel);
     }
     pen.font = "12px system-ui, sans-serif";
   }
@@ -420,7 +433,7 @@ export class Plan {
       if (row) {
         const seen = polar(row, this.ship);
         const name = this.page.selection.nameOf(row.topic, row.id);
-        text = `${name}  ${SOURCE[row.source]}, ${STATUS[row.status]}  ${text}  course ${bearing(seen.course, 0)}°  ${fixed(seen.speed, 1)} m/s`;
+        text = `${name}  ${SOURCE[row.source]}, ${STATUS[row.status]}  ${text}  course ${bearing(seen.course, 0)}°  ${fixed(seen.speed * KNOT, 1)} kn`;
       }
     }
     if (this.readout.textContent !== text) this.readout.textContent = text;

@@ -2,7 +2,8 @@
 // their thresholds, the tracks themselves.
 
 import { Canvas, Labels, element, label } from "../canvas.js";
-import { bearing, compass, distance, fixed, niceStep } from "../format.js";
+import { axisDistance, bearing, compass, distance, fixed, niceStep } from "../format.js";
+import { Identities } from "../identity.js";
 import { palette } from "../palette.js";
 import { ownShipAt, tracksAt, TERMINATED } from "../picture.js";
 import { trackSymbol } from "../symbols.js";
@@ -36,6 +37,7 @@ export class RangeBearing {
     surface.addEventListener("pointermove", (event) => { this.hover = { x: event.offsetX, y: event.offsetY }; page.askDraw(); });
     surface.addEventListener("pointerleave", () => { this.hover = null; page.askDraw(); });
     surface.addEventListener("click", (event) => this.click(event));
+    surface.addEventListener("dblclick", (event) => this.click(event, true));
     surface.addEventListener("contextmenu", (event) => { event.preventDefault(); this.click(event, true); });
   }
 
@@ -50,6 +52,7 @@ export class RangeBearing {
     const newest = pings[pings.length - 1];
     this.ship = ownShipAt(this.page.history, t);
     this.sensor = newest.sensor;
+    this.identities = new Identities(this.page.history, this.page.selection, t);
     this.prepare(pings);
     this.drawGrid(pen);
     pen.save();
@@ -131,7 +134,7 @@ export class RangeBearing {
       pen.moveTo(MARGIN.left, y);
       pen.lineTo(MARGIN.left + this.width, y);
       pen.stroke();
-      pen.fillText(distance(range), MARGIN.left - 4, Math.max(y, 8));
+      pen.fillText(axisDistance(range, this.farthest), MARGIN.left - 4, Math.max(y, 8));
     }
     pen.textAlign = "left";
     pen.font = "12px system-ui, sans-serif";
@@ -178,7 +181,7 @@ export class RangeBearing {
       pen.stroke();
       pen.setLineDash([]);
       const middle = this.placeOf(frame.x[i], frame.y[i]);
-      this.items.push({ ...middle, text: `gate of track ${frame.track_id[i]}  threshold ${fixed(frame.threshold_db[i], 1)} dB` });
+      this.items.push({ ...middle, text: `gate of track ${this.gateName(frame, i)}  threshold ${fixed(frame.threshold_db[i], 1)} dB` });
       // The threshold of the search stands above the picture: only one that differs is written.
       if (Math.abs(frame.threshold_db[i] - frame.search_threshold_db) > 0.05) {
         label(pen, `${fixed(frame.threshold_db[i], 1)} dB`, middle.x + 9, middle.y + 12, palette.faint, palette.panel);
@@ -187,20 +190,30 @@ export class RangeBearing {
     pen.font = "12px system-ui, sans-serif";
   }
 
+  /** Gates are of the tracks of echoes. */
+  gateName(frame, i) {
+    return this.identities.nameOf({ topic: this.echoTopics()[0] ?? "", id: frame.track_id[i] });
+  }
+
+  echoTopics() {
+    return this.page.history.topics("tracks").filter((topic) => /(^|\/)active\/tracks$/.test(topic));
+  }
+
   drawTracks(pen, t) {
-    const topics = this.page.history.topics("tracks").filter((topic) => /(^|\/)active\/tracks$/.test(topic));
+    const topics = this.echoTopics();
     const shown = [];
+    const who = this.identities;
     for (const row of tracksAt(this.page.history, t, topics)) {
       if (row.status === TERMINATED) continue;
       const place = this.placeOf(row.x, row.y);
-      const chosen = this.page.selection.isChosen(row.topic, row.id);
-      trackSymbol(pen, place.x, place.y, row, palette.track(row.id), palette.panel, chosen ? palette.text : null);
+      const chosen = who.isChosen(row);
+      trackSymbol(pen, place.x, place.y, row, who.colourOf(row), palette.panel, chosen ? palette.text : null);
       shown.push([row, place]);
-      this.items.push({ ...place, row, text: `track ${this.page.selection.nameOf(row.topic, row.id)}` });
+      this.items.push({ ...place, row, text: `track ${who.nameOf(row)}  (of echoes: ${row.id})` });
     }
     const labels = new Labels();
     for (const [, place] of shown) labels.keepFree(place);
-    for (const [row, place] of shown) labels.put(pen, this.page.selection.nameOf(row.topic, row.id), place.x, place.y, palette.text, palette.panel);
+    for (const [row, place] of shown) labels.put(pen, who.nameOf(row), place.x, place.y, palette.text, palette.panel);
   }
 
   nearest(x, y, tracksOnly) {
@@ -220,10 +233,11 @@ export class RangeBearing {
     const range = (1 - (event.offsetY - MARGIN.top) / this.height) * this.farthest;
     const x = this.sensor.x + range * Math.cos(azimuth);
     const y = this.sensor.y + range * Math.sin(azimuth);
-    if (event.shiftKey) return this.page.time.markNext({ t: this.page.time.now, azimuth, x, y });
+    const mark = { t: this.page.time.now, azimuth, x, y };
+    if (event.shiftKey) return this.page.time.markNext(mark);
     const item = this.nearest(event.offsetX, event.offsetY, true);
-    if (menu || event.detail === 2) openTrackMenu(this.page, event, item?.row, azimuth, { x, y });
-    else this.page.selection.choose(item ? { topic: item.row.topic, id: item.row.id } : null);
+    if (menu) openTrackMenu(this.page, event, item?.row, azimuth, { point: mark, mark });
+    else this.page.selection.choose(item ? this.identities.choiceOf(item.row) : null);
   }
 
   drawReadout() {

@@ -9,7 +9,7 @@ import { clock, duration, fixed, niceStep, signed } from "../format.js";
 import { askFor, chosenTrack } from "../heard_track.js";
 import { keptSelect, keptToggle } from "../kept_choice.js";
 import { palette } from "../palette.js";
-import { readout } from "./bearing_time.js";
+import { readout } from "../readout.js";
 
 const TOP = 34; // names and axes of the columns
 const LEFT = 88; // axis of time and courses
