@@ -179,6 +179,22 @@ def test_dots_are_sent_for_the_selected_track_and_now_and_then() -> None:
     assert list(frames.select({"view": "dots", "topic": "/tracks", "track": 99})) == []
 
 
+def test_who_looks_back_sees_the_dots_of_the_solution_of_then() -> None:
+    frames = waterfalls()
+    for second in range(100):
+        take_bearings(frames, second)
+        list(frames.tracks("/tracks", solution(second)))
+    asked = {"view": "dots", "topic": "/tracks", "track": 7, "t": BEGIN / NANOSECONDS + 42.0}
+    (frame,) = frames.select(asked)
+    assert frame.time == BEGIN / NANOSECONDS + 40.0
+    (stack,) = json.loads(frame.data)["stacks"]
+    assert stack["times"][-1] == frame.time
+    assert len(stack["times"]) == 41
+    assert list(frames.select({**asked, "t": BEGIN / NANOSECONDS - 1.0})) == []
+    assert list(frames.select({**asked, "topic": "/other"})) == []
+    assert list(frames.tracks("/tracks", solution(100))) == []  # looking back selects nothing
+
+
 def test_lines_of_what_a_fused_track_was_heard_by_have_dots_too() -> None:
     frames = waterfalls()
     for second in range(20):
@@ -202,6 +218,8 @@ def test_lines_of_what_a_fused_track_was_heard_by_have_dots_too() -> None:
         {"view": "lofar", "sensor": "array", "beam": float("nan")},
         {"view": "lofar", "sensor": "array", "beam": [1]},
         {"view": "dots", "topic": "/tracks", "track": None},
+        {"view": "dots", "topic": "/tracks", "track": 7, "t": "now"},
+        {"view": "dots", "topic": "/tracks", "track": 7, "t": float("nan")},
         {"view": "dots", "topic": "/tracks", "track": 1e300 * 1e300},
     ],
 )

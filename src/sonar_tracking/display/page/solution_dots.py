@@ -8,7 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from sonar_tracking.display.page.hearing_log import HearingLog
-from sonar_tracking.display.page.stacked_dots import DotStack, bearing_dots, frequency_dots
+from sonar_tracking.display.page.stacked_dots import (
+    DotStack,
+    Hearing,
+    bearing_dots,
+    frequency_dots,
+)
 from sonar_tracking.records.positions import PositionTracks, TrackSource
 
 FEWEST = 2
@@ -17,6 +22,8 @@ FEWEST = 2
 
 def solution_dots(tracks: PositionTracks, row: int, log: HearingLog) -> tuple[DotStack, ...]:
     """Return the stacks of a track: one a sensor of its bearings, then one a line.
+
+    What was heard later than the list is left out: nobody knew it then.
 
     Parameters
     ----------
@@ -32,7 +39,7 @@ def solution_dots(tracks: PositionTracks, row: int, log: HearingLog) -> tuple[Do
         return ()
     stacks = []
     for sensor_id, track_id in _heard_by(tracks, row, log):
-        heard = log.bearings(sensor_id, track_id)
+        heard = _until(tracks.stamp, log.bearings(sensor_id, track_id))
         if heard is not None:
             label = f"{sensor_id} {track_id}"
             stacks.append(bearing_dots(state, tracks.stamp, heard, label))
@@ -70,8 +77,18 @@ def _line_stacks(tracks: PositionTracks, row: int, log: HearingLog) -> Iterator[
         for line_id in log.lines_of(sensor_id, track_id)
     ]
     for sensor_id, track_id, line_id, frequency in lines:
-        heard = log.line(sensor_id, track_id, line_id)
+        heard = _until(tracks.stamp, log.line(sensor_id, track_id, line_id))
         if heard is not None:
             stack = frequency_dots(tracks.state[row], tracks.stamp, frequency, heard, "")
             label = f"{sensor_id} {stack.frequency:.1f} Hz"
             yield replace(stack, label=label)
+
+
+def _until(stamp: int, heard: Hearing | None) -> Hearing | None:
+    """Return what was heard up to a stamp, ns; None = nothing."""
+    if heard is None or heard.stamps[-1] <= stamp:
+        return heard
+    count = int(np.searchsorted(heard.stamps, stamp, side="right"))
+    rows = ("stamps", "position", "velocity", "axis_azimuth", "value", "deviation")
+    kept = {name: getattr(heard, name)[:count] for name in rows}
+    return replace(heard, **kept) if count else None

@@ -29,6 +29,7 @@ from sonar_tracking.display.page.page_frames import (
     seconds_of,
     text_frame,
 )
+from sonar_tracking.display.page.past_tracks import PastTracks
 from sonar_tracking.display.page.solution_dots import solution_dots
 from sonar_tracking.display.page.stacked_dots import DotStack
 from sonar_tracking.display.page.track_frames import StationPlaces
@@ -75,6 +76,8 @@ class WaterfallFrames:
         self._heard: dict[str, str] = {}
         self._legs = OwnShipLegs()
         self._newest: dict[str, PositionTracks] = {}
+        self._past: dict[str, PastTracks] = {}
+        self._history_seconds = history_seconds
         self._lofar_selected: dict[tuple[str, int, float], None] = {}
         self._dots_selected: dict[tuple[str, int], int] = {}
 
@@ -121,6 +124,7 @@ class WaterfallFrames:
     def tracks(self, topic: str, tracks: PositionTracks) -> Iterator[Frame]:
         """Take a list of tracks; yield the dots of those selected."""
         self._newest[topic] = tracks
+        self._past.setdefault(topic, PastTracks(self._history_seconds)).add(tracks)
         for selected, track in tuple(self._dots_selected):
             last = self._dots_selected[selected, track]
             if selected == topic and not last <= tracks.stamp < last + DOTS_PERIOD:
@@ -133,7 +137,8 @@ class WaterfallFrames:
         ----------
         said : mapping
             ``view`` is ``lofar``, with ``sensor`` and ``track`` (a bearing track) or ``beam`` (an
-            arrival angle, rad), or ``dots``, with ``topic`` and ``track``.
+            arrival angle, rad), or ``dots``, with ``topic`` and ``track``, and ``t``, a data time
+            in s, where the solution at that time is meant.
 
         Raises
         ------
@@ -147,8 +152,11 @@ class WaterfallFrames:
                 yield from self._select_spectrum(sensor, track, beam)
             elif said["view"] == "dots":
                 topic, track = str(said["topic"]), int(said["track"])
-                _remember(self._dots_selected, (topic, track), 0)
-                yield from self._dots(topic, track)
+                if said.get("t") is None:
+                    _remember(self._dots_selected, (topic, track), 0)
+                    yield from self._dots(topic, track)
+                else:
+                    yield from self._past_dots(topic, track, nanoseconds(float(said["t"])))
         except (KeyError, TypeError, ValueError, OverflowError):
             raise InputError(
                 "select needs view lofar, sensor and track or beam; or view dots, topic and track."
@@ -214,11 +222,19 @@ class WaterfallFrames:
 
     def _dots(self, topic: str, track: int) -> Iterator[Frame]:
         tracks = self._newest.get(topic)
+        for frame in self._solution(topic, tracks, track):
+            self._dots_selected[topic, track] = tracks.stamp if tracks else 0
+            yield frame
+
+    def _past_dots(self, topic: str, track: int, stamp: int) -> Iterator[Frame]:
+        past = self._past.get(topic)
+        yield from self._solution(topic, past.at(stamp) if past else None, track)
+
+    def _solution(self, topic: str, tracks: PositionTracks | None, track: int) -> Iterator[Frame]:
         if tracks is None:
             return
         for row in np.flatnonzero(tracks.id == track)[:1]:
             stacks = solution_dots(tracks, int(row), self._log)
-            self._dots_selected[topic, track] = tracks.stamp
             yield _dots_frame(topic, track, tracks.stamp, stacks)
 
     def _legs_frame(self, stamp: int) -> Frame:

@@ -45,6 +45,13 @@ class Stream {
     }
   }
 
+  /** Keep the newest frame, and those about a time. */
+  keepAbout(t, seconds) {
+    const newest = this.frames[this.frames.length - 1];
+    this.frames = this.frames.slice(this.first).filter((frame) => frame === newest || Math.abs(frame.t - t) <= seconds);
+    this.first = 0;
+  }
+
   /** Index behind the last frame whose time is not after t. */
   after(t) {
     let low = this.first;

@@ -215,7 +215,7 @@ export class BearingTime {
     });
     pen.textAlign = "left";
     const every = [10, 30, 60, 120, 300, 600, 1200, 1800, 3600].find((s) => (s / scale) * LINE_HEIGHT >= 42) ?? 7200;
-    const oldest = Math.max((ring.last - ring.height + 1) * ring.span, this.page.history.oldest - every);
+    const oldest = Math.max((ring.last - ring.height + 1) * ring.span, this.page.history.oldest);
     for (let time = Math.ceil(oldest / every) * every; time <= (ring.last + 1) * ring.span; time += every) {
       const y = box.y + ring.yOf(time, box, this.wrap.isOn);
       if (!(y > box.y + 7 && y < box.y + box.height - 20)) continue;

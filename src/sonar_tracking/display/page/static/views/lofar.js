@@ -289,7 +289,7 @@ export class Lofar {
     const { ring, box } = this;
     const seconds = Number(this.seconds.value);
     const every = [10, 30, 60, 120, 300, 600, 1200, 3600].find((s) => (s / seconds) * LINE_HEIGHT >= 42) ?? 7200;
-    const oldest = Math.max((ring.last - ring.height + 1) * ring.span, this.page.history.oldest - every);
+    const oldest = Math.max((ring.last - ring.height + 1) * ring.span, this.page.history.oldest);
     for (let time = Math.ceil(oldest / every) * every; time <= ring.last * ring.span; time += every) {
       const y = box.y + ring.yOf(time, box, false);
       if (y > box.y + 7 && y < box.y + box.height - 22) label(pen, every % 60 ? clock(time) : clock(time).slice(0, 5), 3, y, palette.text, palette.panel);

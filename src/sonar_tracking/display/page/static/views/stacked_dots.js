@@ -16,6 +16,9 @@ const LEFT = 88; // axis of time and courses
 const BETWEEN = 10;
 const NARROWEST = 90; // of a column, CSS pixels
 const DEGREE = Math.PI / 180;
+const PERIOD = 5; // s of data between two solutions that the server keeps
+const PAUSE = 150; // ms between two that are asked for
+const KEPT = 60; // s about the time that is looked at: dots are many
 const SPANS = { 0: "all", 300: "5 min", 600: "10 min", 1800: "30 min" };
 
 export class StackedDots {
@@ -32,6 +35,8 @@ export class StackedDots {
     this.scaled = keptToggle("dots scaled", "in σ", "Residuals in deviations", false, ask);
     tools.append(this.span, this.scaled);
     this.hover = null;
+    this.past = {}; // what was asked for, and of whom
+    this.lastAsked = -Infinity;
     const canvas = this.canvas.element;
     canvas.addEventListener("pointermove", (event) => this.point({ x: event.offsetX, y: event.offsetY }));
     canvas.addEventListener("pointerleave", () => this.point(null));
@@ -45,15 +50,25 @@ export class StackedDots {
     this.page.askDraw();
   }
 
-  /** The frame of dots to show; it is asked for where the choice is a new one. */
+  /** The dots of the solution at the time that is looked at; they are asked for where they are not known. */
   frameAt(t) {
-    const { history, selection } = this.page;
+    const { history, selection, time } = this.page;
     const track = chosenTrack(history, selection.track, t);
     if (!track) return null;
     const key = `${track.topic} ${track.id}`;
     askFor(this, this.page, key, { view: "dots", topic: track.topic, track: track.id });
     const stream = history.stream(`dots ${key}`);
-    return stream ? (stream.at(t) ?? stream.frames[stream.first]) : null;
+    const frame = stream?.at(t) ?? null;
+    if (!time.live && !(frame && t - frame.t < 2 * PERIOD)) this.askForPast(track, key, t);
+    stream?.keepAbout(t, KEPT);
+    return frame ?? stream?.frames[0] ?? null; // until it comes, nothing flickers
+  }
+
+  askForPast({ topic, id }, key, t) {
+    if (!(performance.now() - this.lastAsked < PAUSE)) {
+      const asks = askFor(this.past, this.page, `${key} ${Math.floor(t / PERIOD)}`, { view: "dots", topic, track: id, t });
+      if (asks) this.lastAsked = performance.now();
+    }
   }
 
   draw(t) {
@@ -62,15 +77,16 @@ export class StackedDots {
     const stacks = frame?.stacks ?? [];
     this.empty.hidden = stacks.length > 0;
     this.empty.textContent = this.page.selection.track
-      ? "The chosen track is made of no bearings or lines that are known here."
+      ? !frame ? "No solution of the chosen track is known here." : "The chosen track is made of no bearings or lines that are known here."
       : "Choose a track: what its solution leaves of the measurements is shown here.";
     this.scale = null;
     if (!pen || !stacks.length) return;
     const most = Math.max(1, Math.floor((this.canvas.width - LEFT) / NARROWEST));
-    this.columns = stacks.slice(0, most).map((stack) => this.column(stack));
+    this.columns = stacks.slice(0, most).map((stack) => ({ stack }));
+    this.scale = this.timeScale(t);
+    for (const column of this.columns) Object.assign(column, this.measures(column.stack));
     const width = (this.canvas.width - LEFT - BETWEEN * (this.columns.length - 1)) / this.columns.length;
     this.columns.forEach((column, place) => Object.assign(column, { x: LEFT + place * (width + BETWEEN), width }));
-    this.scale = this.timeScale(frame, t);
     this.drawLegs(pen, t);
     for (const column of this.columns) this.drawColumn(pen, column);
     this.drawTimes(pen, frame, stacks.length - this.columns.length);
@@ -78,20 +94,22 @@ export class StackedDots {
     if (this.hover) this.drawHover(pen);
   }
 
-  column(stack) {
+  /** Residuals and their deviations as they are drawn, and how far the axis goes. */
+  measures(stack) {
     const isLine = Number.isFinite(stack.frequency);
     const unit = this.scaled.isOn ? null : isLine ? 1 : DEGREE;
     const values = Array.from(stack.residual, (value, i) => value / (unit ?? stack.deviation[i]));
     const bands = Array.from(stack.deviation, (value) => (unit ? value / unit : 1));
-    const sizes = values.map(Math.abs).filter(Number.isFinite).sort((a, b) => a - b);
+    const shown = values.filter((_, i) => stack.times[i] >= this.scale.begin);
+    const sizes = shown.map(Math.abs).filter(Number.isFinite).sort((a, b) => a - b);
     const usual = bands.filter(Number.isFinite).sort((a, b) => a - b)[bands.length >> 1] ?? 0;
     const reach = Math.max(1.15 * (sizes[Math.floor(0.97 * (sizes.length - 1))] ?? 0), 4 * usual, 1e-6);
     const name = this.scaled.isOn ? "σ" : isLine ? "Hz" : "°";
-    return { stack, values, bands, usual, reach, name, isLine };
+    return { values, bands, usual, reach, name, isLine };
   }
 
-  timeScale(frame, t) {
-    const end = Math.max(t, frame.t);
+  timeScale(t) {
+    const end = t;
     const oldest = Math.min(...this.columns.map(({ stack }) => stack.times[0]));
     const span = Number(this.span.value);
     const begin = span ? end - span : oldest;
@@ -183,7 +201,7 @@ export class StackedDots {
     pen.fillStyle = palette.text;
     pen.fillText(stack.label, x + width / 2, 9, width);
     pen.fillStyle = palette.faint;
-    if (width < 150) {
+    if (width < 200) {
       pen.fillText(`±${Number(reach.toPrecision(2))} ${name}`, x + width / 2, 25, width);
       return;
     }
