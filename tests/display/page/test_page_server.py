@@ -218,3 +218,10 @@ def test_the_address_is_for_a_browser_on_this_machine(monkeypatch: pytest.Monkey
     assert page_token() == "given"
     monkeypatch.delenv(TOKEN_VARIABLE)
     assert len({page_token() for _ in range(5)}) == 5
+
+
+def test_all_modules_are_asked_for_at_once() -> None:
+    """Else a browser learns of the last ones only when it has read those that need them."""
+    page = (STATIC / "index.html").read_text()
+    for path in STATIC.rglob("*.js"):
+        assert f'"{path.relative_to(STATIC)}"' in page
