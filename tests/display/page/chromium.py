@@ -145,12 +145,19 @@ class Tab:
             assert time.monotonic() < deadline, f"{expression}; {self.complaints}"
             time.sleep(0.05)
 
-    def key(self, key: str, shift: bool = False) -> None:
+    def key(self, key: str, shift: bool = False, control: bool = False) -> None:
         """Press a key."""
         text = {"text": key} if len(key) == 1 else {}
-        modifiers = 8 if shift else 0
+        modifiers = 8 * shift + 2 * control
         self.call("Input.dispatchKeyEvent", type="keyDown", key=key, modifiers=modifiers, **text)
         self.call("Input.dispatchKeyEvent", type="keyUp", key=key, modifiers=modifiers)
+
+    def click(self, x: float, y: float, count: int = 1) -> None:
+        """Click at a place of the page, CSS pixels; twice is a double click."""
+        for number in range(1, count + 1):
+            where = {"x": x, "y": y, "button": "left", "clickCount": number}
+            self.call("Input.dispatchMouseEvent", type="mousePressed", **where)
+            self.call("Input.dispatchMouseEvent", type="mouseReleased", **where)
 
     def resize(self, width: int, height: int) -> None:
         """Give the page another size, CSS pixels."""

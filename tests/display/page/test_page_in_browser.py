@@ -2,28 +2,23 @@
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+import time
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 
-from sonar_tracking.display.page.own_ship_log import OwnShipLog
-from sonar_tracking.display.page.page_configuration import PageConfiguration
-from sonar_tracking.display.page.page_frames import text_frame
+from sonar_tracking.display.page.page_frames import binary_frame, text_frame
 from sonar_tracking.display.page.page_server import PageServer
-from sonar_tracking.display.page.track_frames import (
-    StationPlaces,
-    bearings_frame,
-    tracks_frame,
-)
+from sonar_tracking.display.page.track_frames import tracks_frame
 from tests.display.page.chromium import Tab
+from tests.display.page.page_looks import ROWS, VIEWS, cells, shows
 from tests.display.page.page_scene import (
     START,
     TOPIC,
-    bearings,
     frames,
     own_ship,
     show,
@@ -31,24 +26,6 @@ from tests.display.page.page_scene import (
 )
 
 Start = Callable[..., PageServer]
-
-ROWS = "document.querySelectorAll('#view-tracks tbody tr')"
-VIEWS = ("plan", "bearing_time", "lofar", "range_bearing", "stacked_dots", "health", "tracks")
-
-
-def cells(tab: Tab) -> list[list[str]]:
-    """Return the texts of the track table."""
-    table: list[list[str]] = tab.value(
-        f"[...{ROWS}].map(r => [...r.cells].map(c => c.textContent))"
-    )
-    return table
-
-
-def shows(tab: Tab, second: float) -> None:
-    """Wait until a page knows the scene up to a second."""
-    # A tab behind another one is not drawn by itself.
-    known = f"page.history.newest >= {START + second} && !page.incoming"
-    tab.wait_for(f"{known} && (page.draw(), {ROWS}.length)")
 
 
 def test_the_page_shows_what_the_records_hold(start: Start, opened: Callable[..., Tab]) -> None:
@@ -109,39 +86,6 @@ def test_every_view_can_be_shown_large_and_fits(
         tab.value("page.layout.enlarge(null)")
 
 
-def test_the_past_can_be_looked_at(start: Start, opened: Callable[..., Tab]) -> None:
-    server = start()
-    show(server, 0, 60)
-    tab = opened(server.address)
-    shows(tab, 59)
-    before = cells(tab)[0][5]
-    tab.value("document.querySelector('#view-plan canvas').focus()")
-    tab.key(" ")
-    tab.key("ArrowLeft", shift=True)
-    tab.wait_for("document.querySelector('#clock').textContent === '00:00:29'")
-    assert tab.text("#state") == "paused"
-    show(server, 60, 70)
-    tab.wait_for(f"page.history.newest >= {START + 69}")
-    tab.value("page.draw()")
-    ship, picture = own_ship(29), tracks(29)
-    then = math.hypot(*(picture.state[0, :2] - ship.position))
-    assert cells(tab)[0][5].startswith(f"{then:.0f} m")
-    assert cells(tab)[0][5] != before
-    tab.key("End")
-    tab.wait_for("document.querySelector('#clock').textContent === '00:01:09'")
-
-
-def test_cursors_tell_differences(start: Start, opened: Callable[..., Tab]) -> None:
-    server = start()
-    show(server, 0, 20)
-    tab = opened(server.address)
-    shows(tab, 19)
-    tab.value(f"page.time.markNext({{t: {START + 2}, azimuth: 0, frequency: 120}})")
-    tab.value(f"page.time.markNext({{t: {START + 17}, azimuth: {math.pi / 6}, frequency: 121.5}})")
-    tab.value("page.draw()")
-    assert tab.text(".marks") == "B−A 15 s  −30.0°  1.50 Hz"
-
-
 def test_two_browsers_see_the_same(start: Start, opened: Callable[..., Tab]) -> None:
     server = start()
     show(server, 0, 10)
@@ -152,6 +96,29 @@ def test_two_browsers_see_the_same(start: Start, opened: Callable[..., Tab]) -> 
         shows(tab, 19)
         tab.value("page.draw()")
     assert cells(first) == cells(second)
+
+
+@pytest.mark.parametrize("opened_at", [0, 10, 30], ids=["before", "during", "after"])
+def test_whenever_it_is_opened_a_page_shows_the_whole_run(
+    start: Start, opened: Callable[..., Tab], opened_at: int
+) -> None:
+    server = start()
+    show(server, 0, opened_at)
+    tab = opened(server.address)
+    if not opened_at:
+        tab.wait_for("document.querySelector('#state').textContent === 'waiting for data'")
+        assert "No tracks yet." in tab.text("#view-tracks")
+    show(server, opened_at, 30)
+    shows(tab, 29)
+    assert len(cells(tab)) == 3
+    assert tab.value("page.history.oldest") == START
+    assert tab.value("page.history.stream('own_ship').frames.length") == 30
+    # The run is at its end: what is shown stays, and the page says that nothing comes any more.
+    server.do(server.feed.health.heard, TOPIC, START + 29.0)
+    server.do(setattr, server.feed.health, "_wall", lambda: time.monotonic() + 60.0)
+    tab.wait_for("document.querySelector('#state').textContent === 'stale'")
+    assert "or the run has ended" in tab.text("#alarm")
+    assert len(cells(tab)) == 3
 
 
 def test_the_page_comes_back_with_its_server(start: Start, opened: Callable[..., Tab]) -> None:
@@ -197,26 +164,43 @@ def test_500_tracks_are_shown(start: Start, opened: Callable[..., Tab]) -> None:
     assert cells(tab)[499][1] == "500"
 
 
+def unknown(value: Any) -> Any:
+    """Return a value of JSON in which every real number is unknown; identifiers stay."""
+    if isinstance(value, float):
+        return None
+    if isinstance(value, list):
+        return [unknown(entry) for entry in value]
+    if isinstance(value, dict):
+        return {name: entry if name == "t" else unknown(entry) for name, entry in value.items()}
+    return value
+
+
 def test_nothing_known_is_shown_as_unknown(start: Start, opened: Callable[..., Tab]) -> None:
+    """Tracks, bearings, lines, contacts, gates, own ship and beams: NaN in all they could tell."""
     server = start()
-    picture, heard = tracks(5), bearings(5)
-    unknown = {
-        name: np.full_like(getattr(picture, name), np.nan)
-        for name in ("state", "covariance", "existence_probability", "initiated", "updated")
-    }
-    nothing = {
-        name: np.full_like(getattr(heard, name), np.nan) for name in ("arrival_angle", "covariance")
-    }
-    log = OwnShipLog()
-    view = StationPlaces(PageConfiguration(), log).view(heard.sensor, heard.stamp)
-    server.do(server.feed.emit, tracks_frame(TOPIC, replace(picture, **unknown)))
-    topic = "/passive/bearing_tracks"
-    server.do(server.feed.emit, bearings_frame(topic, replace(heard, **nothing), view))
+    for frame in frames(0, 31):
+        data = json.dumps(unknown(json.loads(frame.data)))
+        server.do(server.feed.emit, frame._replace(data=data))
+    angles = {"first": -1.0, "step": 0.25, "count": 9, "of": "sine"}
+    beams = {"content": "beams", "sensor": "", "scale": 1, "angles": angles}
+    beams |= {"topic": "/array/samples", "axis_azimuth": np.nan, "heading": np.nan}
+    for second in range(30):
+        row = {**beams, "t0": START + second, "t1": START + second + 1.0}
+        beam = binary_frame("waterfall", START + second + 1.0, "1", row, np.full(9, np.nan))
+        server.do(server.feed.emit, beam)
     tab = opened(server.address)
-    shows(tab, 5)
-    for view_name in VIEWS:
-        tab.value(f"page.layout.select({view_name!r}, true)")
-        tab.value("page.draw()")
+    shows(tab, 30)
+    tab.value(f"page.selection.choose({{topic: {TOPIC!r}, id: 1}})")
+    for view in VIEWS:
+        tab.value(f"page.layout.select({view!r}, true), page.draw(), 0")
+        canvas = f"document.querySelector('#view-{view} canvas')"
+        if tab.value(f"Boolean({canvas}) && ({canvas}.focus(), true)"):
+            for _ in range(3):
+                tab.key("ArrowDown", control=True)
+            tab.key("Enter", shift=True)
+            tab.key("m")
+            tab.key("Escape")
+        tab.value("page.draw(), 0")
     assert cells(tab)[0][4:11] == ["–"] * 7
 
 
@@ -249,48 +233,6 @@ def test_stale_data_and_a_node_that_is_gone_are_told(
         assert words in tab.text("#alarm")
     tab.value("page.layout.select('health', true); page.draw()")
     assert "gone for 9 s" in tab.text("#view-health")
-
-
-def test_commands_need_the_token(
-    start: Start, opened: Callable[..., Tab], asked: list[Mapping[str, Any]]
-) -> None:
-    server = start()
-    show(server, 0, 5)
-    stranger = opened(server.address.partition("#")[0])
-    shows(stranger, 4)
-    assert not stranger.value("page.commands.possible")
-    stranger.value("page.socket.command({command: 'end_track', topic: 'tracks', id: 1})")
-    stranger.wait_for("document.querySelector('#toast').textContent.includes('token')")
-    assert asked == []
-    operator = opened(server.address)
-    shows(operator, 4)
-    assert operator.value("location.hash") == ""
-    operator.value(f"{ROWS}[0].dispatchEvent(new MouseEvent('contextmenu', {{bubbles: true}}))")
-    operator.value(
-        "[...document.querySelectorAll('.menu button')]"
-        ".find(b => b.textContent === 'End track').click()"
-    )
-    operator.wait_for("document.querySelector('#toast').textContent === 'sent.'")
-    assert asked == [{"kind": "command", "command": "end_track", "topic": "tracks", "id": 1}]
-
-
-def test_a_bearing_is_designated_as_the_array_hears_it(
-    start: Start, opened: Callable[..., Tab], asked: list[Mapping[str, Any]]
-) -> None:
-    server = start()
-    show(server, 0, 5)
-    tab = opened(server.address)
-    shows(tab, 4)
-    # The array lies along own ship, which goes north: 30 degrees right of the bow is 60 from
-    # broadside.
-    tab.value(f"page.layout.views.get('plan').view.menuAt(400, 300, {math.radians(60)})")
-    tab.value(
-        "[...document.querySelectorAll('.menu button')]"
-        ".find(b => b.textContent.startsWith('Start a bearing track at 030')).click()"
-    )
-    tab.wait_for("document.querySelector('#toast').textContent === 'sent.'")
-    assert asked[0]["arrival_angle"] == pytest.approx(math.radians(60))
-    assert asked[0]["topic"] == "passive/bearing_tracks"
 
 
 def test_a_page_left_open_overnight_forgets(start: Start, opened: Callable[..., Tab]) -> None:

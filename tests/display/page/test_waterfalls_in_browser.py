@@ -205,6 +205,7 @@ def test_a_spectrum_is_sent_when_it_is_chosen(start: Start, chromium: Chromium) 
     assert loudest[1] == pytest.approx(10.0 * math.log10(2.0 / 0.75), abs=0.3)
     page.value("page.draw(), 0")
     assert page.value("document.querySelector('#view-lofar .empty').hidden")
+    assert page.value("document.querySelector('#view-lofar .curve canvas').width") > 500
     # Data that begin anew know of no choice: the page says it again.
     server.do(server.feed.begin_anew, float(START))
     for second in range(4):

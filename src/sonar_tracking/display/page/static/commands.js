@@ -54,10 +54,10 @@ export function openMenu(x, y, title, entries) {
 }
 
 function outside(event) {
-  if (!event.target.closest?.(".menu")) closeMenu();
+  if (!event.target.closest?.("[role=menu]")) closeMenu();
 }
 
 export function closeMenu() {
   removeEventListener("pointerdown", outside, true);
-  document.querySelector(".menu")?.remove();
+  document.querySelector("[role=menu]")?.remove(); // lists of choices look alike
 }

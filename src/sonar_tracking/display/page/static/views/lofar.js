@@ -95,6 +95,7 @@ export class Lofar {
       this.moved = false;
       return;
     }
+    if (!this.box) return; // nothing was heard yet
     const frequency = this.frequencyAt(event.offsetX);
     const t = this.ring.timeAt(event.offsetY - TOP - CURVE, this.box, false);
     if (event.shiftKey) this.page.time.markNext({ t, frequency });
