@@ -133,8 +133,12 @@ def test_a_replay_makes_of_recorded_commands_what_the_run_made_of_them(
     active = list(position_tracks_of(recording, "/active/tracks"))
     assert any(abs(one.state[:, :2] - BEACON).max(axis=1).min() < 1.0 for one in active if len(one))
 
-    done = run_command(tmp_path, "replay", bag, "--rate", "max", "--json", tmp_path / "replay.json")
+    # The run had no page; whether the replay has one makes no difference.
+    page = ("--display", "page", "--no-browser", "--page-port", 0)
+    figures = tmp_path / "replay.json"
+    done = run_command(tmp_path, "replay", bag, "--rate", "max", *page, "--json", figures)
     assert done.returncode == 0, done.stdout
+    assert done.stdout.startswith("page: http://localhost:")
     replayed = report_of(tmp_path / "replay.json")
     outputs = replayed["comparison"]
     assert {"/active/tracks", "/passive/tracks", "/tracks"} <= set(outputs)

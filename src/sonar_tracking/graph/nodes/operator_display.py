@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import sys
 import threading
+import time
 from collections import deque
 from collections.abc import Mapping
 from typing import Any
@@ -50,6 +51,9 @@ DEPTH = 100
 LONGEST_QUEUE = 5000
 LARGEST_QUEUE = 64 * 1024 * 1024
 """Messages, and bytes, that may wait for the thread of the server."""
+
+LONGEST_TURN = 0.05
+"""For which new messages keep the server from its browsers, s of the wall clock."""
 
 BACKWARDS = nanoseconds(30.0)
 """Stamps that are earlier than the newest by more tell that the clock has gone back, ns."""
@@ -156,14 +160,33 @@ class OperatorDisplay(Node):
             self._server.do(self._show)
 
     def _show(self) -> None:
-        """Show what waits; called by the thread of the server."""
-        with self._lock:
-            taken, self._waiting = self._waiting, deque()
-            self._waiting_bytes = 0
+        """Show some of what waits; called by the thread of the server, which has browsers, too."""
+        is_all = False
+        try:
+            is_all = self._show_some(time.monotonic() + LONGEST_TURN)
+        finally:
+            if not is_all:
+                self._server.do(self._show)
+
+    def _show_some(self, end: float) -> bool:
+        """Show what waits, until a time; return whether nothing waits any more.
+
+        What is being shown waits, too: until it is shown nobody calls a second time for it.
+        """
         feed = self._server.feed
         feed.health.missed = self._missed
-        for topic, kind, data in taken:
-            feed.take(topic, deserialize_message(data, kind))
+        while time.monotonic() < end:
+            with self._lock:
+                if not self._waiting:
+                    return True
+                topic, kind, data = self._waiting[0]
+            try:
+                feed.take(topic, deserialize_message(data, kind))
+            finally:
+                with self._lock:
+                    self._waiting.popleft()
+                    self._waiting_bytes -= len(data)
+        return False
 
     def _command(self, fields: Mapping[str, Any]) -> tuple[bool, str]:
         """Ask for what an operator commands; called by the thread of the server."""

@@ -59,17 +59,25 @@ export function levelsOf(sum) {
  */
 export function overBackground(row, halfWidth, out) {
   const count = row.length;
-  const power = new Float64Array(count);
-  const sums = new Float64Array(count + 1);
-  const background = new Float64Array(count);
-  for (let i = 0; i < count; i++) power[i] = 10 ** (row[i] / 10);
-  const values = power.slice();
+  const { power, values, sums, background } = workFor(count);
+  for (let i = 0; i < count; i++) power[i] = values[i] = 10 ** (row[i] / 10);
   for (let pass = 0; pass < PASSES; pass++) {
     windowedMeans(values, halfWidth, sums, background);
     for (let i = 0; i < count; i++) values[i] = power[i] > CLIPPING * background[i] ? background[i] : power[i];
   }
   for (let i = 0; i < count; i++) out[i] = 10 * Math.log10((power[i] + 1e-30) / (background[i] + 1e-30));
   return out;
+}
+
+let work = null;
+
+/** Room for the numbers in between: made once, as there are many rows. */
+function workFor(count) {
+  if (work?.power.length !== count) {
+    const [power, values, background] = [1, 2, 3].map(() => new Float64Array(count));
+    work = { power, values, background, sums: new Float64Array(count + 1) };
+  }
+  return work;
 }
 
 function windowedMeans(values, halfWidth, sums, means) {

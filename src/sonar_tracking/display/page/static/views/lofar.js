@@ -4,6 +4,7 @@ import { Canvas, element, label } from "../canvas.js";
 import { openMenu } from "../commands.js";
 import { clock, degrees, duration, fixed, niceStep } from "../format.js";
 import { askFor, chosenBeam, heardTracks } from "../heard_track.js";
+import { Identities } from "../identity.js";
 import { IntegratedRows, levelsOf, overBackground } from "../integrated_rows.js";
 import { keptSelect, keptToggle, moreChoices, offer } from "../kept_choice.js";
 import { palette } from "../palette.js";
@@ -159,8 +160,9 @@ export class Lofar {
     const { history, selection } = this.page;
     const heard = heardTracks(history, t);
     const chosen = chosenBeam(history, selection.track, t);
-    const entries = [["", chosen ? `chosen: ${beamText(chosen)}` : "chosen track"]];
-    for (const each of heard) entries.push([`${each.sensor} ${each.track}`, `${each.sensor}, track ${each.track}`]);
+    this.identities = new Identities(history, selection, t);
+    const entries = [["", chosen ? `chosen: ${this.beamText(chosen)}` : "chosen track"]];
+    for (const each of heard) entries.push([`${each.sensor} ${each.track}`, this.beamText(each)]);
     offer(this.beam, entries);
     const picked = heard.find((each) => `${each.sensor} ${each.track}` === this.beam.value);
     const beam = picked ?? chosen ?? (selection.track ? null : heard[0]) ?? null;
@@ -179,6 +181,11 @@ export class Lofar {
       const { sensor, track } = frames[frames.length - 1];
       if (sensor !== beam.sensor || track !== beam.track) streams.delete(name);
     }
+  }
+
+  beamText({ sensor, track, beam }) {
+    if (!track) return `${sensor}, beam ${degrees(beam)}°`;
+    return `${sensor}, track ${this.identities.nameOf({ topic: "", id: track, sensor })}`;
   }
 
   streamOf(beam) {
@@ -215,7 +222,7 @@ export class Lofar {
     this.drawMarks(pen);
     const cursor = Number.isFinite(this.held) ? this.held : this.hover ? this.frequencyAt(this.hover.x) : NaN;
     if (this.harmonics.isOn && Number.isFinite(cursor)) this.drawHarmonics(pen, cursor);
-    label(pen, beamText(beam), 4, this.canvas.height - 9, palette.text, palette.panel);
+    label(pen, this.beamText(beam), 4, this.canvas.height - 9, palette.text, palette.panel);
     if (this.hover) this.drawHover(pen, rows);
   }
 
@@ -433,8 +440,4 @@ export class Lofar {
     }
     readout(pen, this.canvas, words.join("   "));
   }
-}
-
-function beamText(beam) {
-  return beam.track ? `${beam.sensor}, track ${beam.track}` : `${beam.sensor}, beam ${degrees(beam.beam)}°`;
 }
