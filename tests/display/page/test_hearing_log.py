@@ -28,15 +28,18 @@ def station() -> StationView:
 
 def several(second: int, numbers: list[int]) -> FrequencyLines:
     """Return lines of one bearing track."""
-    one = lines(second)
-    columns = {
-        name: np.repeat(getattr(one, name), len(numbers))
-        for name in (
-            *("track_id", "arrival_angle", "arrival_angle_variance", "frequency"),
-            *("standard_deviation", "signal_to_noise_ratio", "integration_time"),
-        )
-    }
-    return replace(one, line_id=np.array(numbers, np.uint64), **columns)
+    one, all_of_them = lines(second), np.ones(len(numbers))
+    return FrequencyLines(
+        stamp=one.stamp,
+        track_id=np.ones(len(numbers), np.uint64),
+        arrival_angle=0.5 * all_of_them,
+        arrival_angle_variance=1e-4 * all_of_them,
+        line_id=np.array(numbers, np.uint64),
+        frequency=120.25 * all_of_them,
+        standard_deviation=0.1 * all_of_them,
+        signal_to_noise_ratio=10.0 * all_of_them,
+        integration_time=4.0 * all_of_them,
+    )
 
 
 def test_each_target_has_what_was_measured_of_it() -> None:
