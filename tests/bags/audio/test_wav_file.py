@@ -111,6 +111,15 @@ def test_a_size_that_wrapped_at_four_gigabytes(tmp_path: Path) -> None:
     assert any("holds more than announced" in note for note in wav.description.notes)
 
 
+def test_a_sample_rate_that_no_recorder_has_is_refused(tmp_path: Path) -> None:
+    form = struct.pack("<HHIIHH", 1, 2, 4_000_000_000, 4_000_000_000, 4, 16)
+    (tmp_path / "a.wav").write_bytes(riff(form, data=DATA))
+    with pytest.raises(
+        ConfigurationError, match="4000000000 Hz; its format description"
+    ):
+        open_audio(tmp_path / "a.wav")
+
+
 @pytest.mark.parametrize("shift", [8, 0], ids=["upper bytes", "lower bytes"])
 def test_samples_of_24_bits_in_4_bytes(tmp_path: Path, shift: int) -> None:
     values = np.array([1, -2, 3, -8_000_000, 5, 8_000_001], "<i4")

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.io import wavfile
 
 from sonar_tracking.bags.importers.bearing_file import read_bearing_lines, read_stations
 from sonar_tracking.bags.importers.contact_file import read_contact_lines
@@ -75,6 +76,40 @@ def test_what_is_wrong_is_told(tmp_path: Path) -> None:
         inspect_file(tmp_path / "nothing.csv")
 
 
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("n_elements: 3\nspacing: 500\nsound_speed: 1500\n", "If these are millimetres"),
+        ("element_x: [0, 0]\nelement_z: [0, 1]\nsound_speed: 1500\n", "the array is vertical"),
+        ("n_elements: 3\nspacing: 0.5\n", "gives no sound_speed: 1500 m/s is assumed"),
+        ("n_elements: 3\nspacing: 0.5\nsound_speed: 900\n", "sound_speed is 900 m/s"),
+    ],
+)
+def test_what_is_doubtful_of_an_array_is_told_at_any_frequency(
+    tmp_path: Path, text: str, told: str
+) -> None:
+    path = tmp_path / "array.yaml"
+    path.write_text(text)
+    assert told in inspect_file(path)
+
+
+def test_the_command_has_what_the_file_does_not_tell(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("time_s,range_m,bearing_deg,range_deviation_m\n0,10,1,2\n")
+    told = inspect_file(path)
+    assert "--bearing-deviation-deg DEGREES" in told and "--range-deviation" not in told
+    path.write_text("time_s,bearing_deg\n0,10\n")
+    assert "--bearing-deviation-deg DEGREES" in inspect_file(path)
+
+
+def test_files_of_hydrophones_are_not_taken_for_overlaps(tmp_path: Path) -> None:
+    for name in ("H1_20260501_120000", "H2_20260501_120000"):
+        wavfile.write(tmp_path / f"{name}.wav", 8000, np.ones(8000, np.int16))
+    told = inspect_file(tmp_path)
+    assert "2 channels" in told and "2 hydrophones have a file each" in told
+    assert "overlap" not in told
+
+
 def mutated(data: bytes, generator: np.random.Generator) -> bytes:
     """Return a file with bytes changed, cut out, doubled, or its end missing."""
     changed = bytearray(data)
@@ -116,6 +151,16 @@ def test_a_damaged_table_is_refused_or_its_losses_are_told(
         except ConfigurationError as error:
             told = str(error)
         assert str(damaged) in told
+
+
+def test_an_archive_that_is_no_table_is_told_how_to_become_one(tmp_path: Path) -> None:
+    path = tmp_path / "data.npz"
+    np.savez(path, allow_pickle=False, range_m=np.zeros((3, 2)), rate=np.array(1.0))
+    with pytest.raises(ConfigurationError, match=r"write one array a column, as numpy\.savez"):
+        inspect_file(path)
+    path.write_text("range_m\n1\n")
+    with pytest.raises(ConfigurationError, match="it is no npz file"):
+        inspect_file(path)
 
 
 def test_studies_say_what_keys_they_need(tmp_path: Path) -> None:

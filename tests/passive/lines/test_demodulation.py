@@ -57,6 +57,11 @@ def test_snapshots_of_white_noise_are_almost_independent() -> None:
     assert abs(correlation) < 0.25
 
 
+def test_a_band_as_thin_as_a_hair_is_refused_before_its_filter_is_made() -> None:
+    with pytest.raises(ConfigurationError, match=r"takes a filter of .* give a bandwidth above"):
+        design_band(4e9, 1000.0, 10.0)
+
+
 def test_a_band_that_does_not_fit_is_refused() -> None:
     for frequency, width, reason in (
         (23_950.0, 100.0, "below 23925 Hz"),

@@ -13,8 +13,6 @@ from pathlib import Path
 from types import TracebackType
 
 _MOST_CHUNKS = 1000
-_FARTHEST = 1 << 62
-"""Byte of a file that may be asked for."""
 
 
 class RepairedFile:
@@ -31,14 +29,16 @@ class RepairedFile:
     def __init__(self, path: Path, patches: Mapping[int, bytes]) -> None:
         self._file = path.open("rb")
         self._patches = dict(patches)
+        self._end = self._file.seek(0, os.SEEK_END)
+        self._file.seek(0)
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        """Go to a position; one that no file has, by a damaged size, is the begin or the end."""
+        """Go to a position; one outside the file, by a damaged size, is its begin or end."""
         if whence == os.SEEK_CUR:
             offset += self._file.tell()
         elif whence == os.SEEK_END:
-            offset += self._file.seek(0, os.SEEK_END)
-        return self._file.seek(min(max(offset, 0), _FARTHEST))
+            offset += self._end
+        return self._file.seek(min(max(offset, 0), self._end))
 
     def tell(self) -> int:
         """Return the position."""

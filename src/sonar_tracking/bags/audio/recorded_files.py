@@ -40,7 +40,8 @@ def open_recording(
     path : Path or str
         File or directory.
     wanted_channels : int
-        Channels the array needs: several files with fewer of them are one beside the other.
+        Channels the array needs: several files with fewer of them are one beside the other; 0 =
+        not known: those that begin together are.
     epoch : int, optional
         Given for the first sample, ns.
     default_epoch : int
@@ -158,6 +159,9 @@ def _parts(
 ) -> list[AudioPart]:
     """Return the files as parts: each on its own, or those of all hydrophones together."""
     beside = len(files) > 1 and all(file.n_channels < wanted_channels for file in files)
+    if not wanted_channels:
+        begins = [starts[file.path][0] for file in files if file.path in starts]
+        beside = len(set(begins)) < len(begins)
     if not beside:
         if not starts and len(files) > 1:
             notes.append(

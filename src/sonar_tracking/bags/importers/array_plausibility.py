@@ -16,7 +16,14 @@ WATER_SPEEDS = (1400.0, 1600.0)
 AIR_SPEEDS = (310.0, 360.0)
 """Sound speeds that occur, m/s."""
 
+_VERTICAL = (
+    "the array is vertical: all elements have the same x and y, so that all bearings sound alike. "
+    "Give element_x and element_y of an array that extends horizontally, or check whether x and z "
+    "are exchanged."
+)
 _TYPICAL_WATER = 1500.0
+_WIDE = 30.0
+"""Spacing beyond which an array hears no bearing but of the lowest tones, m."""
 _PLAUSIBLE = 0.02
 """Least spacing in wavelengths of an array that was made for bearings."""
 
@@ -44,13 +51,8 @@ def check_bearings(array: RecordedArray, frequency: float, where: str) -> list[s
         If it is vertical, or bearings alias, or it is too long or too short.
     """
     positions = array.element_positions
-    across = float(np.ptp(positions[:, :2], axis=0).max())
-    if across <= 1e-6 * array.aperture:
-        raise ConfigurationError(
-            f"{where}: the array is vertical: all elements have the same x and y, so that all "
-            "bearings sound alike. Give element_x and element_y of an array that extends "
-            "horizontally, or check whether x and z are exchanged."
-        )
+    if _is_vertical(array):
+        raise ConfigurationError(f"{where}: {_VERTICAL}")
     try:
         check_array(positions, frequency, array.sound_speed)
     except InputError as error:
@@ -58,13 +60,45 @@ def check_bearings(array: RecordedArray, frequency: float, where: str) -> list[s
     if has_grating_lobes(positions, wavenumber(frequency, array.sound_speed)):
         spacing = largest_spacing(positions)
         half = 0.5 * array.sound_speed / frequency
-        highest = 0.5 * array.sound_speed / spacing
+        highest = highest_frequency(array)
         raise ConfigurationError(
             f"{where}: the elements are {spacing:.4g} m apart, more than half a wavelength "
             f"({half:.4g} m at {frequency:g} Hz), so that bearings alias. Give a frequency up to "
             f"{highest:.4g} Hz.{_likely_cause(array, frequency)}"
         )
     return _notes(array, where)
+
+
+def highest_frequency(array: RecordedArray) -> float:
+    """Return the frequency up to which bearings do not alias, Hz."""
+    return 0.5 * array.sound_speed / largest_spacing(array.element_positions)
+
+
+def doubts_of_geometry(array: RecordedArray, where: str) -> list[str]:
+    """Return what is wrong with an array at any frequency, in sentences.
+
+    Parameters
+    ----------
+    array : RecordedArray
+        The array.
+    where : str
+        The geometry file, named in sentences.
+    """
+    if _is_vertical(array):
+        return [f"{where}: {_VERTICAL}"]
+    spacing = largest_spacing(array.element_positions)
+    if spacing < _WIDE:
+        return _notes(array, where)
+    return [
+        f"{where}: the elements are {spacing:g} m apart, so that bearings alias above "
+        f"{highest_frequency(array):.3g} Hz. If these are millimetres, give metres.",
+        *_notes(array, where),
+    ]
+
+
+def _is_vertical(array: RecordedArray) -> bool:
+    across = float(np.ptp(array.element_positions[:, :2], axis=0).max())
+    return across <= 1e-6 * array.aperture
 
 
 def _likely_cause(array: RecordedArray, frequency: float) -> str:

@@ -10,6 +10,10 @@ import numpy as np
 from sonar_tracking.bags.audio.audio_inspection import inspect_audio
 from sonar_tracking.bags.audio.open_audio import AUDIO_ENDINGS
 from sonar_tracking.bags.importers.array_geometry_file import read_array_geometry
+from sonar_tracking.bags.importers.array_plausibility import (
+    doubts_of_geometry,
+    highest_frequency,
+)
 from sonar_tracking.bags.importers.bearing_file import (
     DIRECTIONS,
     read_bearing_lines,
@@ -86,13 +90,13 @@ def _bag(path: Path) -> Inspected:
 
 def _geometry(path: Path) -> Inspected:
     array = read_array_geometry(path)
-    what = f"the geometry of an array of {len(array.element_positions)} elements, "
-    what += f"{array.aperture:.4g} m across, sound speed {array.sound_speed:g} m/s"
-    return (
-        what,
-        [],
-        (f"sonar-tracking import samples FILE.wav --geometry {path} --frequency HZ --output bag"),
+    what = (
+        f"the geometry of an array of {len(array.element_positions)} elements, "
+        f"{array.aperture:.4g} m across, sound speed {array.sound_speed:g} m/s: bearings up to "
+        f"{highest_frequency(array):.4g} Hz"
     )
+    command = f"sonar-tracking import samples FILE.wav --geometry {path} --frequency HZ"
+    return what, doubts_of_geometry(array, str(path)), f"{command} --output bag"
 
 
 def _nmea(path: Path) -> Inspected:
@@ -164,8 +168,10 @@ def _table(path: Path) -> Inspected:
 def _study(keys: set[str], path: Path) -> Inspected | None:
     if {"rir", "fs_hz"} <= keys:
         name, what = "room-array", "measured responses of an array"
-    elif any(key.endswith("_az_deg") for key in keys):
+    elif any(key.endswith("_t_suspect") for key in keys):
         name, what = "ship-bearings", "measured directions of arrays on the sea floor"
+    elif "radar_det_range_m" in keys:
+        name, what = "maritime-contacts", "contacts of a radar with the truth"
     else:
         return None
     return what, [], f"sonar-tracking evaluate {name} --data {path}"

@@ -28,6 +28,9 @@ _DAMAGED = (
 )
 """What damaged archives, and damaged headers of the arrays in them, raise."""
 
+_BEGINS = (b"PK", b"\x93N")
+"""Of an archive, and of a single array."""
+
 
 def read_npz(path: Path | str) -> dict[str, NDArray[Any]]:
     """Return the arrays of an npz file by name, of any shape and unit.
@@ -45,6 +48,9 @@ def read_npz(path: Path | str) -> dict[str, NDArray[Any]]:
     try:
         # Of a damaged archive numpy would leave the file open.
         with Path(path).open("rb") as stream:
+            if stream.read(2) not in _BEGINS:
+                raise ValueError("it is no npz file; numpy.savez writes one")
+            stream.seek(0)
             file = np.load(stream, allow_pickle=False)
             if isinstance(file, np.ndarray):
                 raise ValueError("it holds a single array; write it with numpy.savez")

@@ -251,7 +251,8 @@ def _npz_cells(path: Path) -> _Cells:
         told = ", ".join(f"{shown(name)} {shape}" for name, shape in list(lengths.items())[:20])
         raise ConfigurationError(
             f"The file {path} cannot be read (its arrays must have one dimension and one length, "
-            f"not {told})."
+            f"not {told}); write one array a column, as numpy.savez(FILE, time_s=..., range_m=..., "
+            "bearing_deg=...)."
         )
     # repr of a float is exact, and one path for cells serves both kinds of files.
     cells = {name: [str(value) for value in array.tolist()] for name, array in arrays.items()}

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from sonar_tracking.bags.audio.recording import Recording
+from sonar_tracking.bags.audio.recording import Recording, Stretch
 from sonar_tracking.bags.importers.array_geometry_file import RecordedArray
 from sonar_tracking.bags.importers.audio_recording import Message
 from sonar_tracking.bags.importers.contact_messages import odometry_cdr
@@ -38,6 +38,9 @@ ODOMETRY_TOPIC = "/own_ship/odometry"
 BLOCK_SECONDS = 0.5
 LARGEST_BLOCK = 1 << 18
 """Values in one message at most."""
+
+_READ_AT_ONCE = 1 << 20
+"""Values; of one file a hydrophone, opening them counts."""
 
 _MOST_SPANS = 20
 """Stretches of samples that are not numbers of which each has a sentence."""
@@ -165,18 +168,25 @@ class SampleBlocks:
         in_order = self._columns == list(range(self._recording.n_channels))
         check = self._recording.may_be_not_a_number
         for first_block, stretch in zip(self._first_block, self._recording.stretches, strict=True):
-            for index, start in enumerate(range(0, stretch.n_samples, self._size), first_block):
-                stop = min(start + self._size, stretch.n_samples)
-                with np.errstate(over="ignore"):
-                    samples = stretch.samples(start, stop).astype(np.float32)
+            for index, samples in enumerate(self._read(stretch), first_block):
                 data = samples if in_order else samples[:, self._columns]
                 if check and not np.isfinite(data).all():
                     bad = np.flatnonzero(~np.isfinite(data).all(axis=0))
-                    self._leave_out(index, stop - start, bad.tolist())
+                    self._leave_out(index, len(samples), bad.tolist())
                 else:
                     yield index, data
-                done += stop - start
+                done += len(samples)
                 self._progress(done / total)
+
+    def _read(self, stretch: Stretch) -> Iterator[Any]:
+        """Yield the blocks of a stretch, of all channels; several are read at once."""
+        many = max(_READ_AT_ONCE // (self._size * self._recording.n_channels), 1) * self._size
+        for begin in range(0, stretch.n_samples, many):
+            end = min(begin + many, stretch.n_samples)
+            with np.errstate(over="ignore"):
+                samples = stretch.samples(begin, end).astype(np.float32)
+            for start in range(0, end - begin, self._size):
+                yield samples[start : start + self._size]
 
     def _leave_out(self, index: int, n_samples: int, bad: Sequence[int]) -> None:
         channels = ", ".join(str(self._columns[each] + 1) for each in bad)
