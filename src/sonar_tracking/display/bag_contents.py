@@ -113,8 +113,17 @@ class BagContents:
         """Own ship's legs and turns."""
         return own_ship_legs(self.own_ship)
 
+    @property
+    def is_own_ship_alone(self) -> bool:
+        """Whether there is nothing to draw but own ship."""
+        return bool(self.own_ship) and not self._begins()
+
     def begins(self) -> list[int]:
         """Return the first stamps of all that can be drawn, ns."""
+        return self._begins() or [state.stamp for state in self.own_ship[:1]]
+
+    def _begins(self) -> list[int]:
+        """Return the first stamps of all but own ship, ns."""
         bearings = (*self.bearing_tracks.values(), *self.bearing_truth.values())
         positions = (*self.position_tracks.values(), *self.position_truth.values())
         begins = [int(history.stamps[0]) for tracks in bearings for history in tracks]

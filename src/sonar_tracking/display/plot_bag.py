@@ -234,7 +234,7 @@ def _draw_places(
         stations=stations_at_rest(lists),
         datum=datum,
     )
-    if not scene.is_empty:
+    if not scene.is_empty or contents.is_own_ship_alone:
         yield draw_tactical_plot(scene, directory / "tactical_plot.png", title)
     if contents.contacts:
         tracks = [each for topic in contents.position_tracks.values() for each in topic]

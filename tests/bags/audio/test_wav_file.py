@@ -114,9 +114,7 @@ def test_a_size_that_wrapped_at_four_gigabytes(tmp_path: Path) -> None:
 def test_a_sample_rate_that_no_recorder_has_is_refused(tmp_path: Path) -> None:
     form = struct.pack("<HHIIHH", 1, 2, 4_000_000_000, 4_000_000_000, 4, 16)
     (tmp_path / "a.wav").write_bytes(riff(form, data=DATA))
-    with pytest.raises(
-        ConfigurationError, match="4000000000 Hz; its format description"
-    ):
+    with pytest.raises(ConfigurationError, match="4000000000 Hz; its format description"):
         open_audio(tmp_path / "a.wav")
 
 

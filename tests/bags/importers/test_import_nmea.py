@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from sonar_tracking.bags.importers import nmea_log
+from sonar_tracking.bags.importers.file_inspection import inspect_file
 from sonar_tracking.bags.importers.import_contacts import ContactSensor, import_contacts, read_pings
 from sonar_tracking.bags.importers.import_nmea import import_nmea
 from sonar_tracking.bags.importers.map_origin import MapOrigin
@@ -17,6 +18,7 @@ from sonar_tracking.bags.importers.position_files import read_own_ship
 from sonar_tracking.bags.importers.position_tables import own_ship_of_table
 from sonar_tracking.bags.storage.bag_records import records_of
 from sonar_tracking.bags.storage.reader import read_bag
+from sonar_tracking.display.plot_bag import plot_bag
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.geodesy import surface_places, surface_positions
 from sonar_tracking.records.datum import Datum, datum_of
@@ -72,6 +74,8 @@ def test_own_ship_alone_is_a_bag_that_can_be_opened(tmp_path: Path) -> None:
     log = written(tmp_path, "log.nmea", log_lines(20, ships=()))
     assert "20 positions of own ship over" in import_nmea([log], tmp_path / "bag")
     assert len(list(records_of(read_bag(tmp_path / "bag"), "/own_ship/odometry"))) == 20
+    drawn = plot_bag(tmp_path / "bag", tmp_path / "pictures")
+    assert "tactical_plot.png" in {path.name for path in drawn}
 
 
 def test_contacts_take_own_ship_and_truth_of_one_log(tmp_path: Path) -> None:
@@ -151,6 +155,9 @@ def test_logs_that_follow_are_one_track(tmp_path: Path) -> None:
     assert "1 overlap between files of own ship" in said
     assert "4 s (5 positions) of " in said and "2.nmea" in said
     assert "has no position for 21 s from 2026-05-02 00:00:19 UTC" in said
+    told = inspect_file(folder)
+    assert "a directory of 3 files" in told and "1.nmea: an NMEA 0183 log" in told
+    assert f"import nmea {folder} --output bag" in told and "README.txt" in told
     states = list(records_of(read_bag(tmp_path / "bag"), "/own_ship/odometry"))
     for state in states:
         elapsed = (state.stamp - START) * 1e-9

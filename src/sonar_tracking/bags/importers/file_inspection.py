@@ -26,6 +26,7 @@ from sonar_tracking.bags.importers.map_origin import MapOrigin
 from sonar_tracking.bags.importers.nmea_log import looks_like_nmea, read_nmea_log
 from sonar_tracking.bags.importers.npz_file import read_npz
 from sonar_tracking.bags.importers.number_table import table_cells
+from sonar_tracking.bags.importers.position_files import files_in
 from sonar_tracking.bags.importers.position_tables import (
     PLACE,
     PLANE,
@@ -73,6 +74,8 @@ def _inspector(path: Path) -> Callable[[Path], Inspected]:
         is_audio = any(each.suffix.lower() in AUDIO_ENDINGS for each in path.iterdir())
     if is_audio:
         return inspect_audio
+    if path.is_dir() and not any(each.suffix.lower() in BAGS for each in path.iterdir()):
+        return _directory
     if path.is_dir() or suffix in BAGS:
         return _bag
     if suffix in (".yaml", ".yml"):
@@ -80,6 +83,25 @@ def _inspector(path: Path) -> Callable[[Path], Inspected]:
     if suffix != ".npz" and looks_like_nmea(path):
         return _nmea
     return _table
+
+
+def _directory(path: Path) -> Inspected:
+    """Inspect each file of a directory; the command is that of the first, with the directory."""
+    told, wrong, command = [], [], ""
+    for file in files_in(path):
+        try:
+            what, faults, how = _inspector(file)(file)
+        except ConfigurationError as error:
+            wrong.append(f"{error} It is left out.")
+            continue
+        told.append(f"{file.name}: {what}")
+        wrong += faults
+        command = command or how.replace(str(file), str(path))
+    if not told:
+        raise ConfigurationError(
+            f"{path} is a directory with neither a bag nor a file that can be imported. {wrong[0]}"
+        )
+    return "\n".join([f"a directory of {len(told)} files", *told]), wrong, command
 
 
 def _bag(path: Path) -> Inspected:

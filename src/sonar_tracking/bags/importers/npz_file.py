@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.errors import ConfigurationError, shown
 
 _DAMAGED = (
     OSError,
@@ -54,7 +54,11 @@ def read_npz(path: Path | str) -> dict[str, NDArray[Any]]:
             file = np.load(stream, allow_pickle=False)
             if isinstance(file, np.ndarray):
                 raise ValueError("it holds a single array; write it with numpy.savez")
-            return {name: file[name] for name in file.files}
+            arrays = {name: file[name] for name in file.files}
+            raw = [name for name, array in arrays.items() if not isinstance(array, np.ndarray)]
+            if raw:
+                raise ValueError(f"{shown(raw[0])} in it is no array; write it with numpy.savez")
+            return arrays
     except _DAMAGED as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else error
         raise ConfigurationError(f"The file {path} cannot be read ({reason}).") from error

@@ -186,7 +186,10 @@ def _csv_cells(path: Path, notes: LineNotes) -> _Cells:
         cells = [cell.strip() for cell in line]
         if cells[-1:] == [""] and len(cells) == len(header) + 1:
             cells.pop()  # a delimiter at the end
-        if not any(cells) or cells[0].startswith("#"):
+        if not any(cells):
+            continue
+        if cells[0].startswith("#"):
+            notes.line(reader.line_num + skipped, "it begins with # and is taken for a comment")
             continue
         if len(cells) == len(header):
             lines.append(cells)

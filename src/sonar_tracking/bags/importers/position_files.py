@@ -104,7 +104,7 @@ def read_each(given: Files, read: Callable[[Path], _Read], notes: list[str]) -> 
             done.append(read(path))
             continue
         failed: list[ConfigurationError] = []
-        found = _files_in(path)
+        found = files_in(path)
         for file in found:
             try:
                 done.append(read(file))
@@ -116,8 +116,13 @@ def read_each(given: Files, read: Callable[[Path], _Read], notes: list[str]) -> 
     return done
 
 
-def _files_in(directory: Path) -> list[Path]:
-    """Return the files of a directory in natural order.
+def files_in(directory: Path) -> list[Path]:
+    """Return the files of a directory in natural order, hidden ones left out.
+
+    Parameters
+    ----------
+    directory : Path
+        Where they are.
 
     Raises
     ------
