@@ -20,6 +20,7 @@ from sonar_tracking.records.arrays import FloatArray, IdArray
 from sonar_tracking.records.time import seconds
 
 ANGLE = "arrival_angle_deg"
+_AGAIN = "there is a bearing of this time already; the first in the file holds"
 _NO_ANGLE = f"{ANGLE} is missing, or none from broadside; it must lie between -90 and 90"
 
 
@@ -86,14 +87,15 @@ def read_surveyed_bearings(
     good = table.passing({NO_TIME: stamp > 0, _NO_ANGLE: np.abs(angle) <= 90.0})
     if not good.any():
         raise table.nothing_usable()
-    rows = [
-        (
-            seconds(int(stamp[row]) - epoch),
-            table.names["target"][row],
-            float(np.radians(angle[row])),
-        )
-        for row in np.flatnonzero(good)
-    ]
+    seen: set[tuple[int, str]] = set()
+    rows = []
+    for row in np.flatnonzero(good):
+        name, instant = table.names["target"][row], int(stamp[row])
+        if (instant, name) in seen:
+            table.notes.line(int(table.rows[row]), _AGAIN)
+            continue
+        seen.add((instant, name))
+        rows.append((seconds(instant - epoch), name, float(np.radians(angle[row]))))
     return _by_time(rows), tuple(table.notes.sentences())
 
 
