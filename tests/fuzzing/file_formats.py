@@ -92,7 +92,7 @@ def _audio(ending: str, samples: np.ndarray, folder: Path) -> bytes:
     soundfile.write(folder / "sound.wav", samples, RATE, "PCM_16", format=form)
     if ending in AUDIO:
         return (folder / "sound.wav").read_bytes()
-    return EXAMPLES["array.yaml"].replace("8", "3").encode()
+    return EXAMPLES["array.yaml"].replace("8", "3").replace("0.75", "0.5").encode()
 
 
 def _bag(name: str, folder: Path) -> bytes:

@@ -154,6 +154,8 @@ FILES = [
     ("just words\n", r"bad\.yaml: this must be a mapping"),
     ("", r"bad\.yaml: this must be a mapping"),
     ("a: 1\nb: \x01\n", r"bad\.yaml, line 2: this is not valid YAML"),
+    ("epoch: 2026-13-41\n", r"bad\.yaml: this is not valid YAML: month must be in 1\.\.12"),
+    ("a: " + "[" * 5000 + "\n", r"bad\.yaml: this is not valid YAML: nested too deeply"),
 ]
 
 

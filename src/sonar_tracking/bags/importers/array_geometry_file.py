@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
 from sonar_tracking.configuration import from_mapping, parameter
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.geometry import aperture, line_array
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.simulation.scenarios.scenario import DEFAULT_EPOCH
+from sonar_tracking.simulation.scenarios.scenario_file import read_yaml_mapping
 from sonar_tracking.simulation.scenarios.scenario_mapping import checked_epoch
 
 
@@ -114,22 +114,7 @@ def read_array_geometry(path: Path | str) -> RecordedArray:
     ConfigurationError
         If it cannot be read, or does not describe an array.
     """
-    path = Path(path)
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is no UTF-8 text"
-        raise ConfigurationError(f"The geometry file {path} cannot be read: {reason}.") from error
-    except yaml.YAMLError as error:
-        first_line = " ".join(str(error).split())
-        raise ConfigurationError(
-            f"The geometry file {path} is not valid YAML: {first_line}."
-        ) from error
-    if not isinstance(content, dict):
-        raise ConfigurationError(
-            f"The geometry file {path} must be a mapping of names to values, e.g. 'n_elements: 8'."
-        )
-    return array_from_mapping(content, str(path))
+    return array_from_mapping(read_yaml_mapping(Path(path)), str(path))
 
 
 def array_from_mapping(mapping: Mapping[str, Any], where: str) -> RecordedArray:

@@ -88,6 +88,11 @@ def read_yaml_mapping(path: Path) -> dict[str, Any]:
         raise ConfigurationError(
             f"{path}, line {line_number}: this is not valid YAML: {error.reason}."
         ) from error
+    except RecursionError:
+        raise ConfigurationError(f"{path}: this is not valid YAML: nested too deeply.") from None
+    except (ValueError, TypeError, LookupError, ArithmeticError) as error:
+        # Of a value that looks like a date, a number or a key, and is none.
+        raise ConfigurationError(f"{path}: this is not valid YAML: {error}.") from error
     if not isinstance(content, dict):
         raise ConfigurationError(
             f"{path}: this must be a mapping of names to values, e.g. 'duration: 40'."
