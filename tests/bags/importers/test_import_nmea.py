@@ -107,13 +107,15 @@ def test_a_log_without_a_date_takes_that_of_the_epoch_and_says_so(tmp_path: Path
 def test_what_is_damaged_is_counted_by_kind(tmp_path: Path) -> None:
     lines = log_lines(20)
     noise = ["$GPGGA,1235", "\x00\x81noise", "$GPHDT,1.0,T*00", "$GPGSV,1,1,00*79"]
-    log = written(tmp_path, "log.nmea", [*lines, *(noise * 5), hdt(3.0)])
+    part = "!AIVDM,2,1,6,A,55MwgS`00001L@?;OK8<P58hE>0b0<Dp4>22220l1@:44vT4,0*6B"
+    log = written(tmp_path, "log.nmea", [*lines, *(noise * 5), hdt(3.0), part])
     surveyed, notes = read_own_ship(log, START)
     told = "\n".join(notes)
     assert len(surveyed.stamp) == 20
     assert "and 2 more: the sentence has no checksum" in told
     assert "and 2 more: no sentence" in told and "and 2 more: the checksum is wrong" in told
     assert "sentences of other kinds are not used: 5 GSV" in told
+    assert "1 AIS messages are not whole: the log ends before their last part" in told
 
 
 @pytest.mark.parametrize("end", [b"\n", b"\r\n", b"\r"])
@@ -133,6 +135,9 @@ def test_logs_that_tell_nothing_are_refused(tmp_path: Path) -> None:
         read_own_ship(only_heading, START)
     with pytest.raises(ConfigurationError, match="neither own ship"):
         import_nmea([only_heading], tmp_path / "bag")
+    bare = written(tmp_path, "bare.nmea", [line.partition("*")[0] for line in log_lines(5)])
+    with pytest.raises(ConfigurationError, match=r"no sentence of NMEA 0183.* has no checksum"):
+        inspect_file(bare)
     timeless = written(tmp_path, "ais.nmea", [vdm(FERRY, t) for t in range(5)])
     with pytest.raises(ConfigurationError, match="before any date and time were known"):
         import_nmea([timeless], tmp_path / "bag")

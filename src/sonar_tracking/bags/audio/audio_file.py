@@ -83,6 +83,10 @@ class AudioFile(ABC):
         """Return samples ``start`` to ``stop``, shape (n, n_channels), linear, full scale 1."""
 
 
+_SHOWN_APART = 0.1
+"""Difference of two lengths that tenths show, s."""
+
+
 def length_note(path: Path, announced: float | None, held: float) -> str:
     """Return the sentence for a file that is not as long as it says, lengths in s.
 
@@ -93,12 +97,11 @@ def length_note(path: Path, announced: float | None, held: float) -> str:
             f"{path} does not say how long it is, as after a recorder that was not stopped in "
             f"order; the {held:.1f} s up to its end are used."
         )
+    digits = 1 if abs(announced - held) >= _SHOWN_APART else 6
+    told = f"it announces {announced:.{digits}f} s and holds {held:.{digits}f} s"
     if held < announced:
-        return (
-            f"{path} is cut off: it announces {announced:.1f} s and holds {held:.1f} s; copy it "
-            "again if the rest is wanted."
-        )
+        return f"{path} is cut off: {told}; copy it again if the rest is wanted."
     return (
-        f"{path} holds more than announced: it announces {announced:.1f} s and holds {held:.1f} s, "
-        "as after a crash or beyond 4 GB; all of it is used."
+        f"{path} holds more than announced: {told}, as after a crash or beyond 4 GB; all of it is "
+        "used."
     )

@@ -18,7 +18,7 @@ from sonar_tracking.bags.nmea.ais_reports import FORMATS, AisReport, AisReports,
 from sonar_tracking.bags.nmea.own_ship_fixes import OwnShipFix, OwnShipFixes
 from sonar_tracking.bags.nmea.own_ship_sentences import READERS, own_ship_report
 from sonar_tracking.bags.nmea.sentence_time import DAY, SentenceTime
-from sonar_tracking.bags.nmea.sentences import lines_of, parts_of, read_sentence
+from sonar_tracking.bags.nmea.sentences import NO_CHECKSUM, lines_of, parts_of, read_sentence
 from sonar_tracking.errors import ConfigurationError, InputError, shown
 from sonar_tracking.records.arrays import IntArray
 from sonar_tracking.records.time import NANOSECONDS
@@ -201,6 +201,8 @@ def read_nmea_log(path: Path | str) -> NmeaLog:
         except InputError as error:
             notes.line(number, str(error))
     fixes.append(own_ship.close())
+    if ais.n_open:
+        notes.say(f"{ais.n_open} AIS messages are not whole: the log ends before their last part.")
     if not formats:
         told = " ".join(notes.sentences()[:3])
         raise ConfigurationError(f"The file {path} holds no sentence of NMEA 0183. {told}".strip())
@@ -221,10 +223,11 @@ def read_nmea_log(path: Path | str) -> NmeaLog:
 
 
 def _is_sentence(line: bytes) -> bool:
+    """Return whether a line is a sentence, or would be with a checksum."""
     try:
         read_sentence(line)
-    except InputError:
-        return False
+    except InputError as error:
+        return str(error) == NO_CHECKSUM
     return True
 
 

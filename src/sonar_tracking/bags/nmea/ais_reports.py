@@ -97,6 +97,11 @@ class AisReports:
         self.own = 0
         self._open: OrderedDict[tuple[str, ...], list[str]] = OrderedDict()
 
+    @property
+    def n_open(self) -> int:
+        """Messages of which parts are still awaited."""
+        return len(self._open)
+
     def take(self, sentence: Sentence) -> AisReport | None:
         """Return the report that a sentence VDM or VDO completes; None = more of it is to come.
 
