@@ -191,6 +191,7 @@ def test_a_sector_is_no_full_circle() -> None:
     assert counted.expected_clutter() == pytest.approx(len(contacts.range))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_what_is_shown_stays_until_its_end_is_told_once(method: str) -> None:
     """Tentative tracks as well: the end of each is reported."""
@@ -228,6 +229,7 @@ def test_a_track_that_gives_way_to_a_crowd_is_told_to_have_ended(method: str) ->
     assert ended
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", WITH_EXISTENCE)
 def test_thresholds_may_change_between_pings_without_losing_tracks(method: str) -> None:
     generator = np.random.default_rng(7)

@@ -36,6 +36,7 @@ def confirmed_after(targets: np.ndarray, n_pings: int, seed: int) -> np.ndarray:
     return np.asarray(tracks.state[shown, :2])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("separation", "least"), [(8.0, 8), (12.0, 11)])
 def test_targets_side_by_side_soon_have_two_tracks(separation: float, least: int) -> None:
     targets = np.array([[200.0, 0.5 * separation], [200.0, -0.5 * separation]])
@@ -43,6 +44,7 @@ def test_targets_side_by_side_soon_have_two_tracks(separation: float, least: int
     assert np.count_nonzero(held) >= least
 
 
+@pytest.mark.slow
 def test_one_target_keeps_one_track() -> None:
     for seed in range(6):
         positions = confirmed_after(np.array([[200.0, 10.0]]), 25, seed)

@@ -77,6 +77,7 @@ def test_a_started_track_is_confirmed_at_once_and_takes_the_echoes_there(method:
     assert names(update, 7, targets=1) == [new]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", WITH_EXISTENCE)
 def test_a_track_that_is_started_where_nothing_is_ends(method: str) -> None:
     tracker, generator = started(method)
@@ -109,6 +110,7 @@ def test_over_a_ping_that_cannot_be_used_the_end_is_reported_too() -> None:
     assert second in ended(tracker.coast((100 + 10 * AT) * 10**9, 0))
 
 
+@pytest.mark.slow
 def test_what_cannot_be_done_changes_nothing() -> None:
     empty = start("integrated")
     assert isinstance(empty, CommandedTracker)

@@ -62,6 +62,7 @@ def test_reflection_times_and_own_motion_are_accounted_for() -> None:
     assert np.nanmedian(errors) < 0.85 * np.nanmedian(careless)
 
 
+@pytest.mark.slow
 def test_levels_that_are_not_known_are_averaged() -> None:
     errors, excess, _ = run(SENSOR, replace(TRACKER, signal_to_noise_ratio_db=0.0))
     assert np.mean(np.isfinite(errors)) > 0.85

@@ -78,6 +78,7 @@ def test_each_scene_is_as_by_itself_bit_for_bit(name: str) -> None:
             assert_same(tracker.update(contacts), update)
 
 
+@pytest.mark.slow
 def test_the_scenes_are_not_all_alike() -> None:
     """So that what is said of one is not taken for all."""
     runs = scenes(n_pings=60)
@@ -90,6 +91,7 @@ def test_the_scenes_are_not_all_alike() -> None:
     assert "lasting error" in told[2] and "lasting error" not in told[0]
 
 
+@pytest.mark.slow
 def test_scenes_with_pings_at_other_times_are_as_by_themselves() -> None:
     runs = scenes(n_pings=8)
     runs[1] = [replace(ping, stamp=ping.stamp + 3 * 10**9 * k) for k, ping in enumerate(runs[1])]
@@ -100,6 +102,7 @@ def test_scenes_with_pings_at_other_times_are_as_by_themselves() -> None:
             assert_same(tracker.update(contacts), update)
 
 
+@pytest.mark.slow
 def test_a_ping_that_cannot_be_used_changes_no_scene() -> None:
     runs = scenes(n_pings=10)
     alone, together = trackers(CONFIGURATION, len(runs)), trackers(CONFIGURATION, len(runs))

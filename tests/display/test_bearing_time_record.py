@@ -66,6 +66,7 @@ def test_a_gap_is_left_empty_and_rows_keep_their_times() -> None:
     assert np.isnan(picture.levels_db).all(axis=1).tolist() == [False, True, False]
 
 
+@pytest.mark.slow
 def test_a_waterfall_has_all_time_scales_in_bounded_memory() -> None:
     waterfall = Waterfall("narrowband")
     for second in range(3 * MOST_LINES):
@@ -136,6 +137,7 @@ def test_a_bag_is_drawn_with_its_table(tmp_path: Path) -> None:
     assert image.read_bytes().startswith(b"\x89PNG") and image.stat().st_size > 5000
 
 
+@pytest.mark.slow
 def test_a_bag_that_is_not_whole_is_drawn_too(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -54,6 +54,7 @@ def test_ticks_of_a_chart_are_round_angles_where_they_are(datum: Datum, half: fl
             assert there[axis] == pytest.approx(tick, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_a_recording_with_a_datum_has_places_in_its_table(tmp_path: Path) -> None:
     for name, scenario in (("with", {"datum": DATUM.to_mapping()}), ("without", {})):
         writer = BagWriter(tmp_path / name, RecordingInformation(scenario))

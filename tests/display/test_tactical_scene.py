@@ -132,6 +132,7 @@ def test_open_positions_are_those_of_bearings_not_of_contacts() -> None:
     assert [history.id for history in open_histories([picture])] == [2]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n_tracks", [0, 1, 30])
 def test_a_chart_is_drawn_whatever_lies_on_it(tmp_path: Path, n_tracks: int) -> None:
     lists = [position_tracks(t, [[5.0 * t, 9.0, 0.0, 0.0]] * n_tracks) for t in (0.0, 1.0)]

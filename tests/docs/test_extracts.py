@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 from scipy.io import savemat, wavfile
 
 from sonar_tracking.evaluation.studies.maritime_contacts.scenarios import read_scenarios
@@ -51,6 +52,7 @@ def test_radar_scans_of_a_scenario(tmp_path: Path) -> None:
     assert scenario.truth[1].tolist() == [[-3.0, 13.0], [-3.0, 23.0]]
 
 
+@pytest.mark.slow
 def test_responses_of_seven_sources(tmp_path: Path) -> None:
     generator = np.random.default_rng(1)
     samples = generator.integers(-100, 100, (9, 480, 32)).astype(np.int16)
@@ -66,6 +68,7 @@ def test_responses_of_seven_sources(tmp_path: Path) -> None:
     assert read_room_responses(tmp_path / "responses.npz").responses.shape == (7, 32, 300)
 
 
+@pytest.mark.slow
 def test_directions_of_a_ship(tmp_path: Path) -> None:
     """A ship that rests 1000 m east of an array 1000 m deep is heard from there, 45 degrees up."""
     day, north_of_equator = 6650.0, 0.0

@@ -60,6 +60,7 @@ def tracked_pictures() -> Iterator[tuple[np.ndarray, np.ndarray]]:
         yield ping.state[:, :2], tracks.state[shown, :2]
 
 
+@pytest.mark.slow
 def test_distances_of_tracks_are_those_of_stone_soup() -> None:
     sizes = set()
     for truth, estimates in tracked_pictures():

@@ -18,6 +18,7 @@ def solver_of_scipy(monkeypatch: pytest.MonkeyPatch) -> Any:
     return linear_sum_assignment
 
 
+@pytest.mark.slow
 def test_few_costs_give_the_pairs_of_scipy_whatever_is_equal_among_them(
     solver_of_scipy: Any,
 ) -> None:

@@ -57,6 +57,7 @@ def nearest(tracks: PositionTracks, ship: int) -> int:
     return int(tracks.id[np.argmin(apart)])
 
 
+@pytest.mark.slow
 def test_an_ended_row_does_not_come_back_from_the_same_tracks() -> None:
     before, after = told(Ships(FOUR), lambda stage, seen: stage.end_track(nearest(seen, 1)))
     gone = nearest(before, 1)
@@ -96,6 +97,7 @@ def twice(moment: Moment) -> Moment:
     return replace(moment, frame=replace(moment.frame, active={ECHOES: merged}))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first_goes_on", [True, False])
 def test_two_rows_of_one_ship_become_one(first_goes_on: bool) -> None:
     stage, frames = TrackFusionStage(AT_ONCE), list(moments(Ships(FOUR), 300.0))
@@ -128,6 +130,7 @@ def test_when_one_of_its_tracks_ends_a_merged_row_goes_on_with_the_other() -> No
     assert keep in alive(after) and len(alive(after)) == 4
 
 
+@pytest.mark.slow
 def test_a_row_of_bearings_gives_them_to_the_target_it_is_merged_with() -> None:
     """Before the evidence is there: the bearings of the array begin only then."""
 

@@ -135,6 +135,7 @@ def test_bearing_tracks_that_change_their_sources_are_given_back() -> None:
     assert of_ship[0] == 202 and of_ship[1] == 201
 
 
+@pytest.mark.slow
 def test_echoes_show_that_a_bearing_track_is_of_something_else() -> None:
     """Bearings alone never contradict: the row would follow them away from its echoes."""
     stage = TrackFusionStage(AT_ONCE)
@@ -204,6 +205,7 @@ def test_echoes_settle_the_side_and_the_older_name_stays() -> None:
     assert names <= set(established.id.tolist())
 
 
+@pytest.mark.slow
 def test_a_sonar_that_restarts_with_other_identifiers_changes_no_names() -> None:
     stage = TrackFusionStage(AT_ONCE)
     names = set()
@@ -218,6 +220,7 @@ def test_a_sonar_that_restarts_with_other_identifiers_changes_no_names() -> None
     assert len(names) == 4 and len(tracks) == 4
 
 
+@pytest.mark.slow
 def test_a_source_that_comes_late_is_taken_in() -> None:
     stage = TrackFusionStage(AT_ONCE)
     for moment in moments(Ships(FOUR, silent_array=(0.0, 200.0)), 320.0):
@@ -294,6 +297,7 @@ def test_numbers_that_are_none_do_no_harm() -> None:
     assert len(update.tracks) == 4 and np.all(np.isfinite(update.tracks.state))
 
 
+@pytest.mark.slow
 def test_an_array_turned_by_more_than_expected_is_named() -> None:
     stage = TrackFusionStage(replace(AT_ONCE, alignment_deviation_deg=1.0))
     said = set()
@@ -302,6 +306,7 @@ def test_an_array_turned_by_more_than_expected_is_named() -> None:
     assert any("mounting_yaw_deg" in text and ARRAY in text for text in said)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("source", [ECHOES, ARRAY])
 def test_ships_that_meet_keep_their_names_though_a_tracker_exchanges_them(source: str) -> None:
     """From where they meet on, either tracker goes on with the other ship: the rows do not."""
@@ -322,6 +327,7 @@ def test_ships_that_meet_keep_their_names_though_a_tracker_exchanges_them(source
     assert len(names[100.0]) == 2 and names[100.0] == names[398.0]
 
 
+@pytest.mark.slow
 def test_a_station_whose_clock_is_late_is_told_so() -> None:
     """Bearings of where a fast ship was 20 s ago: told the offset, the row is where the ship is."""
     fast = np.array([[2000.0, -2000.0, 0.0, 20.0]])
@@ -364,6 +370,7 @@ def test_targets_of_sources_that_have_died_are_coasted_and_end() -> None:
     assert len(stage.update(FusionFrame(stamp_of(710.0))).tracks) == 0
 
 
+@pytest.mark.slow
 def test_without_own_ship_s_odometry_stations_that_tell_their_pose_are_used() -> None:
     stage = TrackFusionStage(AT_ONCE)
     for moment in moments(Ships(FOUR), 120.0):

@@ -49,6 +49,7 @@ CHANGES: list[dict[str, Any]] = [
 ]
 
 
+@pytest.mark.slow
 @given(st.lists(st.sampled_from(CHANGES), min_size=2, max_size=6))
 def test_a_block_is_read_the_same_whatever_came_before(changes: list[dict[str, Any]]) -> None:
     reader = SnapshotBytes()

@@ -80,6 +80,7 @@ def test_estimates_of_runs_together_are_those_of_each(n_elements: int) -> None:
         assert known(own) == known(estimates_alone(ESTIMATOR, alone))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_tracks_of_runs_together_are_those_of_each(method: str) -> None:
     estimator, tracker = METHODS[method]
@@ -96,6 +97,7 @@ def test_tracks_of_runs_together_are_those_of_each(method: str) -> None:
     assert any(entry.established.any() for entry in together[0])
 
 
+@pytest.mark.slow
 def test_where_nobody_looks_at_the_subspace_all_else_is_the_same() -> None:
     blocks = runs()[0]
     stage = SubspaceStage(ESTIMATOR, UnfollowedSubspace())
@@ -112,6 +114,7 @@ def test_where_nobody_looks_at_the_subspace_all_else_is_the_same() -> None:
     assert known(tracks[0]) == known(tracks[1])
 
 
+@pytest.mark.slow
 def test_bad_data_of_one_run_change_none() -> None:
     blocks = runs()
     stages = [SubspaceStage(ESTIMATOR) for _ in blocks]

@@ -56,6 +56,7 @@ def test_one_start_near_the_target_finds_the_same(
     assert np.all(other.cost > estimate.cost - 1e-3)
 
 
+@pytest.mark.slow
 def test_robust_weights_bear_outliers() -> None:
     runs = runs_of(0.0)
     generator = np.random.default_rng(3)

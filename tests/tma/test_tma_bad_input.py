@@ -96,6 +96,7 @@ def test_wild_bearings_and_frequencies_are_gated() -> None:
     assert errors[1] < max(150.0, 2.0 * errors[0])
 
 
+@pytest.mark.slow
 def test_frames_may_come_at_any_interval() -> None:
     """Frames are dropped at random: intervals are 1 to several seconds."""
     frames = simulated(scene(replace(DIRECTIONS, missing_share=0.5)))

@@ -75,6 +75,7 @@ def test_one_contact_gives_the_same_by_rank_and_by_distance() -> None:
     assert by_rank.probabilities == pytest.approx(by_distance.probabilities, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_likelihood_ratio_has_mean_one_without_target() -> None:
     """A filter that hears only clutter must not come to believe in a target."""
     generator = np.random.default_rng(2)

@@ -60,6 +60,7 @@ def test_what_two_files_hold_both_is_taken_once(tmp_path: Path) -> None:
     assert any("2 overlaps" in note and "4.0 s" in note for note in recording.notes)
 
 
+@pytest.mark.slow
 def test_a_clock_that_drifts_is_reported(tmp_path: Path) -> None:
     """Names that fall behind by 0.02 % gain 2 s in three hours."""
     for hour in range(4):

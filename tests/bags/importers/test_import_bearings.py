@@ -110,6 +110,7 @@ def test_two_stations_follow_what_both_see_in_clutter(tmp_path: Path) -> None:
         assert np.sort(np.degrees(picture.arrival_angle)) == pytest.approx(azimuth, abs=1.0)
 
 
+@pytest.mark.slow
 def test_clicks_of_sources_that_cross_are_told_apart_in_clutter() -> None:
     generator = np.random.default_rng(8)
     times = np.sort(generator.uniform(0.0, 300.0, 600))

@@ -118,6 +118,7 @@ def test_what_is_damaged_is_counted_by_kind(tmp_path: Path) -> None:
     assert "1 AIS messages are not whole: the log ends before their last part" in told
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("end", [b"\n", b"\r\n", b"\r"])
 def test_lines_have_the_numbers_an_editor_shows(tmp_path: Path, end: bytes) -> None:
     lines = [line.encode("ascii") for line in log_lines(600)]
@@ -144,6 +145,7 @@ def test_logs_that_tell_nothing_are_refused(tmp_path: Path) -> None:
     assert not (tmp_path / "bag").exists()
 
 
+@pytest.mark.slow
 def test_logs_that_follow_are_one_track(tmp_path: Path) -> None:
     """Three of a day, the last without its begin, two with some seconds of the one before."""
     lines = log_lines(100)
@@ -190,6 +192,7 @@ def test_tables_and_logs_follow_one_another_and_two_ships_do_not(tmp_path: Path)
     assert any("check that all are of one ship" in note for note in notes)
 
 
+@pytest.mark.slow
 def test_logs_without_a_date_are_of_days_that_follow(tmp_path: Path) -> None:
     logs = [
         written(

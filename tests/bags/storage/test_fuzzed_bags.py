@@ -123,6 +123,7 @@ def test_no_message_differs_and_what_is_missing_is_said(tmp_path: Path, name: st
         assert not result.refused or result.said.endswith("."), case
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CHECKED)
 def test_one_place_costs_no_more_than_its_message_or_chunk(tmp_path: Path, name: str) -> None:
     CHECKED[name](tmp_path / "bag")
@@ -130,6 +131,7 @@ def test_one_place_costs_no_more_than_its_message_or_chunk(tmp_path: Path, name:
         assert result.kept >= LEAST_KEPT.get(name, 0.9), (case, result.said)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", UNCHECKED)
 def test_without_checksums_a_bag_is_read_or_refused_with_a_sentence(
     tmp_path: Path, name: str
@@ -146,6 +148,7 @@ def test_a_flipped_byte_costs_one_message_of_a_plain_file(tmp_path: Path, name: 
         assert result.different <= 1 and not result.refused, (case, result.said)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "damage", "seed"), CORPUS)
 def test_what_was_found_once(tmp_path: Path, name: str, damage: Damage, seed: int) -> None:
     CHECKED[name](tmp_path / "bag")

@@ -149,6 +149,7 @@ HOSTILE = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", HOSTILE)
 def test_hostile_files_are_refused_within_bounds(tmp_path: Path, name: str) -> None:
     HOSTILE[name](tmp_path / name)
@@ -185,6 +186,7 @@ except ConfigurationError as error:
 """
 
 
+@pytest.mark.slow
 def test_a_full_disk_ends_a_repair_with_a_sentence_and_without_a_bag(tmp_path: Path) -> None:
     writer = open_writer(tmp_path / "run")
     write_messages(writer, 200)

@@ -38,6 +38,7 @@ def test_a_recording_says_so_and_plays(opened: Callable[..., Tab]) -> None:
         server.stop()
 
 
+@pytest.mark.slow
 def test_a_recording_larger_than_memory_is_looked_through(
     opened: Callable[..., Tab], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -59,6 +59,7 @@ def shown(path: Path) -> Counter[str]:
         page.server.stop()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "left",
     [
@@ -102,6 +103,7 @@ def test_the_command_shows_a_bag_until_it_is_interrupted(tmp_path: Path) -> None
         assert running.stdout.read() == ""
 
 
+@pytest.mark.slow
 def test_every_part_of_a_long_bag_can_be_looked_at(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -112,6 +112,7 @@ def test_stone_soup_tracks_as_well_from_the_same_contacts() -> None:
     assert rows[GATED_PEER]["speed_over_gated"] == 1.0
 
 
+@pytest.mark.slow
 def test_without_stone_soup_the_other_rows_are_there(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(contact_stages, "stone_soup_installed", lambda: False)
     rows = {row.system: row.metrics for row in measure_side_by_side(SHORT_SCENE)}

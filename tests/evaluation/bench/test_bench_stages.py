@@ -18,6 +18,7 @@ from sonar_tracking.evaluation.bench.tracking_kernels import tracking_kernels
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("chain", [DEFAULT, PUBLISHED])
 def test_an_array_has_costs_and_an_exponent(chain: str) -> None:
     rows = array_exponents([measure_array(ArrayCase(chain, size, 2)) for size in (6, 12)])
@@ -47,6 +48,7 @@ def test_a_tracker_among_clutter_has_a_row_for_each_amount(monkeypatch: pytest.M
     assert "exponent" in rows[1].metrics
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("scenario", "nodes"),
     [

@@ -46,6 +46,7 @@ def score_of_the_whole(truth_offset: float) -> BearingScore:
     return score_bearing_tracks(*scene(truth_offset))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lag", [0, 1, 40])
 @pytest.mark.parametrize("truth_offset", [0.0, 0.03])
 def test_bearings_that_come_with_the_truth_or_after_it(lag: int, truth_offset: float) -> None:

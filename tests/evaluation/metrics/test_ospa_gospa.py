@@ -41,6 +41,7 @@ def test_hand_values(
 points = st.lists(st.floats(-20.0, 20.0), max_size=5)
 
 
+@pytest.mark.slow
 @given(points, points, points)
 @settings(max_examples=100, deadline=None)
 def test_both_are_metrics(a: list[float], b: list[float], c: list[float]) -> None:

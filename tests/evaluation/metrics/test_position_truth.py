@@ -25,6 +25,7 @@ def sample(time: float, ids: list[int], states: np.ndarray) -> PositionTracks:
 coefficients = st.tuples(*[st.floats(-5.0, 5.0)] * 4)
 
 
+@pytest.mark.slow
 @given(coefficients, coefficients, st.floats(0.0, 20.0))
 def test_motion_of_constant_jerk_is_met_exactly(
     east: tuple[float, ...], north: tuple[float, ...], time: float

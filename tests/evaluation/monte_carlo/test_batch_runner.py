@@ -62,6 +62,7 @@ def test_tasks_are_begun_in_their_order() -> None:
     assert begun == sorted(begun)
 
 
+@pytest.mark.slow
 def test_workers_use_one_thread_and_the_caller_keeps_its_own_setting(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

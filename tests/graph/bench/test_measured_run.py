@@ -24,6 +24,7 @@ def test_a_run_is_measured_from_its_command_on(tmp_path: Path) -> None:
         assert run.memory_mb[name] > 10.0
 
 
+@pytest.mark.slow
 def test_a_command_that_is_refused_is_no_measurement(tmp_path: Path) -> None:
     with pytest.raises(GraphNotMeasuredError, match="run nowhere gave no report"):
         measured_run(["run", "nowhere"], BEARING_TRACKS, tmp_path)

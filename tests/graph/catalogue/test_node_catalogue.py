@@ -16,6 +16,7 @@ from sonar_tracking.graph.message_writing.field_writing import message_class
 nodes = pytest.mark.parametrize("node", NODES.values(), ids=lambda node: node.name)
 
 
+@pytest.mark.slow
 def test_it_is_read_without_ros() -> None:
     code = (
         "import sys; from sonar_tracking.graph.catalogue.node_catalogue import NODES; "

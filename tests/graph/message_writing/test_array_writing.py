@@ -160,18 +160,21 @@ def assert_same(found: Any, expected: Any) -> None:
             np.testing.assert_equal(one, other, err_msg=field.name)
 
 
+@pytest.mark.slow
 @given(snapshots())
 def test_snapshots_round_trip(record: ArraySnapshots) -> None:
     message = through_the_wire(array_writing.snapshots_to_message(record))
     assert_same(array_reading.snapshots_from_message(message), record)
 
 
+@pytest.mark.slow
 @given(subspaces())
 def test_subspaces_round_trip(record: SubspaceEstimates) -> None:
     message = through_the_wire(array_writing.subspaces_to_message(record))
     assert_same(array_reading.subspaces_from_message(message), record)
 
 
+@pytest.mark.slow
 @given(bearing_tracks())
 def test_bearing_tracks_round_trip(record: BearingTracks) -> None:
     message = through_the_wire(array_writing.bearing_tracks_to_message(record))
@@ -214,6 +217,7 @@ def test_element_coordinates_of_unequal_length_are_named() -> None:
         array_reading.snapshots_from_message(message)
 
 
+@pytest.mark.slow
 @given(bearing_tracks(min_tracks=1), st.sampled_from(["covariance", "arrival_angle", "elevation"]))
 def test_columns_of_unequal_length_are_refused_both_ways(record: BearingTracks, name: str) -> None:
     message = array_writing.bearing_tracks_to_message(record)

@@ -100,6 +100,7 @@ def assert_same(found: Any, record: Any) -> None:
         np.testing.assert_array_equal(one, other, err_msg=field.name)
 
 
+@pytest.mark.slow
 @given(contacts())
 def test_contacts_come_back(record: Contacts) -> None:
     found = contacts_from_message(through_the_wire(contacts_to_message(record)))
@@ -114,6 +115,7 @@ def test_contacts_come_back(record: Contacts) -> None:
     assert_same(found, record)
 
 
+@pytest.mark.slow
 @given(thresholds())
 def test_thresholds_come_back(record: GateThresholds) -> None:
     assert_same(thresholds_from_message(through_the_wire(thresholds_to_message(record))), record)

@@ -67,6 +67,7 @@ def through_the_wire(message: Any) -> Any:
     return deserialize_message(serialize_message(message), type(message))
 
 
+@pytest.mark.slow
 @given(position_tracks(), st.booleans())
 def test_every_column_comes_back(record: PositionTracks, sent: bool) -> None:
     """Equal bit for bit, NaN included, sent or not."""

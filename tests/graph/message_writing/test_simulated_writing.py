@@ -118,12 +118,14 @@ def assert_what_ros_writes(data: bytes, message: Any) -> None:
     assert bytes(canonical_cdr(store, type_name, written[: len(data)])) == data
 
 
+@pytest.mark.slow
 @given(snapshots())
 def test_snapshots(record: ArraySnapshots) -> None:
     data = simulated_writing.snapshots_to_bytes(record)
     assert_what_ros_writes(data, array_writing.snapshots_to_message(record))
 
 
+@pytest.mark.slow
 @given(bearing_tracks())
 def test_bearing_tracks(record: BearingTracks) -> None:
     data = simulated_writing.bearing_tracks_to_bytes(record)
@@ -131,6 +133,7 @@ def test_bearing_tracks(record: BearingTracks) -> None:
     np.testing.assert_array_equal(bearing_identifiers(data), record.id)
 
 
+@pytest.mark.slow
 @given(truth_tracks())
 def test_truth_tracks(record: TruthTracks) -> None:
     data = simulated_writing.truth_tracks_to_bytes(record)
@@ -138,6 +141,7 @@ def test_truth_tracks(record: TruthTracks) -> None:
     np.testing.assert_array_equal(position_identifiers(data), record.id)
 
 
+@pytest.mark.slow
 @given(own_ships)
 def test_own_ship(record: OwnShipState) -> None:
     data = simulated_writing.own_ship_to_bytes(record)

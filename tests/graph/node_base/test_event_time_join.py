@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -41,6 +42,7 @@ def interleaved(draw: Callable[..., Any], streams: Sequence[list[Message]]) -> l
 stamp_lists = st.lists(st.integers(1, 40), min_size=1, max_size=8, unique=True).map(sorted)
 
 
+@pytest.mark.slow
 @given(st.data(), stamp_lists, stamp_lists, stamp_lists)
 def test_arrival_order_does_not_matter(
     data: st.DataObject, first: list[int], second: list[int], third: list[int]
@@ -51,6 +53,7 @@ def test_arrival_order_does_not_matter(
     assert [(item.stamp, item.topic) for item in items] == expected
 
 
+@pytest.mark.slow
 @given(st.data(), stamp_lists, stamp_lists, stamp_lists)
 def test_a_group_joins_equal_stamps_and_a_series_is_known_at_each(
     data: st.DataObject, first: list[int], second: list[int], third: list[int]

@@ -2,6 +2,7 @@
 
 import math
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -80,6 +81,7 @@ def test_of_a_step_that_a_pause_divides_both_parts_count() -> None:
     assert paced.next_tick(60.03, START, 0) == START + BLOCK
 
 
+@pytest.mark.slow
 @given(
     rate=st.sampled_from([0.5, 1.0, 7.0, math.inf]),
     blocks=st.integers(1, 40),

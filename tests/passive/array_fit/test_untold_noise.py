@@ -52,6 +52,7 @@ def tracked(
     return estimates, tracks, named
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n_elements", [8, 15, 32])
 def test_no_false_track_in_noise_of_unknown_correlation(n_elements: int) -> None:
     _, tracks, named = tracked(data_in_noise(5, 0.6, n_elements))
@@ -67,12 +68,14 @@ def test_no_false_track_in_noise_of_unknown_correlation(n_elements: int) -> None
     assert np.mean(squares) < 2.0
 
 
+@pytest.mark.slow
 def test_white_noise_is_not_named_and_nothing_is_whitened() -> None:
     estimates, _, named = tracked(data_in_noise(6, 0.0, 15))
     assert named == set()
     assert all(each.noise_covariance is None for each in estimates)
 
 
+@pytest.mark.slow
 def test_the_colour_does_not_depend_on_how_the_data_are_cut() -> None:
     data = data_in_noise(7, 0.6, 15)[:1600]
     one, other = tracked(data, 100)[0], tracked(data, 800)[0]

@@ -120,6 +120,7 @@ def test_strong_moving_targets_start_no_extra_tracks(level_db: float) -> None:
     assert np.rad2deg(confirmed(tracks[-1])) == pytest.approx(np.rad2deg(at_end), abs=0.5)
 
 
+@pytest.mark.slow
 def test_noise_alone_starts_nothing() -> None:
     data = snapshots_of(np.random.default_rng(3), np.zeros((4000, 1)), -300.0)
     for count in (0, 2):
@@ -141,6 +142,7 @@ def test_line_through_joined_bearings() -> None:
     assert np.diag(covariance) == pytest.approx([0.7e-4, 0.2e-4])
 
 
+@pytest.mark.slow
 def test_covariances_that_share_snapshots_are_used_once() -> None:
     # Ten estimates a second, each with the newest half second of snapshots.
     subspaces = SubspaceConfiguration(period=0.1, source_count=5)
@@ -149,6 +151,7 @@ def test_covariances_that_share_snapshots_are_used_once() -> None:
     assert tracks[first].stamp - tracks[0].stamp >= 1.5e9
 
 
+@pytest.mark.slow
 def test_missing_target_starts_later_than_the_others() -> None:
     # The third source comes up after 6 s; the identities of the others are maintained.
     generator = np.random.default_rng(5)

@@ -268,6 +268,7 @@ def test_target_that_passes_endfire_stays_tracked() -> None:
     assert max(variances) > 10.0 * min(variances)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["past", "covariance"])
 def test_calibrated_tracker_knows_its_errors(method: str) -> None:
     # Well separated bearings, correlated fusion, variance from the Fisher information: NIS near 1.

@@ -73,6 +73,7 @@ def faint() -> list[SubspaceEstimates]:
     return estimates_of(source(-15.0))
 
 
+@pytest.mark.slow
 def test_a_source_that_no_covariance_shows_gets_one_track_and_keeps_it(
     faint: list[SubspaceEstimates],
 ) -> None:
@@ -105,6 +106,7 @@ def test_runs_together_are_as_each_by_itself(faint: list[SubspaceEstimates]) -> 
             assert one.arrival_angle == pytest.approx(both[run].tracks.arrival_angle, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_its_track_ends_when_it_falls_silent() -> None:
     counts = confirmed(tracked(estimates_of(source(-14.0, until=30.0))))
     assert counts[58] == 1 and counts[-1] == 0
@@ -124,6 +126,7 @@ def test_faint_sources_are_found_beside_others_unless_these_are_loud() -> None:
         assert counts[-2] == expected
 
 
+@pytest.mark.slow
 def test_a_strong_source_starts_beside_a_faint_track_as_soon_as_ever() -> None:
     late = replace(source(0.0, 30.0), present=(30.0, DURATION))
     counts = confirmed(tracked(estimates_of(source(-14.0), late)))

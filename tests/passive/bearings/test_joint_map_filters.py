@@ -80,6 +80,7 @@ def errors_deg(tracks: list[BearingTracks]) -> np.ndarray:
     return np.asarray(np.rad2deg(angles - crossing_angles(times)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("subspaces", "limit"), [(CENTRED, 0.045), (CAUSAL, 0.065)])
 def test_joint_tracker_takes_all_crossings(subspaces: SubspaceConfiguration, limit: float) -> None:
     # The published trackers leave 0.39 and 0.21 deg^2.
@@ -88,6 +89,7 @@ def test_joint_tracker_takes_all_crossings(subspaces: SubspaceConfiguration, lim
     assert np.mean(errors**2) < limit
 
 
+@pytest.mark.slow
 def test_rank_found_in_the_data_serves_as_well_as_the_true_one() -> None:
     estimates = estimated(crossing_data(2, 0.0, 40.0), CAUSAL)
     assert any(estimate.rank < 5 for estimate in estimates)
@@ -111,6 +113,7 @@ def test_joint_tracker_is_consistent() -> None:
     assert np.nanmean(nis) == pytest.approx(1.0, abs=0.25)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("level_db", [-3.0, 0.0])
 def test_covariances_are_right_without_being_told_how_bearings_turn(level_db: float) -> None:
     tracks = tracked(

@@ -60,6 +60,7 @@ def test_a_faint_source_is_found_where_it_is_and_as_fast_as_it_is() -> None:
     assert found.excess == pytest.approx(0.4, rel=0.5)
 
 
+@pytest.mark.slow
 def test_noise_is_not_believed() -> None:
     generator, detector, most = np.random.default_rng(2), TrackBeforeDetect(), 0.0
     for _ in range(2000):

@@ -71,6 +71,7 @@ def test_a_steep_background_changes_no_false_alarm(slope: float) -> None:
         assert np.mean(octave) == pytest.approx(1e-3, rel=0.15 + error)
 
 
+@pytest.mark.slow
 def test_a_background_that_bends_changes_no_false_alarm() -> None:
     """Ambient noise that falls as 1/f^2 onto the white noise of the amplifiers."""
     power = noise_power(1000, seed=7) * (1.0 + (200.0 / BINS) ** 2)

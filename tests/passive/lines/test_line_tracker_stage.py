@@ -90,6 +90,7 @@ def test_one_list_a_frame_in_its_middle_and_the_end_is_passed_on() -> None:
     assert updates[-1].rows is None and len(updates[-1].lines.frequency) == 0
 
 
+@pytest.mark.slow
 def test_noise_exceeds_the_threshold_as_often_as_stated_in_every_beam() -> None:
     """The whole way from samples to rows: 3 beams, 121 frames, 780 bins, 283,000 trials."""
     probability = 1e-3
@@ -103,6 +104,7 @@ def test_noise_exceeds_the_threshold_as_often_as_stated_in_every_beam() -> None:
     assert share / probability == pytest.approx(1.0, abs=0.05 + 3.0 * np.sqrt(2.0 / 283.0))
 
 
+@pytest.mark.slow
 def test_noise_makes_hardly_a_line() -> None:
     updates = run(blocks(element_samples([], 122.0, seed=8)), bearings([-50.0, 0.0, 40.0]))
     assert sum(len(update.lines.frequency) for update in updates) == 0

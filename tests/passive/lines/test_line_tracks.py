@@ -1,6 +1,7 @@
 """Tonal tracks: confirmed by M of N, followed through drift and silence, never renamed."""
 
 import numpy as np
+import pytest
 
 from sonar_tracking.filtering.kalman import KalmanState, predict, update
 from sonar_tracking.passive.lines.line_tracker_configuration import LineTrackerConfiguration
@@ -58,6 +59,7 @@ def test_a_line_that_ended_comes_back_under_a_new_name() -> None:
     assert follow(tracks, [[heard(50.0)]] * 3, first=30)[-1] == [(9, 50.0)]
 
 
+@pytest.mark.slow
 def test_filtered_frequency_and_drift_are_consistent_with_their_covariance() -> None:
     """Normalised squared error of a drifting line, mean over 200 runs, is that of 2 numbers."""
     generator = np.random.default_rng(2)

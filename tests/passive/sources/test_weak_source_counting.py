@@ -102,6 +102,7 @@ def test_only_the_newest_that_are_counted_on_are_kept() -> None:
         assert counter.middles == kept
 
 
+@pytest.mark.slow
 def test_longer_means_show_weaker_sources_where_none_moves_fast() -> None:
     generator = np.random.default_rng(4)
     data = [snapshots_of(generator, np.broadcast_to(FIVE, (16 * N, 5)), -12.0) for _ in range(5)]

@@ -63,6 +63,7 @@ def test_targets_appear_and_leave() -> None:
     assert present == [0, 0, 1, 1, 1, 0, 0]
 
 
+@pytest.mark.slow
 def test_errors_have_the_stated_deviations() -> None:
     configuration = replace(
         QUIET, sound_speed=0.0, range_standard_deviation=30.0, azimuth_standard_deviation_deg=0.5

@@ -60,6 +60,7 @@ def test_every_fifth_azimuth_may_be_anything() -> None:
     assert np.max(error) < 25.0
 
 
+@pytest.mark.slow
 def test_silence_is_bridged_by_the_motion() -> None:
     history, ship = directions(3)
     quiet = (history.times >= 80.0) & (history.times < 160.0)

@@ -212,6 +212,7 @@ def test_turning_the_scene_turns_the_path() -> None:
     np.testing.assert_allclose(there.covariance, both @ here.covariance @ both.T, rtol=1e-4)
 
 
+@pytest.mark.slow
 def test_bent_rays_widen_the_range_that_an_elevation_gives() -> None:
     """At rest 1000 m away and 1000 m up: dr = (r^2 + h^2) / h de, with de = b / 2."""
     n, height, bending = 60, 1000.0, 0.02

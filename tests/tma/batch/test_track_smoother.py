@@ -45,6 +45,7 @@ def filtered(seed: int, n: int = 60) -> tuple[TrackPath, FloatArray]:
     return path, np.array(truth)
 
 
+@pytest.mark.slow
 def test_smoothed_states_are_better_and_their_covariance_is_right() -> None:
     errors, nees = [], []
     for seed in range(40):

@@ -16,6 +16,7 @@ from sonar_tracking.tma.performance.posterior_cramer_rao_bound import polar_boun
 PATHS = RunBatch(0, tuple(np.random.SeedSequence(2).spawn(200)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "expected"),
     [

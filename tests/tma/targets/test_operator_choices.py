@@ -41,6 +41,7 @@ def rest(stage: TmaTrackerStage) -> list[PositionTracks]:
     return [listed(one) for one in fed(stage, frames()[AT:])]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["range_bank", "fused_line"])
 @pytest.mark.parametrize(
     ("chosen", "lost"),
@@ -76,6 +77,7 @@ def test_a_side_that_is_not_open_is_not_chosen() -> None:
         stage.choose_side(left, "right")
 
 
+@pytest.mark.slow
 def test_an_ended_target_does_not_come_back_from_the_same_bearing_track() -> None:
     stage, before = started()
     stage.end_track(int(before.id[0]))

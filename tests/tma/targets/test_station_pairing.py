@@ -144,6 +144,7 @@ def test_targets_that_share_a_station_are_never_tried() -> None:
     assert pairing.decide(NOW) == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("odds", [10.0, 1e4])
 def test_evidence_is_the_ratio_of_densities_with_a_hundredth_of_wild_bearings(odds: float) -> None:
     """Decided as soon as the sum of its logarithms exceeds the odds, by hand."""

@@ -31,6 +31,7 @@ def silent(scene: TmaScene) -> TmaScene:
     return replace(scene, heard=np.zeros_like(scene.heard))
 
 
+@pytest.mark.slow
 def test_bearings_only_is_unobservable_until_own_ship_turns() -> None:
     solver, figures = TargetSolver(), []
     for observation in target_observations(one_run(silent(scene_of_legs(TURNING, 1.0))), 0):
@@ -42,6 +43,7 @@ def test_bearings_only_is_unobservable_until_own_ship_turns() -> None:
     assert solution.side == SINGLE
 
 
+@pytest.mark.slow
 def test_an_unobservable_range_is_not_claimed_to_be_known() -> None:
     solver = TargetSolver()
     runs = one_run(silent(scene_of_legs(STRAIGHT, 1.0)))
@@ -53,6 +55,7 @@ def test_an_unobservable_range_is_not_claimed_to_be_known() -> None:
     assert np.sqrt(along @ solution.covariance[:2, :2] @ along) > 1000.0
 
 
+@pytest.mark.slow
 def test_both_sides_stand_until_own_ship_turns() -> None:
     solver = TargetSolver()
     runs = one_run(silent(scene_of_legs(TURNING, 1.0)))
@@ -182,6 +185,7 @@ def test_turning_the_scene_turns_both_sides_and_all_that_is_said_of_them(angle_d
     assert len(solutions) == 1
 
 
+@pytest.mark.slow
 def test_mirror_images_are_equally_observable() -> None:
     """Own ship straight on: nothing tells the sides apart; each goes back to its own azimuth."""
     solver = TargetSolver()
