@@ -71,16 +71,11 @@ def draw(tab: Tab) -> None:
     )
     seen(tab, INSTANT)
     tab.value(CHOOSE)
-    still(seen(tab, INSTANT), "live_page.png")
+    seen(tab, INSTANT).save(FOLDER / "live_page.png", optimize=True)
     tab.colours("light")
     tab.value("page.layout.select('lofar'), page.layout.select('stacked_dots'), 0")
     seen(tab, INSTANT)
-    still(seen(tab, INSTANT), "live_page_light.png")
-
-
-def still(image: Image.Image, name: str) -> None:
-    """Write a picture that does not move, in few colours."""
-    image.quantize(256, dither=Image.Dither.NONE).save(FOLDER / name, optimize=True)
+    seen(tab, INSTANT).save(FOLDER / "live_page_light.png", optimize=True)
 
 
 def main(path: str) -> None:
