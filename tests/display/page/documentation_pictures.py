@@ -75,6 +75,7 @@ def draw(tab: Tab) -> None:
     tab.colours("light")
     tab.value("page.layout.select('lofar'), page.layout.select('stacked_dots'), 0")
     seen(tab, INSTANT)
+    tab.wait_for("(page.draw(), document.querySelector('#view-stacked_dots .empty').hidden)")
     seen(tab, INSTANT).save(FOLDER / "live_page_light.png", optimize=True)
 
 

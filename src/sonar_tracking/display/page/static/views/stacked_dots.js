@@ -18,6 +18,7 @@ const NARROWEST = 90; // of a column, CSS pixels
 const DEGREE = Math.PI / 180;
 const PERIOD = 5; // s of data between two solutions that the server keeps
 const PAUSE = 150; // ms between two that are asked for
+const PATIENCE = 5000; // ms until what was asked for is held not to come
 const KEPT = 60; // s about the time that is looked at: dots are many
 const SPANS = { 0: "all", 300: "5 min", 600: "10 min", 1800: "30 min" };
 
@@ -56,7 +57,7 @@ export class StackedDots {
     const track = chosenTrack(history, selection.track, t);
     if (!track) return null;
     const key = `${track.topic} ${track.id}`;
-    askFor(this, this.page, key, { view: "dots", topic: track.topic, track: track.id });
+    if (askFor(this, this.page, key, { view: "dots", topic: track.topic, track: track.id })) this.lastAsked = performance.now();
     const stream = history.stream(`dots ${key}`);
     const frame = stream?.at(t) ?? null;
     if (!time.live && !(frame && t - frame.t < 2 * PERIOD)) this.askForPast(track, key, t);
@@ -64,11 +65,16 @@ export class StackedDots {
     return frame ?? stream?.frames[0] ?? null; // until it comes, nothing flickers
   }
 
+  /** Why there is nothing: it may still come. */
+  absent() {
+    const waits = performance.now() - this.lastAsked < PATIENCE;
+    return waits ? "Waiting for the solution of the chosen track." : "No solution of the chosen track is known here.";
+  }
+
   askForPast({ topic, id }, key, t) {
-    if (!(performance.now() - this.lastAsked < PAUSE)) {
-      const asks = askFor(this.past, this.page, `${key} ${Math.floor(t / PERIOD)}`, { view: "dots", topic, track: id, t });
-      if (asks) this.lastAsked = performance.now();
-    }
+    if (performance.now() - this.lastAsked < PAUSE) return;
+    const asks = askFor(this.past, this.page, `${key} ${Math.floor(t / PERIOD)}`, { view: "dots", topic, track: id, t });
+    if (asks) this.lastAsked = performance.now();
   }
 
   draw(t) {
@@ -77,7 +83,7 @@ export class StackedDots {
     const stacks = frame?.stacks ?? [];
     this.empty.hidden = stacks.length > 0;
     this.empty.textContent = this.page.selection.track
-      ? !frame ? "No solution of the chosen track is known here." : "The chosen track is made of no bearings or lines that are known here."
+      ? !frame ? this.absent() : "The chosen track is made of no bearings or lines that are known here."
       : "Choose a track: what its solution leaves of the measurements is shown here.";
     this.scale = null;
     if (!pen || !stacks.length) return;
