@@ -77,9 +77,10 @@ def test_recorded_contacts_are_tracked_by_the_graph(tmp_path: Path) -> None:
     assert "range_m is 'far away', not a number" in imported.stdout
     done = run_command(
         tmp_path, "replay", bag, "--rate", "max", "--record", recorded, "--json", json,
-        "--cutoff", 50, pictures=True,
+        "--cutoff", 50, "--plots", tmp_path / "drawn", pictures=True,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout
+    assert (tmp_path / "drawn" / "tactical_plot.png").exists()
     score = report_of(json)["score"]["positions"]["/active/tracks"]
     assert score["rmse_m"] < 4.0 and score["identity_swaps"] == 0
     assert score["held_share"] > 0.85 and score["cutoff_m"] == 50.0
