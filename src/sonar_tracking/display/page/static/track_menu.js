@@ -4,7 +4,7 @@ import { element } from "./canvas.js";
 import { openMenu } from "./commands.js";
 import { bearing } from "./format.js";
 import { Identities } from "./identity.js";
-import { bearingTopics, tracksAt } from "./picture.js";
+import { TERMINATED, bearingTopics, tracksAt } from "./picture.js";
 
 const MOST_OTHERS = 14; // tracks in a menu
 const LONGEST_NAME = 24;
@@ -88,7 +88,8 @@ function openMergeMenu(page, who, row, list, place) {
 
 function bearingRows(page, { topic, sensor }) {
   const frame = page.history.at(`bearings ${topic}`, page.time.now);
-  return frame ? [...frame.id].map((id) => ({ topic, id, sensor })) : [];
+  const goesOn = (_, i) => frame.status[i] !== TERMINATED;
+  return frame ? frame.id.filter(goesOn).map((id) => ({ topic, id, sensor })) : [];
 }
 
 /** Start a track: of bearings, where a direction is an angle from broadside, or of echoes at a point. */
