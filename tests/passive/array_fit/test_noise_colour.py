@@ -9,7 +9,7 @@ import pytest
 
 from sonar_tracking.geometry import line_array, steering_vectors
 from sonar_tracking.passive.array_fit.judged_covariance import JudgedCovariance
-from sonar_tracking.passive.array_fit.noise_colour import NoiseColour
+from sonar_tracking.passive.array_fit.noise_colour import NoiseColour, updated_colours
 from sonar_tracking.passive.array_fit.noise_evidence import noise_evidence
 from sonar_tracking.passive.array_fit.noise_models import DistanceNoise, LineNoise, noise_model
 from sonar_tracking.passive.sources.moving_source_counting import sample_covariance
@@ -56,7 +56,7 @@ def colour_after(data: list[ComplexArray], positions: FloatArray) -> NoiseColour
         judged = JudgedCovariance(
             covariance, covariance, 100, positions, WAVENUMBER, elements, None, model
         )
-        colour = colour.update(judged, 1.0)
+        (colour,) = updated_colours([(colour, judged, 1.0)])
     return colour
 
 

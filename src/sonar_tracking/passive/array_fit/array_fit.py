@@ -51,20 +51,19 @@ class ArrayFit:
         faulty = self.faults.found or self.steering.error
         return not (self.colour.coloured or faulty)
 
-    def update(self, judged: JudgedCovariance, share: float, end: int) -> ArrayFit:
+    def update(self, judged: JudgedCovariance, colour: NoiseColour, end: int) -> ArrayFit:
         """Return the fit after one more covariance, in which the faults found are undone.
 
         Parameters
         ----------
         judged : JudgedCovariance
             The covariance.
-        share : float
-            How many of its snapshots are new, 0 to 1.
+        colour : NoiseColour
+            Of the noise, after it.
         end : int
             Global index of its last snapshot.
         """
         number = self.n_judged
-        colour = self.colour.update(judged, share)
         fit = replace(self, colour=colour, fitted_to=end, n_judged=number + 1)
         if colour.coloured is not self.colour.coloured:
             # What strong sources seemed to show was judged in noise of another colour.

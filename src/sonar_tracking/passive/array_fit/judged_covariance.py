@@ -42,9 +42,7 @@ class JudgedCovariance:
     model : NoiseModel or None
         Of the noise of the first ``size`` elements; None = it is known, or cannot be judged.
     white : NoiseEvidence or None
-        What this covariance and others say at white noise, and
-    row : int
-        which of them it is.
+        What it says at white noise, if that is known already.
     """
 
     covariance: ComplexArray | None
@@ -56,7 +54,6 @@ class JudgedCovariance:
     noise: ComplexArray | None
     model: NoiseModel | None
     white: NoiseEvidence | None = None
-    row: int = 0
 
 
 def judged_size(positions: FloatArray, n_snapshots: int) -> int:

@@ -14,6 +14,7 @@ place: eigenvectors that MDL gives to sources are left out of score and informat
 
 from __future__ import annotations
 
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -25,6 +26,7 @@ from sonar_tracking.passive.array_fit.noise_evidence import (
     noise_evidence,
     solved,
 )
+from sonar_tracking.passive.array_fit.noise_fit import NoiseFits, noise_fits
 from sonar_tracking.passive.array_fit.noise_models import NoiseModel
 from sonar_tracking.records.arrays import ComplexArray, FloatArray
 
@@ -46,9 +48,6 @@ _GAIN_PER_PAIR, _MOST_GAIN = 0.68, 160.0
 that 15 elements do not resolve bring 150."""
 
 _WHITE_AGAIN = 30.0
-_FIT_STEPS = 8
-_LEAST_GAIN_OF_A_STEP = 0.01
-"""Nats that a step is expected to gain; the fits are told apart by tens."""
 
 _FITTED_AGAIN = 8
 """Covariances after which the fit is tried from its starts again, then after ever more of them."""
@@ -65,9 +64,6 @@ no colour."""
 
 _MOST_SOURCES = 0.5
 """Of the elements, beside which the colour of the noise can be seen at all."""
-
-_FEWEST_SOURCES = (None, 0, 2)
-"""Starts of the fit: with as many sources as MDL sees in white noise, and with few of them."""
 
 
 @dataclass(frozen=True)
@@ -103,8 +99,10 @@ class NoiseColour:
     mean: ComplexArray = field(default_factory=lambda: np.empty((0, 0), dtype=np.complex128))
     n_meant: int = 0
 
-    def update(self, judged: JudgedCovariance, share: float) -> NoiseColour:
-        """Return the colour after one more covariance.
+    def updated(
+        self, judged: JudgedCovariance, share: float, evidence: NoiseEvidence
+    ) -> tuple[NoiseColour, _Trial | None]:
+        """Return the colour after one more covariance, and the fit that is due then, if any.
 
         Parameters
         ----------
@@ -112,93 +110,175 @@ class NoiseColour:
             The covariance.
         share : float
             How many of its snapshots are new, 0 to 1.
+        evidence : NoiseEvidence
+            What it says of the colour so far.
         """
-        model, n_snapshots = judged.model, judged.n_snapshots
-        if model is None:
-            return self
-        if len(self.parameters) != model.n_parameters:
-            return _white(model).update(judged, share)
-        covariance, white, row = judged.of_noise, judged.white, judged.row
-        if self.coloured:
-            return self._follow(covariance, n_snapshots, model, share)
-        if white is None:
-            white, row = noise_evidence(covariance[None], n_snapshots, model, self.parameters), 0
-        return self._test(covariance, n_snapshots, model, share, white, row)
+        if judged.model is None:
+            return self, None
+        step = self._followed if self.coloured else self._summed
+        return step(judged, judged.model, share, evidence)
 
-    def _test(
-        self,
-        covariance: ComplexArray,
-        n_snapshots: int,
-        model: NoiseModel,
-        share: float,
-        white: NoiseEvidence,
-        row: int,
-    ) -> NoiseColour:
+    def _summed(
+        self, judged: JudgedCovariance, model: NoiseModel, share: float, white: NoiseEvidence
+    ) -> tuple[NoiseColour, _Trial | None]:
+        """Return the colour after a test for white noise of one more covariance."""
+        latest = judged.of_noise
         kept = FORGETTING**share
-        score = kept * self.score + share * white.score[row]
-        variance = kept**2 * self.variance + share * white.information[row]
+        score = kept * self.score + share * white.score
+        variance = kept**2 * self.variance + share * white.information
         significant = score @ solved(variance, score) >= SIGNIFICANT
-        suspect = significant or white.ranks[row] >= len(covariance) / _CROWDED
+        suspect = significant or white.ranks >= len(latest) / _CROWDED
         n_suspect = self.n_steps + int(suspect)
         n_meant = min(self.n_meant + 1, _MEANT)
-        before = self.mean if self.mean.shape == covariance.shape else covariance
-        latest, covariance = covariance, before + (covariance - before) / n_meant
+        before = self.mean if self.mean.shape == latest.shape else latest
+        mean = before + (latest - before) / n_meant
         summed = replace(
-            self,
-            score=score,
-            variance=variance,
-            n_steps=n_suspect,
-            mean=covariance,
-            n_meant=n_meant,
+            self, score=score, variance=variance, n_steps=n_suspect, mean=mean, n_meant=n_meant
         )
         if not suspect or n_meant < _FEWEST_MEANT or not _has_a_turn(n_suspect - _FEWEST_MEANT + 1):
-            return summed
-        n_all = n_snapshots * n_meant
-        fitted, evidence = _fitted(covariance, n_all, model)
-        least = _least_gain(len(covariance)) * _caution(covariance)
-        doubtful = _gain(covariance, n_all, model, fitted) < least
-        doubtful |= _gain(latest, n_snapshots, model, fitted) < LEAST_GAIN * _caution(latest)
-        doubtful |= evidence.ranks[0] > _MOST_SOURCES * len(covariance)
-        if doubtful or _largest_correlation(model.covariance(fitted)) < LEAST_CORRELATION:
-            return summed
-        return replace(
-            _white(model),
-            coloured=True,
-            parameters=fitted,
-            information=evidence.information[0],
-        )
+            return summed, None
+        return summed, _Trial(summed, judged, model, white, mean, judged.n_snapshots * n_meant)
 
-    def _follow(
-        self, covariance: ComplexArray, n_snapshots: int, model: NoiseModel, share: float
-    ) -> NoiseColour:
-        evidence = noise_evidence(covariance[None], n_snapshots, model, self.parameters)
-        information = FORGETTING**share * self.information + share * evidence.information[0]
-        change = solved(information, share * evidence.score[0])
+    def _followed(
+        self, judged: JudgedCovariance, model: NoiseModel, share: float, evidence: NoiseEvidence
+    ) -> tuple[NoiseColour, _Trial | None]:
+        """Return the colour, which is known, after a step towards one more covariance."""
+        information = FORGETTING**share * self.information + share * evidence.information
+        change = solved(information, share * evidence.score)
         parameters = model.bounded(self.parameters + np.clip(change, -LARGEST_STEP, LARGEST_STEP))
         followed = replace(
             self, parameters=parameters, information=information, n_steps=self.n_steps + 1
         )
         if parameters @ information @ parameters < _WHITE_AGAIN:
-            return _white(model)
+            return _white(model), None
         turn, rest = divmod(followed.n_steps, _FITTED_AGAIN)
         if rest or not _has_a_turn(turn):
-            return followed
-        fitted, other = _fitted(covariance, n_snapshots, model)
-        if other.description[0] > evidence.description[0] - LEAST_GAIN:
-            return followed
-        return replace(followed, parameters=fitted, information=other.information[0])
+            return followed, None
+        trial = _Trial(followed, judged, model, evidence, judged.of_noise, judged.n_snapshots)
+        return followed, trial
 
 
-def _gain(
-    covariance: ComplexArray, n_snapshots: int, model: NoiseModel, parameters: FloatArray
-) -> float:
-    """Return how many nats a colour shortens the description of a covariance by.
+@dataclass(frozen=True)
+class _Trial:
+    """A fit that is due after one more covariance.
 
-    Sources that move are smeared in the mean of several covariances, and not in one of them.
+    Attributes
+    ----------
+    colour : NoiseColour
+        Without the fit.
+    judged : JudgedCovariance
+        The covariance.
+    model : NoiseModel
+        Of the noise.
+    evidence : NoiseEvidence
+        What it says of the colour before it.
+    fitted_in : ndarray, shape (n_elements, n_elements), complex
+        What is fitted: that covariance or the mean of the last ones, linear power.
+    n_snapshots : int
+        Snapshots in that.
     """
-    white = noise_evidence(covariance[None], n_snapshots, model, np.zeros(model.n_parameters))
-    coloured = noise_evidence(covariance[None], n_snapshots, model, parameters)
-    return float(white.description[0] - coloured.description[0])
+
+    colour: NoiseColour
+    judged: JudgedCovariance
+    model: NoiseModel
+    evidence: NoiseEvidence
+    fitted_in: ComplexArray
+    n_snapshots: int
+
+    def with_fit(self, fits: NoiseFits, row: int) -> NoiseColour:
+        """Return the colour with the fit, one of several, if that tells more than no fit."""
+        parameters, evidence = fits.parameters[row], fits.evidence.of(row)
+        if not self.colour.coloured:
+            if self._is_doubtful(parameters, evidence, float(fits.gains[row])):
+                return self.colour
+            found = replace(_white(self.model), coloured=True)
+        elif evidence.description > self.evidence.description - LEAST_GAIN:
+            return self.colour
+        else:
+            found = self.colour
+        return replace(found, parameters=parameters, information=evidence.information)
+
+    def _is_doubtful(self, parameters: FloatArray, evidence: NoiseEvidence, gain: float) -> bool:
+        """Return whether a fit in the mean of some covariances is no colour for sure."""
+        mean, latest, n_elements = self.colour.mean, self.judged.of_noise, len(self.colour.mean)
+        if evidence.ranks > _MOST_SOURCES * n_elements:
+            return True
+        if gain < _least_gain(n_elements) * _caution(mean):
+            return True
+        if _largest_correlation(self.model.covariance(parameters)) < LEAST_CORRELATION:
+            return True
+        # Sources that move are smeared in the mean, and not in one covariance.
+        n_snapshots = self.judged.n_snapshots
+        coloured = noise_evidence(latest[None], n_snapshots, self.model, parameters)
+        gain = float(self.evidence.description - coloured.description[0])
+        return gain < LEAST_GAIN * _caution(latest)
+
+
+def updated_colours(
+    before: Sequence[tuple[NoiseColour, JudgedCovariance, float]],
+) -> list[NoiseColour]:
+    """Return the colours of the noise of several runs after one more covariance of each.
+
+    Parameters
+    ----------
+    before : sequence of (NoiseColour, JudgedCovariance, float)
+        What is known of the colour, the covariance, and how many of its snapshots are new, 0 to 1.
+    """
+    after = [_sized(colour, judged.model) for colour, judged, _ in before]
+    evidence = _own_evidence(after, [judged for _, judged, _ in before])
+    trials: dict[int, _Trial] = {}
+    for run, own in evidence.items():
+        _, judged, share = before[run]
+        after[run], trial = after[run].updated(judged, share, own)
+        if trial is not None:
+            trials[run] = trial
+    for runs in _alike({run: (id(t.model), t.n_snapshots) for run, t in trials.items()}):
+        first = trials[runs[0]]
+        covariances = np.stack([trials[run].fitted_in for run in runs])
+        fits = noise_fits(covariances, first.n_snapshots, first.model)
+        for row, run in enumerate(runs):
+            after[run] = trials[run].with_fit(fits, row)
+    return after
+
+
+def _own_evidence(
+    colours: Sequence[NoiseColour], judged: Sequence[JudgedCovariance]
+) -> dict[int, NoiseEvidence]:
+    """Return what the covariances say of the colours, by run, where the noise can be judged."""
+    evidence: dict[int, NoiseEvidence] = {}
+    asked: dict[int, tuple[int, int]] = {}
+    for run, (colour, each) in enumerate(zip(colours, judged, strict=True)):
+        if each.white is not None and not colour.coloured:
+            evidence[run] = each.white
+        elif each.model is not None:
+            asked[run] = (id(each.model), each.n_snapshots)
+    for runs in _alike(asked):
+        first = judged[runs[0]]
+        if first.model is None:
+            continue
+        together = noise_evidence(
+            np.stack([judged[run].of_noise for run in runs]),
+            first.n_snapshots,
+            first.model,
+            np.stack([colours[run].parameters for run in runs]),
+        )
+        evidence.update((run, together.of(row)) for row, run in enumerate(runs))
+    return evidence
+
+
+def _alike(kinds: Mapping[int, Hashable]) -> list[list[int]]:
+    """Return the runs of each kind."""
+    groups: dict[Hashable, list[int]] = {}
+    for run, kind in kinds.items():
+        groups.setdefault(kind, []).append(run)
+    return list(groups.values())
+
+
+def _sized(colour: NoiseColour, model: NoiseModel | None) -> NoiseColour:
+    """Return the colour, white where its parameters are not those of the model."""
+    if model is None or len(colour.parameters) == model.n_parameters:
+        return colour
+    return _white(model)
 
 
 def _least_gain(n_elements: int) -> float:
@@ -226,24 +306,3 @@ def _white(model: NoiseModel) -> NoiseColour:
     n = model.n_parameters
     zero, none = np.zeros(n), np.zeros((n, n))
     return NoiseColour(parameters=zero, score=zero, variance=none, information=none)
-
-
-def _fitted(
-    covariance: ComplexArray, n_snapshots: int, model: NoiseModel
-) -> tuple[FloatArray, NoiseEvidence]:
-    """Return the parameters that describe one covariance most briefly, and their evidence.
-
-    A start goes on only as long as a step is expected to raise the likelihood.
-    """
-    fits = []
-    for most_sources in _FEWEST_SOURCES:
-        parameters = np.zeros(model.n_parameters)
-        for limit in dict.fromkeys((most_sources, None)):
-            n_steps = _FIT_STEPS if most_sources is None else _FIT_STEPS // 2
-            for _ in range(n_steps):
-                evidence = noise_evidence(covariance[None], n_snapshots, model, parameters, limit)
-                before, parameters = parameters, evidence.step(0, model, parameters)
-                if 0.5 * evidence.score[0] @ (parameters - before) < _LEAST_GAIN_OF_A_STEP:
-                    break
-        fits.append((parameters, noise_evidence(covariance[None], n_snapshots, model, parameters)))
-    return min(fits, key=lambda fit: float(fit[1].description[0]))

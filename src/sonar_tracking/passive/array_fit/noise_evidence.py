@@ -53,24 +53,28 @@ class NoiseEvidence:
     information: FloatArray
     description: FloatArray
 
-    def step(self, row: int, model: NoiseModel, parameters: FloatArray) -> FloatArray:
-        """Return parameters that suit one of the covariances better.
+    def of(self, rows: int | IntArray) -> NoiseEvidence:
+        """Return what some of the covariances say, or one of them: then without the dimension."""
+        return NoiseEvidence(
+            self.ranks[rows], self.score[rows], self.information[rows], self.description[rows]
+        )
+
+    def improved(self, model: NoiseModel, parameters: FloatArray) -> FloatArray:
+        """Return parameters that suit each of the covariances better.
 
         Parameters
         ----------
-        row : int
-            Which of them.
         model : NoiseModel
             Of the noise.
-        parameters : ndarray, shape (n_parameters,)
+        parameters : ndarray, shape (n, n_parameters)
             Those the evidence was computed at, pure numbers.
 
         Returns
         -------
-        ndarray, shape (n_parameters,)
+        ndarray, shape (n, n_parameters)
             Pure numbers.
         """
-        change = solved(self.information[row], self.score[row])
+        change = solved(self.information, self.score)
         return model.bounded(parameters + np.clip(change, -LARGEST_STEP, LARGEST_STEP))
 
 
@@ -79,7 +83,7 @@ def noise_evidence(
     n_snapshots: int,
     model: NoiseModel,
     parameters: FloatArray,
-    most_sources: int | None = None,
+    most_sources: int | IntArray | None = None,
 ) -> NoiseEvidence:
     """Return what covariances say of the parameters.
 
@@ -91,9 +95,9 @@ def noise_evidence(
         N, snapshots in each.
     model : NoiseModel
         Of the same elements.
-    parameters : ndarray, shape (n_parameters,)
-        c, pure numbers; zero = white noise.
-    most_sources : int, optional
+    parameters : ndarray, shape (n_parameters,) or (n, n_parameters)
+        c of all or of each, pure numbers; zero = white noise.
+    most_sources : int or ndarray of int, shape (n,), optional
         R is not more than this; if not given, what MDL says.
     """
     n_elements = covariances.shape[-1]
@@ -104,7 +108,8 @@ def noise_evidence(
         factor = np.linalg.cholesky(model.covariance(parameters))
         whitening = np.asarray(np.linalg.inv(factor), dtype=np.complex128)
         covariances = whitening @ covariances @ adjoint(whitening)
-        length = length + 2.0 * n_snapshots * np.log(np.diagonal(factor).real).sum()
+        diagonal = np.diagonal(factor, axis1=-2, axis2=-1).real
+        length = length + 2.0 * n_snapshots * np.log(diagonal).sum(axis=-1)
     values, vectors = np.linalg.eigh(covariances)
     usable = values[:, 0] > _LEAST_SHARE * values[:, -1]
     values = np.maximum(values[:, ::-1], _LEAST_SHARE * values[:, -1:] + np.finfo(float).tiny)
@@ -118,10 +123,12 @@ def noise_evidence(
     across = adjoint(whitening) @ vectors[:, :, ::-1]
     beyond = (across * excess[:, None, :]) @ adjoint(across)
     within = (across * noise[:, None, :]) @ adjoint(across)
-    n_parameters = len(derivatives)
-    flat = np.swapaxes(derivatives, -1, -2).reshape(n_parameters, -1)
-    score = n_snapshots * (beyond.reshape(len(values), -1) @ flat.T).real
-    means = (within.reshape(len(values), -1) @ flat.T).real
+    n_parameters = derivatives.shape[-3]
+    flat = np.swapaxes(derivatives, -1, -2).reshape(*derivatives.shape[:-2], -1)
+    # One covariance at a time, so that each has the same bits however many are judged together.
+    columns = np.swapaxes(flat, -1, -2)
+    score = n_snapshots * (beyond.reshape(len(values), 1, -1) @ columns)[:, 0].real
+    means = (within.reshape(len(values), 1, -1) @ columns)[:, 0].real
     products = within[:, None] @ derivatives
     transposed = np.swapaxes(products, -1, -2).reshape(len(values), n_parameters, -1)
     squares = products.reshape(len(values), n_parameters, -1) @ np.swapaxes(transposed, -1, -2)
@@ -141,16 +148,18 @@ def solved(information: FloatArray, score: FloatArray) -> FloatArray:
 
     Parameters
     ----------
-    information : ndarray, shape (n_parameters, n_parameters)
+    information : ndarray, shape (..., n_parameters, n_parameters)
         Pure numbers.
-    score : ndarray, shape (n_parameters,)
+    score : ndarray, shape (..., n_parameters)
         Pure numbers.
 
     Returns
     -------
-    ndarray, shape (n_parameters,)
+    ndarray, shape (..., n_parameters)
         Pure numbers.
     """
-    size = len(information)
-    damping = 1e-3 * np.trace(information) / size + np.finfo(float).tiny
-    return np.asarray(np.linalg.solve(information + damping * np.eye(size), score))
+    size = information.shape[-1]
+    trace = np.trace(information, axis1=-2, axis2=-1)[..., None, None]
+    damping = 1e-3 * trace / size + np.finfo(float).tiny
+    damped = information + damping * np.eye(size)
+    return np.asarray(np.linalg.solve(damped, score[..., None])[..., 0])

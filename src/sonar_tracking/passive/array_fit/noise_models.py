@@ -44,7 +44,7 @@ _REACHES = (1.5, 4.0)
 
 
 class NoiseModel(Protocol):
-    """Covariances by parameters, shape (n_parameters,), pure numbers with trace n_elements."""
+    """Covariances by parameters, shape (..., n_parameters), pure numbers with trace n_elements."""
 
     @property
     def n_parameters(self) -> int:
@@ -52,31 +52,31 @@ class NoiseModel(Protocol):
         ...
 
     def covariance(self, parameters: FloatArray) -> ComplexArray:
-        """Return the covariance, shape (n_elements, n_elements), pure numbers.
+        """Return the covariances, shape (..., n_elements, n_elements), pure numbers.
 
         Parameters
         ----------
-        parameters : ndarray, shape (n_parameters,)
+        parameters : ndarray, shape (..., n_parameters)
             Pure numbers.
         """
         ...
 
     def derivatives(self, parameters: FloatArray) -> ComplexArray:
-        """Return its derivatives, shape (n_parameters, n_elements, n_elements), pure numbers.
+        """Return their derivatives, shape (..., n_parameters, n_elements, n_elements).
 
         Parameters
         ----------
-        parameters : ndarray, shape (n_parameters,)
+        parameters : ndarray, shape (..., n_parameters)
             Pure numbers.
         """
         ...
 
     def bounded(self, parameters: FloatArray) -> FloatArray:
-        """Return the nearest parameters that are allowed, shape (n_parameters,), pure numbers.
+        """Return the nearest parameters that are allowed, shape (..., n_parameters), pure numbers.
 
         Parameters
         ----------
-        parameters : ndarray, shape (n_parameters,)
+        parameters : ndarray, shape (..., n_parameters)
             Pure numbers.
         """
         ...
@@ -113,40 +113,40 @@ class LineNoise:
         return 2.0 * np.concatenate([np.cos(order), np.sin(order)])
 
     def covariance(self, parameters: FloatArray) -> ComplexArray:
-        """Return the covariance, shape (n_elements, n_elements), pure numbers.
+        """Return the covariances, shape (..., n_elements, n_elements), pure numbers.
 
         Parameters
         ----------
-        parameters : ndarray, shape (n_parameters,)
+        parameters : ndarray, shape (..., n_parameters)
             Pure numbers.
         """
         return self._toeplitz(self._spectrum(parameters))
 
     def derivatives(self, parameters: FloatArray) -> ComplexArray:
-        """Return its derivatives, shape (n_parameters, n_elements, n_elements), pure numbers.
+        """Return their derivatives, shape (..., n_parameters, n_elements, n_elements).
 
         Parameters
         ----------
-        parameters : ndarray, shape (n_parameters,)
+        parameters : ndarray, shape (..., n_parameters)
             Pure numbers.
         """
-        spectrum = self._spectrum(parameters)
+        spectrum = self._spectrum(parameters)[..., None, :]
         mean = (spectrum * self.series).mean(axis=-1, keepdims=True)
         return self._toeplitz(spectrum * (self.series - mean))
 
     def bounded(self, parameters: FloatArray) -> FloatArray:
-        """Return the nearest parameters that are allowed, shape (n_parameters,), pure numbers.
+        """Return the nearest parameters that are allowed, shape (..., n_parameters), pure numbers.
 
         Parameters
         ----------
-        parameters : ndarray, shape (n_parameters,)
+        parameters : ndarray, shape (..., n_parameters)
             Pure numbers.
         """
         return np.clip(parameters, -_LARGEST_HARMONIC, _LARGEST_HARMONIC)
 
     def _spectrum(self, parameters: FloatArray) -> FloatArray:
-        spectrum = np.exp(parameters @ self.series)
-        return np.asarray(spectrum / spectrum.mean())
+        spectrum = np.exp(_each_times(parameters, self.series))
+        return np.asarray(spectrum / spectrum.mean(axis=-1, keepdims=True))
 
     def _toeplitz(self, spectrum: FloatArray) -> ComplexArray:
         return np.asarray(np.fft.ifft(spectrum, axis=-1)[..., self.lags])
@@ -170,38 +170,40 @@ class DistanceNoise:
         return len(self.kernels)
 
     def covariance(self, parameters: FloatArray) -> ComplexArray:
-        """Return the covariance, shape (n_elements, n_elements), pure numbers.
+        """Return the covariances, shape (..., n_elements, n_elements), pure numbers.
 
         Parameters
         ----------
-        parameters : ndarray, shape (n_parameters,)
+        parameters : ndarray, shape (..., n_parameters)
             Pure numbers.
         """
-        identity = np.eye(self.kernels.shape[-1])
-        shares = np.tensordot(parameters, self.kernels - identity, 1)
+        identity, size = np.eye(self.kernels.shape[-1]), self.kernels.shape[-1]
+        beyond = (self.kernels - identity).reshape(self.n_parameters, -1)
+        shares = _each_times(parameters, beyond).reshape(*parameters.shape[:-1], size, size)
         return np.asarray(identity + shares, dtype=np.complex128)
 
     def derivatives(self, parameters: FloatArray) -> ComplexArray:
-        """Return its derivatives, shape (n_parameters, n_elements, n_elements), pure numbers.
+        """Return their derivatives, shape (..., n_parameters, n_elements, n_elements).
 
         Parameters
         ----------
-        parameters : ndarray, shape (n_parameters,)
+        parameters : ndarray, shape (..., n_parameters)
             Pure numbers.
         """
-        identity = np.eye(self.kernels.shape[-1])
-        return np.asarray(self.kernels - identity, dtype=np.complex128)
+        beyond = np.asarray(self.kernels - np.eye(self.kernels.shape[-1]), dtype=np.complex128)
+        return np.broadcast_to(beyond, (*parameters.shape[:-1], *beyond.shape))
 
     def bounded(self, parameters: FloatArray) -> FloatArray:
-        """Return the nearest parameters that are allowed, shape (n_parameters,), pure numbers.
+        """Return the nearest parameters that are allowed, shape (..., n_parameters), pure numbers.
 
         Parameters
         ----------
-        parameters : ndarray, shape (n_parameters,)
+        parameters : ndarray, shape (..., n_parameters)
             Pure numbers.
         """
         shares = np.maximum(parameters, 0.0)
-        return np.asarray(shares * min(1.0, _LARGEST_SHARE / max(float(shares.sum()), 1e-9)))
+        total = np.maximum(shares.sum(axis=-1, keepdims=True), 1e-9)
+        return np.asarray(shares * np.minimum(1.0, _LARGEST_SHARE / total))
 
 
 def noise_model(positions: FloatArray) -> NoiseModel | None:
@@ -230,6 +232,11 @@ def _noise_model(position_bytes: bytes) -> NoiseModel | None:
     if nearest == 0.0:
         return None
     return DistanceNoise(np.stack([np.exp(-distances / (r * nearest)) for r in _REACHES]))
+
+
+def _each_times(parameters: FloatArray, matrix: FloatArray) -> FloatArray:
+    """Return parameters times a matrix, one by one: the same bits however many there are."""
+    return np.asarray((parameters[..., None, :] @ matrix)[..., 0, :])
 
 
 def _grid_lags(places: FloatArray) -> IntArray | None:

@@ -17,6 +17,7 @@ from sonar_tracking.passive.array_fit.judged_covariance import (
     judged_covariance,
     judged_size,
 )
+from sonar_tracking.passive.array_fit.noise_colour import updated_colours
 from sonar_tracking.passive.array_fit.noise_evidence import noise_evidence
 from sonar_tracking.passive.array_fit.noise_models import noise_model
 from sonar_tracking.passive.array_fit.strong_sources import MOST_ELEMENTS
@@ -59,10 +60,48 @@ def fitted_windows(
     judged = [[_judged(configuration, window, fit) for window in windows] for fit, windows in runs]
     coloured = [fit.colour.coloured for fit, _ in runs]
     judged = _with_evidence(judged, coloured)
-    return [
-        _fitted(configuration, fit, windows, own)
-        for (fit, windows), own in zip(runs, judged, strict=True)
+    fitted = [FittedWindows(fit, []) for fit, _ in runs]
+    for number in range(max((len(windows) for _, windows in runs), default=0)):
+        rows = [row for row, (_, windows) in enumerate(runs) if number < len(windows)]
+        for row in rows:
+            before, windows = runs[row]
+            if fitted[row].fit.faults.found != before.faults.found:
+                judged[row][number] = _judged(configuration, windows[number], fitted[row].fit)
+        latest = [(fitted[row], runs[row][1][number], judged[row][number]) for row in rows]
+        for row, each in zip(rows, _one_more_window(latest), strict=True):
+            fitted[row] = each
+    return fitted
+
+
+def _one_more_window(
+    runs: list[tuple[FittedWindows, CompleteWindow, JudgedCovariance | None]],
+) -> list[FittedWindows]:
+    """Return the windows of several runs with one more of each, the noise of all judged at once."""
+    shares = [
+        0.0
+        if each is None
+        else min((window.covariance_end - fitted.fit.fitted_to) / each.n_snapshots, 1.0)
+        for fitted, window, each in runs
     ]
+    fits = [fitted.fit for fitted, _, _ in runs]
+    new = [
+        (row, window, each, share)
+        for row, ((_, window, each), share) in enumerate(zip(runs, shares, strict=True))
+        if each is not None and share > 0.0
+    ]
+    colours = updated_colours([(fits[row].colour, each, share) for row, _, each, share in new])
+    for (row, window, each, _), colour in zip(new, colours, strict=True):
+        fits[row] = fits[row].update(each, colour, window.covariance_end)
+    return [
+        FittedWindows(fit, [*fitted.windows, _as_fitted(window, fit)])
+        for fit, (fitted, window, _) in zip(fits, runs, strict=True)
+    ]
+
+
+def _as_fitted(window: CompleteWindow, fit: ArrayFit) -> CompleteWindow:
+    if fit.as_described:
+        return window
+    return replace(window, snapshots_from=window.snapshots_from.fitted(fit))
 
 
 def _judged(
@@ -124,26 +163,5 @@ def _with_evidence(
             np.zeros(model.n_parameters),
         )
         for row, ((run, number), each) in enumerate(zip(places, together, strict=True)):
-            runs[run][number] = replace(each, white=white, row=row)
+            runs[run][number] = replace(each, white=white.of(row))
     return runs
-
-
-def _fitted(
-    configuration: SubspaceConfiguration,
-    fit: ArrayFit,
-    windows: list[CompleteWindow],
-    judged: list[JudgedCovariance | None],
-) -> FittedWindows:
-    fitted, before = [], fit.faults.found
-    for window, each in zip(windows, judged, strict=True):
-        if fit.faults.found != before:
-            each = _judged(configuration, window, fit)
-        if each is not None:
-            share = min((window.covariance_end - fit.fitted_to) / each.n_snapshots, 1.0)
-            if share > 0.0:
-                fit = fit.update(each, share, window.covariance_end)
-        if not fit.as_described:
-            memory = window.snapshots_from.fitted(fit)
-            window = replace(window, snapshots_from=memory)
-        fitted.append(window)
-    return FittedWindows(fit, fitted)
