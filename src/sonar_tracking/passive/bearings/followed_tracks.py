@@ -20,6 +20,8 @@ class FollowedTracks:
     ----------
     filters : KalmanState
         After the estimate.
+    targets : KalmanState
+        Angle and rate of each track, (..., n_tracks, 2) and (..., n_tracks, 2, 2), rad and rad/s.
     existence : ndarray, shape (..., n_tracks)
         Probabilities; NaN = not estimated.
     measurement : BearingMeasurement or None
@@ -37,6 +39,7 @@ class FollowedTracks:
     """
 
     filters: KalmanState
+    targets: KalmanState
     existence: FloatArray
     measurement: BearingMeasurement | None
     signal_to_noise_ratio: FloatArray

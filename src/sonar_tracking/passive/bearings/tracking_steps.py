@@ -48,7 +48,7 @@ from sonar_tracking.passive.directions.sources_at_angles import (
     signal_to_noise_ratios,
 )
 from sonar_tracking.passive.sources.weak_source_counting import WeakSourceCounter
-from sonar_tracking.records.arrays import BoolArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray
 from sonar_tracking.records.bearings import SubspaceEstimates, TrackStatus
 from sonar_tracking.records.time import END_OF_DATA, seconds
 
@@ -164,6 +164,7 @@ class TrackingSteps:
                 updated = self._without_unseen(updated, filters, evidence.unseen)
         return FollowedTracks(
             updated.filters,
+            self.filters.targets(updated.filters),
             existence,
             updated.measurement,
             signal_to_noise_ratios(estimates, sources, predicted.shape[:-1]),
@@ -212,7 +213,7 @@ class TrackingSteps:
         )
         rows = running_rows(
             state.ids,
-            self.filters.targets(state.filters),
+            followed.targets,
             followed.measurement,
             followed.signal_to_noise_ratio,
             self._status(state, followed),
@@ -223,7 +224,9 @@ class TrackingSteps:
             rows = rows.append(each)
         state, n_seen = self._end_tracks(replace(state, ended=()), followed.evidence)
         if self.automatic:
-            state, new_rows = self._start_tracks(estimates, state, n_seen, n_weak, n_faint)
+            same = state.ids == before.ids
+            mean = (followed.targets if same else self.filters.targets(state.filters)).mean
+            state, new_rows = self._start_tracks(estimates, state, mean, n_seen, n_weak, n_faint)
             hidden = {pair.track_id: pair.half_separation() for pair in state.start.pairs}
             rows = rows.without(new_rows.ids).widened(hidden).append(new_rows)
         # An estimate that only carries the end of the data is empty by nature.
@@ -309,12 +312,12 @@ class TrackingSteps:
         self,
         estimates: SubspaceEstimates,
         state: TrackerState,
+        mean: FloatArray,
         n_seen: int | None,
         n_weak: int,
         n_faint: int,
     ) -> tuple[TrackerState, BearingTrackRows]:
-        """Let the automatic start see the estimate; return its rows too."""
-        mean = self.filters.targets(state.filters).mean
+        """Let the automatic start see the estimate and the running tracks; return its rows too."""
         folded, _ = folded_angles(mean[..., 0], estimates.element_positions)
         start, started = state.start.update(
             estimates, folded, n_seen, n_weak, state.ids, mean[..., 1], n_faint
