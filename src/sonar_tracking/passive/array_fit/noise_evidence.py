@@ -54,7 +54,13 @@ class NoiseEvidence:
     description: FloatArray
 
     def of(self, rows: int | IntArray) -> NoiseEvidence:
-        """Return what some of the covariances say, or one of them: then without the dimension."""
+        """Return what some of the covariances say.
+
+        Parameters
+        ----------
+        rows : int or ndarray of int, shape (n_chosen,)
+            Which of them; of a single one all arrays are without the first dimension.
+        """
         return NoiseEvidence(
             self.ranks[rows], self.score[rows], self.information[rows], self.description[rows]
         )
@@ -123,24 +129,34 @@ def noise_evidence(
     across = adjoint(whitening) @ vectors[:, :, ::-1]
     beyond = (across * excess[:, None, :]) @ adjoint(across)
     within = (across * noise[:, None, :]) @ adjoint(across)
-    n_parameters = derivatives.shape[-3]
-    flat = np.swapaxes(derivatives, -1, -2).reshape(*derivatives.shape[:-2], -1)
-    # One covariance at a time, so that each has the same bits however many are judged together.
-    columns = np.swapaxes(flat, -1, -2)
-    score = n_snapshots * (beyond.reshape(len(values), 1, -1) @ columns)[:, 0].real
-    means = (within.reshape(len(values), 1, -1) @ columns)[:, 0].real
-    products = within[:, None] @ derivatives
-    transposed = np.swapaxes(products, -1, -2).reshape(len(values), n_parameters, -1)
-    squares = products.reshape(len(values), n_parameters, -1) @ np.swapaxes(transposed, -1, -2)
+    slopes, means, squares = _traces(beyond, within, derivatives)
     removed = means[:, :, None] * means[:, None, :] / n_noise[:, None, None]
     logs = np.where(noise, np.log(power)[:, None], np.log(values)).sum(axis=-1)
     penalty = 0.5 * ranks * (2 * n_elements - ranks) * np.log(n_snapshots)
     return NoiseEvidence(
         ranks=ranks,
-        score=score * usable[:, None],
-        information=n_snapshots * (squares.real - removed) * usable[:, None, None],
+        score=n_snapshots * slopes * usable[:, None],
+        information=n_snapshots * (squares - removed) * usable[:, None, None],
         description=length + n_snapshots * logs + penalty,
     )
+
+
+def _traces(
+    beyond: ComplexArray, within: ComplexArray, derivatives: ComplexArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return tr(D B_k), tr(Q B_k) and tr(Q B_k Q B_l) of D and Q, (n, n_elements, n_elements).
+
+    One covariance at a time, so that each has the same bits however many are judged together.
+    """
+    n, n_parameters = len(beyond), derivatives.shape[-3]
+    flat = np.swapaxes(derivatives, -1, -2).reshape(*derivatives.shape[:-2], -1)
+    columns = np.swapaxes(flat, -1, -2)
+    slopes = (beyond.reshape(n, 1, -1) @ columns)[:, 0].real
+    means = (within.reshape(n, 1, -1) @ columns)[:, 0].real
+    products = within[:, None] @ derivatives
+    transposed = np.swapaxes(products, -1, -2).reshape(n, n_parameters, -1)
+    squares = products.reshape(n, n_parameters, -1) @ np.swapaxes(transposed, -1, -2)
+    return slopes, means, squares.real
 
 
 def solved(information: FloatArray, score: FloatArray) -> FloatArray:

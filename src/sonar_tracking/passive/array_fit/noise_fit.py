@@ -35,7 +35,7 @@ class NoiseFits:
     evidence : NoiseEvidence
         Of each covariance at its parameters.
     gains : ndarray, shape (n,)
-        Nats by which they shorten the description beside white noise.
+        By how much they shorten the description beside white noise, nats, pure numbers.
     """
 
     parameters: FloatArray

@@ -62,7 +62,7 @@ class NoiseModel(Protocol):
         ...
 
     def derivatives(self, parameters: FloatArray) -> ComplexArray:
-        """Return their derivatives, shape (..., n_parameters, n_elements, n_elements).
+        """Return derivatives, (..., n_parameters, n_elements, n_elements), pure numbers.
 
         Parameters
         ----------
@@ -123,7 +123,7 @@ class LineNoise:
         return self._toeplitz(self._spectrum(parameters))
 
     def derivatives(self, parameters: FloatArray) -> ComplexArray:
-        """Return their derivatives, shape (..., n_parameters, n_elements, n_elements).
+        """Return derivatives, (..., n_parameters, n_elements, n_elements), pure numbers.
 
         Parameters
         ----------
@@ -183,7 +183,7 @@ class DistanceNoise:
         return np.asarray(identity + shares, dtype=np.complex128)
 
     def derivatives(self, parameters: FloatArray) -> ComplexArray:
-        """Return their derivatives, shape (..., n_parameters, n_elements, n_elements).
+        """Return derivatives, (..., n_parameters, n_elements, n_elements), pure numbers.
 
         Parameters
         ----------
