@@ -57,6 +57,13 @@ def test_half_a_sentence_ahead_costs_nothing_but_itself() -> None:
     assert read_sentence(b"2026-05-01 12:35:19.2 " + PUBLISHED).format == "GGA"
 
 
+def test_a_sentence_that_another_one_cut_off_is_told_beside_it() -> None:
+    line = b"12:00:01; $GPRMC,120001.00,A,5410.80\0\0$HEHDT,88.6,T*19"
+    assert lines_of(line) == [b"12:00:01; $GPRMC,120001.00,A,5410.80\0\0", b"$HEHDT,88.6,T*19"]
+    tagged = b"\\c:1777636800*54\\!AIVDM,1,1,,A,139>Jh@P1QPT<0jO0jO<Wwv00000,0*13"
+    assert lines_of(tagged) == [tagged]
+
+
 def test_two_sentences_of_one_line_are_two() -> None:
     assert [read_sentence(each).format for each in lines_of(PUBLISHED * 3)] == ["GGA"] * 3
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from itertools import pairwise
 
 from sonar_tracking.errors import InputError
 from sonar_tracking.scene.nmea_format import checksum
@@ -72,9 +73,18 @@ def parts_of(line: bytes) -> list[bytes]:
     return [
         part
         for begin in range(0, len(line), LONGEST)
-        for part in _BETWEEN.split(line[begin : begin + LONGEST])
+        for together in _BETWEEN.split(line[begin : begin + LONGEST])
+        for part in _cut_apart(together)
         if part.strip()
     ]
+
+
+def _cut_apart(line: bytes) -> list[bytes]:
+    """Return a sentence that was cut off, and the one that goes on in its line, as two."""
+    begins = [found.start() for found in _BEGIN.finditer(line)][1:]
+    # Behind a TAG block begins the sentence that it belongs to.
+    places = [0, *(place for place in begins if line[place - 1 : place] != b"\\"), len(line)]
+    return [line[a:b] for a, b in pairwise(places)]
 
 
 def read_sentence(line: bytes) -> Sentence:
