@@ -69,6 +69,7 @@ ROOMS = (
     "bags.storage",
     "bags.audio",
     "bags.nmea",
+    "bags.tables",
     "bags.importers",
     "bags.exporters",
     "bags",

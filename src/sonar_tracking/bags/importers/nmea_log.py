@@ -13,12 +13,12 @@ from pathlib import Path
 
 import numpy as np
 
-from sonar_tracking.bags.importers.line_notes import LineNotes
 from sonar_tracking.bags.nmea.ais_reports import FORMATS, AisReport, AisReports, is_ais
 from sonar_tracking.bags.nmea.own_ship_fixes import OwnShipFix, OwnShipFixes
 from sonar_tracking.bags.nmea.own_ship_sentences import READERS, own_ship_report
 from sonar_tracking.bags.nmea.sentence_time import DAY, SentenceTime
 from sonar_tracking.bags.nmea.sentences import NO_CHECKSUM, lines_of, parts_of, read_sentence
+from sonar_tracking.bags.tables.line_notes import LineNotes
 from sonar_tracking.errors import ConfigurationError, InputError, shown
 from sonar_tracking.records.arrays import IntArray
 from sonar_tracking.records.time import NANOSECONDS

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sonar_tracking.bags.importers.surveyed_positions import SurveyedPositions
-from sonar_tracking.bags.importers.table_times import instant_text
+from sonar_tracking.bags.tables.table_times import instant_text
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray

@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 
 from sonar_tracking.bags.importers.map_origin import MapOrigin
-from sonar_tracking.bags.importers.number_table import NumberTable, read_number_table
 from sonar_tracking.bags.importers.surveyed_positions import SurveyedPositions
-from sonar_tracking.bags.importers.table_times import NO_TIME, TIMES, table_stamps
+from sonar_tracking.bags.tables.number_table import NumberTable, read_number_table
+from sonar_tracking.bags.tables.table_times import NO_TIME, TIMES, table_stamps
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.motion import azimuth_from_compass
 from sonar_tracking.records.arrays import FloatArray, IndexArray, IntArray

@@ -19,7 +19,7 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from sonar_tracking.bags.importers.npz_file import read_npz
+from sonar_tracking.bags.tables.npz_file import read_npz
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.records.arrays import FloatArray
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from sonar_tracking.bags.importers.npz_file import read_npz
+from sonar_tracking.bags.tables.npz_file import read_npz
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.motion import azimuth_from_compass
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray

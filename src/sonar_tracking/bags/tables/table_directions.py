@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sonar_tracking.bags.importers.number_table import NumberTable
+from sonar_tracking.bags.tables.number_table import NumberTable
 from sonar_tracking.motion import azimuth_from_compass
 from sonar_tracking.records.arrays import FloatArray
 

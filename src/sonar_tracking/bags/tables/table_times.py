@@ -12,7 +12,7 @@ from datetime import datetime, timezone
 
 import numpy as np
 
-from sonar_tracking.bags.importers.number_table import NumberTable
+from sonar_tracking.bags.tables.number_table import NumberTable
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS

@@ -4,7 +4,7 @@ A line that cannot be read is left out and named, an unknown column is named; co
 are missing refuse the whole file. Cells of a CSV file stand between commas, semicolons, tabs or
 blanks, as its first line shows; between all but the first a decimal comma is read too. Headings,
 times and angles may be written in the ways of
-:mod:`sonar_tracking.bags.importers.table_headings`.
+:mod:`sonar_tracking.bags.tables.table_headings`.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from pathlib import Path
 
 import numpy as np
 
-from sonar_tracking.bags.importers.line_notes import LineNotes, place
-from sonar_tracking.bags.importers.npz_file import read_npz
-from sonar_tracking.bags.importers.table_headings import canonical_columns
-from sonar_tracking.bags.importers.written_angles import written_angle
+from sonar_tracking.bags.tables.line_notes import LineNotes, place
+from sonar_tracking.bags.tables.npz_file import read_npz
+from sonar_tracking.bags.tables.table_headings import canonical_columns
+from sonar_tracking.bags.tables.written_angles import written_angle
 from sonar_tracking.errors import ConfigurationError, shown, unknown_name_text
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 

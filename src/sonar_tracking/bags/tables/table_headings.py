@@ -2,7 +2,7 @@
 
 ``Range [m]``, ``Latitude (deg)`` and ``lat`` say what they mean; what is taken for what is told.
 Where no column is called ``time_s`` or ``unix_time_s``, one called time, timestamp or date is it:
-a number, or text as :mod:`sonar_tracking.bags.importers.written_times` reads it.
+a number, or text as :mod:`sonar_tracking.bags.tables.written_times` reads it.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 
-from sonar_tracking.bags.importers.line_notes import LineNotes
-from sonar_tracking.bags.importers.written_times import WrittenTimes, written_times
+from sonar_tracking.bags.tables.line_notes import LineNotes
+from sonar_tracking.bags.tables.written_times import WrittenTimes, written_times
 from sonar_tracking.errors import shown
 
 KNOWN = frozenset((

@@ -1,0 +1,1 @@
+"""Tables of strangers: their headings, times, angles and numbers, in text and in npz files."""
