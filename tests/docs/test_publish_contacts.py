@@ -56,7 +56,7 @@ def tracker(folder: Path) -> Iterator[None]:
     try:
         yield
     finally:
-        process.kill()
+        process.terminate()
         process.wait()
 
 

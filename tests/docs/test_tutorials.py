@@ -147,6 +147,6 @@ def test_listener_prints_the_bearings(tmp_path: Path) -> None:
     try:
         run_line("sonar-tracking run doa_fusion --duration 10 --no-display", tmp_path)
     finally:
-        listener.kill()
+        listener.terminate()
         listener.wait()
     assert re.search(r"\{1: -?\d\.\d+", heard.read_text())

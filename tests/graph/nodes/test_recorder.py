@@ -50,7 +50,7 @@ def recorder(bag: Path, *extra: str) -> Iterator[subprocess.Popen[str]]:
     try:
         yield process
     finally:
-        process.kill()
+        process.terminate()
         process.communicate()
 
 
