@@ -82,6 +82,19 @@ def test_what_a_killed_recorder_left_in_its_journal_is_read(tmp_path: Path) -> N
     assert (tmp_path / "killed" / "running.db3").read_bytes() == before
 
 
+def test_names_that_are_no_text_any_more_are_damage(tmp_path: Path) -> None:
+    """Quoted in an error of sqlite they are one more error, of its module."""
+    path = tmp_path / "bag.db3"
+    old_file(path, with_quality=True).close()
+    data = path.read_bytes()
+    assert b"tabletopicstopics" in data
+    broken = data.replace(b"tabletopicstopics", b"tablet\x98picst\x98pics")
+    path.write_bytes(broken.replace(b"CREATE TABLE topics", b"CREATE TABLE \x98(,,,,"))
+    bag = read_bag(path)
+    assert bag.recovery is not None and "pages were read one by one" in bag.recovery
+    assert sorted(m.data for m in bag.messages()) == sorted(data for _, data in in_order())
+
+
 def test_a_damaged_file_is_refused_with_a_sentence(tmp_path: Path) -> None:
     old_file(tmp_path / "k.db3", True).close()
     data = (tmp_path / "k.db3").read_bytes()

@@ -33,6 +33,9 @@ _BYTES_A_ROUND = 50_000
 _SMALLEST_ROUNDS = 50
 """A file is checked in so many rounds of instructions for its bytes, and no more."""
 
+_FAILURES = (sqlite3.Error, UnicodeDecodeError)
+"""The second where the text of the first quotes damaged bytes: the module cannot tell it."""
+
 
 class DamagedDatabaseError(UnreadableFileError):
     """sqlite does not read a file to its end; its pages may hold messages."""
@@ -70,7 +73,7 @@ class SqliteStorage:
             first, last = self._connection.execute(
                 f"SELECT MIN(timestamp), MAX(timestamp) {_MESSAGES}"
             ).fetchone()
-        except (sqlite3.Error, MemoryError, OverflowError) as error:
+        except (*_FAILURES, MemoryError, OverflowError) as error:
             raise DamagedDatabaseError(f"{name} cannot be read as a bag ({error}).") from error
         held = frozenset(topic.name for topic in self.topics if topic.message_count)
         self.parts = [Part(first, last, held, self._messages)] if held else []
@@ -83,7 +86,7 @@ class SqliteStorage:
         if journal.is_file() and journal.stat().st_size:
             try:
                 return _connected(f"{address}?mode=ro", size + journal.stat().st_size)
-            except sqlite3.Error:
+            except _FAILURES:
                 self.damage = f"its journal {journal.name} cannot be read where it lies"
                 self.losses = [Loss()]
         connection = _connected(f"{address}?immutable=1", size)
@@ -181,7 +184,7 @@ class SqliteStorage:
                     "SELECT topic_id, timestamp, data FROM messages WHERE rowid = ?", row
                 ).fetchone()
                 yield BagMessage(self._topic_names[number], log_time, bytes(data))
-        except sqlite3.Error as error:
+        except _FAILURES as error:
             raise UnreadableFileError(f"{self._name} is damaged ({error}).") from error
 
 
@@ -226,7 +229,7 @@ def _connected(address: str, size: int) -> sqlite3.Connection:
         for pragma in ("trusted_schema = OFF", "ignore_check_constraints = ON"):
             connection.execute(f"PRAGMA {pragma}")
         connection.execute("SELECT COUNT(*) FROM sqlite_master")
-    except sqlite3.Error:
+    except _FAILURES:
         connection.close()
         raise
     return connection
