@@ -36,9 +36,6 @@ from tests.ros_domain import ros_domain
 PATIENCE = 40.0
 """Longest wait for anything, s: generous, because machines may be busy."""
 
-GRACE = 10.0
-"""Longest wait for a node to end in order, s."""
-
 DEPTH = 100
 
 # Nodes and probe find each other at once, as those of a run do.
@@ -112,9 +109,8 @@ class NodeProcess:
         whatever domain. It is then made anew, and Fast DDS fails with a segmentation fault in a
         process, like that of the tests, that closes a participant at that moment.
         """
-        self.send_signal(signal.SIGTERM)
         try:
-            self._process.wait(GRACE)
+            self.stop()
         except subprocess.TimeoutExpired:
             self.kill()
 

@@ -21,9 +21,9 @@ from sonar_tracking.bags.importers.bearing_file import (
 )
 from sonar_tracking.bags.importers.bearing_truth_file import read_surveyed_bearings
 from sonar_tracking.bags.importers.contact_file import read_contact_lines
+from sonar_tracking.bags.importers.given_files import files_in
 from sonar_tracking.bags.importers.map_origin import MapOrigin
 from sonar_tracking.bags.importers.nmea_log import looks_like_nmea, read_nmea_log
-from sonar_tracking.bags.importers.position_files import files_in
 from sonar_tracking.bags.importers.position_tables import (
     PLACE,
     PLANE,

@@ -37,6 +37,7 @@ from sonar_tracking.bags.importers.contact_messages import (
     odometry_cdr,
     truth_tracks_cdr,
 )
+from sonar_tracking.bags.importers.given_files import Files
 from sonar_tracking.bags.importers.import_contacts import ODOMETRY_TOPIC, TRUTH_TOPIC
 from sonar_tracking.bags.importers.map_origin import MapOrigin
 from sonar_tracking.bags.importers.nmea_log import NmeaLogs
@@ -45,7 +46,7 @@ from sonar_tracking.bags.importers.own_ship_track import (
     checked_coverage,
     own_ship_at,
 )
-from sonar_tracking.bags.importers.position_files import Files, read_own_ship
+from sonar_tracking.bags.importers.position_files import read_own_ship
 from sonar_tracking.bags.importers.true_tracks import true_tracks_at
 from sonar_tracking.bags.storage.bag_records import BEARING_TRACKS_TYPE, FREQUENCY_LINES_TYPE
 from sonar_tracking.bags.storage.metadata import OfferedQuality

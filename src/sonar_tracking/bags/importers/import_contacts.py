@@ -24,6 +24,7 @@ from sonar_tracking.bags.importers.contact_messages import (
     odometry_cdr,
     truth_tracks_cdr,
 )
+from sonar_tracking.bags.importers.given_files import Files
 from sonar_tracking.bags.importers.map_origin import MapOrigin
 from sonar_tracking.bags.importers.nmea_log import NmeaLogs
 from sonar_tracking.bags.importers.own_ship_track import (
@@ -31,7 +32,7 @@ from sonar_tracking.bags.importers.own_ship_track import (
     checked_coverage,
     own_ship_at,
 )
-from sonar_tracking.bags.importers.position_files import Files, read_own_ship
+from sonar_tracking.bags.importers.position_files import read_own_ship
 from sonar_tracking.bags.importers.surveyed_positions import SurveyedPositions
 from sonar_tracking.bags.importers.true_tracks import true_tracks_at
 from sonar_tracking.bags.storage.metadata import OfferedQuality

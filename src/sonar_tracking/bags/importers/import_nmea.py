@@ -19,6 +19,7 @@ from sonar_tracking.bags.importers.contact_messages import (
     odometry_cdr,
     truth_tracks_cdr,
 )
+from sonar_tracking.bags.importers.given_files import read_each
 from sonar_tracking.bags.importers.import_contacts import ODOMETRY_TOPIC, TRUTH_TOPIC
 from sonar_tracking.bags.importers.joined_positions import joined_positions
 from sonar_tracking.bags.importers.map_origin import MapOrigin
@@ -29,7 +30,6 @@ from sonar_tracking.bags.importers.own_ship_track import (
     checked_coverage,
     own_ship_at,
 )
-from sonar_tracking.bags.importers.position_files import read_each
 from sonar_tracking.bags.importers.true_tracks import TrueTargets
 from sonar_tracking.bags.nmea.ship_histories import ShipHistory
 from sonar_tracking.bags.storage.metadata import OfferedQuality

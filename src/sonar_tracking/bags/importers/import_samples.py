@@ -25,9 +25,10 @@ from sonar_tracking.bags.importers.audio_recording import (
     opened_recording,
     write_messages,
 )
+from sonar_tracking.bags.importers.given_files import Files
 from sonar_tracking.bags.importers.map_origin import MapOrigin
 from sonar_tracking.bags.importers.nmea_log import NmeaLogs
-from sonar_tracking.bags.importers.position_files import Files, read_own_ship
+from sonar_tracking.bags.importers.position_files import read_own_ship
 from sonar_tracking.bags.importers.recording_truth import RecordingTruth, read_recording_truth
 from sonar_tracking.bags.importers.sample_blocks import (
     ODOMETRY_TOPIC,

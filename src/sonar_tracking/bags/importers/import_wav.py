@@ -32,8 +32,8 @@ from sonar_tracking.bags.importers.bearing_truth_file import (
     holds_true_bearings,
     read_surveyed_bearings,
 )
+from sonar_tracking.bags.importers.given_files import Files, files_text
 from sonar_tracking.bags.importers.map_origin import MapOrigin
-from sonar_tracking.bags.importers.position_files import Files, files_text
 from sonar_tracking.bags.importers.recorded_messages import snapshots_cdr
 from sonar_tracking.bags.storage.bag_records import BEARING_TRACKS_TYPE, SNAPSHOTS_TYPE
 from sonar_tracking.bags.storage.recording_information import RecordingInformation

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from sonar_tracking.bags.importers.given_files import files_text
 from sonar_tracking.bags.importers.surveyed_positions import SurveyedPositions
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.time import seconds
@@ -56,7 +57,9 @@ def joined_positions(
             f"{where} and the files before it put {whose} up to {apart:.4g} m apart at one "
             "instant; check that all are of one ship, and their times."
         )
-    return kept[0] if len(ordered) == 1 else _one(kept, len(ordered))
+    return (
+        kept[0] if len(ordered) == 1 else _one(kept, files_text([each.source for each in ordered]))
+    )
 
 
 def _distance(kept: Sequence[SurveyedPositions], track: SurveyedPositions, both: int) -> float:
@@ -75,7 +78,7 @@ def _rows(track: SurveyedPositions, first: int) -> SurveyedPositions:
     return SurveyedPositions(*rows, track.source, velocity)
 
 
-def _one(parts: Sequence[SurveyedPositions], n_files: int) -> SurveyedPositions:
+def _one(parts: Sequence[SurveyedPositions], source: str) -> SurveyedPositions:
     velocity = None
     if any(part.velocity is not None for part in parts):
         velocity = np.concatenate([_velocity(part) for part in parts])
@@ -83,7 +86,7 @@ def _one(parts: Sequence[SurveyedPositions], n_files: int) -> SurveyedPositions:
         np.concatenate([part.stamp for part in parts]),
         np.concatenate([part.position for part in parts]),
         np.concatenate([part.azimuth for part in parts]),
-        f"{parts[0].source} and {n_files - 1} more",
+        source,
         velocity,
     )
 

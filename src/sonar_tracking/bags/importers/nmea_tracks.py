@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from sonar_tracking.bags.importers.given_files import files_text
 from sonar_tracking.bags.importers.map_origin import MapOrigin
 from sonar_tracking.bags.importers.nmea_log import NmeaLog, epochs_of_logs
 from sonar_tracking.bags.importers.surveyed_positions import SurveyedPositions
@@ -104,7 +105,7 @@ def ships_of_logs(
     numbers = [report.mmsi for log in logs for report in log.reports]
     numbers = [numbers[row] for row in order]
     ships, faults = _histories(numbers, stamp[order], np.concatenate(states)[order])
-    source = str(logs[0].path) + (f" and {len(logs) - 1} more" if len(logs) > 1 else "")
+    source = files_text([log.path for log in logs])
     notes += [f"{source}: {count} times {sentence}." for sentence, count in faults.items()]
     gaps = sum(len(ship.known_from_to()) - 1 for ship in ships.values() if ship.stamps)
     if gaps:

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
+from sonar_tracking.bags.importers.given_files import Files, files_text, logs_beside_tables
 from sonar_tracking.bags.importers.joined_positions import joined_positions
 from sonar_tracking.bags.importers.map_origin import MapOrigin
-from sonar_tracking.bags.importers.nmea_log import NmeaLog, NmeaLogs, looks_like_nmea
+from sonar_tracking.bags.importers.nmea_log import NmeaLog, NmeaLogs
 from sonar_tracking.bags.importers.nmea_tracks import ships_of_logs
 from sonar_tracking.bags.importers.own_ship_track import check_overlap, interpolated
-from sonar_tracking.bags.importers.position_files import Files, files_text, read_each
 from sonar_tracking.bags.importers.position_tables import true_positions_of_table
 from sonar_tracking.bags.importers.surveyed_positions import SurveyedPositions
 from sonar_tracking.bags.nmea.ship_histories import ShipHistory
@@ -118,19 +118,13 @@ def read_true_targets(
     origin, logs = origin or MapOrigin(), logs or NmeaLogs()
     named: dict[str, list[SurveyedPositions]] = {}
 
-    def read(path: Path) -> NmeaLog | None:
-        """Read a table, or return the log that is to be read with the others."""
-        if looks_like_nmea(path):
-            log = logs.read(path)
-            log.check_ships()
-            return log
+    def take_table(path: Path) -> None:
         targets, told = true_positions_of_table(path, epoch, origin)
         notes.extend(told)
         for name, surveyed in targets.items():
             named.setdefault(name, []).append(surveyed)
-        return None
 
-    with_ships = [log for log in read_each(given, read, notes) if log is not None]
+    with_ships = logs_beside_tables(given, take_table, NmeaLog.check_ships, logs, notes)
     ships: dict[int, ShipHistory] = {}
     if with_ships:
         ships, told = ships_of_logs(with_ships, epoch, origin)

@@ -21,7 +21,7 @@ import numpy as np
 
 from sonar_tracking.bags.tables.line_notes import LineNotes, place
 from sonar_tracking.bags.tables.npz_file import read_npz
-from sonar_tracking.bags.tables.table_headings import canonical_columns
+from sonar_tracking.bags.tables.table_headings import canonical_columns, number_in
 from sonar_tracking.bags.tables.written_angles import written_angle
 from sonar_tracking.errors import ConfigurationError, shown, unknown_name_text
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
@@ -176,7 +176,7 @@ def _csv_cells(path: Path, notes: LineNotes) -> _Cells:
     twice = [name for name in header if header.count(name) > 1]
     if twice:
         raise ValueError(f"it has the column {shown(twice[0]) or 'without a name'} twice")
-    if header and all(_is_number(name) for name in header):
+    if header and all(number_in(name) is not None for name in header):
         raise ValueError(
             "its first line holds numbers; write the names of the columns there, as time_s"
         )
@@ -239,14 +239,6 @@ def _delimiter(header: str) -> str:
     return " " if blanks and "[" not in header else found
 
 
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
-
-
 def _npz_cells(path: Path) -> _Cells:
     arrays = read_npz(path)
     lengths = {name: array.shape for name, array in arrays.items()}
@@ -265,8 +257,9 @@ def _npz_cells(path: Path) -> _Cells:
 
 def _value(name: str, cell: str) -> float | None:
     """Return a cell as a number; None = it is none."""
-    if _is_number(cell):
-        return float(cell)
+    number = number_in(cell)
+    if number is not None:
+        return number
     if name.endswith("latitude_deg"):
         return written_angle(cell, "NS")
     return written_angle(cell, "EW") if name.endswith("longitude_deg") else None

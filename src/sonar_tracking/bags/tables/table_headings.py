@@ -107,7 +107,7 @@ def _times(
 
 def _numbers(columns: dict[str, list[str]], source: str, notes: LineNotes) -> dict[str, list[str]]:
     """Return the columns with one of them as the times, if it holds numbers."""
-    values = [value for cell in columns[source] if (value := _number(cell)) is not None]
+    values = [value for cell in columns[source] if (value := number_in(cell)) is not None]
     if not values:
         return columns
     middle = sorted(values)[len(values) // 2]
@@ -116,7 +116,8 @@ def _numbers(columns: dict[str, list[str]], source: str, notes: LineNotes) -> di
     return {name if n == source else n: column for n, column in columns.items()}
 
 
-def _number(cell: str) -> float | None:
+def number_in(cell: str) -> float | None:
+    """Return the number in a cell, in the unit of its column; None = it is none."""
     try:
         return float(cell)
     except ValueError:
