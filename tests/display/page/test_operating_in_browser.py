@@ -16,6 +16,15 @@ from tests.display.page.page_scene import START, TOPIC, own_ship, show, tracks
 Start = Callable[..., PageServer]
 
 
+def five_seconds(start: Start, opened: Callable[..., Tab]) -> tuple[PageServer, Tab]:
+    """Return a server of five seconds of data, and a page that shows them."""
+    server = start()
+    show(server, 0, 5)
+    tab = opened(server.address)
+    shows(tab, 4)
+    return server, tab
+
+
 def test_the_past_can_be_looked_at(start: Start, opened: Callable[..., Tab]) -> None:
     server = start()
     show(server, 0, 60)
@@ -75,10 +84,7 @@ def test_commands_need_the_token(
 def test_a_bearing_is_designated_as_the_array_hears_it(
     start: Start, opened: Callable[..., Tab], asked: list[Mapping[str, Any]]
 ) -> None:
-    server = start()
-    show(server, 0, 5)
-    tab = opened(server.address)
-    shows(tab, 4)
+    _, tab = five_seconds(start, opened)
     # The array lies along own ship, which goes north: 30 degrees right of the bow is 60 from
     # broadside.
     tab.value(f"page.layout.views.get('plan').view.menuAt(400, 300, {math.radians(60)})")
@@ -92,10 +98,7 @@ def test_a_bearing_is_designated_as_the_array_hears_it(
 
 
 def test_keys_do_what_a_mouse_does(start: Start, opened: Callable[..., Tab]) -> None:
-    server = start()
-    show(server, 0, 5)
-    tab = opened(server.address)
-    shows(tab, 4)
+    _, tab = five_seconds(start, opened)
     plan = "page.layout.views.get('plan').view"
     tab.value(f"{plan}.canvas.element.focus()")
     middle = tab.value(f"[{plan}.canvas.width / 2, {plan}.canvas.height / 2]")
@@ -119,10 +122,7 @@ def test_keys_do_what_a_mouse_does(start: Start, opened: Callable[..., Tab]) -> 
 
 
 def test_a_double_click_opens_the_menu(start: Start, opened: Callable[..., Tab]) -> None:
-    server = start()
-    show(server, 0, 5)
-    tab = opened(server.address)
-    shows(tab, 4)
+    _, tab = five_seconds(start, opened)
     box = tab.value(
         "(b => [b.left, b.top])(document.querySelector('#view-plan').getBoundingClientRect())"
     )
@@ -136,10 +136,7 @@ def test_a_double_click_opens_the_menu(start: Start, opened: Callable[..., Tab])
 
 def test_a_target_has_one_name_in_every_view(start: Start, opened: Callable[..., Tab]) -> None:
     """A bearing track of a track of the picture is called as that is; another has a letter."""
-    server = start()
-    show(server, 0, 5)
-    tab = opened(server.address)
-    shows(tab, 4)
+    _, tab = five_seconds(start, opened)
     tab.value(f"page.selection.rename({TOPIC!r}, 1, 'ferry')")
     names = tab.value(
         """(async () => {
@@ -154,10 +151,7 @@ def test_a_target_has_one_name_in_every_view(start: Start, opened: Callable[...,
 
 
 def test_names_are_those_of_one_run(start: Start, opened: Callable[..., Tab]) -> None:
-    server = start()
-    show(server, 0, 5)
-    tab = opened(server.address)
-    shows(tab, 4)
+    server, tab = five_seconds(start, opened)
     tab.value(f"page.selection.rename({TOPIC!r}, 1, 'ferry')")
     for run, name in ((server.run, "ferry"), ("another", "1")):
         tab.value(f"page.selection.run = null, page.selection.enter({run!r}), 0")
