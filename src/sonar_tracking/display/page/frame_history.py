@@ -17,6 +17,11 @@ BACKWARDS = 5.0
 STEADY = frozenset({"sources", "health", "command_result", "waterfall_open", "lofar", "dots"})
 """Kinds that are no part of the past, or whose past is sent to who asks for it."""
 
+LASTING = frozenset({"command"})
+"""Kinds whose effect lasts, however long ago they were: kept apart from what is forgotten."""
+
+MOST_LASTING = 10_000
+"""Of those kept, the newest."""
 
 WITHOUT_TIME = frozenset({"sources", "health", "command_result"})
 """Kinds that tell nothing of a time of the data: they are true wherever these begin."""
@@ -41,20 +46,26 @@ class FrameHistory:
     def __init__(self, seconds: float) -> None:
         self._seconds = seconds
         self._frames: deque[Frame] = deque()
+        self._lasting: deque[Frame] = deque(maxlen=MOST_LASTING)
         self.bytes = 0
         self.newest = -math.inf
         self.latest: dict[str, Frame] = {}
 
     def __len__(self) -> int:
         """Return the number of frames kept."""
-        return len(self._frames)
+        return len(self._lasting) + len(self._frames)
 
     def __iter__(self) -> Iterator[Frame]:
-        """Iterate over the past, as it came."""
-        return iter(tuple(self._frames))
+        """Iterate over the past, what lasts first, else as it came."""
+        return iter((*self._lasting, *self._frames))
 
     def begins_anew(self, frame: Frame) -> bool:
-        """Return whether a frame says that the clock of the data has gone back."""
+        """Return whether a frame says that the clock of the data has gone back.
+
+        Commands do not: they may be stamped late, or not at all.
+        """
+        if frame.kind in LASTING:
+            return False
         before = self.latest.get(frame.stream)
         return before is not None and frame.time < before.time - BACKWARDS
 
@@ -62,6 +73,9 @@ class FrameHistory:
         """Keep a frame, and forget what is older than the time kept."""
         self.latest[frame.stream] = frame
         if frame.kind in STEADY or not math.isfinite(frame.time):
+            return
+        if frame.kind in LASTING:
+            self._lasting.append(frame)
             return
         self.newest = max(self.newest, frame.time)
         self._frames.append(frame)
@@ -73,6 +87,7 @@ class FrameHistory:
     def clear(self) -> None:
         """Forget everything: the data begin anew."""
         self._frames.clear()
+        self._lasting.clear()
         latest = self.latest.items()
         self.latest = {name: frame for name, frame in latest if frame.kind in WITHOUT_TIME}
         self.bytes, self.newest = 0, -math.inf

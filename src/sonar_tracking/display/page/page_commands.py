@@ -112,6 +112,7 @@ def command_frame(command: CommandRecord) -> Frame:
         y=command.position[1],
         side=int(command.side),
         frequency=command.line.frequency,
+        bandwidth=command.line.bandwidth,
         sensor=command.line.sensor_id,
         name=command.name,
     )

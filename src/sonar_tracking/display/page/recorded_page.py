@@ -7,7 +7,7 @@ import queue
 import threading
 from collections.abc import Iterator, Mapping
 from dataclasses import fields
-from itertools import islice
+from itertools import chain, islice, takewhile
 from typing import Any
 
 from sonar_tracking.bags.storage.bag_datum import bag_datum
@@ -18,7 +18,7 @@ from sonar_tracking.bags.storage.reader import Bag
 from sonar_tracking.display.page.page_configuration import PageConfiguration
 from sonar_tracking.display.page.page_frames import seconds_of, text_frame
 from sonar_tracking.display.page.page_server import PageServer
-from sonar_tracking.display.page.shown_types import SHOWN_TYPES
+from sonar_tracking.display.page.shown_types import COMMAND_TYPE, SHOWN_TYPES
 from sonar_tracking.errors import ConfigurationError, InputError
 from sonar_tracking.records.time import nanoseconds
 
@@ -151,7 +151,10 @@ class RecordedPage:
     def _messages(self, since: int) -> Iterator[Message]:
         topics = self.bag.topics
         stores = {name: typestore_of(topics[name].definition) for name in self._shown}
-        for message in self.bag.messages(self._shown, since):
+        # What was commanded before a part has its effect in it.
+        told = [name for name in self._shown if topics[name].type_name == COMMAND_TYPE]
+        before = takewhile(lambda m: m.log_time < since, self.bag.messages(told) if told else ())
+        for message in chain(before, self.bag.messages(self._shown, since)):
             name = message.topic
             try:
                 yield name, decoded_message(stores[name], topics[name].type_name, message.data)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+COMMAND_TYPE = "sonar_tracking_msgs/msg/OperatorCommand"
+
 SHOWN_TYPES = (
     "nav_msgs/msg/Odometry",
     "sonar_tracking_msgs/msg/Tracks",
@@ -12,7 +14,7 @@ SHOWN_TYPES = (
     "sonar_tracking_msgs/msg/ArrayAlignments",
     "sonar_tracking_msgs/msg/ArraySnapshots",
     "sonar_tracking_msgs/msg/ArraySamples",
-    "sonar_tracking_msgs/msg/OperatorCommand",
+    COMMAND_TYPE,
     "diagnostic_msgs/msg/DiagnosticArray",
 )
 """What the feed takes."""
@@ -21,6 +23,6 @@ KEPT_TYPES = (
     "sonar_tracking_msgs/msg/Tracks",
     "sonar_tracking_msgs/msg/BearingTracks",
     "sonar_tracking_msgs/msg/ArrayAlignments",
-    "sonar_tracking_msgs/msg/OperatorCommand",
+    COMMAND_TYPE,
 )
 """Complete pictures and commands, which are kept for late readers."""

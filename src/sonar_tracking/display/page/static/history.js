@@ -6,6 +6,7 @@
 const KEPT_SECONDS = 45 * 60;
 const MOST_FRAMES = 60000; // of one stream: 20 rows a second for 50 minutes
 const REPLACED = new Set(["waterfall_open"]); // only the newest counts
+const LASTING = new Set(["command"]); // whose effect lasts, however long ago they were
 const TOLD = new Set(["hello", "health", "sources", "history", "live", "recording", "begin", "command_result"]);
 
 export function streamName(frame) {
@@ -18,9 +19,10 @@ export function streamName(frame) {
 }
 
 class Stream {
-  constructor() {
+  constructor(kind) {
     this.frames = [];
     this.first = 0; // frames before it are forgotten
+    this.lasting = LASTING.has(kind);
   }
 
   add(frame) {
@@ -30,12 +32,13 @@ class Stream {
       frames.push(frame);
     } else {
       const place = this.after(frame.t);
-      const same = place > this.first && frames[place - 1].t === frame.t;
+      const same = !this.lasting && place > this.first && frames[place - 1].t === frame.t;
       frames.splice(same ? place - 1 : place, same ? 1 : 0, frame);
     }
   }
 
   forget(oldest) {
+    if (this.lasting) return;
     const frames = this.frames;
     while (this.first < frames.length - 1 && frames[this.first].t < oldest) frames[this.first++] = null;
     while (frames.length - this.first > MOST_FRAMES) frames[this.first++] = null;
@@ -47,6 +50,7 @@ class Stream {
 
   /** Keep the newest frame, and those about a time. */
   keepAbout(t, seconds) {
+    if (this.lasting) return;
     const newest = this.frames[this.frames.length - 1];
     this.frames = this.frames.slice(this.first).filter((frame) => frame === newest || Math.abs(frame.t - t) <= seconds);
     this.first = 0;
@@ -93,9 +97,10 @@ export class History {
     packColumns(frame);
     const name = streamName(frame);
     let stream = this.streams.get(name);
-    if (!stream) this.streams.set(name, (stream = new Stream()));
+    if (!stream) this.streams.set(name, (stream = new Stream(frame.kind)));
     if (REPLACED.has(frame.kind)) stream.frames.length = 0;
     stream.add(frame);
+    if (stream.lasting) return;
     if (frame.t > this.newest) this.newest = frame.t;
     if (frame.t < this.oldest) this.oldest = frame.t;
     const oldest = this.newest - this.kept;
@@ -110,7 +115,8 @@ export class History {
     for (const [name, stream] of earlier.streams) {
       const before = stream.frames.slice(stream.first, stream.after(begin - 1e-9));
       let own = this.streams.get(name);
-      if (!own) this.streams.set(name, (own = new Stream()));
+      if (own && stream.lasting) continue; // told from the beginning again
+      if (!own) this.streams.set(name, (own = new Stream(name.split(" ")[0])));
       own.frames = before.concat(own.frames.slice(own.first));
       own.first = 0;
       own.forget(this.newest - this.kept);

@@ -4,6 +4,7 @@ import { element } from "./canvas.js";
 import { openMenu } from "./commands.js";
 import { bearing } from "./format.js";
 import { Identities } from "./identity.js";
+import { isUnder } from "./own_ship_lines.js";
 import { TERMINATED, bearingTopics, tracksAt } from "./picture.js";
 
 const MOST_OTHERS = 14; // tracks in a menu
@@ -118,13 +119,13 @@ function arrayFrame(page) {
 }
 
 /** Lines about a frequency are own ship's, or are no longer: for the view of frequencies. */
-export function lineEntries(page, frequency, sensor = "") {
+export function lineEntries(page, frequency, sensor, marks) {
   if (!page.commands.possible || !(frequency > 0)) return [];
   const about = (command) => () => page.commands.send({ command, topic: "passive/tracks", frequency, sensor_id: sensor });
-  return [
-    [`${frequency.toFixed(1)} Hz is a line of own ship`, about("mark_own_ship_line")],
-    [`${frequency.toFixed(1)} Hz is not own ship's`, about("unmark_own_ship_line")],
-  ];
+  const words = `${frequency.toFixed(1)} Hz is`;
+  return marks.some((mark) => isUnder(mark, frequency, sensor))
+    ? [[`${words} no line of own ship`, about("unmark_own_ship_line")]]
+    : [[`${words} a line of own ship`, about("mark_own_ship_line")]];
 }
 
 /** Ask for a name; the page goes on meanwhile. */

@@ -2,15 +2,17 @@
 
 import { Canvas, element, label } from "../canvas.js";
 import { openMenu } from "../commands.js";
-import { clock, degrees, duration, fixed, niceStep } from "../format.js";
+import { clock, degrees, duration, fixed } from "../format.js";
 import { askFor, chosenBeam, heardTracks } from "../heard_track.js";
 import { Identities } from "../identity.js";
 import { IntegratedRows, levelsOf, overBackground } from "../integrated_rows.js";
 import { keptSelect, keptToggle, moreChoices, offer } from "../kept_choice.js";
+import { ownShipLines } from "../own_ship_lines.js";
 import { palette } from "../palette.js";
 import { lineEntries, markEntry } from "../track_menu.js";
 import { RowRing, floorOf, resample } from "../row_ring.js";
 import { readout } from "../readout.js";
+import { drawAxes, drawHarmonics, drawLines, drawMarks, drawOwnShipLines } from "./lofar_overlays.js";
 import { SpectrumCurve } from "./spectrum_curve.js";
 
 const LINE_HEIGHT = 2; // CSS pixels
@@ -19,7 +21,6 @@ const CURVE = 46; // spectrum above the rows
 const HALF_WIDTH = 20; // Hz, of the background
 const QUIET = 2; // dB over the background that are drawn as ground: most of the noise
 const NARROWEST = 4; // Hz shown
-const MOST_HARMONICS = 40;
 
 export class Lofar {
   static id = "lofar";
@@ -54,6 +55,7 @@ export class Lofar {
     this.curve = new SpectrumCurve(body);
     this.ring = new RowRing();
     this.integrated = new IntegratedRows();
+    this.top = TOP;
     this.band = null;
     this.hover = null;
     this.held = NaN; // frequency the harmonic cursor is held at, Hz
@@ -117,7 +119,7 @@ export class Lofar {
     const t = this.ring.timeAt(event.offsetY - TOP - CURVE, this.box, false);
     const entries = [
       ["Hold the harmonic cursor here", hold], markEntry(this.page, { t, frequency }),
-      ...lineEntries(this.page, frequency, this.shownSensor),
+      ...lineEntries(this.page, frequency, this.shownSensor, this.marked),
     ];
     openMenu(event.clientX, event.clientY, `${frequency.toFixed(2)} Hz`, entries);
   }
@@ -216,12 +218,14 @@ export class Lofar {
     this.shownBand = this.band ?? this.whole;
     this.box = { x: 0, y: TOP + CURVE, width: this.canvas.width, height: this.canvas.height - TOP - CURVE };
     this.drawRows(pen, rows, t, newest, beam);
-    this.drawAxis(pen);
+    drawAxes(pen, this);
     this.showCurve(rows(t - 30, t), newest);
-    if (this.lines.isOn && beam.track) this.drawLines(pen, beam, t);
-    this.drawMarks(pen);
+    this.marked = ownShipLines(this.page.history, t, beam.sensor);
+    drawOwnShipLines(pen, this, this.marked);
+    if (this.lines.isOn && beam.track) drawLines(pen, this, beam, t);
+    drawMarks(pen, this);
     const cursor = Number.isFinite(this.held) ? this.held : this.hover ? this.frequencyAt(this.hover.x) : NaN;
-    if (this.harmonics.isOn && Number.isFinite(cursor)) this.drawHarmonics(pen, cursor);
+    if (this.harmonics.isOn && Number.isFinite(cursor)) drawHarmonics(pen, this, cursor);
     label(pen, this.beamText(beam), 4, this.canvas.height - 9, palette.text, palette.panel);
     if (this.hover) this.drawHover(pen, rows);
   }
@@ -272,39 +276,6 @@ export class Lofar {
     return overBackground(row, Math.round(HALF_WIDTH / sum.frequency.step), this.over);
   }
 
-  drawAxis(pen) {
-    const [low, high] = this.shownBand;
-    const step = niceStep(((high - low) / this.canvas.width) * 64);
-    pen.save();
-    pen.font = "11px system-ui, sans-serif";
-    pen.textAlign = "center";
-    for (let f = Math.ceil(low / step) * step; f <= high; f += step) {
-      const x = this.xOf(f);
-      pen.strokeStyle = palette.faint;
-      pen.globalAlpha = 0.3;
-      pen.beginPath();
-      pen.moveTo(x, TOP);
-      pen.lineTo(x, this.canvas.height);
-      pen.stroke();
-      pen.globalAlpha = 1;
-      pen.fillStyle = palette.faint;
-      if (x > 14 && x < this.canvas.width - 44) pen.fillText(String(Number(f.toFixed(3))), x, TOP / 2);
-    }
-    pen.textAlign = "right";
-    pen.fillStyle = palette.faint;
-    pen.fillText("Hz", this.canvas.width - 4, TOP / 2);
-    pen.textAlign = "left";
-    const { ring, box } = this;
-    const seconds = Number(this.seconds.value);
-    const every = [10, 30, 60, 120, 300, 600, 1200, 3600].find((s) => (s / seconds) * LINE_HEIGHT >= 42) ?? 7200;
-    const oldest = Math.max((ring.last - ring.height + 1) * ring.span, this.page.history.oldest);
-    for (let time = Math.ceil(oldest / every) * every; time <= ring.last * ring.span; time += every) {
-      const y = box.y + ring.yOf(time, box, false);
-      if (y > box.y + 7 && y < box.y + box.height - 22) label(pen, every % 60 ? clock(time) : clock(time).slice(0, 5), 3, y, palette.text, palette.panel);
-    }
-    pen.restore();
-  }
-
   /** The mean spectrum of the last half minute, above the rows. */
   showCurve(sums, newest) {
     if (!sums.length) return this.curve.hide();
@@ -329,84 +300,6 @@ export class Lofar {
       mean.weight += sum.weight;
     }
     return mean;
-  }
-
-  drawLines(pen, beam, t) {
-    const { history } = this.page;
-    const { ring, box } = this;
-    pen.save();
-    for (const topic of history.topics("lines")) {
-      const frames = history.between(`lines ${topic}`, t - ring.height * ring.span, t);
-      if (!frames.length || frames[0].sensor.id !== beam.sensor) continue;
-      const newest = new Map();
-      for (const frame of frames) {
-        for (let i = 0; i < frame.line_id.length; i++) {
-          if (frame.track_id[i] !== beam.track) continue;
-          const x = this.xOf(frame.frequency[i]);
-          const y = box.y + ring.yOf(frame.t, box, false);
-          if (!Number.isFinite(y) || x < 0 || x > box.width) continue;
-          pen.fillStyle = palette.track(frame.line_id[i]);
-          pen.fillRect(x - 4.5, y - 0.5, 2, 1.5);
-          pen.fillRect(x + 2.5, y - 0.5, 2, 1.5);
-          newest.set(frame.line_id[i], { x, t: frame.t, f: frame.frequency[i] });
-        }
-      }
-      pen.font = "11px system-ui, sans-serif";
-      pen.textAlign = "center";
-      let right = -Infinity;
-      for (const [id, { x, t: heard, f }] of [...newest].sort((a, b) => a[1].x - b[1].x)) {
-        if (t - heard > 15 || x < right + 46) continue;
-        label(pen, f.toFixed(1), Math.min(Math.max(x, 20), box.width - 20), box.y + 8, palette.track(id), palette.panel);
-        right = x;
-      }
-    }
-    pen.restore();
-  }
-
-  drawMarks(pen) {
-    for (const [name, mark] of Object.entries(this.page.time.marks)) {
-      if (!mark) continue;
-      const y = this.box.y + this.ring.yOf(mark.t, this.box, false);
-      const x = Number.isFinite(mark.frequency) ? this.xOf(mark.frequency) : NaN;
-      pen.strokeStyle = palette[name.toLowerCase()];
-      pen.lineWidth = 1.5;
-      pen.beginPath();
-      if (Number.isFinite(y)) {
-        pen.moveTo(0, y);
-        pen.lineTo(this.box.width, y);
-      }
-      if (Number.isFinite(x)) {
-        pen.moveTo(x, TOP);
-        pen.lineTo(x, this.canvas.height);
-      }
-      pen.stroke();
-      if (Number.isFinite(y)) label(pen, name, Number.isFinite(x) ? x + 4 : 4, y - 8, pen.strokeStyle, palette.panel);
-    }
-    pen.lineWidth = 1;
-  }
-
-  drawHarmonics(pen, cursor) {
-    const fundamental = cursor / Number(this.order.value);
-    const [, high] = this.shownBand;
-    pen.save();
-    pen.font = "11px system-ui, sans-serif";
-    pen.textAlign = "center";
-    let right = -Infinity;
-    for (let k = 1; k <= MOST_HARMONICS && k * fundamental <= high; k++) {
-      const x = this.xOf(k * fundamental);
-      if (x < 0) continue;
-      pen.strokeStyle = palette.warn;
-      pen.setLineDash(k === Number(this.order.value) ? [] : [5, 4]);
-      pen.beginPath();
-      pen.moveTo(x, TOP);
-      pen.lineTo(x, this.canvas.height);
-      pen.stroke();
-      if (x > right + 20) {
-        label(pen, String(k), x, TOP + CURVE - 8, palette.warn, palette.panel);
-        right = x;
-      }
-    }
-    pen.restore();
   }
 
   drawHover(pen, rows) {

@@ -2,20 +2,16 @@
 
 import { Canvas, Labels, element, icon, label } from "../canvas.js";
 import { openTrackMenu } from "../track_menu.js";
-import { DEGREE, axisDistance, bearing, distance, fixed, niceStep, place as placeText } from "../format.js";
+import { bearing, distance, fixed, place as placeText } from "../format.js";
 import { keptToggle } from "../kept_choice.js";
 import { palette } from "../palette.js";
-import {
-  SIDE, SOURCE, STATUS, TERMINATED, bearingTopics, ownShipAt, pictureTopics, polar, tracksAt, truthTopics,
-} from "../picture.js";
+import { SIDE, SOURCE, STATUS, ownShipAt, polar, tracksAt } from "../picture.js";
 import { trackSymbol, ownShipSymbol } from "../symbols.js";
+import { drawContacts, drawRays, drawRings, drawTrails, drawTruth } from "./plan_layers.js";
 
 const KNOT = 1.943844; // in m/s
 const CHI_95 = Math.sqrt(5.991); // of an ellipse that holds 95 % of the plane's normal distribution
-const TRAIL_SECONDS = 600;
 const LEADER_SECONDS = 180;
-const FASTEST = 30; // m/s
-const RAY_AGE = 20;
 const NEAREST = 20; // pixels from a click to what it means
 const LAYERS = [
   ["rays", "bearings", true], ["contacts", "contacts", true], ["ellipses", "95 %", true],
@@ -201,12 +197,12 @@ export class Plan {
     this.rows = Number.isFinite(t) ? tracksAt(history, t) : [];
     if (!this.ship && this.rows.length) this.anchor ??= { x: this.rows[0].x, y: this.rows[0].y };
     this.prepare();
-    this.drawRings(pen);
+    drawRings(pen, this);
     if (!Number.isFinite(t)) return;
-    if (this.layers.rays) this.drawRays(pen, t);
-    if (this.layers.contacts) this.drawContacts(pen, t);
-    if (this.layers.truth) this.drawTruth(pen, t);
-    if (this.layers.trails) this.drawTrails(pen, t);
+    if (this.layers.rays) drawRays(pen, this, t);
+    if (this.layers.contacts) drawContacts(pen, this, t);
+    if (this.layers.truth) drawTruth(pen, this, t);
+    if (this.layers.trails) drawTrails(pen, this, t);
     for (const row of this.rows) if (this.layers.ellipses) this.drawEllipse(pen, row);
     this.labels = new Labels();
     for (const row of this.rows) this.labels.keepFree(this.toScreen(row.x, row.y));
@@ -215,146 +211,6 @@ export class Plan {
     this.drawMarks(pen);
     this.drawMeasure(pen);
     this.drawReadout();
-  }
-
-  drawRings(pen) {
-    const middle = this.ship ?? this.origin;
-    const place = this.toScreen(middle.x, middle.y);
-    const { width, height } = this.canvas;
-    const step = niceStep(this.span / 9);
-    const farthest = Math.hypot(Math.max(place.x, width - place.x), Math.max(place.y, height - place.y)) / this.scale;
-    pen.font = "11px system-ui, sans-serif";
-    pen.strokeStyle = palette.line;
-    for (let r = step, i = 0; r < farthest && i < 40; r += step, i++) {
-      pen.beginPath();
-      pen.arc(place.x, place.y, r * this.scale, 0, 2 * Math.PI);
-      pen.stroke();
-    }
-    const names = [];
-    for (let degree = 0; degree < 360; degree += 30) {
-      const angle = Math.PI / 2 - degree * DEGREE - this.up_angle;
-      const [ux, uy] = [Math.cos(angle), -Math.sin(angle)];
-      pen.globalAlpha = 0.5;
-      pen.beginPath();
-      pen.moveTo(place.x + ux * step * this.scale, place.y + uy * step * this.scale);
-      pen.lineTo(place.x + ux * farthest * this.scale, place.y + uy * farthest * this.scale);
-      pen.stroke();
-      pen.globalAlpha = 1;
-      const edge = reach(place, ux, uy, width, height, 15);
-      if (edge > 60) names.push([String(degree).padStart(3, "0"), place.x + ux * edge, place.y + uy * edge]);
-    }
-    pen.textAlign = "center";
-    for (const [text, x, y] of names) label(pen, text, x, y, palette.faint, palette.panel);
-    pen.textAlign = "left";
-    for (let r = step, i = 0; r < farthest && i < 40; r += step, i++) {
-      const y = place.y + r * this.scale;
-      if (y < height - 26) label(pen, axisDistance(r, farthest), place.x + 4, y, palette.faint, palette.panel);
-    }
-    pen.font = "12px system-ui, sans-serif";
-  }
-
-  drawRays(pen, t) {
-    const { history } = this.page;
-    const length = 3 * this.span;
-    for (const topic of bearingTopics(history)) {
-      const frame = history.at(`bearings ${topic}`, t);
-      if (!frame || t - frame.t > RAY_AGE || frame.sensor.x === null) continue;
-      const from = this.toScreen(frame.sensor.x, frame.sensor.y);
-      this.drawSensor(pen, from, frame.sensor.id);
-      for (let i = 0; i < frame.id.length; i++) {
-        if (frame.status[i] === TERMINATED) continue;
-        for (const azimuth of [frame.azimuth[i], frame.other_azimuth[i]]) {
-          if (!Number.isFinite(azimuth)) continue;
-          const to = this.toScreen(frame.sensor.x + length * Math.cos(azimuth), frame.sensor.y + length * Math.sin(azimuth));
-          pen.strokeStyle = palette.ray;
-          pen.globalAlpha = 0.6;
-          pen.setLineDash(frame.ambiguous[i] ? [7, 5] : []);
-          pen.beginPath();
-          pen.moveTo(from.x, from.y);
-          pen.lineTo(to.x, to.y);
-          pen.stroke();
-        }
-      }
-      pen.setLineDash([]);
-      pen.globalAlpha = 1;
-    }
-  }
-
-  drawSensor(pen, place, name) {
-    if (this.ship && Math.hypot(place.x - this.toScreen(this.ship.x, this.ship.y).x, place.y - this.toScreen(this.ship.x, this.ship.y).y) < 8) return;
-    pen.strokeStyle = palette.own;
-    pen.strokeRect(place.x - 4, place.y - 4, 8, 8);
-    label(pen, name, place.x + 8, place.y - 8, palette.faint, palette.panel);
-  }
-
-  drawContacts(pen, t) {
-    const { history } = this.page;
-    for (const name of history.names("contacts")) {
-      const frame = history.at(name, t);
-      if (!frame || t - frame.t > 60) continue;
-      pen.fillStyle = palette.contact;
-      for (let i = 0; i < frame.x.length; i++) {
-        if (!Number.isFinite(frame.x[i])) continue;
-        const place = this.toScreen(frame.x[i], frame.y[i]);
-        const size = frame.amplitude_db[i] > 16 ? 2.5 : 1.5;
-        pen.fillRect(place.x - size, place.y - size, 2 * size, 2 * size);
-      }
-    }
-  }
-
-  drawTruth(pen, t) {
-    pen.strokeStyle = palette.truth;
-    for (const row of tracksAt(this.page.history, t, truthTopics(this.page.history))) {
-      const { x, y } = this.toScreen(row.x, row.y);
-      pen.beginPath();
-      pen.moveTo(x - 5, y - 5); pen.lineTo(x + 5, y + 5);
-      pen.moveTo(x - 5, y + 5); pen.lineTo(x + 5, y - 5);
-      pen.stroke();
-    }
-  }
-
-  drawTrails(pen, t) {
-    const { history } = this.page;
-    const trails = new Map();
-    const wanted = new Set(this.rows.map((row) => row.key));
-    for (const topic of pictureTopics(history)) {
-      const frames = history.between(`tracks ${topic}`, t - TRAIL_SECONDS, t);
-      const step = Math.max(1, Math.floor(frames.length / 150));
-      for (let n = 0; n < frames.length; n += step) {
-        const frame = frames[n];
-        for (let i = 0; i < frame.id.length; i++) {
-          const key = `${topic} ${frame.id[i]}`;
-          if (!wanted.has(key)) continue;
-          if (!trails.has(key)) trails.set(key, []);
-          trails.get(key).push({ ...this.toScreen(frame.x[i], frame.y[i]), t: frame.t });
-        }
-      }
-    }
-    for (const row of this.rows) this.polyline(pen, trails.get(row.key), palette.track(row.id), 0.75);
-    const states = history.between("own_ship", t - TRAIL_SECONDS, t);
-    const step = Math.max(1, Math.floor(states.length / 200));
-    const own = states.filter((_, n) => n % step === 0).map((state) => ({ ...this.toScreen(state.x, state.y), t: state.t }));
-    this.polyline(pen, own, palette.own, 0.6);
-  }
-
-  polyline(pen, places, colour, alpha) {
-    if (!places || places.length < 2) return;
-    pen.strokeStyle = colour;
-    pen.globalAlpha = alpha;
-    pen.lineWidth = 1.3;
-    pen.beginPath();
-    let before = null;
-    for (const place of places) {
-      if (!Number.isFinite(place.x)) continue;
-      // A solution that jumps is no motion: no line is drawn to it.
-      const far = before && Math.hypot(place.x - before.x, place.y - before.y) / this.scale > FASTEST * (place.t - before.t) + 50;
-      if (before && !far) pen.lineTo(place.x, place.y);
-      else pen.moveTo(place.x, place.y);
-      before = place;
-    }
-    pen.stroke();
-    pen.globalAlpha = 1;
-    pen.lineWidth = 1;
   }
 
   drawEllipse(pen, row) {
@@ -438,13 +294,6 @@ export class Plan {
     }
     if (this.readout.textContent !== text) this.readout.textContent = text;
   }
-}
-
-/** How far a ray from a place goes until it is so near to the edge of the picture. */
-function reach(place, ux, uy, width, height, inset) {
-  const across = ux > 0 ? (width - inset - place.x) / ux : ux < 0 ? (inset - place.x) / ux : Infinity;
-  const down = uy > 0 ? (height - inset - place.y) / uy : uy < 0 ? (inset - place.y) / uy : Infinity;
-  return Math.min(across, down);
 }
 
 /** Standard deviations along the axes of a covariance, and the direction of the larger one. */
