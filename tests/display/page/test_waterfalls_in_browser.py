@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -13,28 +12,24 @@ import pytest
 from sonar_tracking.display.page.beam_power import beam_power_row
 from sonar_tracking.display.page.own_ship_log import OwnShipLog
 from sonar_tracking.display.page.page_configuration import PageConfiguration
-from sonar_tracking.display.page.page_frames import Frame
 from sonar_tracking.display.page.page_server import PageServer
-from sonar_tracking.display.page.track_frames import StationPlaces, own_ship_frame
+from sonar_tracking.display.page.track_frames import StationPlaces
 from sonar_tracking.display.page.waterfall_frames import WaterfallFrames
-from sonar_tracking.geometry import line_array, steering_vectors, wavenumber
-from sonar_tracking.records.bearings import ArraySnapshots, Sensor
-from sonar_tracking.records.own_ship import OwnShipState
-from sonar_tracking.records.samples import ArraySamples
-from sonar_tracking.records.time import NANOSECONDS
-from tests.display.page.chromium import PATIENCE, Chromium, Tab
+from tests.display.page.chromium import Chromium, Tab
 from tests.display.page.page_scene import START
+from tests.display.page.waterfall_scene import (
+    TONE,
+    VIEW,
+    brightest,
+    frames,
+    show,
+    show_spectrum,
+    snapshots,
+    take_samples,
+    wait_selected,
+)
 
 Start = Callable[..., PageServer]
-
-POSITIONS = line_array(16, 0.5)
-SOURCE = math.radians(30.0)
-TONE = 310.0
-VIEW = "page.layout.views.get('bearing_time').view"
-SENSOR = Sensor(
-    position=(0.0, 0.0, 0.0), orientation=(0.0, 0.0, 0.0, 1.0), velocity=(4.0, 0.0, 0.0)
-)
-"""Its axis points east, as the bow does: 30 degrees from broadside are 060 or 120."""
 
 
 @pytest.fixture
@@ -46,73 +41,6 @@ def tab(start: Start, chromium: Chromium) -> Iterator[tuple[PageServer, Tab]]:
     complaints = page.complaints
     page.close()
     assert not complaints
-
-
-def snapshots(second: float, duration: float = 0.5) -> ArraySnapshots:
-    """Return a block of a source over noise."""
-    generator = np.random.default_rng(round(1000 * second))
-    vector = steering_vectors(POSITIONS, [SOURCE], wavenumber(1000.0, 1500.0))
-    count = 5
-    noise = generator.normal(size=(count, 32)).view(np.complex128)
-    return ArraySnapshots(
-        stamp=round((START + second) * NANOSECONDS),
-        data=3.0 * vector.T + 0.3 * noise,
-        element_positions=POSITIONS,
-        sample_period=duration / count,
-        center_frequency=1000.0,
-        bandwidth=10.0,
-        sound_speed=1500.0,
-        sensor=SENSOR,
-    )
-
-
-def samples(second: int) -> ArraySamples:
-    """Return a second of a tone from the source over noise."""
-    times = second + np.arange(2000) / 2000.0
-    lead = POSITIONS[:, 0] * math.sin(SOURCE) / 1500.0
-    noise = np.random.default_rng(second).normal(size=(2000, 16))
-    data = noise + 2.0 * np.cos(2.0 * np.pi * TONE * (times[:, None] + lead))
-    return ArraySamples((START + second) * NANOSECONDS, data, POSITIONS, 2000.0, 1500.0)
-
-
-def own_ship(second: float) -> OwnShipState:
-    stamp = round((START + second) * NANOSECONDS)
-    return OwnShipState(stamp, (4.0 * second, 0.0), 0.0, (4.0, 0.0), 0.0)
-
-
-def frames(seconds: list[float], duration: float = 0.5) -> Iterator[Frame]:
-    """Yield own ship and the rows of beam power."""
-    log = OwnShipLog()
-    waterfalls = WaterfallFrames(log, StationPlaces(PageConfiguration(), log), 600.0)
-    for second in seconds:
-        log.add(own_ship(second))
-        yield own_ship_frame(own_ship(second))
-        yield from waterfalls.snapshots("/array/snapshots", snapshots(second, duration))
-
-
-def show(server: PageServer, page: Tab, made: Iterator[Frame]) -> None:
-    last = 0.0
-    for frame in made:
-        server.do(server.feed.emit, frame)
-        last = max(last, frame.time)
-    page.wait_for(f"page.history.newest >= {last}")
-    page.value("page.layout.select('bearing_time', true), page.layout.enlarge('bearing_time'), 0")
-
-
-def brightest(page: Tab, t: float) -> list[float]:
-    """Return where along the axis the 1 s panel is loudest at a time, by colour: shares."""
-    script = f"""(() => {{
-      const view = {VIEW}; page.draw();
-      const {{ box, ring }} = view.panels[0];
-      const y = Math.round(box.y + ring.yOf({START + t}, box, false));
-      const line = view.canvas.pen.getImageData(box.x, y, box.width, 1).data;
-      const light = [...Array(line.length / 4).keys()]
-        .map(i => line[4 * i] + line[4 * i + 1] + line[4 * i + 2]);
-      const most = Math.max(...light);
-      return light.flatMap((v, i) => v > 0.97 * most ? [(i + 0.5) / light.length] : []);
-    }})()"""
-    shares: list[float] = page.value(script)
-    return shares
 
 
 def test_power_is_drawn_at_its_bearing_on_every_axis(tab: tuple[PageServer, Tab]) -> None:
@@ -180,21 +108,7 @@ def test_a_gap_stays_empty_and_twenty_rows_a_second_are_all_there(
 def test_a_spectrum_is_sent_when_it_is_chosen(start: Start, chromium: Chromium) -> None:
     server = start()
     page = chromium.open(server.address)
-    for second in range(4):
-        server.do(_take_samples, server, second)
-    page.wait_for("page.history.names('waterfall').length")
-    page.value(
-        "page.layout.select('lofar', true), page.layout.enlarge('lofar'),"
-        f"page.selection.choose({{ sensor: 'array', beam: {SOURCE} }}), page.draw(), 0"
-    )
-    deadline = time.monotonic() + PATIENCE
-    while not server.feed._waterfalls._lofar_selected:
-        assert time.monotonic() < deadline
-        page.value("page.draw(), 0")
-    for second in range(4, 10):
-        server.do(_take_samples, server, second)
-    page.wait_for("page.history.names('lofar').length")
-    page.wait_for("page.history.stream(page.history.names('lofar')[0]).frames.length >= 4")
+    show_spectrum(server, page)
     loudest: Any = page.value(
         "(() => { const f = page.history.stream(page.history.names('lofar')[0]).frames.at(-1);"
         " let best = 0; f.row.forEach((v, i) => { if (v > f.row[best]) best = i; });"
@@ -209,20 +123,12 @@ def test_a_spectrum_is_sent_when_it_is_chosen(start: Start, chromium: Chromium) 
     # Data that begin anew know of no choice: the page says it again.
     server.do(server.feed.begin_anew, float(START))
     for second in range(4):
-        server.do(_take_samples, server, second)
+        server.do(take_samples, server, second)
     page.wait_for("(page.draw(), page.history.names('waterfall').length)")
-    deadline = time.monotonic() + PATIENCE
-    while not server.feed._waterfalls._lofar_selected:
-        assert time.monotonic() < deadline
-        page.value("page.draw(), 0")
+    wait_selected(server, page)
     complaints = page.complaints
     page.close()
     assert not complaints
-
-
-def _take_samples(server: PageServer, second: int) -> None:
-    for frame in server.feed._waterfalls.samples("/array/samples", samples(second)):
-        server.feed.emit(frame)
 
 
 def test_spectra_of_several_seconds_are_means_of_power(start: Start, chromium: Chromium) -> None:
