@@ -108,11 +108,13 @@ def test_the_line_of_a_track_does_not_cross_the_picture_at_north(
         lineTo(x, y) {{ moves.push([Math.abs(x - last[0]) / box.width, y]); last = [x, y]; }} }};
       const [line] = view.tracks.linesOf(view.panels[0], page.time.now);
       for (const side of ['share', 'other']) view.tracks.drawLine(pen, view.panels[0], line, side);
-      return [Math.max(...moves.map(([far]) => far)), moves.length];
+      return [Math.max(...moves.map(([far]) => far)), moves.length, line.points[0].share];
     }})()"""
-    for axis in ("north", "south", "relative"):
+    # 350, with the bow at 090.
+    for axis, place in (("north", 350.0), ("south", 170.0), ("relative", 80.0)):
         page.value(f"{VIEW}.axis.value = {axis!r}, 0")
-        farthest, count = page.value(strokes)
+        farthest, count, share = page.value(strokes)
+        assert share * 360.0 == pytest.approx(place, abs=0.01), axis
         assert farthest < 0.02, axis
         assert count > 60, axis
 
