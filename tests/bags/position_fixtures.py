@@ -22,6 +22,7 @@ CONTACTS = "sonar_tracking_msgs/msg/Contacts"
 ODOMETRY = "nav_msgs/msg/Odometry"
 LINES = "sonar_tracking_msgs/msg/FrequencyLines"
 IMAGE = "sensor_msgs/msg/Image"
+COMMANDS = "sonar_tracking_msgs/msg/OperatorCommand"
 
 
 def position_tracks_cdr(tracks: PositionTracks) -> bytes:
@@ -47,6 +48,14 @@ def contacts_cdr(ping: Contacts) -> bytes:
     velocity.x, velocity.y = ping.sensor_velocity
     message.sensor_pose.orientation.w = 1.0
     return bytes(installed_typestore(CONTACTS).serialize_cdr(message, CONTACTS))
+
+
+def command_cdr(stamp: int) -> bytes:
+    """Return a serialised command: a line at 50 Hz is own ship's."""
+    fields = {"command": 6, "topic": "passive/tracks", "frequency": 50.0}
+    message = filled(COMMANDS, **fields)
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp, SECOND)
+    return bytes(installed_typestore(COMMANDS).serialize_cdr(message, COMMANDS))
 
 
 def odometry_cdr(state: OwnShipState) -> bytes:

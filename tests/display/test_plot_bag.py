@@ -14,11 +14,13 @@ from sonar_tracking.records.contacts import Contacts
 from sonar_tracking.records.own_ship import OwnShipState
 from tests.bags.bag_fixtures import EPOCH, SECOND, TRACKS, tracks_cdr
 from tests.bags.position_fixtures import (
+    COMMANDS,
     CONTACTS,
     IMAGE,
     LINES,
     ODOMETRY,
     POSITIONS,
+    command_cdr,
     contacts_cdr,
     frequency_lines_cdr,
     lofar_cdr,
@@ -53,6 +55,8 @@ def message(kind: str, second: int, truth: bool) -> bytes:
         return lofar_cdr(stamp, np.random.default_rng(second).normal(size=400).astype(np.float32))
     if kind == TRACKS:
         return tracks_cdr(second)
+    if kind == COMMANDS:
+        return command_cdr(stamp)
     spread = np.full((1, 4, 4), np.nan) if truth else np.diag([900.0, 100.0, 1.0, 1.0])[None]
     state = [1000.0 - 3.0 * second, 800.0, -3.0, 0.0]
     return position_tracks_cdr(position_tracks(second, [state], covariance=spread))

@@ -100,6 +100,20 @@ def test_where_the_data_begin_anew_nothing_of_a_later_time_is_left() -> None:
     assert not any(history.begins_anew(Frame(kind, f"{kind} a", 100.0, "x")) for kind in kinds)
 
 
+def test_commands_last_longer_than_the_past_and_may_be_late() -> None:
+    history = FrameHistory(60.0)
+    told = [Frame("command", "command ", time, "x") for time in (10.0, 10.0, 0.0)]
+    for frame in told:
+        assert not history.begins_anew(frame)
+        history.add(frame)
+    for second in range(3600):
+        history.add(Frame("own_ship", "own_ship ", float(second), "x"))
+    assert list(history)[:3] == told
+    assert len(history) == 64
+    history.clear()
+    assert len(history) == 0
+
+
 class _Columns:
     """A message with two tracks and one status."""
 

@@ -19,7 +19,7 @@ from sonar_tracking.display.page import recorded_page
 from sonar_tracking.display.page.recorded_page import RecordedPage
 from sonar_tracking.errors import ConfigurationError
 from tests.bags.bag_fixtures import TRACKS
-from tests.bags.position_fixtures import CONTACTS, IMAGE, LINES, ODOMETRY, POSITIONS
+from tests.bags.position_fixtures import COMMANDS, CONTACTS, IMAGE, LINES, ODOMETRY, POSITIONS
 from tests.display.page.socket_frames import close, frames_from, greeting, heard
 from tests.display.test_plot_bag import EPOCH, N_SECONDS, bag
 
@@ -107,13 +107,18 @@ def test_the_command_shows_a_bag_until_it_is_interrupted(tmp_path: Path) -> None
 def test_every_part_of_a_long_bag_can_be_looked_at(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Memory takes some of ten minutes: the beginning, then what is looked for, with what leads."""
-    path = bag(tmp_path / "bag", {"/active/tracks": POSITIONS}, 600)
+    """Memory takes some of ten minutes: the beginning, then what is looked for, with what leads.
+
+    What was commanded before has its effect there.
+    """
+    topics = {"/operator/commands": COMMANDS, "/active/tracks": POSITIONS}
+    path = bag(tmp_path / "bag", topics, 600)
     monkeypatch.setattr(recorded_page, "LEAD", 20.0)
     monkeypatch.setattr(recorded_page, "LARGEST_PART", 50_000)
     page = RecordedPage(read_bag(path), 0, "127.0.0.1")
     page.server.start()
     found: dict[float, tuple[float, float, str]] = {}
+    commanded: dict[float, list[float]] = {}
 
     async def look(*wanted: float) -> None:
         link = await websocket_connect(f"ws://localhost:{page.server.port}/socket")
@@ -122,11 +127,14 @@ def test_every_part_of_a_long_bag_can_be_looked_at(
         for offset in wanted:
             await link.write_message(json.dumps({"kind": "seek", "t": begin + offset}))
             times: list[float] = []
+            commanded[offset] = []
             part = False
             async for frame in frames_from(link):
                 part |= frame["kind"] == "part"
                 if part and frame["kind"] == "tracks":
                     times.append(frame["t"] - begin)
+                if part and frame["kind"] == "command":
+                    commanded[offset].append(frame["t"] - begin)
                 if part and frame["kind"] == "recording" and "reading" not in frame["state"]:
                     found[offset] = (times[0], times[-1], frame["state"])
                     break
@@ -145,3 +153,5 @@ def test_every_part_of_a_long_bag_can_be_looked_at(
     first, last, state = found[300.0]
     assert (first, state) == (280.0, "part")
     assert 300.0 < last < 500.0
+    assert commanded[300.0][:301] == list(range(301))
+    assert commanded[5.0][:10] == list(range(10))

@@ -9,18 +9,23 @@ from typing import Any
 
 import numpy as np
 import pytest
+from sonar_tracking_msgs.msg import OperatorCommand as OperatorCommandMessage
 
 from sonar_tracking.graph.catalogue.topics import (
     BEARING_TRACKS,
+    COMMANDS,
     FREQUENCY_LINES,
     ODOMETRY,
     PASSIVE_TRACKS,
 )
 from sonar_tracking.graph.message_writing import array_writing
+from sonar_tracking.graph.message_writing.command_writing import command_to_message
 from sonar_tracking.graph.message_writing.line_writing import frequency_lines_to_message
+from sonar_tracking.graph.node_base import quality_of_service
 from sonar_tracking.message_reading.field_reading import stamp_from_time
 from sonar_tracking.message_reading.position_reading import position_tracks_from_message
 from sonar_tracking.records.bearings import BearingTracks
+from sonar_tracking.records.commands import CommandKind, OperatorCommand, OwnShipLine
 from sonar_tracking.records.lines import FrequencyLines
 from sonar_tracking.records.own_ship import OwnShipState
 from sonar_tracking.records.positions import PositionTracks
@@ -86,6 +91,18 @@ class Tracker:
         heard = len(self.probe.diagnostics)
         self.probe.tick(stamp)
         self.probe.wait(lambda: len(self.probe.diagnostics) > heard, "status")
+
+    def mark(self, frequency: float, number: int) -> None:
+        """Say that a line is own ship's, from a frame on, and wait until the node has it."""
+        publisher = self.probe.node.create_publisher(
+            OperatorCommandMessage, COMMANDS.name, quality_of_service.ALL_COMMANDS
+        )
+        self.probe.wait(publisher.get_subscription_count, "commands matched")
+        line = OwnShipLine(frequency, 5.0)
+        kind = CommandKind.MARK_OWN_SHIP_LINE
+        command = OperatorCommand(kind, "passive/tracks", stamp=self._stamp(number), line=line)
+        publisher.publish(command_to_message(command))
+        self.probe.wait(lambda: self.probe.finished(NODE, f"/{COMMANDS.name}"), "command received")
 
     def wait_lists(self, count: int) -> list[PositionTracks]:
         """Wait for so many lists and return them, one a frame."""
@@ -210,6 +227,28 @@ def test_missing_odometry_is_named_and_the_lists_come_when_the_data_begin_again(
     tracker.probe.wait(lambda: len(tracker.outputs) == 6, "six lists")
     assert [len(message.id) for message in tracker.outputs] == [0, 0, 0, 1, 1, 1]
     tracker.probe.wait_sentence(f"{NODE}: data of array", "own_ship/odometry")
+
+
+def test_a_line_that_is_marked_as_own_ships_is_used_no_longer(tracker: Tracker) -> None:
+    """From the stamp of the command on the lists are those of data without that line."""
+
+    def lists(left_out: float = -1.0, marked: float | None = None) -> list[PositionTracks]:
+        tracker.new_run()
+        for number in range(8):
+            if number == 3 and marked is not None:
+                tracker.wait_lists(3)
+                tracker.mark(marked, number)
+            lines = tracker.lines(number)
+            if number >= 3:
+                lines = lines.without((abs(lines.frequency - left_out) < 2.5).tolist())
+            tracker.send(tracker.bearings(number), lines)
+        return tracker.wait_lists(8)
+
+    without, marked, used = lists(left_out=300.0), lists(marked=300.0), lists()
+    for found, expected in zip(marked, without, strict=True):
+        assert np.array_equal(found.state, expected.state)
+        assert found.line_id.tolist() == expected.line_id.tolist()
+    assert not np.array_equal(used[-1].state, without[-1].state)
 
 
 def test_identifiers_are_not_reused_after_a_reset(tracker: Tracker) -> None:
