@@ -21,7 +21,7 @@ export const keyTexts = [
   ["Escape", "back: closes what is open, takes the cursors and the choice away"],
   ["H, + and −", "in the LOFAR: harmonic cursor, closer and wider; the wheel zooms, dragging moves, a double click shows all"],
   ["T", "colours: light, dark, as the machine"],
-  ["⊕", "own ship"],
+  ["⊕", "own ship; in the LOFAR a line that is marked as hers"],
   ["7, b7, e7", "a track of the picture; a track of bearings, or of echoes, that is part of none"],
   ["□ ◇ ○ △", "a track of echoes and bearings, of echoes, of bearings, and something fixed; dashed: tentative; dotted: coasted"],
   ["—", "the line at a symbol is its course, as long as it goes in three minutes"],

@@ -115,7 +115,7 @@ export function drawHarmonics(pen, view, cursor) {
     pen.lineTo(x, view.canvas.height);
     pen.stroke();
     if (x > right + 20) {
-      label(pen, String(k), x, view.box.y - 8, palette.warn, palette.panel);
+      label(pen, String(k), x, view.box.y + 38, palette.warn, palette.panel);
       right = x;
     }
   }
