@@ -49,7 +49,8 @@ def stacked(entries: Sequence[Any]) -> Any:
 def row_of(entry: Any, row: int) -> Any:
     """Return one of the entries that were stacked."""
     if isinstance(entry, np.ndarray):
-        return entry[row]
+        # An array, and no number, where there is one a run: numbers tell runs apart.
+        return entry[row, ...]
     kind: Any = type(entry)
     if (names := _field_names(kind)) is None:
         return entry
