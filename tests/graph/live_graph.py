@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -31,6 +30,7 @@ from sonar_tracking.graph.catalogue.transport_profile import choose_transport
 from sonar_tracking.graph.message_writing.field_writing import message_class, time_from_stamp
 from sonar_tracking.graph.node_base import quality_of_service
 from sonar_tracking.message_reading.field_reading import stamp_from_time
+from tests.process_source import CopiedProcess
 from tests.ros_domain import ros_domain
 
 PATIENCE = 40.0
@@ -60,17 +60,12 @@ class NodeProcess:
     def __init__(
         self, module: str, log: Path, namespace: object = "/", **parameters: object
     ) -> None:
-        arguments = [sys.executable, "-m", module, "--ros-args", "-r", f"__ns:={namespace}"]
+        arguments = ["--ros-args", "-r", f"__ns:={namespace}"]
         for name, value in parameters.items():
             arguments += ["-p", f"{name}:={value}"]
         self._log = log
-        with log.open("w") as output:
-            self._process = subprocess.Popen(
-                arguments,
-                stdout=output,
-                stderr=subprocess.STDOUT,
-                env={**os.environ, "ROS_DOMAIN_ID": str(ros_domain())},
-            )
+        environment = {**os.environ, "ROS_DOMAIN_ID": str(ros_domain())}
+        self._process = CopiedProcess(module, arguments, environment, log)
 
     @property
     def output(self) -> str:
@@ -84,8 +79,7 @@ class NodeProcess:
 
     def send_signal(self, number: int) -> None:
         """Send a signal."""
-        if self.is_alive:
-            self._process.send_signal(number)
+        self._process.send_signal(number)
 
     def stop(self, number: int = signal.SIGTERM) -> int:
         """Send a signal and return the exit code."""
@@ -98,9 +92,8 @@ class NodeProcess:
 
     def kill(self) -> None:
         """End it whatever it does."""
-        if self.is_alive:
-            self._process.kill()
-        self._process.wait()
+        self._process.kill()
+        self._process.wait(PATIENCE)
 
     def end(self) -> None:
         """End it in order, so that it gives back the memory it shares, or else with force.

@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from contextlib import redirect_stderr, redirect_stdout
@@ -17,9 +18,11 @@ from unittest import mock
 
 from sonar_tracking import cli
 from sonar_tracking.stop_signals import STOP_SIGNALS
+from tests.process_source import CopiedProcess
 from tests.ros_domain import ros_domain
 
-COMMAND = [sys.executable, "-m", "sonar_tracking"]
+COMMAND = "sonar_tracking"
+"""Module it runs."""
 PATIENCE = 90.0
 """Longest wait for anything, s: generous, because machines may be busy."""
 
@@ -33,25 +36,31 @@ def environment(home: Path) -> dict[str, str]:
     }
 
 
-def command_of(*arguments: object, pictures: bool) -> list[str]:
-    """Return the command; a graph is started without what RViz shows unless someone looks at it."""
+def typed(*arguments: object, pictures: bool) -> list[str]:
+    """Return the words; a graph is started without what RViz shows unless someone looks at it."""
     unseen = [] if pictures or arguments[0] not in ("run", "replay") else ["--no-display-topics"]
-    return [*COMMAND, *map(str, arguments), *unseen]
+    return [*map(str, arguments), *unseen]
 
 
 def run_command(
     home: Path, *arguments: object, pictures: bool = False
 ) -> subprocess.CompletedProcess[str]:
     """Run the command to its end; output and errors are in ``stdout``."""
-    return subprocess.run(
-        command_of(*arguments, pictures=pictures),
-        env=environment(home),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        timeout=PATIENCE,
-        check=False,
-    )
+    return run_words(typed(*arguments, pictures=pictures), environment(home))
+
+
+def run_words(
+    words: list[str], variables: dict[str, str], folder: Path = Path()
+) -> subprocess.CompletedProcess[str]:
+    """Run the command with these words, in an environment and a folder, to its end."""
+    with tempfile.NamedTemporaryFile() as output:
+        log = Path(output.name)
+        process = CopiedProcess(COMMAND, words, variables, log, folder)
+        try:
+            code = process.wait(PATIENCE)
+        finally:
+            process.kill()
+        return subprocess.CompletedProcess(words, code, log.read_text())
 
 
 def refused(home: Path, *arguments: object) -> str:
@@ -110,14 +119,8 @@ class RunningCommand:
 
     def __init__(self, home: Path, *arguments: object, pictures: bool = False) -> None:
         self._output = home / "output.txt"
-        with self._output.open("w") as output:
-            self._process = subprocess.Popen(
-                command_of(*arguments, pictures=pictures),
-                env=environment(home),
-                stdout=output,
-                stderr=subprocess.STDOUT,
-                start_new_session=True,
-            )
+        words = typed(*arguments, pictures=pictures)
+        self._process = CopiedProcess(COMMAND, words, environment(home), self._output)
 
     @property
     def output(self) -> str:
@@ -166,7 +169,7 @@ class RunningCommand:
         """Leave no process behind."""
         nodes = self.node_processes()
         self._process.kill()
-        self._process.wait()
+        self._process.wait(PATIENCE)
         for process in nodes:
             try:
                 os.kill(process, signal.SIGKILL)
