@@ -35,6 +35,8 @@ from tests.recorded_data import recorded_data
 
 DEPTH = 1300.0
 N_SECONDS = 200
+HALF_AN_HOUR = 1800.0
+"""s."""
 
 
 def circling(seed: int) -> dict[str, Any]:
@@ -120,6 +122,13 @@ def test_seconds_with_doubtful_time_are_left_out(tmp_path: Path) -> None:
     assert np.all(np.diff(array.times) > 0.0)
 
 
+def beginning(array: ArrayBearings, end: float) -> ArrayBearings:
+    """Return what an array has measured until a time in s."""
+    early = array.times < end
+    series = ("times", "azimuth", "elevation", "deviation", "ship")
+    return replace(array, **{name: getattr(array, name)[early] for name in series})
+
+
 def test_a_wrong_file_is_a_sentence(tmp_path: Path) -> None:
     with pytest.raises(ConfigurationError, match="cannot be read"):
         read_bearings(tmp_path / "absent.npz")
@@ -166,38 +175,36 @@ def test_the_real_ship_is_found_better_than_by_single_seconds(
 
 @pytest.mark.data
 @pytest.mark.parametrize(
-    ("file", "names", "system", "least"),
+    ("file", "names", "system", "least", "length"),
     [
-        ("two_arrays_A", ("EE",), SINGLE, 85.0),
-        ("two_arrays_A", ("EW",), SINGLE, 85.0),
-        ("two_arrays_A", ("EE", "EW"), BOTH, 85.0),
-        ("array_EW_B", ("EW",), SINGLE, 85.0),
-        ("two_arrays_A", ("EE", "EW"), CROSS, 70.0),
+        ("two_arrays_A", ("EE",), SINGLE, 85.0, HALF_AN_HOUR),
+        ("two_arrays_A", ("EW",), SINGLE, 85.0, np.inf),
+        ("two_arrays_A", ("EE", "EW"), BOTH, 85.0, HALF_AN_HOUR),
+        ("array_EW_B", ("EW",), SINGLE, 85.0, np.inf),
+        ("two_arrays_A", ("EE", "EW"), CROSS, 70.0, np.inf),
     ],
 )
 def test_ellipses_of_the_node_hold_the_real_ship(
-    file: str, names: tuple[str, ...], system: str, least: float
+    file: str, names: tuple[str, ...], system: str, least: float, length: float
 ) -> None:
-    """Told the depth alone; azimuths alone err by more than they can tell overhead."""
+    """Told the depth alone; azimuths alone err by more than they can tell overhead.
+
+    Without the part of errors that never average out the half hour has 76 % in the ellipses of both
+    arrays, and the whole recording no fewer in those of EE (87 %) than the half hour (86 %).
+    """
     arrays = read_bearings(recorded_data(f"harp_ship_bearings/{file}.npz"))
-    chosen = tuple(array for array in arrays if array.name in names)
+    end = arrays[0].times[0] + length
+    chosen = tuple(beginning(array, end) for array in arrays if array.name in names)
     (row,) = ship_rows([(live_track(system, chosen, system != CROSS),)])
     assert least <= row.metrics["in_ellipse_percent"] <= 99.0
     assert row.metrics["confirmed_percent"] > 80.0
-
-
-def beginning(array: ArrayBearings, end: float) -> ArrayBearings:
-    """Return what an array has measured until a time in s."""
-    early = array.times < end
-    series = ("times", "azimuth", "elevation", "deviation", "ship")
-    return replace(array, **{name: getattr(array, name)[early] for name in series})
 
 
 @pytest.mark.data
 def test_real_bearings_without_labels_go_to_their_ships() -> None:
     """Of the first half hour of the recording."""
     arrays = read_bearings(recorded_data("harp_ship_bearings/two_arrays_A.npz"))
-    beginnings = tuple(beginning(array, arrays[0].times[0] + 1800.0) for array in arrays)
+    beginnings = tuple(beginning(array, arrays[0].times[0] + HALF_AN_HOUR) for array in arrays)
     (row,) = ship_rows([(pair_bearings(beginnings, np.random.default_rng(1)),)])
     assert row.metrics["right_percent"] > 99.0
     assert row.metrics["real_median_m"] < 25.0
