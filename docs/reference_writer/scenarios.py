@@ -17,6 +17,7 @@ from sonar_tracking.simulation.scenarios.hydrophone_configuration import Hydroph
 from sonar_tracking.simulation.scenarios.platforms import OwnShipConfiguration, TurnConfiguration
 from sonar_tracking.simulation.scenarios.scenario_file import scenario_names
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
+from sonar_tracking.simulation.scenarios.station_configuration import StationConfiguration
 from sonar_tracking.simulation.scenarios.target import (
     MOTIONS,
     LineConfiguration,
@@ -33,6 +34,7 @@ SECTIONS: dict[str, type] = {
     "bearing_sensors[]": BearingSensorConfiguration,
     "active_sonar": ContactSensorConfiguration,
     "hydrophones": HydrophoneConfiguration,
+    "stations[]": StationConfiguration,
     "targets[]": TargetConfiguration,
     "targets[].lines[]": LineConfiguration,
     **{f"targets[].motion, kind: {kind}": motion for kind, motion in MOTIONS.items()},

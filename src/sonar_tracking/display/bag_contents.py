@@ -27,6 +27,7 @@ from sonar_tracking.bags.storage.reader import Bag
 from sonar_tracking.display.bearing_time_record import Waterfall
 from sonar_tracking.display.located_pings import located_pings, recorded_mounting
 from sonar_tracking.display.lofar_gram import GramRows
+from sonar_tracking.display.page.outermost_topic import outermost_topic, station_of
 from sonar_tracking.display.page.own_ship_legs import Leg, own_ship_legs
 from sonar_tracking.display.position_history import (
     PositionHistory,
@@ -42,6 +43,7 @@ from sonar_tracking.records.bearings import BearingTracks
 from sonar_tracking.records.contacts import Contacts
 from sonar_tracking.records.lines import FrequencyLines
 from sonar_tracking.records.own_ship import OwnShipState
+from sonar_tracking.records.station_name import station_name
 
 Value = TypeVar("Value")
 
@@ -83,12 +85,14 @@ class BagContents:
         Spectra of beams.
     dots : tuple of TrackDots
         Stacked dots of the solutions.
-    contacts : tuple of Contacts
-        Of the first topic that has any, those that can be placed.
+    contacts : mapping of str to tuple of Contacts
+        Those that can be placed, by topic.
     sound_speed : float
         With which the contacts were tracked, m/s.
     own_ship : tuple of OwnShipState
-        Of the first topic that has any, in order of time.
+        In order of time.
+    other_ships : mapping of str to tuple of OwnShipState
+        The same of other ships of own side, by their namespace.
     rejected : tuple of str
         A sentence for each message that does not hold what it says.
     """
@@ -103,9 +107,10 @@ class BagContents:
     waterfalls: Mapping[str, Waterfall] = field(default_factory=dict)
     grams: Mapping[str, GramRows] = field(default_factory=dict)
     dots: tuple[TrackDots, ...] = ()
-    contacts: tuple[Contacts, ...] = ()
+    contacts: Mapping[str, tuple[Contacts, ...]] = field(default_factory=dict)
     sound_speed: float = ContactTrackerConfiguration().sound_speed
     own_ship: tuple[OwnShipState, ...] = ()
+    other_ships: Mapping[str, tuple[OwnShipState, ...]] = field(default_factory=dict)
     rejected: tuple[str, ...] = ()
 
     @property
@@ -131,7 +136,7 @@ class BagContents:
         begins += [entry.stamp for lists in self.frequency_lines.values() for entry in lists[:1]]
         begins += [each.begin for each in self.waterfalls.values()]
         begins += [rows.begin for rows in self.grams.values()]
-        return begins + [ping.stamp for ping in self.contacts[:1]]
+        return begins + [ping.stamp for pings in self.contacts.values() for ping in pings[:1]]
 
 
 def bag_contents(bag: Bag, advance: Callable[[], object] = lambda: None) -> BagContents:
@@ -208,15 +213,28 @@ def _contacts(
     rejected: list[str],
 ) -> dict[str, Any]:
     """Return the contacts in ``map``, by what the bag knows of own ship and the mounting."""
-    pings = next(iter(contacts.values()), ())
-    states = next(iter(odometry.values()), ())
-    own_ship = tuple(sorted(states, key=lambda state: state.stamp))
+    ships = {
+        name: tuple(sorted(states, key=lambda state: state.stamp))
+        for name, states in odometry.items()
+    }
+    own_ship = ships.pop(outermost_topic(ships), ())
+    other_ships = {station_of(name): states for name, states in ships.items()}
     parameters = bag.recording.node_parameters if bag.recording else {}
+
+    def located(topic: str, pings: tuple[Any, ...]) -> tuple[Contacts, ...]:
+        station = station_of(topic)
+        tracker = f"{station_name(station)}_{CONTACT_TRACKER}"
+        given = parameters.get(tracker, parameters.get(CONTACT_TRACKER, {}))
+        carrier = other_ships.get(station, own_ship)
+        return located_pings(pings, carrier, recorded_mounting(given), rejected)
+
     given = parameters.get(CONTACT_TRACKER, {})
+    found = {topic: located(topic, pings) for topic, pings in contacts.items()}
     return {
-        "contacts": located_pings(pings, own_ship, recorded_mounting(given), rejected),
+        "contacts": {topic: pings for topic, pings in found.items() if pings},
         "sound_speed": float(given.get("sound_speed", BagContents.sound_speed)),
         "own_ship": own_ship,
+        "other_ships": other_ships,
     }
 
 

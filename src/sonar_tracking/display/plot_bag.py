@@ -7,7 +7,7 @@
 ``lofar_gram.png``               spectra of the beams; one picture a further topic, numbered
 ``stacked_dots.png``             what the solutions leave of bearings and lines
 ``tactical_plot.png``            position tracks, true positions or contacts
-``contact_record.png``           contacts
+``contact_record.png``           contacts; those of further sonars have a name after it
 ``track_table.png``              what became of every track; as text in ``tracks.txt``
 ===============================  ==================================================================
 
@@ -31,6 +31,7 @@ from sonar_tracking.display.bearing_time_record import Waterfall, draw_bearing_t
 from sonar_tracking.display.contact_record import contact_record, draw_contact_record
 from sonar_tracking.display.line_record import draw_line_record, line_histories
 from sonar_tracking.display.lofar_gram import draw_lofar_gram
+from sonar_tracking.display.page.outermost_topic import outermost_topic, station_of
 from sonar_tracking.display.picture_files import picture_style
 from sonar_tracking.display.stacked_dots_record import draw_stacked_dots
 from sonar_tracking.display.summary_table import (
@@ -50,6 +51,7 @@ from sonar_tracking.display.tactical_scene import (
 from sonar_tracking.display.track_history import TrackHistory
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.records.datum import Datum
+from sonar_tracking.records.station_name import station_name
 
 TABLE_WIDTH = 130
 PLACES_FROM = 110
@@ -223,23 +225,29 @@ def _draw_places(
     """Draw the chart, and the contacts as the sensor sees them."""
     truth = tuple(history for truth in contents.position_truth.values() for history in truth)
     lists = [entry for topic in contents.bearings.values() for entry in topic]
+    pings = [ping for topic in contents.contacts.values() for ping in topic]
     scene = TacticalScene(
         start=start,
         own_ship=own_ship_track(contents.own_ship, start),
         truth=truth,
         tracks=contents.position_tracks,
         open_tracks=contents.open_tracks,
-        contacts=contact_points(contents.contacts, start, contents.sound_speed),
+        other_ships={
+            name: own_ship_track(states, start) for name, states in contents.other_ships.items()
+        },
+        contacts=contact_points(pings, start, contents.sound_speed),
         bearings=bearing_lines(lists, start),
         stations=stations_at_rest(lists),
         datum=datum,
     )
     if not scene.is_empty or contents.is_own_ship_alone:
         yield draw_tactical_plot(scene, directory / "tactical_plot.png", title)
-    if contents.contacts:
+    own = outermost_topic(contents.contacts)
+    for topic, received in contents.contacts.items():
         tracks = [each for topic in contents.position_tracks.values() for each in topic]
-        record, path = contact_record(contents.contacts, start), directory / "contact_record.png"
-        yield draw_contact_record(record, tracks, truth, path, title)
+        name = "contact_record" + ("" if topic == own else f"_{station_name(station_of(topic))}")
+        record = contact_record(received, start)
+        yield draw_contact_record(record, tracks, truth, directory / f"{name}.png", title)
 
 
 def _write_tables(

@@ -7,8 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from sonar_tracking.bags.storage.bag_records import ODOMETRY_TYPE, topics_of_type
 from sonar_tracking.bags.storage.reader import Bag
 from sonar_tracking.display.page.hearing_log import HearingLog
+from sonar_tracking.display.page.outermost_topic import outermost_topic
 from sonar_tracking.display.page.own_ship_log import OwnShipLog
 from sonar_tracking.display.page.page_configuration import PageConfiguration
 from sonar_tracking.display.page.solution_dots import solution_dots
@@ -40,6 +42,7 @@ class RecordedDots:
     def __init__(self, bag: Bag) -> None:
         self._truths = {name for name, topic in bag.topics.items() if topic.role == "truth"}
         self._own_ship = OwnShipLog()
+        self._odometry = outermost_topic(topics_of_type(bag, ODOMETRY_TYPE))
         parameters = bag.recording.node_parameters if bag.recording else {}
         given = parameters.get(_MOUNTINGS, {})
         names = ("array_mounting_x", "array_mounting_y", "array_mounting_yaw_deg")
@@ -54,7 +57,8 @@ class RecordedDots:
         if topic in self._truths:
             return
         if isinstance(record, OwnShipState):
-            self._own_ship.add(record)
+            if topic == self._odometry:
+                self._own_ship.add(record)
         elif isinstance(record, BearingTracks | FrequencyLines):
             view = self._places.view(record.sensor, record.stamp)
             if view is None:

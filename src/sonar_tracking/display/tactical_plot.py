@@ -77,6 +77,7 @@ def draw_tactical_plot(scene: TacticalScene, path: Path, title: str = "") -> tup
     _draw_tracks(axes, scene, scale, interval)
     _draw_truth(axes, scene, scale, interval)
     _draw_own_ship(axes, scene, scale, interval)
+    _draw_other_ships(axes, scene, scale)
     _draw_stations(axes, scene, scale)
     _draw_north(axes)
     handles, labels = axes.get_legend_handles_labels()
@@ -269,6 +270,15 @@ def _draw_own_ship(axes: Axes, scene: TacticalScene, scale: float, interval: flo
         [[math.cos(heading), math.sin(heading)], [-math.sin(heading), math.cos(heading)]]
     )
     axes.plot(*points[-1], marker=ARROW_HEAD @ rotation, color=OWN_SHIP, markersize=13, zorder=6)
+
+
+def _draw_other_ships(axes: Axes, scene: TacticalScene, scale: float) -> None:
+    for name, states in scene.other_ships.items():
+        if len(states):
+            points = scale * states[:, 1:3]
+            axes.plot(*points.T, color=OWN_SHIP, linewidth=1.0, linestyle="--", zorder=5)
+            axes.plot(*points[-1], "o", color=OWN_SHIP, markersize=5, zorder=6)
+            _name(axes, points[-1], name, OWN_SHIP)
 
 
 def _draw_stations(axes: Axes, scene: TacticalScene, scale: float) -> None:

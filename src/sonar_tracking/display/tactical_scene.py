@@ -33,6 +33,8 @@ class TacticalScene:
         Stamp of time zero, ns.
     own_ship : ndarray, shape (n, 4)
         Time (s), x, y (m), yaw (rad).
+    other_ships : mapping of str to ndarray, shape (n, 4)
+        Time (s), x, y (m), yaw (rad) of other ships of own side, by their names.
     truth : tuple of PositionHistory
         The targets.
     tracks : mapping of str to tuple of PositionHistory
@@ -51,6 +53,7 @@ class TacticalScene:
 
     start: int
     own_ship: FloatArray = field(default_factory=lambda: _nothing(4))
+    other_ships: Mapping[str, FloatArray] = field(default_factory=dict)
     truth: tuple[PositionHistory, ...] = ()
     tracks: Mapping[str, tuple[PositionHistory, ...]] = field(default_factory=dict)
     open_tracks: tuple[PositionHistory, ...] = ()

@@ -15,6 +15,11 @@ class SceneConfiguration(ShownMountings):
     bearing_topics: tuple[str, ...] = parameter(
         ("passive/bearing_tracks",), "bearing tracks whose sensors are shown, one topic per station"
     )
+    station: str = parameter(
+        "",
+        "namespace of the ship or sensor that is shown: before the names of its topics and frames, "
+        "but not of those in lists; empty = own ship",
+    )
     marker_size: float = parameter(
         100.0,
         "diameter of the dot at a position; names, lines and contacts are in proportion",

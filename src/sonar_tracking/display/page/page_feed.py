@@ -13,6 +13,7 @@ from typing import Any
 from sonar_tracking.display.page.contact_frames import ContactFrames, threshold_frame
 from sonar_tracking.display.page.frame_history import FrameHistory
 from sonar_tracking.display.page.health_frames import Health
+from sonar_tracking.display.page.outermost_topic import outermost_topic
 from sonar_tracking.display.page.own_ship_log import OwnShipLog
 from sonar_tracking.display.page.page_commands import command_frame
 from sonar_tracking.display.page.page_configuration import PageConfiguration
@@ -24,6 +25,7 @@ from sonar_tracking.display.page.track_frames import (
     bearings_frame,
     lines_frame,
     own_ship_frame,
+    ship_frame,
     tracks_frame,
 )
 from sonar_tracking.display.page.waterfall_frames import WaterfallFrames
@@ -86,8 +88,8 @@ class PageFeed:
     def _begin(self) -> None:
         """Begin with the data: nothing is known yet."""
         configuration = self._configuration
-        self._read_own_ship = OwnShipReader()
-        self._log = OwnShipLog()
+        self._read_own_ship, self._read_other_ships = OwnShipReader(), OwnShipReader()
+        self._log, self._odometry = OwnShipLog(), ""
         self._places = StationPlaces(configuration, self._log)
         self._pings = ContactFrames(configuration, self._log)
         seconds = 60.0 * configuration.history_minutes
@@ -181,6 +183,11 @@ class PageFeed:
         return [*self.history.latest.values(), begin, *self.history, end]
 
     def _own_ship(self, topic: str, message: Any) -> Iterator[Frame]:
+        own = outermost_topic([topic, self._odometry] if self._odometry else [topic])
+        if own != topic:
+            yield ship_frame(topic, self._read_other_ships(message))
+            return
+        self._odometry = topic
         state = self._read_own_ship(message)
         self._log.add(state)
         yield own_ship_frame(state)

@@ -29,16 +29,23 @@ from sonar_tracking.tma.targets.station_view import StationView
 
 def own_ship_frame(state: OwnShipState) -> Frame:
     """Return the frame of own ship's state: position, yaw, velocity in ``map``."""
+    return text_frame("own_ship", seconds_of(state.stamp), **_ship(state))
+
+
+def ship_frame(topic: str, state: OwnShipState) -> Frame:
+    """Return the frame of the same state of another ship of own side."""
+    return text_frame("ship", seconds_of(state.stamp), topic, topic=topic, **_ship(state))
+
+
+def _ship(state: OwnShipState) -> dict[str, float]:
     velocity = motion_in_map(state).velocity
-    return text_frame(
-        "own_ship",
-        seconds_of(state.stamp),
-        x=state.position[0],
-        y=state.position[1],
-        yaw=state.yaw,
-        vx=float(velocity[0]),
-        vy=float(velocity[1]),
-    )
+    return {
+        "x": state.position[0],
+        "y": state.position[1],
+        "yaw": state.yaw,
+        "vx": float(velocity[0]),
+        "vy": float(velocity[1]),
+    }
 
 
 def tracks_frame(topic: str, tracks: PositionTracks) -> Frame:

@@ -37,6 +37,9 @@ from sonar_tracking.evaluation.metrics.cutoff import (
 )
 from sonar_tracking.evaluation.metrics.position_score import PositionScore, score_position_tracks
 
+BEARING_TRACKS_BELOW, TRUE_BEARINGS_BELOW = "/passive/bearing_tracks", "/truth/bearing_tracks"
+"""Names of bearing tracks and true bearings, after the namespace of their station."""
+
 Score = BearingScore | PositionScore
 Scores = dict[str, Score]
 
@@ -141,8 +144,18 @@ def _scores_of_kind(
             f"are {', '.join(bag.topics)}."
         )
         return {}
-    truth = list(read(bag, truths[0], remarks))
-    return {topic: score(truth, list(read(bag, topic, remarks))) for topic in topics}
+    true = {name: list(read(bag, name, remarks)) for name in {_truth_of(t, truths) for t in topics}}
+    return {
+        topic: score(true[_truth_of(topic, truths)], list(read(bag, topic, remarks)))
+        for topic in topics
+    }
+
+
+def _truth_of(topic: str, truths: list[str]) -> str:
+    """Return what is true of a topic: the truth of its station, else the first one there is."""
+    station = topic.removesuffix(BEARING_TRACKS_BELOW)
+    named = [name for name in truths if name == station + TRUE_BEARINGS_BELOW]
+    return named[0] if named else truths[0]
 
 
 def _table(topic: str, score: Score) -> Table:

@@ -55,7 +55,7 @@ def check_command(command: OperatorCommand) -> None:
     InputError
         Naming those there are.
     """
-    kinds = COMMAND_KINDS.get(command.topic)
+    kinds = _kinds_of(command.topic)
     if kinds is None:
         raise InputError(
             f"no tracker takes commands about '{shown(command.topic)}'; there are "
@@ -66,3 +66,9 @@ def check_command(command: OperatorCommand) -> None:
             f"{command.kind.name} cannot be done to {command.topic}; there are "
             f"{', '.join(kind.name for kind in kinds)}."
         )
+
+
+def _kinds_of(topic: str) -> tuple[CommandKind, ...] | None:
+    """Return the commands about a track list, which may be that of a station; None = of none."""
+    ends = [name for name in COMMAND_KINDS if topic == name or topic.endswith(f"/{name}")]
+    return COMMAND_KINDS[max(ends, key=len)] if ends else None

@@ -9,7 +9,7 @@ from typing import Any
 from sonar_tracking.graph.catalogue.active_nodes import HPDA_TRACKER
 from sonar_tracking.graph.catalogue.display_nodes import SCENE_PUBLISHER
 from sonar_tracking.graph.catalogue.nmea_nodes import NMEA_OUTPUT
-from sonar_tracking.graph.catalogue.node_catalogue import NODES
+from sonar_tracking.graph.catalogue.node_catalogue import description_of
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
 from sonar_tracking.graph.catalogue.tma_nodes import TMA_TRACKER
@@ -28,7 +28,9 @@ def shown_topics(nodes: Iterable[NodeDescription]) -> tuple[Topic, ...]:
     nodes : iterable of NodeDescription
         The nodes of the graph.
     """
-    return (*(topic for node in nodes for topic in node.markers), DIAGNOSTICS)
+    # Scenes of several ships tell their frames on one topic.
+    pictures = {topic.name: topic for node in nodes for topic in node.markers}
+    return (*pictures.values(), DIAGNOSTICS)
 
 
 def planned_displays(planned: Iterable[PlannedNode], recorded: bool) -> tuple[PlannedNode, ...]:
@@ -41,9 +43,10 @@ def planned_displays(planned: Iterable[PlannedNode], recorded: bool) -> tuple[Pl
     recorded : bool
         Whether somebody looks at all their pictures from the begin on.
     """
-    displays = (node for node in planned if NODES[node.name].is_display)
+    displays = (node for node in planned if description_of(node).is_display)
     return tuple(
-        replace(node, publishers=NODES[node.name].markers if recorded else ()) for node in displays
+        replace(node, publishers=description_of(node).markers if recorded else ())
+        for node in displays
     )
 
 

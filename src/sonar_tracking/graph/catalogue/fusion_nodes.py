@@ -31,6 +31,7 @@ TRACK_FUSION = NodeDescription(
         "bearing_topics": BEARING_TRACKS,
         "passive_topics": PASSIVE_TRACKS,
     },
+    named_inputs={"foreign_topics": FUSED_TRACKS},
     on_request=True,
     commanded_topic=FUSED_TRACKS,
 )

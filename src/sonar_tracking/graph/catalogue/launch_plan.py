@@ -15,7 +15,7 @@ from sonar_tracking.errors import ConfigurationError, unknown_name_text
 from sonar_tracking.graph.catalogue.active_nodes import HPDA_TRACKER
 from sonar_tracking.graph.catalogue.display_nodes import SCENE_PUBLISHER
 from sonar_tracking.graph.catalogue.display_plan import with_datum, with_mountings
-from sonar_tracking.graph.catalogue.node_catalogue import NODES
+from sonar_tracking.graph.catalogue.node_catalogue import NODES, STATION
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.node_settings import (
     NodeSettings,
@@ -127,9 +127,11 @@ def nodes_of_scenario(given: Mapping[str, str]) -> list[LaunchedNode]:
     for node in nodes:
         if node.serves_clock:
             parameters.setdefault(node.name, {})["scenario"] = name
-    array_simulators = (ARRAY_SIMULATOR, HYDROPHONE_SIMULATOR)
+        if node.station:
+            parameters.setdefault(node.name, {})[STATION] = node.station
+    array_simulators = (ARRAY_SIMULATOR.name, HYDROPHONE_SIMULATOR.name)
     environments = {
-        node.name: transport.large_publishers if node in array_simulators else transport.others
+        node.name: transport.large_publishers if node.kind in array_simulators else transport.others
         for node in nodes
     }
     return _launched(nodes, parameters, environments, given, scenario.step)
@@ -185,7 +187,7 @@ def _launched(
     remappings = _remappings(given["remap"])
     return [
         LaunchedNode(
-            executable=node.name,
+            executable=node.kind,
             name=node.name,
             namespace=given["namespace"],
             parameters=[

@@ -25,6 +25,11 @@ class NodeConfiguration:
         minimum=0.0,
         maximum=1e9,
     )
+    station: str = parameter(
+        "",
+        "namespace of the sensor or ship that the node is for: before the names of its topics, but "
+        "not of those in lists; empty = none",
+    )
 
 
 @dataclass(frozen=True)

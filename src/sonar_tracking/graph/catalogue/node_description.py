@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from sonar_tracking.configuration import ParameterDescription, describe
 from sonar_tracking.graph.catalogue.topics import Topic, TopicRole
+from sonar_tracking.records.station_name import station_name
 
 
 @dataclass(frozen=True)
@@ -39,8 +40,11 @@ class NodeDescription:
         Inputs that may be several topics of one kind, by the parameter that lists their names;
         a scenario that does not set the parameter gets whatever its nodes publish. The first kind
         is needed, the others are optional.
+    named_inputs : mapping of str to Topic
+        Inputs that are only those whose names a parameter lists, by the parameter.
     station_outputs : tuple of Topic
-        Published once for every station of the section, in the namespace of the station.
+        Published once for every namespace of the section, in it: of each bearing sensor, or of a
+        ship beside own one.
     markers : tuple of Topic
         Pictures for RViz and Foxglove; they are recorded, but neither played nor compared.
     is_display : bool
@@ -48,6 +52,8 @@ class NodeDescription:
         is started wherever one of its inputs is there.
     commanded_topic : Topic or None
         The track list about which operators may tell it something; None = it takes no commands.
+    station : str
+        Namespace of the sensor or ship it is for; empty = of own ship.
     """
 
     name: str
@@ -65,6 +71,34 @@ class NodeDescription:
     optional_inputs: tuple[Topic, ...] = ()
     is_display: bool = False
     commanded_topic: Topic | None = None
+    named_inputs: Mapping[str, Topic] = field(default_factory=dict)
+    station: str = ""
+
+    @property
+    def kind(self) -> str:
+        """Name of the executable; that of the node begins with the station."""
+        prefix = f"{station_name(self.station)}_" if self.station else ""
+        return self.name.removeprefix(prefix)
+
+    def at_station(self, station: str) -> NodeDescription:
+        """Return the same node for the sensor or ship of a namespace; empty = for own ship."""
+        if not station:
+            return self
+        commanded = self.commanded_topic
+
+        def below(topics: tuple[Topic, ...]) -> tuple[Topic, ...]:
+            return tuple(topic.below(station) for topic in topics)
+
+        return replace(
+            self,
+            name=f"{station_name(station)}_{self.name}",
+            station=station,
+            inputs=below(self.inputs),
+            optional_inputs=below(self.optional_inputs),
+            outputs=below(self.outputs),
+            markers=below(self.markers),
+            commanded_topic=None if commanded is None else commanded.below(station),
+        )
 
     @property
     def serves_clock(self) -> bool:
@@ -88,8 +122,8 @@ class NodeDescription:
             Of the stations of a sensor, by its section; absent = one station without a namespace.
         """
         stations = [
-            replace(topic, name=f"{namespace}/{topic.name}" if namespace else topic.name)
-            for namespace in namespaces.get(self.section, ("",))
+            topic.below(namespace)
+            for namespace in namespaces.get(self.section, () if self.outputs else ("",))
             for topic in self.station_outputs
         ]
         is_source = self.section or self.is_live

@@ -18,7 +18,7 @@ from sonar_tracking.configuration import (
 )
 from sonar_tracking.errors import ConfigurationError, unknown_name_text
 from sonar_tracking.graph.catalogue.flow_window import SHORT_WINDOW
-from sonar_tracking.graph.catalogue.node_catalogue import NODES
+from sonar_tracking.graph.catalogue.node_catalogue import NODES, STATION, described
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.passive_nodes import (
     BAND_DEMODULATOR,
@@ -79,11 +79,13 @@ def resolved_settings(
         On an unknown node or parameter, a wrong type, a value out of range, or parameters that
         do not fit together.
     """
-    for name in given:
-        if name not in NODES:
-            raise ConfigurationError(unknown_name_text(f"{where}: {name}", name, NODES))
+    known = {*NODES, *(node.name for node in nodes)}
+    for name, values in given.items():
+        if name not in known and described(name, values) is None:
+            raise ConfigurationError(unknown_name_text(f"{where}: {name}", name, known))
     settings = {node.name: _settings(node, given.get(node.name, {}), where) for node in nodes}
-    _check_pair(settings, where)
+    for station in {node.station for node in nodes}:
+        _check_pair(settings, station, where)
     return settings
 
 
@@ -102,24 +104,39 @@ def with_room_for_bursts(settings: NodeSettings, block_seconds: float) -> NodeSe
     block_seconds : float
         Step of the clock, s.
     """
-    estimator = settings.get(SUBSPACE_ESTIMATOR.name, {})
-    period = estimator.get("period")
-    if not isinstance(period, float):
+    stations = {str(values.get(STATION, "")) for values in settings.values()}
+    needed = max((_burst(settings, station, block_seconds) for station in stations), default=0)
+    if not needed:
         return settings
-    needed = 2 * SHORT_WINDOW * math.ceil(block_seconds / period)
-    frame_length = settings.get(LINE_TRACKER.name, {}).get("frame_length")
-    if isinstance(frame_length, float):
-        # Snapshots come about once per 1 / bandwidth; an unknown bandwidth is above 1 Hz.
-        bandwidth = float(str(settings.get(BAND_DEMODULATOR.name, {}).get("bandwidth", 0.0)))
-        waiting = float(str(estimator["covariance_snapshots"])) / (bandwidth or 1.0)
-        waiting += 2 * SHORT_WINDOW * (block_seconds + period)
-        needed = max(needed, 2 * math.ceil(waiting / (0.5 * frame_length)))
     return {
         name: {**values, "flow_depth": min(max(int(str(values["flow_depth"])), needed), _DEEPEST)}
-        if "flow_depth" in values and not NODES[name].section
+        if "flow_depth" in values and not _is_source(name, values)
         else values
         for name, values in settings.items()
     }
+
+
+def _burst(settings: NodeSettings, station: str, block_seconds: float) -> int:
+    """Return how many messages behind the estimator of a station may come at once; 0 = no such."""
+    estimator = settings.get(SUBSPACE_ESTIMATOR.at_station(station).name, {})
+    period = estimator.get("period")
+    if not isinstance(period, float):
+        return 0
+    needed = 2 * SHORT_WINDOW * math.ceil(block_seconds / period)
+    frame_length = settings.get(LINE_TRACKER.at_station(station).name, {}).get("frame_length")
+    if isinstance(frame_length, float):
+        # Snapshots come about once per 1 / bandwidth; an unknown bandwidth is above 1 Hz.
+        demodulator = settings.get(BAND_DEMODULATOR.at_station(station).name, {})
+        bandwidth = float(str(demodulator.get("bandwidth", 0.0)))
+        waiting = float(str(estimator["covariance_snapshots"])) / (bandwidth or 1.0)
+        waiting += 2 * SHORT_WINDOW * (block_seconds + period)
+        needed = max(needed, 2 * math.ceil(waiting / (0.5 * frame_length)))
+    return needed
+
+
+def _is_source(name: str, values: Mapping[str, Any]) -> bool:
+    node = described(name, values)
+    return node is not None and bool(node.section)
 
 
 def read_settings(path: Path) -> dict[str, dict[str, Any]]:
@@ -161,20 +178,28 @@ def _settings(node: NodeDescription, given: Mapping[str, Any], where: str) -> di
             except ConfigurationError as error:
                 raise ConfigurationError(f"{place}: {error}") from error
         settings |= {name: getattr(made, name) for name in sorted(names)}
+    if STATION in settings:
+        if settings[STATION] not in ("", node.station):
+            raise ConfigurationError(
+                f"{place}.{STATION} is {settings[STATION]!r}, but the name of the node says "
+                f"{node.station!r}; leave it out."
+            )
+        settings[STATION] = node.station
     return settings
 
 
-def _check_pair(settings: NodeSettings, where: str) -> None:
-    """Refuse a tracker and an estimator that do not fit together."""
-    if not {SUBSPACE_ESTIMATOR.name, BEARING_TRACKER.name} <= set(settings):
+def _check_pair(settings: NodeSettings, station: str, where: str) -> None:
+    """Refuse a tracker and an estimator of one station that do not fit together."""
+    pair = SUBSPACE_ESTIMATOR.at_station(station).name, BEARING_TRACKER.at_station(station).name
+    if not {*pair} <= set(settings):
         return
 
     def made(kind: type[ConfigurationType], name: str) -> ConfigurationType:
         names = [description.name for description in describe(kind)]
         return from_mapping(kind, {each: settings[name][each] for each in names}, where)
 
-    estimator = made(SubspaceConfiguration, SUBSPACE_ESTIMATOR.name)
-    tracker = made(BearingTrackerConfiguration, BEARING_TRACKER.name)
+    estimator = made(SubspaceConfiguration, pair[0])
+    tracker = made(BearingTrackerConfiguration, pair[1])
     try:
         check_estimator(tracker, estimator)
     except ConfigurationError as error:

@@ -31,26 +31,42 @@ def started_nodes(scenario: Scenario, where: str) -> tuple[NodeDescription, ...]
         publish own ship and truth.
     """
     started: list[NodeDescription] = []
-    available: set[str] = set()
     published: set[str] = set()
-    for node in NODES.values():
-        if node.is_live:
-            wanted = False
-        elif node.section:
-            wanted = node.section in scenario.simulated
-        elif node.is_display:
-            wanted = not node.on_request and bool(_heard(node) & available)
-        else:
-            asked = not node.on_request or node.name in scenario.nodes
-            wanted = asked and not _missing(node, available, published)
-        if wanted:
+    for node in _known_nodes(scenario):
+        if _wanted(node, scenario, published):
             topics = {topic.name for topic in node.published(scenario.namespaces)}
             _refuse_doubled(node, topics & published, where)
             started.append(node)
             published |= topics
-            available |= {topic.name for topic in (*node.outputs, *node.station_outputs)}
+    _refuse_idle(scenario, started, published, where)
+    return tuple(started)
+
+
+def _known_nodes(scenario: Scenario) -> tuple[NodeDescription, ...]:
+    """Return the nodes there may be, for own ship and for every station, in the order data flow."""
+    stations = ("", *scenario.station_namespaces)
+    return tuple(node.at_station(station) for node in NODES.values() for station in stations)
+
+
+def _wanted(node: NodeDescription, scenario: Scenario, published: set[str]) -> bool:
+    """Return whether a node is started, by what the nodes before it publish."""
+    if node.is_live:
+        return False
+    if node.section:
+        return node.section in scenario.simulated_in(node.station)
+    if node.is_display:
+        return not node.on_request and _is_shown(node, published)
+    asked = not node.on_request or node.name in scenario.nodes
+    return asked and not _missing(node, published)
+
+
+def _refuse_idle(
+    scenario: Scenario, started: list[NodeDescription], published: set[str], where: str
+) -> None:
+    """Refuse a scenario that names a node which is not started."""
+    known = {node.name: node for node in _known_nodes(scenario)}
     for name in scenario.nodes:
-        node_asked = NODES.get(name)
+        node_asked = known.get(name)
         if node_asked is not None and node_asked.is_live:
             raise ConfigurationError(
                 f"{where}: nodes: {name} takes what others send while they send it, which the "
@@ -58,7 +74,7 @@ def started_nodes(scenario: Scenario, where: str) -> tuple[NodeDescription, ...]
                 f"sonar_tracking {name}."
             )
         if node_asked is not None and node_asked not in started:
-            reason = _missing(node_asked, available, published)
+            reason = _missing(node_asked, published)
             raise ConfigurationError(
                 f"{where}: nodes: {name} has nothing to do in this scenario: "
                 + (
@@ -68,7 +84,6 @@ def started_nodes(scenario: Scenario, where: str) -> tuple[NodeDescription, ...]
                     else f"it simulates the section {node_asked.section}, which is not given."
                 )
             )
-    return tuple(started)
 
 
 def planned_nodes(
@@ -87,7 +102,9 @@ def planned_nodes(
     namespaces : mapping of str to tuple of str, optional
         Of the stations of a sensor, by its section; default: one station without a namespace.
     """
-    return tuple(_planned(node, settings[node.name], namespaces or {}) for node in descriptions)
+    nodes = tuple(descriptions)
+    names = {topic.name for node in nodes for topic in node.published(namespaces or {})}
+    return tuple(_planned(node, settings[node.name], namespaces or {}, names) for node in nodes)
 
 
 def with_published_topics(
@@ -96,6 +113,8 @@ def with_published_topics(
     namespaces: Mapping[str, tuple[str, ...]],
 ) -> dict[str, dict[str, Any]]:
     """Return parameters in which every list of topics that was not given names what is published.
+
+    Of several nodes of one kind, a topic belongs to that of the nearest station.
 
     Parameters
     ----------
@@ -111,19 +130,43 @@ def with_published_topics(
     filled = {name: dict(values) for name, values in given.items()}
     for node in nodes:
         for parameter, topic in node.topic_parameters.items():
-            names = tuple(name for name in published if _is_kind(name, topic))
+            names = tuple(
+                name for name in published if _is_kind(name, topic) and _belongs(name, node, nodes)
+            )
             filled.setdefault(node.name, {}).setdefault(parameter, names or (NO_TOPIC,))
     return filled
 
 
+def _belongs(name: str, node: NodeDescription, nodes: Iterable[NodeDescription]) -> bool:
+    """Return whether a listed topic is for a node, rather than for another one of its kind."""
+    if node.is_display:
+        return not node.station
+    near = [one.station for one in nodes if one.kind == node.kind and _is_of(name, one.station)]
+    return node.station == max(near, key=len, default=None)
+
+
+def _is_of(name: str, station: str) -> bool:
+    return not station or name.startswith(f"{station}/")
+
+
 def _planned(
-    node: NodeDescription, parameters: Mapping[str, Any], namespaces: Mapping[str, tuple[str, ...]]
+    node: NodeDescription,
+    parameters: Mapping[str, Any],
+    namespaces: Mapping[str, tuple[str, ...]],
+    published: set[str],
 ) -> PlannedNode:
     listed = [
         replace(topic, name=name)
         for parameter, topic in node.topic_parameters.items()
         for name in parameters[parameter]
         if name != NO_TOPIC
+    ]
+    # What another graph publishes, the data of this one do not wait for.
+    listed += [
+        replace(topic, name=name)
+        for parameter, topic in node.named_inputs.items()
+        for name in parameters[parameter]
+        if name in published
     ]
     commands = () if node.commanded_topic is None else (COMMANDS,)
     return PlannedNode(
@@ -152,12 +195,21 @@ def _is_kind(name: str, topic: Topic) -> bool:
     return name == topic.name or name.endswith(f"/{topic.name}")
 
 
-def _heard(node: NodeDescription) -> set[str]:
-    listed = node.topic_parameters.values()
-    return {topic.name for topic in (*node.inputs, *node.optional_inputs, *listed)}
+def _is_shown(node: NodeDescription, published: set[str]) -> bool:
+    """Return whether one of the inputs of a display is there."""
+    heard = {topic.name for topic in (*node.inputs, *node.optional_inputs)}
+    listed = () if node.station else node.topic_parameters.values()
+    return bool(heard & published) or any(_of_kind(topic, "", published) for topic in listed)
 
 
-def _missing(node: NodeDescription, kinds: set[str], published: set[str]) -> set[str]:
+def _missing(node: NodeDescription, published: set[str]) -> set[str]:
     """Return the inputs nobody publishes; of a list of topics one of the kind is enough."""
-    needed = {topic.name for topic in list(node.topic_parameters.values())[:1]}
-    return {topic.name for topic in node.inputs} - published | (needed - kinds)
+    missing = {topic.name for topic in node.inputs} - published
+    for topic in list(node.topic_parameters.values())[:1]:
+        if not _of_kind(topic, node.station, published):
+            missing.add(topic.name)
+    return missing
+
+
+def _of_kind(topic: Topic, station: str, published: set[str]) -> bool:
+    return any(_is_kind(name, topic) and _is_of(name, station) for name in published)

@@ -25,6 +25,7 @@ WORLD_SIMULATOR = NodeDescription(
     configurations=(SimulatorConfiguration, NodeConfiguration),
     inputs=(),
     outputs=(TRUE_TRACKS, ODOMETRY),
+    station_outputs=(ODOMETRY,),
     section="own_ship",
 )
 ARRAY_SIMULATOR = NodeDescription(

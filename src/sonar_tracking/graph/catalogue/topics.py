@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
 CLOCK_TOPIC = "/clock"
@@ -65,6 +65,12 @@ class Topic:
     kind: TopicKind
     role: TopicRole
     description: str
+
+    def below(self, station: str) -> Topic:
+        """Return the topic of a station by its namespace; an absolute name stays."""
+        if not station or self.name.startswith("/"):
+            return self
+        return replace(self, name=f"{station}/{self.name}")
 
 
 SNAPSHOTS = Topic(

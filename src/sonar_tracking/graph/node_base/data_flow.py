@@ -120,7 +120,9 @@ class DataInput:
     node : Node
         The node.
     topic : Topic
-        What to subscribe to.
+        What it is inside the node.
+    name : str
+        What to subscribe to: the topic of a station is below its namespace.
     depth : int
         Messages kept.
     reset_after : int
@@ -141,6 +143,7 @@ class DataInput:
         self,
         node: Node,
         topic: Topic,
+        name: str,
         depth: int,
         reset_after: int,
         convert: Callable[[Any], Any],
@@ -160,7 +163,7 @@ class DataInput:
         self._class = _used_class(topic.message_type)
         self.subscription = node.create_subscription(
             self._class,
-            topic.name,
+            name,
             lambda message: receive(self, message),
             quality_of_service.subscription_profile(depth),
             qos_overriding_options=overriding,

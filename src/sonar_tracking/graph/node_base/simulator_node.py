@@ -112,11 +112,14 @@ class SimulatorNode(SonarNode):
         configuration = self.configuration(SimulatorConfiguration)
         try:
             scenario = read_scenario(configuration.scenario)
-            if self._section not in scenario.simulated:
+            station = self.node_configuration.station
+            if self._section not in scenario.simulated_in(station):
+                place = f" in the station {station}" if station else ""
                 raise ConfigurationError(
                     f"The scenario {scenario.name or configuration.scenario} has no section "
-                    f"{self._section} to simulate."
+                    f"{self._section}{place} to simulate."
                 )
+            scenario = scenario.of_station(station)
             self._prepare(scenario)
         except ConfigurationError as error:
             raise ConfigurationError(f"{self.get_name()}.scenario: {error}") from error

@@ -60,22 +60,22 @@ class SonarNode(Node):
         super().__init__(description.name)
         self.data_inputs: list[DataInput] = []
         self.data_outputs: list[DataOutput] = []
-        publisher = self.create_publisher(
+        reports = self.create_publisher(
             DiagnosticArray, DIAGNOSTICS_TOPIC, quality_of_service.DIAGNOSTICS
-        )
+        ).publish
         name = self.get_fully_qualified_name().lstrip("/")
-        self.diagnostics = Diagnostics(
-            name, self.get_logger(), publisher.publish, own_report_pause()
-        )
+        self.diagnostics = Diagnostics(name, self.get_logger(), reports, own_report_pause())
         self.progress = ProgressReporter(self)
         self._overrides = parameters.overrides_of(self)
         parameters.check_overrides(description.configurations, self._overrides, self.get_name())
         self.node_configuration = self.configuration(NodeConfiguration)
+        self._own_inputs = {*description.inputs, *description.optional_inputs}
+        placed = description.at_station(self.node_configuration.station)
         self._join = EventTimeJoin()
         self._series_topics: set[str] = set()
         self._checkpoint = Checkpoint(self.state, self.take_state, self.report)
         self._commands = CommandInput(
-            self, description.commanded_topic, self.progress, self.diagnostics, self.carry_out
+            self, placed.commanded_topic, self.progress, self.diagnostics, self.carry_out
         )
         self.watch = NodeWatch(
             self,
@@ -125,6 +125,7 @@ class SonarNode(Node):
     def data_publisher(self, topic: Topic) -> DataOutput:
         """Return a publisher that reports progress."""
         depth = self.node_configuration.flow_depth
+        topic = topic.below(self.node_configuration.station)
         with quality_of_service.overriding(self.get_name(), topic.name) as overriding:
             output = DataOutput(self, topic, depth, self.progress, overriding)
         self.data_outputs.append(output)
@@ -236,10 +237,12 @@ class SonarNode(Node):
 
     def _subscribe(self, topic: Topic, convert: Convert) -> None:
         configuration = self.node_configuration
-        with quality_of_service.overriding(self.get_name(), topic.name) as overriding:
+        placed = topic.below(configuration.station) if topic in self._own_inputs else topic
+        with quality_of_service.overriding(self.get_name(), placed.name) as overriding:
             source = DataInput(
                 self,
                 topic,
+                placed.name,
                 configuration.flow_depth,
                 round(configuration.reset_after * NANOSECONDS),
                 convert,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator
-from dataclasses import replace
 
 from sonar_tracking.graph.catalogue.simulator_nodes import BEARING_SIMULATOR
 from sonar_tracking.graph.catalogue.topics import (
@@ -59,9 +58,8 @@ class BearingSimulator(SensorSimulatorNode):
             self._publish_station(report)
 
     def _station(self, namespace: str) -> dict[Topic, DataOutput]:
-        prefix = f"{namespace}/" if namespace else ""
         return {
-            topic: self.data_publisher(replace(topic, name=prefix + topic.name))
+            topic: self.data_publisher(topic.below(namespace))
             for topic in (BEARING_TRACKS, FREQUENCY_LINES, TRUE_BEARING_TRACKS)
         }
 

@@ -116,8 +116,9 @@ class ScenePublisher(Node):
         self._received: dict[str, int] = {}
         self._asked, self._audience = -AUDIENCE_PERIOD, False
         self._own_ship = OwnShipReader()
-        namespace = self.get_namespace().strip("/")
-        self._frames = SceneFrames(namespace and f"{namespace}/")
+        self._station = configuration.station
+        places = filter(None, (self.get_namespace().strip("/"), self._station))
+        self._frames = SceneFrames("".join(f"{place}/" for place in places))
         self._fixed: tuple[FrameTransform, ...] = ()
         self._pictures = {topic: self._publisher(topic) for topic in SCENE_PUBLISHER.markers}
         self._transforms = self._pictures[TRANSFORMS]
@@ -125,12 +126,12 @@ class ScenePublisher(Node):
         self._waiting: WaitingForOwnShip[tuple[int, Draw]] = WaitingForOwnShip()
         self._sonar, self._array = _mountings(configuration)
         self._stations = HeardStations(array_as_told(configuration))
-        self._listen(ODOMETRY, self._show_own_ship)
-        self._listen(CONTACTS, self._show_contacts)
-        self._listen(ACTIVE_THRESHOLD, self._show_gates)
-        self._listen(ACTIVE_TRACKS, partial(self._show_tracks, ACTIVE_MARKERS))
-        self._listen(PASSIVE_TRACKS, partial(self._show_tracks, PASSIVE_MARKERS))
-        self._listen(FUSED_TRACKS, partial(self._show_tracks, FUSED_MARKERS))
+        self._listen_below(ODOMETRY, self._show_own_ship)
+        self._listen_below(CONTACTS, self._show_contacts)
+        self._listen_below(ACTIVE_THRESHOLD, self._show_gates)
+        self._listen_below(ACTIVE_TRACKS, partial(self._show_tracks, ACTIVE_MARKERS))
+        self._listen_below(PASSIVE_TRACKS, partial(self._show_tracks, PASSIVE_MARKERS))
+        self._listen_below(FUSED_TRACKS, partial(self._show_tracks, FUSED_MARKERS))
         for topic in filter(None, configuration.bearing_topics):
             self._listen(replace(BEARING_TRACKS, name=topic), self._show_bearings)
         self._diagnostics.add(MATCHED, self._matched)
@@ -143,7 +144,12 @@ class ScenePublisher(Node):
         """Return a publisher of pictures; of those for late readers, the last one is kept."""
         depth = 1 if topic.kind is TopicKind.TRACKS else DEPTH
         profile = quality_of_service.publisher_profile(topic.kind, depth)
-        return self.create_publisher(message_class(topic.message_type), topic.name, profile)
+        name = topic.below(self._station).name
+        return self.create_publisher(message_class(topic.message_type), name, profile)
+
+    def _listen_below(self, topic: Topic, show: Callable[[Any], None]) -> None:
+        """Let every message of a topic of the ship that is shown be shown."""
+        self._listen(topic.below(self._station), show)
 
     def _listen(self, topic: Topic, show: Callable[[Any], None]) -> None:
         """Let every message of a topic be shown; what cannot be read is left out, and said.
@@ -260,7 +266,7 @@ class ScenePublisher(Node):
 
     def _expects_odometry(self) -> bool:
         """Return whether own ship's motion is known, or somebody may publish it."""
-        name = self.resolve_topic_name(ODOMETRY.name)
+        name = self.resolve_topic_name(ODOMETRY.below(self._station).name)
         return self._received[name] > 0 or self.count_publishers(name) > 0
 
     def _matched(self) -> dict[str, object]:

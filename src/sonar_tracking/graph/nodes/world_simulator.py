@@ -11,9 +11,11 @@ from sonar_tracking.graph.message_writing.simulated_writing import (
     own_ship_to_bytes,
     truth_tracks_to_bytes,
 )
+from sonar_tracking.graph.node_base.data_flow import DataOutput
 from sonar_tracking.graph.node_base.node_process import run_node
 from sonar_tracking.graph.node_base.scenario_begin import BeginTeller
 from sonar_tracking.graph.node_base.simulator_node import SimulatorNode
+from sonar_tracking.simulation.scenarios.platforms import CONSORT
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.world.world_simulation import WorldInstant, WorldSimulation
 
@@ -29,17 +31,22 @@ class WorldSimulator(SimulatorNode):
         super().__init__(WORLD_SIMULATOR)
         self._true_tracks = self.data_publisher(TRUE_TRACKS)
         self._odometry = self.data_publisher(ODOMETRY)
+        self._consort: DataOutput | None = None
         self._teller: BeginTeller | None = None
         self.begin()
 
     def data(self, scenario: Scenario) -> Iterator[WorldInstant]:
         """Return the instants of a scenario."""
+        if scenario.consort is not None and self._consort is None:
+            self._consort = self.data_publisher(ODOMETRY.below(CONSORT))
         return iter(WorldSimulation(scenario).next_instant, None)
 
     def publish(self, datum: WorldInstant) -> None:
-        """Publish an instant: own ship ahead of the truth."""
+        """Publish an instant: the ships ahead of the truth."""
         if datum.own_ship is not None:
             self._odometry.publish(own_ship_to_bytes(datum.own_ship))
+        if datum.consort is not None and self._consort is not None:
+            self._consort.publish(own_ship_to_bytes(datum.consort))
         if datum.truth_tracks is not None:
             self._true_tracks.publish(truth_tracks_to_bytes(datum.truth_tracks))
 
@@ -52,7 +59,13 @@ class WorldSimulator(SimulatorNode):
 
 def _heard_topics(scenario: Scenario) -> list[str]:
     """Return the topics whose listeners make a scenario begin: the data, and those of this node."""
-    sensors = [node for node in SENSOR_SIMULATORS if node.section in scenario.sensors]
+    stations = ("", *(station.namespace for station in scenario.stations))
+    sensors = [
+        node.at_station(station)
+        for station in stations
+        for node in SENSOR_SIMULATORS
+        if node.section in scenario.simulated_in(station)
+    ]
     nodes = (WORLD_SIMULATOR, *sensors)
     return [topic.name for node in nodes for topic in node.published(scenario.namespaces)]
 

@@ -15,7 +15,7 @@ import yaml
 from sonar_tracking.graph.catalogue.flow_window import SHORT_WINDOW, depth_for
 from sonar_tracking.graph.catalogue.flow_window import VARIABLE as WINDOW
 from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
-from sonar_tracking.graph.catalogue.node_catalogue import NODES
+from sonar_tracking.graph.catalogue.node_catalogue import STATION, described
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
 from sonar_tracking.graph.catalogue.recorder_parameters import RECORDER
 from sonar_tracking.graph.catalogue.resumption import CHECKPOINT
@@ -107,8 +107,8 @@ class GraphPlan:
 
     def commanded_lists(self) -> dict[str, str]:
         """Return the track lists that operators can command, with their names in the root."""
-        described = [NODES[node.name] for node in self.nodes if node.name in NODES]
-        topics = [one.commanded_topic for one in described if one.commanded_topic is not None]
+        known = (described(node.name, node.parameters) for node in self.nodes)
+        topics = [one.commanded_topic for one in known if one and one.commanded_topic is not None]
         return {self.naming.of(topic): topic.name for topic in topics}
 
     def producers(self) -> dict[str, str]:
@@ -243,6 +243,8 @@ def process_plan(
 def _name_rules(node: PlannedNode, naming: GraphNames) -> tuple[str, ...]:
     """Return the arguments that give a node and its topics their names; none in the root."""
     rules = dict(node.remaps)
+    if node.parameters.get(STATION):
+        rules["__node"] = node.name
     if naming.namespace:
         rules |= {"__ns": naming.namespace, CLOCK_TOPIC: naming.clock}
     return tuple(text for old, new in rules.items() for text in ("-r", f"{old}:={new}"))

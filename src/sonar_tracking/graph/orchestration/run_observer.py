@@ -123,12 +123,10 @@ class RunObserver:
 
     def _take_bearings(self, topic: str, tracks: BearingTracks) -> None:
         # Bearings simulated at a station are measurements, not tracks to be scored.
-        if (
-            topic == self._naming.of(BEARING_TRACKS)
-            and self._topics[topic].role is TopicRole.OUTPUT
-        ):
-            self._score.take_bearings(tracks)
-            self._display.tracks(tracks)
+        if self._topics[topic].role is TopicRole.OUTPUT:
+            self._score.take_bearings(topic, tracks)
+            if topic == self._naming.of(BEARING_TRACKS):
+                self._display.tracks(tracks)
 
     def _take_time(self, topic: str, data: bytes, wall: float) -> None:
         if topic == self._fused:

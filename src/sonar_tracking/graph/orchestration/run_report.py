@@ -148,6 +148,9 @@ class RunReport:
                 f"p99 {latency['fused_p99']:.1f} ms after the last ping or block they need"
             )
         lines += _score_lines(self.score, _BEARING_LINES)
+        for topic, score in self.score.get("bearings", {}).items():
+            lines.append(f"  {topic}:")
+            lines += _score_lines(score, _BEARING_LINES)
         for topic, score in self.score.get("positions", {}).items():
             lines.append(f"  {topic} against {self.true_positions}:")
             lines += _score_lines(score, _POSITION_LINES)

@@ -46,10 +46,10 @@ class RunScore:
     """
 
     def __init__(self, topics: Mapping[str, Topic], naming: GraphNames, cutoff_m: float) -> None:
-        self._true_bearings = naming.of(TRUE_BEARING_TRACKS)
+        self._own_bearings = naming.of(BEARING_TRACKS)
         self._true_positions = naming.of(TRUE_TRACKS)
-        self._bearings = OnlineBearingScore()
-        self._scores_bearings = {naming.of(BEARING_TRACKS), self._true_bearings} <= topics.keys()
+        self._truth_of = _true_bearings_of(topics, naming)
+        self._bearings = {name: OnlineBearingScore() for name in self._truth_of}
         self._positions = {
             name: OnlinePositionScore(cutoff_m)
             for name, topic in topics.items()
@@ -60,18 +60,20 @@ class RunScore:
 
     def take_truth(self, topic: str, data: bytes) -> None:
         """Take a serialised true picture, if something is scored against it."""
-        if topic == self._true_bearings and self._scores_bearings:
+        if topic in self._truth_of.values():
             sample = _TrueSample(data, bearing_identifiers(data), tracks_from_bytes)
-            self._bearings.add_truth(sample)
+            for name, truth in self._truth_of.items():
+                if truth == topic:
+                    self._bearings[name].add_truth(sample)
         elif topic == self._true_positions and self._positions:
             sample = _TrueSample(data, position_identifiers(data), positions_from_bytes)
             for score in self._positions.values():
                 score.add_truth(sample)
 
-    def take_bearings(self, tracks: BearingTracks) -> None:
+    def take_bearings(self, topic: str, tracks: BearingTracks) -> None:
         """Take a list of bearing tracks."""
-        if self._scores_bearings:
-            self._bearings.add_tracks(tracks)
+        if topic in self._bearings:
+            self._bearings[topic].add_tracks(tracks)
 
     def take_positions(self, topic: str, tracks: PositionTracks) -> None:
         """Take a list of position tracks."""
@@ -81,17 +83,33 @@ class RunScore:
     def to_mapping(self) -> dict[str, object]:
         """Return the score; empty if tracks or truth are missing.
 
-        Bearings are scored at the top, positions under ``positions`` by topic.
+        Bearings of own ship's array are scored at the top, those of stations under ``bearings``,
+        positions under ``positions``, both by topic.
         """
-        score: dict[str, object] = {}
-        if self._bearings.is_known:
-            score |= self._bearings.score().to_mapping()
+        bearings = {
+            topic: online.score().to_mapping()
+            for topic, online in self._bearings.items()
+            if online.is_known
+        }
+        score: dict[str, object] = dict(bearings.pop(self._own_bearings, {}))
+        score |= {"bearings": bearings} if bearings else {}
         positions = {
             topic: online.score().to_mapping()
             for topic, online in self._positions.items()
             if online.is_known
         }
         return score | ({"positions": positions} if positions else {})
+
+
+def _true_bearings_of(topics: Mapping[str, Topic], naming: GraphNames) -> dict[str, str]:
+    """Return the topics of bearing tracks that have true ones, with these: of the same station."""
+    pairs = {naming.of(BEARING_TRACKS): naming.of(TRUE_BEARING_TRACKS)}
+    for name, topic in topics.items():
+        station = name.removesuffix(BEARING_TRACKS.name)
+        # Bearings that a station delivers are measurements, not tracks to be scored.
+        if station != name and topic.role is TopicRole.OUTPUT:
+            pairs.setdefault(name, station + TRUE_BEARING_TRACKS.name)
+    return {name: truth for name, truth in pairs.items() if {name, truth} <= topics.keys()}
 
 
 class _TrueSample:

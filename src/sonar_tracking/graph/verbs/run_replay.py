@@ -23,7 +23,7 @@ from sonar_tracking.graph.catalogue.display_plan import (
 )
 from sonar_tracking.graph.catalogue.flow_window import flow_window
 from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES
-from sonar_tracking.graph.catalogue.node_catalogue import NODES
+from sonar_tracking.graph.catalogue.node_catalogue import NODES, described, description_of
 from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.node_settings import (
     NodeSettings,
@@ -51,6 +51,7 @@ from sonar_tracking.graph.verbs.recording_plan import planned_recorder, recordin
 from sonar_tracking.graph.verbs.replay_comparison import ReplayComparison
 from sonar_tracking.graph.verbs.replay_selection import Selection
 from sonar_tracking.graph.verbs.replay_sizes import block_seconds, largest_input_bytes
+from sonar_tracking.graph.verbs.replayed_nodes import processing_nodes, scenes
 from sonar_tracking.graph.verbs.run_options import RunOptions
 from sonar_tracking.records.datum import Datum
 
@@ -109,9 +110,8 @@ def replay_bag(
     if options.record is not None:
         display.say(recording_hint(options.record, plan.topics(), observer.records))
     report = orchestration.report(source.data_seconds, observer)
-    same_parameters = (
-        not source.commanded and parameters is None and bool(_processing(_recorded_parameters(bag)))
-    )
+    known = bool(processing_nodes(_recorded_parameters(bag)))
+    same_parameters = not source.commanded and parameters is None and known
     return _compared(report, comparison, same_parameters) if source.finished else report
 
 
@@ -177,12 +177,13 @@ def plan_replay(
     ConfigurationError
         If the bag holds nothing the nodes take.
     """
-    descriptions = [NODES[name] for name in settings]
+    nodes_known = [described(name, values) for name, values in settings.items()]
+    descriptions = [node for node in nodes_known if node is not None]
     settings = with_room_for_bursts(settings, block_seconds(bag))
     if not options.display_topics:
         descriptions = [node for node in descriptions if not node.is_display]
     planned = planned_nodes(descriptions, settings)
-    nodes = tuple(node for node in planned if not NODES[node.name].is_display)
+    nodes = tuple(node for node in planned if not description_of(node).is_display)
     offered = _offered(bag, nodes)
     scenario = dict(bag.recording.scenario) if bag.recording else {}
     if options.record is not None:
@@ -241,10 +242,10 @@ def settings_of(
         where = str(parameters)
         for name, values in read_settings(parameters).items():
             given[name] = {**given.get(name, {}), **values}
-    processing = _processing(given)
+    processing = processing_nodes(given)
     if not processing:
         inferred = inferred_nodes(bag)
-        processing = _processing(inferred)
+        processing = processing_nodes(inferred)
         given |= inferred
         display.say(
             f"{bag.path} does not say with which nodes it was recorded; by the types of its "
@@ -253,26 +254,19 @@ def settings_of(
     given = with_datum(with_mountings(given), datum)
     if not recorded.get(SCENE_PUBLISHER.name):
         given[SCENE_PUBLISHER.name].setdefault("bearing_topics", _bearing_topics(bag, processing))
-    return resolved_settings(given, (*processing, SCENE_PUBLISHER), where)
+    return resolved_settings(given, (*processing, *scenes(given)), where)
 
 
 def _bearing_topics(bag: Bag, nodes: tuple[NodeDescription, ...]) -> list[str]:
     """Return the bearing tracks in a bag and of the nodes that replay it."""
-    found = [topic.name for node in nodes for topic in node.outputs if topic == BEARING_TRACKS]
+    kind = BEARING_TRACKS.message_type
+    found = [topic.name for node in nodes for topic in node.outputs if topic.message_type == kind]
     found += recorded_topics(bag, BEARING_TRACKS)
     return sorted(set(found)) or [NO_TOPIC]
 
 
 def _recorded_parameters(bag: Bag) -> Mapping[str, Mapping[str, Any]]:
     return bag.recording.node_parameters if bag.recording else {}
-
-
-def _processing(given: Mapping[str, Mapping[str, Any]]) -> tuple[NodeDescription, ...]:
-    return tuple(
-        node
-        for node in NODES.values()
-        if node.name in given and not (node.section or node.is_live or node.is_display)
-    )
 
 
 def _offered(bag: Bag, nodes: tuple[PlannedNode, ...]) -> tuple[Topic, ...]:
@@ -290,7 +284,7 @@ def _offered(bag: Bag, nodes: tuple[PlannedNode, ...]) -> tuple[Topic, ...]:
         and topic.message_count
         and (name in wanted or (topic.role == "input" and name not in computed))
     )
-    optional = {resolved(topic) for node in nodes for topic in NODES[node.name].optional_inputs}
+    optional = {resolved(topic) for node in nodes for topic in description_of(node).optional_inputs}
     if commands := wanted & {resolved(COMMANDS)}:
         # New ones may be given, whether the recording holds any or not.
         offered = (*(topic for topic in offered if resolved(topic) not in commands), COMMANDS)

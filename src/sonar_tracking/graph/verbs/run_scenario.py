@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sonar_tracking.bags.storage.recording_information import RecordingInformation
-from sonar_tracking.configuration import describe, from_mapping
 from sonar_tracking.display.run_display import RunDisplay
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.display_plan import (
@@ -20,7 +19,8 @@ from sonar_tracking.graph.catalogue.display_plan import (
 )
 from sonar_tracking.graph.catalogue.flow_window import flow_window
 from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
-from sonar_tracking.graph.catalogue.node_catalogue import NODES
+from sonar_tracking.graph.catalogue.node_catalogue import description_of
+from sonar_tracking.graph.catalogue.node_description import NodeDescription
 from sonar_tracking.graph.catalogue.node_settings import (
     NodeSettings,
     read_settings,
@@ -28,7 +28,6 @@ from sonar_tracking.graph.catalogue.node_settings import (
     with_room_for_bursts,
 )
 from sonar_tracking.graph.catalogue.page_plan import planned_page
-from sonar_tracking.graph.catalogue.passive_nodes import SUBSPACE_ESTIMATOR
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
 from sonar_tracking.graph.catalogue.scenario_graph import (
     planned_nodes,
@@ -42,9 +41,9 @@ from sonar_tracking.graph.orchestration.graph_plan import GraphPlan
 from sonar_tracking.graph.orchestration.orchestration import Orchestration
 from sonar_tracking.graph.orchestration.run_report import RunReport
 from sonar_tracking.graph.orchestration.time_master import TimeMaster
+from sonar_tracking.graph.verbs.array_sizes import check_source_counts, largest_message_bytes
 from sonar_tracking.graph.verbs.recording_plan import planned_recorder, recording_hint
 from sonar_tracking.graph.verbs.run_options import RunOptions
-from sonar_tracking.passive.subspaces.subspace_configuration import SubspaceConfiguration
 from sonar_tracking.records.time import NANOSECONDS
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.scenarios.scenario_checks import check_scenario
@@ -159,23 +158,16 @@ def plan_scenario(
     ConfigurationError
         If the parameters of a node cannot be used, or a rule for names.
     """
-    descriptions = started_nodes(scenario, where)
+    descriptions, settings = _nodes(scenario, options.display_topics, where)
     sources = tuple(node.name for node in descriptions if node.serves_clock)
-    if not options.display_topics:
-        descriptions = tuple(node for node in descriptions if not node.is_display)
-    given = with_datum(with_mountings(scenario.nodes), scenario.datum)
-    given = with_published_topics(descriptions, given, scenario.namespaces)
-    settings = resolved_settings(given, descriptions, f"{where}: nodes")
-    _check_source_count(scenario, settings, where)
-    settings = with_room_for_bursts(settings, scenario.step)
     scenario_file = log_directory / "scenario.yaml"
     scenario_file.write_text(scenario_to_yaml(scenario), encoding="utf-8")
     for name in sources:
         settings[name] = {**settings[name], "scenario": str(scenario_file)}
     planned = planned_nodes(descriptions, settings, scenario.namespaces)
     names.check(_topics_of(planned))
-    nodes = names.planned(node for node in planned if not NODES[node.name].is_display)
-    commands = (COMMANDS,) if any(NODES[node.name].commanded_topic for node in planned) else ()
+    nodes = names.planned(node for node in planned if not description_of(node).is_display)
+    commands = (COMMANDS,) if any(node.commanded_topic for node in descriptions) else ()
     offered = names.topics(commands)
     if options.record is not None:
         topics = {topic.name: topic for node in nodes for topic in node.publishers}
@@ -190,7 +182,8 @@ def plan_scenario(
         nodes += (
             planned_recorder(options.record, topics.values(), shown, known, names, log_directory),
         )
-    largest = _largest_message_bytes(scenario, settings)
+    largest = largest_message_bytes(scenario, settings)
+    shown_as = with_mountings(scenario.nodes)
     played = (*_published(nodes), *offered)
     return GraphPlan(
         scenario=scenario.name,
@@ -200,11 +193,25 @@ def plan_scenario(
         transport=choose_transport(largest, n_publishers=2),
         displays=(
             *names.planned(planned_displays(planned, options.record is not None)),
-            *planned_page(options.page, played, given, scenario.name, scenario.datum),
+            *planned_page(options.page, played, shown_as, scenario.name, scenario.datum),
         ),
         naming=names,
         flow_window=flow_window(options.rate, largest),
     )
+
+
+def _nodes(
+    scenario: Scenario, display_topics: bool, where: str
+) -> tuple[tuple[NodeDescription, ...], NodeSettings]:
+    """Return the nodes of a scenario, with every parameter of each."""
+    descriptions = started_nodes(scenario, where)
+    given = with_datum(with_mountings(scenario.nodes), scenario.datum)
+    given = with_published_topics(descriptions, given, scenario.namespaces)
+    settings = resolved_settings(given, descriptions, f"{where}: nodes")
+    check_source_counts(scenario, settings, where)
+    settings = with_room_for_bursts(settings, scenario.step)
+    shown = tuple(node for node in descriptions if display_topics or not node.is_display)
+    return shown, {node.name: settings[node.name] for node in shown}
 
 
 def _published(nodes: Iterable[PlannedNode]) -> list[Topic]:
@@ -216,7 +223,7 @@ def _topics_of(nodes: Iterable[PlannedNode]) -> list[Topic]:
     return [
         topic
         for node in nodes
-        for topic in (*node.publishers, *node.subscriptions, *NODES[node.name].markers)
+        for topic in (*node.publishers, *node.subscriptions, *description_of(node).markers)
     ]
 
 
@@ -229,18 +236,6 @@ def _with_file(scenario: Scenario, name: str, path: Path | None) -> tuple[Scenar
         for node, values in read_settings(path).items()
     }
     return replace(scenario, nodes={**scenario.nodes, **given}), f"{name} with {path}"
-
-
-def _check_source_count(scenario: Scenario, settings: NodeSettings, where: str) -> None:
-    if SUBSPACE_ESTIMATOR.name not in settings:
-        return
-    n_elements = len(scenario.array.element_positions())
-    source_count = settings[SUBSPACE_ESTIMATOR.name]["source_count"]
-    if isinstance(source_count, int) and source_count >= n_elements:
-        raise ConfigurationError(
-            f"{where}: nodes: {SUBSPACE_ESTIMATOR.name}.source_count is {source_count}, but the "
-            f"array has only {n_elements} elements; give at most {n_elements - 1} sources."
-        )
 
 
 def _source(
@@ -264,24 +259,3 @@ def _source(
     )
     desk = open_desk(plan, control, ledger, observer)
     return SimulatedSource(control, ledger, master, scenario.stamp(scenario.start), desk)
-
-
-def _largest_message_bytes(scenario: Scenario, settings: NodeSettings) -> int:
-    """Return the size of the largest message: a block of the array, or the subspaces.
-
-    What other sensors deliver is small.
-    """
-    if SUBSPACE_ESTIMATOR.name not in settings:
-        return scenario.block_bytes
-    n_elements = len(scenario.array.element_positions())
-    estimator = from_mapping(
-        SubspaceConfiguration,
-        {
-            description.name: settings[SUBSPACE_ESTIMATOR.name][description.name]
-            for description in describe(SubspaceConfiguration)
-        },
-        SUBSPACE_ESTIMATOR.name,
-    )
-    columns = estimator.source_count or len(scenario.targets) + 1
-    basis = estimator.n_subspaces * n_elements * columns
-    return max(scenario.block_bytes, (n_elements**2 + basis) * 2 * 8)

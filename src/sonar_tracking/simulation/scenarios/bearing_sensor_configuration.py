@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -11,12 +10,11 @@ import numpy as np
 from sonar_tracking.configuration import parameter
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.motion import Trajectory
+from sonar_tracking.simulation.scenarios.namespaces import check_namespace
 from sonar_tracking.simulation.scenarios.platforms import CONSORT, FIXED, OWN_SHIP, Platforms
 
 CONE, AZIMUTH = "cone", "azimuth"
 DELAYED, INSTANTANEOUS = "delayed", "instantaneous"
-
-_NAMESPACE = re.compile(r"[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
 
 
 @dataclass(frozen=True)
@@ -122,11 +120,8 @@ def check_bearing_sensors(sensors: Sequence[BearingSensorConfiguration], where: 
             raise ConfigurationError(
                 f"{name}.position has {len(sensor.position)} entries; give x and y in m."
             )
-        if sensor.namespace and not _NAMESPACE.fullmatch(sensor.namespace):
-            raise ConfigurationError(
-                f"{name}.namespace is {sensor.namespace!r}; it must be made of letters, digits "
-                "and underscores, e.g. station_2."
-            )
+        if sensor.namespace:
+            check_namespace(sensor.namespace, name)
         for other in sensors[:index]:
             for what in ("sensor_id", "namespace"):
                 if getattr(other, what) == getattr(sensor, what):

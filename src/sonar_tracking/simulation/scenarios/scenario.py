@@ -7,7 +7,7 @@ defaults filled in, goes into recordings and reads back as the same scenario.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 from sonar_tracking.configuration import SECTION, Value, parameter
@@ -24,9 +24,14 @@ from sonar_tracking.simulation.scenarios.bearing_sensor_configuration import (
 from sonar_tracking.simulation.scenarios.contact_configuration import ContactSensorConfiguration
 from sonar_tracking.simulation.scenarios.hydrophone_configuration import HydrophoneConfiguration
 from sonar_tracking.simulation.scenarios.platforms import (
+    CONSORT,
     OwnShipConfiguration,
     Platforms,
     Receiver,
+)
+from sonar_tracking.simulation.scenarios.station_configuration import (
+    StationConfiguration,
+    station_seed,
 )
 from sonar_tracking.simulation.scenarios.target import (
     TargetConfiguration,
@@ -47,7 +52,11 @@ BEARING_SENSORS = "bearing_sensors"
 OWN_SHIP = "own_ship"
 """Section of own ship, which is part of every world."""
 
-OTHER_SENSORS = (BEARING_SENSORS, "active_sonar")
+ACTIVE_SONAR = "active_sonar"
+STATIONS = "stations"
+"""Section of further arrays and active sonars, each with a namespace of its own, a list."""
+
+OTHER_SENSORS = (BEARING_SENSORS, ACTIVE_SONAR)
 """Sections of the sensors beside the narrowband array."""
 
 NodeParameters = dict[str, dict[str, Value]]
@@ -59,7 +68,8 @@ class Scenario:
     """A world, the sensors in it and the parameters of the nodes that listen to them.
 
     Each sensor is a section. A file that gives none of them has the default ``array``, which
-    ``array_given`` tells.
+    ``array_given`` tells. ``carrier`` is what the frames of own ship are called: another name where
+    a station is what carries the sensors (:meth:`of_station`).
     """
 
     name: str = parameter("", "name of the scenario; empty = name of the file")
@@ -75,9 +85,11 @@ class Scenario:
     consort: OwnShipConfiguration | None = field(default=None, metadata=SECTION)
     targets: tuple[TargetConfiguration, ...] = field(default=(), metadata=SECTION)
     array_given: bool = field(default=True, metadata=SECTION)
+    carrier: str = field(default=OWN_SHIP, metadata=SECTION)
     hydrophones: HydrophoneConfiguration | None = field(default=None, metadata=SECTION)
     active_sonar: ContactSensorConfiguration | None = field(default=None, metadata=SECTION)
     bearing_sensors: tuple[BearingSensorConfiguration, ...] = field(default=(), metadata=SECTION)
+    stations: tuple[StationConfiguration, ...] = field(default=(), metadata=SECTION)
     nodes: NodeParameters = field(default_factory=dict, metadata=SECTION)
 
     @property
@@ -94,13 +106,72 @@ class Scenario:
 
     @property
     def namespaces(self) -> dict[str, tuple[str, ...]]:
-        """Namespaces of the stations of a sensor, by its section; absent = one without."""
+        """Namespaces of what a section has several of: bearing sensors, and ships beside own one.
+
+        Of a section that is absent there is one, without a namespace.
+        """
         stations = tuple(sensor.namespace for sensor in self.bearing_sensors)
-        return {BEARING_SENSORS: stations} if stations else {}
+        known = {BEARING_SENSORS: stations} if stations else {}
+        return known | ({OWN_SHIP: (CONSORT,)} if self.consort is not None else {})
+
+    @property
+    def station_namespaces(self) -> tuple[str, ...]:
+        """Namespaces in which there may be trackers, besides that of own ship."""
+        named = [station.namespace for station in self.stations]
+        named += [sensor.namespace for sensor in self.bearing_sensors if sensor.namespace]
+        named += [CONSORT] if self.consort is not None else []
+        return tuple(dict.fromkeys(named))
+
+    def simulated_in(self, namespace: str) -> tuple[str, ...]:
+        """Return the sections that are simulated in a namespace, each by a node of its own there.
+
+        Bearing sensors are all simulated by one node, in no namespace.
+        """
+        if not namespace:
+            return self.simulated
+        known = {station.namespace for station in self.stations}
+        return self.of_station(namespace).sensors if namespace in known else ()
+
+    def of_station(self, namespace: str) -> Scenario:
+        """Return what concerns the sensors of a station: as if what carries it was own ship.
+
+        Parameters
+        ----------
+        namespace : str
+            Of the station; empty = the scenario itself.
+        """
+        if not namespace:
+            return self
+        names = [station.namespace for station in self.stations]
+        number = names.index(namespace)
+        station = self.stations[number]
+        return replace(
+            self,
+            seed=station_seed(self.seed, number),
+            array=station.array or ArrayConfiguration(),
+            noise=station.noise,
+            own_ship=station.motion(self.platforms),
+            carrier=OWN_SHIP if station.platform == OWN_SHIP else station.name,
+            consort=None,
+            array_given=station.array is not None,
+            hydrophones=station.hydrophones,
+            active_sonar=station.active_sonar,
+            bearing_sensors=(),
+            stations=(),
+        )
+
+    @property
+    def places(self) -> dict[str, Scenario]:
+        """What concerns each station by its namespace, after all that is in none."""
+        alone = replace(self, stations=()) if self.stations else self
+        named = [station.namespace for station in self.stations]
+        return {"": alone, **{namespace: self.of_station(namespace) for namespace in named}}
 
     @property
     def step(self) -> float:
         """Shortest time between two data of a sensor, s."""
+        if self.stations:
+            return min(place.step for place in self.places.values() if place.sensors)
         steps = []
         if self.array_given:
             steps.append(self.block_length / self.sample_rate)
@@ -112,6 +183,8 @@ class Scenario:
     @property
     def end(self) -> float:
         """Scenario time at which the last datum is complete, s."""
+        if self.stations:
+            return max(place.end for place in self.places.values() if place.sensors)
         ends = []
         if self.array_given:
             ends.append(self.start + self.n_samples / self.sample_rate)
@@ -140,7 +213,9 @@ class Scenario:
 
     @property
     def block_bytes(self) -> int:
-        """Size of the data in one message of the array, as it travels; 0 = there is no array."""
+        """Largest data in one message of an array, as they travel, bytes; 0 = there is none."""
+        if self.stations:
+            return max(place.block_bytes for place in self.places.values())
         if not self.array_given:
             return 0
         n_elements = len(self.array.element_positions())

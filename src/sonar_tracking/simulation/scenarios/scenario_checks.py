@@ -18,7 +18,12 @@ from sonar_tracking.simulation.scenarios.contact_configuration import (
 from sonar_tracking.simulation.scenarios.hydrophone_configuration import check_hydrophones
 from sonar_tracking.simulation.scenarios.kinematic_motion import KinematicMotion
 from sonar_tracking.simulation.scenarios.platforms import CONSORT, OwnShipConfiguration
-from sonar_tracking.simulation.scenarios.scenario import Scenario
+from sonar_tracking.simulation.scenarios.scenario import STATIONS, Scenario
+from sonar_tracking.simulation.scenarios.station_checks import (
+    check_platforms,
+    check_sensor_names,
+    check_stations,
+)
 from sonar_tracking.simulation.scenarios.target import TargetConfiguration
 
 
@@ -30,16 +35,16 @@ def check_scenario(scenario: Scenario, where: str) -> None:
     ConfigurationError
         Naming the value and what to do.
     """
-    if scenario.array_given:
-        _check_array(scenario.array, f"{where}array")
-    if scenario.active_sonar is not None:
-        _check_active_sonar(scenario.active_sonar, scenario.duration, where)
+    check_stations(scenario, where)
+    check_platforms(scenario, where)
+    stations = (f"{where}{STATIONS}[{index}]." for index in range(len(scenario.stations)))
+    for place, name in zip(scenario.places.values(), (where, *stations), strict=True):
+        _check_sensors(place, name)
     check_bearing_sensors(scenario.bearing_sensors, f"{where}bearing_sensors")
-    _check_sensor_names(scenario, where)
-    if scenario.hydrophones is not None:
-        check_hydrophones(scenario.hydrophones, scenario.targets, where)
+    check_sensor_names(scenario, where)
     _check_platform(scenario.own_ship, f"{where}own_ship")
-    _check_consort(scenario, where)
+    if scenario.consort is not None:
+        _check_platform(scenario.consort, f"{where}{CONSORT}")
     names: set[str] = set()
     for index, target in enumerate(scenario.targets):
         name = f"{where}targets[{index}]"
@@ -50,22 +55,14 @@ def check_scenario(scenario: Scenario, where: str) -> None:
         _check_bearings(scenario, target, name)
 
 
-def _check_consort(scenario: Scenario, where: str) -> None:
-    if scenario.consort is not None:
-        _check_platform(scenario.consort, f"{where}{CONSORT}")
-        return
-    sensors: list[tuple[str, str]] = [
-        (f"bearing_sensors[{index}]", station.platform)
-        for index, station in enumerate(scenario.bearing_sensors)
-    ]
+def _check_sensors(scenario: Scenario, where: str) -> None:
+    """Check the array and the sonar of one place."""
+    if scenario.array_given:
+        _check_array(scenario.array, f"{where}array")
     if scenario.active_sonar is not None:
-        sensors.append(("active_sonar", scenario.active_sonar.platform))
-    for name, platform in sensors:
-        if platform == CONSORT:
-            raise ConfigurationError(
-                f"{where}{name}.platform is {CONSORT}, but there is none; say in the section "
-                f"{CONSORT} where it is and how it moves."
-            )
+        _check_active_sonar(scenario.active_sonar, scenario.duration, where)
+    if scenario.hydrophones is not None:
+        check_hydrophones(scenario.hydrophones, scenario.targets, where)
 
 
 def _check_active_sonar(sensor: ContactSensorConfiguration, duration: float, where: str) -> None:
@@ -74,23 +71,6 @@ def _check_active_sonar(sensor: ContactSensorConfiguration, duration: float, whe
         number_of_pings(sensor, duration)
     except ConfigurationError as error:
         raise ConfigurationError(f"{where}active_sonar: {error}") from error
-
-
-def _check_sensor_names(scenario: Scenario, where: str) -> None:
-    """Refuse sensors of different kinds by one name: a track could not tell who heard it."""
-    names = [("array", scenario.array.sensor_id)] if scenario.array_given else []
-    if scenario.active_sonar is not None:
-        names.append(("active_sonar", scenario.active_sonar.sensor_id))
-    for index, station in enumerate(scenario.bearing_sensors):
-        names.append((f"bearing_sensors[{index}]", station.sensor_id))
-    named: dict[str, str] = {}
-    for section, name in names:
-        other = named.setdefault(name, section)
-        if other != section:
-            raise ConfigurationError(
-                f"{where}{section}.sensor_id is {name!r} like that of {other}; give every sensor "
-                "its own."
-            )
 
 
 def _check_array(array: ArrayConfiguration, where: str) -> None:
@@ -171,7 +151,8 @@ def _check_bearings(scenario: Scenario, target: TargetConfiguration, where: str)
                 "must be own_ship.speed."
             )
         return
-    if not scenario.array_given or scenario.bearing_sensors or scenario.active_sonar:
+    others = scenario.bearing_sensors or scenario.active_sonar or scenario.stations
+    if not scenario.array_given or others:
         raise ConfigurationError(
             f"{where}.motion gives bearings only, which nothing but an array alone can hear; give "
             "kind: kinematic, with a position in map."

@@ -29,18 +29,24 @@ from sonar_tracking.simulation.scenarios.platforms import (
     TurnConfiguration,
 )
 from sonar_tracking.simulation.scenarios.scenario import (
+    ACTIVE_SONAR,
     ARRAY,
     BEARING_SENSORS,
     DEFAULT_EPOCH,
     HYDROPHONES,
     LATEST_EPOCH_SECONDS,
     OTHER_SENSORS,
+    STATIONS,
     Configuration,
     NodeParameters,
     Scenario,
 )
 from sonar_tracking.simulation.scenarios.scenario_checks import check_scenario
 from sonar_tracking.simulation.scenarios.scenario_file import find_scenario, read_yaml_mapping
+from sonar_tracking.simulation.scenarios.station_configuration import (
+    StationConfiguration,
+    with_sensor_names,
+)
 from sonar_tracking.simulation.scenarios.target import (
     MOTIONS,
     LineConfiguration,
@@ -84,7 +90,7 @@ def scenario_from_mapping(mapping: Mapping[str, Any], where: str) -> Scenario:
     """
     values = dict(mapping)
     prefix = f"{where}: "
-    others = any(values.get(name, []) not in (None, [], ()) for name in OTHER_SENSORS)
+    others = any(values.get(name, []) not in (None, [], ()) for name in (*OTHER_SENSORS, STATIONS))
     sections = {
         "array_given": not others or not {ARRAY, HYDROPHONES}.isdisjoint(values),
         "epoch": checked_epoch(values.pop("epoch", DEFAULT_EPOCH // NANOSECONDS), prefix),
@@ -96,17 +102,16 @@ def scenario_from_mapping(mapping: Mapping[str, Any], where: str) -> Scenario:
         if (consort := values.pop(CONSORT, None)) is None
         else _moving(OwnShipConfiguration, consort, f"{prefix}{CONSORT}"),
         "targets": _targets(values.pop("targets", []), f"{prefix}targets"),
-        "hydrophones": _optional(
-            HydrophoneConfiguration, values.pop("hydrophones", None), f"{prefix}hydrophones"
-        ),
-        "active_sonar": _optional(
-            ContactSensorConfiguration, values.pop("active_sonar", None), f"{prefix}active_sonar"
-        ),
+        **_optional_sensors(values, prefix),
         BEARING_SENSORS: tuple(
             _section(BearingSensorConfiguration, sensor, f"{prefix}{BEARING_SENSORS}[{index}]")
             for index, sensor in enumerate(
                 _list(values.pop(BEARING_SENSORS, []), f"{prefix}{BEARING_SENSORS}")
             )
+        ),
+        STATIONS: tuple(
+            _station(station, f"{prefix}{STATIONS}[{index}]")
+            for index, station in enumerate(_list(values.pop(STATIONS, []), f"{prefix}{STATIONS}"))
         ),
         "nodes": _nodes(values.pop("nodes", {}), f"{prefix}nodes"),
     }
@@ -121,10 +126,15 @@ def scenario_from_mapping(mapping: Mapping[str, Any], where: str) -> Scenario:
 def scenario_to_mapping(scenario: Scenario) -> dict[str, Any]:
     """Return the resolved scenario as plain names and values, for YAML, JSON and recordings."""
     mapping = _plain(dataclasses.asdict(scenario))
-    del mapping["array_given"]
-    absent = {name for name in (*OTHER_SENSORS, HYDROPHONES, CONSORT, DATUM) if not mapping[name]}
+    del mapping["array_given"], mapping["carrier"]
+    optional = (*OTHER_SENSORS, HYDROPHONES, CONSORT, DATUM, STATIONS)
+    absent = {name for name in optional if not mapping[name]}
     absent |= set() if scenario.array_given else {"array", "noise"}
     mapping = {name: value for name, value in mapping.items() if name not in absent}
+    for station in mapping.get(STATIONS, ()):
+        for name in (ARRAY, HYDROPHONES, ACTIVE_SONAR):
+            if station[name] is None:
+                del station[name]
     instant = datetime.fromtimestamp(scenario.epoch // NANOSECONDS, tz=timezone.utc)
     mapping["epoch"] = instant.strftime("%Y-%m-%dT%H:%M:%SZ")
     return mapping
@@ -153,6 +163,33 @@ def _section(configuration: type[Configuration], values: Any, where: str) -> Con
 
 def _optional(configuration: type[Configuration], values: Any, where: str) -> Configuration | None:
     return None if values is None else _section(configuration, values, where)
+
+
+def _optional_sensors(values: dict[str, Any], prefix: str) -> dict[str, Any]:
+    """Return the time series of an array and an active sonar, each as far as it is given."""
+    kinds: dict[str, type] = {
+        HYDROPHONES: HydrophoneConfiguration,
+        ACTIVE_SONAR: ContactSensorConfiguration,
+    }
+    return {
+        name: _optional(kind, values.pop(name, None), f"{prefix}{name}")
+        for name, kind in kinds.items()
+    }
+
+
+def _station(values: Any, where: str) -> StationConfiguration:
+    values = _mapping(values, where)
+    named = [
+        name
+        for name in (ARRAY, ACTIVE_SONAR)
+        if isinstance(values.get(name), Mapping) and "sensor_id" in values[name]
+    ]
+    sections = {
+        ARRAY: _optional(ArrayConfiguration, values.pop(ARRAY, None), f"{where}.{ARRAY}"),
+        "noise": _section(NoiseConfiguration, values.pop("noise", {}), f"{where}.noise"),
+        **_optional_sensors(values, f"{where}."),
+    }
+    return with_sensor_names(from_mapping(StationConfiguration, values, where, sections), named)
 
 
 def _moving(configuration: type[Configuration], values: Any, where: str) -> Configuration:

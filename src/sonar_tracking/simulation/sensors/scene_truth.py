@@ -18,6 +18,7 @@ def array_sensor_at(scenario: Scenario, time: float) -> Sensor:
     half_yaw = 0.5 * float(wrap_angle(state.azimuth + receiver.mounting_yaw))
     return Sensor(
         sensor_id=scenario.array.sensor_id,
+        frame_id=f"{scenario.carrier}/array",
         position=(float(state.position[0]), float(state.position[1]), 0.0),
         orientation=(0.0, 0.0, float(np.sin(half_yaw)), float(np.cos(half_yaw))),
         velocity=(float(state.velocity[0]), float(state.velocity[1]), 0.0),

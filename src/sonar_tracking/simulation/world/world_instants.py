@@ -101,7 +101,7 @@ class NeededInstants:
     Attributes
     ----------
     own_ship, truth : tuple of Instants
-        When the state of own ship, and those of the targets, are needed.
+        When the state of own ship and its consort, and those of the targets, are needed.
     """
 
     own_ship: tuple[Instants, ...]
@@ -112,19 +112,20 @@ def needed_instants(scenario: Scenario) -> NeededInstants:
     """Return the instants that the sensors of a scenario need."""
     own_ship: list[Instants] = []
     truth: list[Instants] = []
-    if scenario.array_given:
-        own_ship.append(BlockEdges(scenario, has_end=True))
-        truth.append(BlockEdges(scenario, has_end=False))
-    for station in scenario.bearing_sensors:
-        n_frames = station.number_of_frames(scenario.duration)
-        frames = Repeated(scenario, station.frame_interval, n_frames)
-        own_ship.append(frames)
-        truth.append(frames)
-    sonar = scenario.active_sonar
-    if sonar is not None:
-        n_pings = number_of_pings(sonar, scenario.duration)
-        sent = Repeated(scenario, sonar.ping_interval, n_pings)
-        received = Repeated(scenario, sonar.ping_interval, n_pings, sonar.reception_time)
-        own_ship += [AsStamped(sent), AsStamped(received)]
-        truth.append(sent)
+    for place in scenario.places.values():
+        if place.array_given:
+            own_ship.append(BlockEdges(place, has_end=True))
+            truth.append(BlockEdges(place, has_end=False))
+        for station in place.bearing_sensors:
+            n_frames = station.number_of_frames(scenario.duration)
+            frames = Repeated(scenario, station.frame_interval, n_frames)
+            own_ship.append(frames)
+            truth.append(frames)
+        sonar = place.active_sonar
+        if sonar is not None:
+            n_pings = number_of_pings(sonar, scenario.duration)
+            sent = Repeated(scenario, sonar.ping_interval, n_pings)
+            received = Repeated(scenario, sonar.ping_interval, n_pings, sonar.reception_time)
+            own_ship += [AsStamped(sent), AsStamped(received)]
+            truth.append(sent)
     return NeededInstants(tuple(own_ship), tuple(truth))

@@ -13,7 +13,7 @@ from sonar_tracking.records.positions import TruthTracks
 from sonar_tracking.records.time import END_OF_DATA
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.world.world_instants import Instants, needed_instants
-from sonar_tracking.simulation.world.world_state import own_ship_at, true_tracks
+from sonar_tracking.simulation.world.world_state import consort_at, own_ship_at, true_tracks
 
 
 @dataclass(frozen=True)
@@ -28,11 +28,14 @@ class WorldInstant:
         None = no sensor needs it then.
     truth_tracks : TruthTracks or None
         True positions of the targets; None = no data have this stamp.
+    consort : OwnShipState or None
+        The second ship of own side, at the instants of own ship; None = there is none.
     """
 
     stamp: int
     own_ship: OwnShipState | None
     truth_tracks: TruthTracks | None
+    consort: OwnShipState | None = None
 
     @property
     def start_stamp(self) -> int:
@@ -65,13 +68,15 @@ class WorldSimulation:
         stamp = min(self._own_ship.stamp, self._truth.stamp)
         if stamp == END_OF_DATA:
             return None
-        own_ship = truth = None
+        own_ship = truth = consort = None
         if self._own_ship.stamp == stamp:
-            own_ship = own_ship_at(self._scenario, self._own_ship.take())
+            time = self._own_ship.take()
+            own_ship = own_ship_at(self._scenario, time)
+            consort = consort_at(self._scenario, time)
         if self._truth.stamp == stamp:
             time = self._truth.take()
             truth = true_tracks(self._scenario, time, self._truth.stamp)
-        return WorldInstant(stamp, own_ship, truth)
+        return WorldInstant(stamp, own_ship, truth, consort)
 
 
 class _Merged:

@@ -9,17 +9,29 @@ from sonar_tracking.records.own_ship import OwnShipState
 from sonar_tracking.records.positions import TruthTracks
 from sonar_tracking.records.time import UNKNOWN_STAMP
 from sonar_tracking.simulation.scenarios.kinematic_motion import KinematicMotion
+from sonar_tracking.simulation.scenarios.platforms import OwnShipConfiguration
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 
 
 def own_ship_at(scenario: Scenario, time: float) -> OwnShipState:
     """Return the state of own ship at a scenario time, s."""
-    state = scenario.own_ship.trajectory().state(time)
+    return _ship_at(scenario.own_ship, time, scenario.stamp(time))
+
+
+def consort_at(scenario: Scenario, time: float) -> OwnShipState | None:
+    """Return the state of the second ship at a scenario time, s; None = there is none."""
+    if scenario.consort is None:
+        return None
+    return _ship_at(scenario.consort, time, scenario.stamp(time))
+
+
+def _ship_at(ship: OwnShipConfiguration, time: float, stamp: int) -> OwnShipState:
+    state = ship.trajectory().state(time)
     return OwnShipState(
-        stamp=scenario.stamp(time),
+        stamp=stamp,
         position=(float(state.position[0]), float(state.position[1])),
         yaw=float(wrap_angle(state.azimuth)),
-        velocity=(scenario.own_ship.speed, 0.0),
+        velocity=(ship.speed, 0.0),
         yaw_rate=float(state.turn_rate),
     )
 

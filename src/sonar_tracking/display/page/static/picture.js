@@ -14,7 +14,10 @@ export const isTruth = (topic) => /(^|\/)truth\//.test(topic);
 export function pictureTopics(history) {
   const all = history.topics("tracks").filter((topic) => !isTruth(topic) && !/own_tracks$/.test(topic));
   const fused = all.filter((topic) => !PART.test(topic));
-  return fused.length ? fused : all;
+  // Of several ships' pictures, own ship's is the one that is not below another.
+  const depth = (topic) => topic.split("/").length;
+  const least = Math.min(...fused.map(depth));
+  return fused.length ? fused.filter((topic) => depth(topic) === least) : all;
 }
 
 export function truthTopics(history) {
@@ -72,6 +75,14 @@ export function rowOf(frame, topic, i) {
 export function ownShipAt(history, t, age = 30) {
   const state = history.at("own_ship", t);
   return state && t - state.t <= age ? state : null;
+}
+
+/** Other ships of own side, by what they tell of themselves: objects with a name. */
+export function otherShipsAt(history, t, age = 30) {
+  const states = history.topics("ship").map((topic) => history.at(`ship ${topic}`, t));
+  return states
+    .filter((state) => state && t - state.t <= age)
+    .map((state) => ({ ...state, name: state.topic.split("/").slice(1, -2).join("/") }));
 }
 
 /** Bearing, range, course and speed of a row, with deviations, as seen from own ship. */

@@ -5,7 +5,7 @@ import { openTrackMenu } from "../track_menu.js";
 import { bearing, distance, fixed, place as placeText } from "../format.js";
 import { keptToggle } from "../kept_choice.js";
 import { palette } from "../palette.js";
-import { SIDE, SOURCE, STATUS, ownShipAt, polar, tracksAt } from "../picture.js";
+import { SIDE, SOURCE, STATUS, otherShipsAt, ownShipAt, polar, tracksAt } from "../picture.js";
 import { trackSymbol, ownShipSymbol } from "../symbols.js";
 import { drawContacts, drawRays, drawRings, drawTrails, drawTruth } from "./plan_layers.js";
 
@@ -207,6 +207,12 @@ export class Plan {
     this.labels = new Labels();
     for (const row of this.rows) this.labels.keepFree(this.toScreen(row.x, row.y));
     for (const row of this.rows) this.drawTrack(pen, row);
+    for (const other of otherShipsAt(history, t)) {
+      const place = this.toScreen(other.x, other.y);
+      ownShipSymbol(pen, place, other, this.up_angle, this.scale * LEADER_SECONDS, palette.faint);
+      pen.fillStyle = palette.faint;
+      pen.fillText(other.name, place.x + 11, place.y - 8);
+    }
     if (this.ship) ownShipSymbol(pen, this.toScreen(this.ship.x, this.ship.y), this.ship, this.up_angle, this.scale * LEADER_SECONDS, palette.own);
     this.drawMarks(pen);
     this.drawMeasure(pen);
