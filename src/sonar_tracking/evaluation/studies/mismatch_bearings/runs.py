@@ -122,9 +122,12 @@ def runs_under(condition: Condition, seeds: Seeds) -> tuple[MismatchRun, ...]:
             replace(block, data=array.received(data), noise_covariance=told_noise)
             for array, data in zip(arrays, block.data, strict=True)
         ]
-        by_default.take(wrong)
-        told = [replace(block, data=data) for data in block.data]
-        beside.take(wrong if condition.faint else told)
+        updates = by_default.take(wrong)
+        if condition.faint:
+            # Both trackers see the same estimates.
+            beside.follow(updates)
+        else:
+            beside.take([replace(block, data=data) for data in block.data])
     truth = BearingTruth(block_truth(condition.scenario))
     return tuple(
         MismatchRun(
@@ -152,9 +155,14 @@ class _Chains:
         self._trackers: list[BearingTrackerStage] = []
         self.runs = tuple(ChainRun([], []) for _ in range(n_runs))
 
-    def take(self, blocks: Sequence[ArraySnapshots]) -> None:
-        """Take a block of each run."""
+    def take(self, blocks: Sequence[ArraySnapshots]) -> Sequence[SubspaceUpdate]:
+        """Take a block of each run, and return what the estimators make of them."""
         updates = subspaces_together(self._estimators, blocks)
+        self.follow(updates)
+        return updates
+
+    def follow(self, updates: Sequence[SubspaceUpdate]) -> None:
+        """Let the trackers take what estimators have made of a block of each run."""
         self._tell(updates)
         for estimates in zip(*(update.estimates for update in updates), strict=True):
             if not self._trackers:
