@@ -25,7 +25,8 @@ def faulty(data: ComplexArray, fault: Fault) -> ComplexArray:
 def strong_in(data: ComplexArray) -> StrongSources | None:
     n_elements = data.shape[1]
     positions, elements = line_array(n_elements, 0.5), np.arange(n_elements)
-    return strong_sources(sample_covariance(data), len(data), positions, WAVENUMBER, elements)
+    covariances = sample_covariance(data)[None]
+    return strong_sources(covariances, len(data), positions, WAVENUMBER, elements)[0]
 
 
 def watched(fault: Fault, n_elements: int, angles_deg: list[float], level: float) -> ElementFaults:

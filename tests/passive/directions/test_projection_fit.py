@@ -8,7 +8,7 @@ import pytest
 from sonar_tracking.passive.directions.projection_fit import (
     LARGEST_STEP,
     ProjectionProblem,
-    any_fit_below,
+    fits_below,
     projection_fit,
 )
 from sonar_tracking.passive.directions.signal_subspace import signal_subspace
@@ -126,12 +126,15 @@ def test_batch_is_many_single_fits() -> None:
         assert np.abs(together[number] - alone).max() < 1e-12
 
 
-@pytest.mark.parametrize("share", [0.99, 1.01])
-def test_one_of_several_fits_below_an_error_is_found(share: float) -> None:
-    problem = problem_of(sampled_covariance(8, INCOHERENT), 2, 0.0)
+def test_sets_are_found_of_which_one_of_several_fits_is_below_an_error() -> None:
+    problem = problem_of(sampled_covariance(8, INCOHERENT, batch=(3,)), 2, 0.0)
     offsets = np.deg2rad([[4.0, -4.0], [1.0, -1.0], [-9.0, 9.0]])
-    least = min(float(problem.error(projection_fit(problem, ANGLES + each))) for each in offsets)
-    assert any_fit_below(problem, ANGLES + offsets, share * least) == (share > 1.0)
+    fitted = [problem.error(projection_fit(problem, ANGLES + each)) for each in offsets]
+    least = np.min(fitted, axis=0)
+    starts = np.broadcast_to(ANGLES + offsets, (3, *offsets.shape))
+    for shares in ([0.99, 1.01, 0.99], [1.01, 1.01, 0.99]):
+        found = fits_below(problem, starts, np.array(shares) * least)
+        np.testing.assert_array_equal(found, np.array(shares) > 1.0)
 
 
 def test_equal_predictions_are_no_harm() -> None:

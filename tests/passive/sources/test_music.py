@@ -11,10 +11,10 @@ from sonar_tracking.geometry import line_array, steering_pair, steering_vectors
 from sonar_tracking.passive.sources.angle_grid import angle_grid
 from sonar_tracking.passive.sources.moving_source_counting import sample_covariance
 from sonar_tracking.passive.sources.music import (
-    NullSpectrum,
     bearings_in_snapshots,
     music_bearings,
 )
+from sonar_tracking.passive.sources.null_spectrum import NullSpectrum
 from sonar_tracking.records.arrays import ComplexArray
 from tests.passive.block_scene import noise_from_ahead
 from tests.passive.crossing_scene import (

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from sonar_tracking.passive.array_fit.alike_cases import alike
 from sonar_tracking.passive.array_fit.element_faults import ElementFaults
 from sonar_tracking.passive.array_fit.judged_covariance import JudgedCovariance
 from sonar_tracking.passive.array_fit.noise_colour import NoiseColour
 from sonar_tracking.passive.array_fit.noise_models import noise_model
-from sonar_tracking.passive.array_fit.steering_fit import SteeringFit
-from sonar_tracking.passive.array_fit.strong_sources import strong_sources
+from sonar_tracking.passive.array_fit.steering_fit import SteeringFit, updated_steering
+from sonar_tracking.passive.array_fit.strong_sources import StrongSources, strong_sources
+from sonar_tracking.passive.sources.noise_of_windows import common_or_stacked
 from sonar_tracking.records.arrays import ComplexArray, FloatArray
 
 MOST_WHITENED = 256
@@ -51,8 +54,8 @@ class ArrayFit:
         faulty = self.faults.found or self.steering.error
         return not (self.colour.coloured or faulty)
 
-    def update(self, judged: JudgedCovariance, colour: NoiseColour, end: int) -> ArrayFit:
-        """Return the fit after one more covariance, in which the faults found are undone.
+    def looks_at(self, judged: JudgedCovariance, colour: NoiseColour) -> bool:
+        """Return whether strong sources are sought in the next covariance.
 
         Parameters
         ----------
@@ -60,32 +63,28 @@ class ArrayFit:
             The covariance.
         colour : NoiseColour
             Of the noise, after it.
+        """
+        if judged.covariance is None or colour.coloured is not self.colour.coloured:
+            return False
+        number = self.n_judged
+        return number < _ALL_LOOKED_AT or number % 2 == 0 or self.faults.votes > 0
+
+    def judged(self, colour: NoiseColour, end: int) -> ArrayFit:
+        """Return the fit after one more covariance, before strong sources are looked at.
+
+        Parameters
+        ----------
+        colour : NoiseColour
+            Of the noise, after it.
         end : int
             Global index of its last snapshot.
         """
-        number = self.n_judged
-        fit = replace(self, colour=colour, fitted_to=end, n_judged=number + 1)
-        if colour.coloured is not self.colour.coloured:
-            # What strong sources seemed to show was judged in noise of another colour.
-            faults = ElementFaults(found=self.faults.found)
-            return replace(fit, faults=faults, steering=SteeringFit())
-        looked_at = number < _ALL_LOOKED_AT or number % 2 == 0 or self.faults.votes > 0
-        if judged.covariance is None or not looked_at:
+        fit = replace(self, colour=colour, fitted_to=end, n_judged=self.n_judged + 1)
+        if colour.coloured is self.colour.coloured:
             return fit
-        strong = strong_sources(
-            judged.covariance,
-            judged.n_snapshots,
-            judged.positions,
-            judged.wavenumber,
-            judged.elements,
-            fit.noise_covariance(judged.positions) if judged.noise is None else judged.noise,
-        )
-        if strong is None:
-            return fit
-        faults = self.faults.update(strong)
-        if faults.votes or faults.found != self.faults.found:
-            return replace(fit, faults=faults)
-        return replace(fit, faults=faults, steering=self.steering.update(strong, judged))
+        # What strong sources seemed to show was judged in noise of another colour.
+        faults = ElementFaults(found=self.faults.found)
+        return replace(fit, faults=faults, steering=SteeringFit())
 
     def noise_covariance(self, positions: FloatArray) -> ComplexArray | None:
         """Return the noise covariance found, None = white.
@@ -136,3 +135,56 @@ class ArrayFit:
             return snapshots
         order, signs = self.faults.order_and_signs(snapshots.shape[-1])
         return np.asarray(snapshots[..., order] * signs, dtype=np.complex128)
+
+
+def updated_fits(
+    before: Sequence[tuple[ArrayFit, JudgedCovariance, NoiseColour, int]],
+) -> list[ArrayFit]:
+    """Return the fits of several runs after one more covariance, in which faults are undone.
+
+    Parameters
+    ----------
+    before : sequence of (ArrayFit, JudgedCovariance, NoiseColour, int)
+        The fit, the covariance, the colour of the noise after it, and the global index of its last
+        snapshot.
+    """
+    fits = [fit.judged(colour, end) for fit, _, colour, end in before]
+    looked_at = {
+        run: judged
+        for run, (fit, judged, colour, _) in enumerate(before)
+        if fit.looks_at(judged, colour)
+    }
+    asked: dict[int, tuple[SteeringFit, StrongSources, JudgedCovariance]] = {}
+    for run, strong in _strong_sources(fits, looked_at).items():
+        faults = fits[run].faults
+        after = faults.update(strong)
+        fits[run] = replace(fits[run], faults=after)
+        if not after.votes and after.found == faults.found:
+            asked[run] = (fits[run].steering, strong, looked_at[run])
+    for run, steering in zip(asked, updated_steering(list(asked.values())), strict=True):
+        fits[run] = replace(fits[run], steering=steering)
+    return fits
+
+
+def _strong_sources(
+    fits: Sequence[ArrayFit], looked_at: Mapping[int, JudgedCovariance]
+) -> dict[int, StrongSources]:
+    """Return the strong sources in the covariances of some runs, where there are any."""
+    noise = {
+        run: fits[run].noise_covariance(each.positions) if each.noise is None else each.noise
+        for run, each in looked_at.items()
+    }
+    found: dict[int, StrongSources] = {}
+    for runs in alike({run: each.kind(noise[run]) for run, each in looked_at.items()}):
+        first = looked_at[runs[0]]
+        judged = [each for run in runs if (each := looked_at[run].covariance) is not None]
+        strong = strong_sources(
+            np.stack(judged),
+            first.n_snapshots,
+            first.positions,
+            first.wavenumber,
+            first.elements,
+            common_or_stacked([noise[run] for run in runs]),
+        )
+        found.update((run, each) for run, each in zip(runs, strong, strict=True) if each)
+    return found

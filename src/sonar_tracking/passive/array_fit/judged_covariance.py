@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,6 +55,17 @@ class JudgedCovariance:
     noise: ComplexArray | None
     model: NoiseModel | None
     white: NoiseEvidence | None = None
+
+    def kind(self, noise: ComplexArray | None) -> Hashable:
+        """Return what covariances in which sources are sought together have in common.
+
+        Parameters
+        ----------
+        noise : ndarray, shape (n_elements, n_elements), complex, or None
+            Noise covariance, known or found, pure numbers; None = white.
+        """
+        array = (self.positions.tobytes(), self.elements.tobytes(), self.wavenumber)
+        return (array, self.n_snapshots, noise is None)
 
 
 def judged_size(positions: FloatArray, n_snapshots: int) -> int:

@@ -14,11 +14,12 @@ place: eigenvectors that MDL gives to sources are left out of score and informat
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from sonar_tracking.passive.array_fit.alike_cases import alike
 from sonar_tracking.passive.array_fit.judged_covariance import JudgedCovariance
 from sonar_tracking.passive.array_fit.noise_evidence import (
     LARGEST_STEP,
@@ -232,7 +233,7 @@ def updated_colours(
         after[run], trial = after[run].updated(judged, share, own)
         if trial is not None:
             trials[run] = trial
-    for runs in _alike({run: (id(t.model), t.n_snapshots) for run, t in trials.items()}):
+    for runs in alike({run: (id(t.model), t.n_snapshots) for run, t in trials.items()}):
         first = trials[runs[0]]
         covariances = np.stack([trials[run].fitted_in for run in runs])
         fits = noise_fits(covariances, first.n_snapshots, first.model)
@@ -252,7 +253,7 @@ def _own_evidence(
             evidence[run] = each.white
         elif each.model is not None:
             asked[run] = (id(each.model), each.n_snapshots)
-    for runs in _alike(asked):
+    for runs in alike(asked):
         first = judged[runs[0]]
         if first.model is None:
             continue
@@ -264,14 +265,6 @@ def _own_evidence(
         )
         evidence.update((run, together.of(row)) for row, run in enumerate(runs))
     return evidence
-
-
-def _alike(kinds: Mapping[int, Hashable]) -> list[list[int]]:
-    """Return the runs of each kind."""
-    groups: dict[Hashable, list[int]] = {}
-    for run, kind in kinds.items():
-        groups.setdefault(kind, []).append(run)
-    return list(groups.values())
 
 
 def _sized(colour: NoiseColour, model: NoiseModel | None) -> NoiseColour:

@@ -9,25 +9,17 @@ eigenvectors, as many as the smoothed covariance counts, the covariance says not
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from sonar_tracking.geometry import beamwidth, is_uniform_line, steering_vectors
+from sonar_tracking.geometry import steering_vectors
+from sonar_tracking.passive.array_fit.alike_cases import alike
 from sonar_tracking.passive.array_fit.judged_covariance import JudgedCovariance
-from sonar_tracking.passive.array_fit.strong_sources import StrongSources
-from sonar_tracking.passive.directions.projection_fit import (
-    ProjectionProblem,
-    any_fit_below,
-    projection_fit,
-)
+from sonar_tracking.passive.array_fit.other_explanations import otherwise_explained
+from sonar_tracking.passive.array_fit.strong_sources import StrongSources, stacked_vectors
 from sonar_tracking.passive.directions.steering_span import steering_span
-from sonar_tracking.passive.sources.mdl import (
-    forward_backward_smoothed,
-    smoothed_size,
-    source_count,
-)
-from sonar_tracking.passive.sources.music import music_bearings
 from sonar_tracking.records.arrays import FloatArray
 
 LEAST_ERROR = 0.02
@@ -39,15 +31,6 @@ _MARGIN = 2.0
 _MEMORY = 20
 _SURE = 2
 """Covariances that must show the error."""
-
-_MORE_SOURCES = 2
-"""Coherent ones, beside those that the rank shows."""
-
-_EXPLAINED = 0.3
-"""Share of the floors that coherent sources may leave."""
-
-_PAIR, _PAIR_STEPS = 0.15, 8
-"""Where a pair of sources is sought, of the beamwidth to either side of a valley."""
 
 
 @dataclass(frozen=True)
@@ -93,20 +76,17 @@ class SteeringFit:
         """Whether plane waves fit the array at all."""
         return self.n_unfit < _SURE
 
-    def update(self, strong: StrongSources, judged: JudgedCovariance) -> SteeringFit:
-        """Return the error after one more covariance.
+    def after(self, strong: StrongSources, errors: FloatArray) -> SteeringFit:
+        """Return the error after one more covariance whose floors nothing else explains.
 
         Parameters
         ----------
         strong : StrongSources
             In the covariance.
-        judged : JudgedCovariance
-            The covariance.
+        errors : ndarray, shape (n_elements,)
+            Squared residual of each element, over the mean of all, pure numbers.
         """
         over_noise = strong.over_noise
-        # Coherent sources first: to tell them takes one fit, and a pair several.
-        if over_noise and (_coherent(strong, judged) or _unresolved_pair(strong)):
-            return self
         if not strong.resolved:
             alone = over_noise and bool((strong.floors >= strong.shallow).all())
             return replace(self, n_unfit=self.n_unfit + 1 if alone else 0)
@@ -114,7 +94,6 @@ class SteeringFit:
         excess = max(strong.floor - strong.noise_floor, 0.0) / n_strong
         squared = excess * n_elements / (n_elements - 1)
         seen = min(self.n_seen + 1, _MEMORY)
-        errors = _errors_of_elements(strong)
         before = self.of_elements if len(self.of_elements) == n_elements else errors
         return SteeringFit(
             squared=self.squared + (squared - self.squared) / seen,
@@ -124,49 +103,36 @@ class SteeringFit:
         )
 
 
-def _errors_of_elements(strong: StrongSources) -> FloatArray:
-    """Return the squared residual of each element, over the mean of all, shape (n_elements,)."""
-    span = steering_span(steering_vectors(strong.positions, strong.angles, strong.wavenumber))
-    residuals = span.outside(strong.vectors)
-    squared = (residuals.real**2 + residuals.imag**2).sum(axis=-1)
-    return np.asarray(squared / max(float(squared.mean()), float(np.finfo(float).tiny)))
+def updated_steering(
+    before: Sequence[tuple[SteeringFit, StrongSources, JudgedCovariance]],
+) -> list[SteeringFit]:
+    """Return the errors of the elements of several runs after one more covariance of each.
 
-
-def _unresolved_pair(strong: StrongSources) -> bool:
-    """Return whether a pair of sources, nearer than MUSIC resolves, is what is seen.
-
-    It takes the place of a valley, and that of the worst one if its sources are not coherent.
+    Parameters
+    ----------
+    before : sequence of (SteeringFit, StrongSources, JudgedCovariance)
+        The errors so far, the strong sources in the covariance, and the covariance.
     """
-    angles, number = strong.angles, strong.wavenumber
-    problem = ProjectionProblem(strong.vectors, strong.positions, number)
-    worst = int(np.argmax(strong.floors))
-    apart = _PAIR * beamwidth(strong.positions, number)
-    step = apart / np.maximum(np.cos(angles), apart)
-    pairs = np.stack([angles - step, angles + step], axis=-1)
-    coherent, others = list[FloatArray](), list[FloatArray]()
-    for each, pair in enumerate(pairs):
-        coherent.append(np.concatenate([np.delete(angles, each), pair]))
-        if each != worst:
-            others.append(np.concatenate([np.delete(angles, [each, worst]), pair]))
-    most = _EXPLAINED * strong.floor
-    return any(
-        any_fit_below(problem, np.stack(starts), most, _PAIR_STEPS)
-        for starts in (coherent, others)
-        if starts
-    )
+    doubtful = [run for run, (_, strong, _) in enumerate(before) if strong.over_noise]
+    others = otherwise_explained([before[run][1:] for run in doubtful])
+    explained = {run for run, other in zip(doubtful, others, strict=True) if other}
+    errors = _errors_of_elements([strong for _, strong, _ in before])
+    return [
+        fit if run in explained else fit.after(strong, errors[run])
+        for run, (fit, strong, _) in enumerate(before)
+    ]
 
 
-def _coherent(strong: StrongSources, judged: JudgedCovariance) -> bool:
-    """Return whether coherent sources explain what plane waves of the rank do not."""
-    positions, n_strong = judged.positions, strong.vectors.shape[-1]
-    if judged.covariance is None or not is_uniform_line(positions):
-        return False
-    count = source_count(judged.covariance, judged.n_snapshots)
-    size = smoothed_size(len(positions), judged.n_snapshots)
-    if not n_strong < count <= min(n_strong + _MORE_SOURCES, size - 1, len(positions) // 3):
-        return False
-    smoothed = forward_backward_smoothed(judged.covariance, size)
-    angles = music_bearings(smoothed, count, positions[:size], judged.wavenumber)
-    problem = ProjectionProblem(strong.vectors, positions, judged.wavenumber)
-    angles = projection_fit(problem, angles)
-    return bool(problem.error(angles) < _EXPLAINED * strong.floor)
+def _errors_of_elements(found: Sequence[StrongSources]) -> list[FloatArray]:
+    """Return the squared residual of each element, over the mean of all, shape (n_elements,)."""
+    errors = [np.empty(0)] * len(found)
+    for rows in alike({row: each.kind for row, each in enumerate(found)}):
+        first = found[rows[0]]
+        angles = np.stack([found[row].angles for row in rows])
+        span = steering_span(steering_vectors(first.positions, angles, first.wavenumber))
+        residuals = span.outside(stacked_vectors([found[row] for row in rows]))
+        squared = (residuals.real**2 + residuals.imag**2).sum(axis=-1)
+        mean = np.maximum(squared.mean(axis=-1, keepdims=True), np.finfo(float).tiny)
+        for row, own in zip(rows, squared / mean, strict=True):
+            errors[row] = own
+    return errors

@@ -13,6 +13,7 @@ theory for principal component analysis", Ann. Math. Statist. 34(1), 1963, for t
 
 from __future__ import annotations
 
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -55,6 +56,10 @@ class StrongSources:
         rad/m.
     elements : ndarray of int, shape (n_elements,)
         Numbers of the elements in the whole array.
+    angles : ndarray, shape (n_strong,)
+        Of as many valleys as sources, rad.
+    floors : ndarray, shape (n_strong,)
+        Of the valleys, pure numbers.
     """
 
     vectors: ComplexArray
@@ -62,23 +67,15 @@ class StrongSources:
     positions: FloatArray
     wavenumber: float
     elements: IntArray
+    angles: FloatArray
+    floors: FloatArray
 
     @cached_property
-    def valleys(self) -> tuple[FloatArray, FloatArray]:
-        """Angles of as many valleys as sources, rad, floors, pure numbers; shape (1, n_strong)."""
-        return valley_floors(self.vectors[None], self.positions, self.wavenumber)
+    def kind(self) -> Hashable:
+        """What those that are dealt with together have in common: array, frequency and number."""
+        return (self.vectors.shape, self.positions.tobytes(), self.wavenumber)
 
-    @property
-    def angles(self) -> FloatArray:
-        """Angles of the valleys, shape (n_strong,), rad."""
-        return self.valleys[0][0]
-
-    @property
-    def floors(self) -> FloatArray:
-        """Floors of the valleys, shape (n_strong,), pure numbers."""
-        return self.valleys[1][0]
-
-    @property
+    @cached_property
     def floor(self) -> float:
         """Sum of the floors."""
         return float(self.floors.sum())
@@ -122,46 +119,73 @@ class StrongSources:
         return np.asarray(floors.sum(axis=-1))
 
 
+def stacked_vectors(found: Sequence[StrongSources]) -> ComplexArray:
+    """Return the eigenvectors of several of a kind, shape (n, n_elements, n_strong), pure numbers.
+
+    Parameters
+    ----------
+    found : sequence of StrongSources
+        Of the same array, equally many.
+    """
+    return np.stack([each.vectors for each in found])
+
+
 def strong_sources(
-    covariance: ComplexArray,
+    covariances: ComplexArray,
     n_snapshots: int,
     positions: FloatArray,
     wavenumber: float,
     elements: IntArray,
     noise_covariance: ComplexArray | None = None,
-) -> StrongSources | None:
-    """Return the strong sources in a covariance, None if there are none or too many.
+) -> list[StrongSources | None]:
+    """Return the strong sources in each of several covariances, None = none or too many.
 
     Parameters
     ----------
-    covariance : ndarray, shape (n_elements, n_elements), complex
-        Sample covariance, linear power.
+    covariances : ndarray, shape (n, n_elements, n_elements), complex
+        Sample covariances, linear power.
     n_snapshots : int
-        Snapshots in it, at least as many as elements.
+        Snapshots in each, at least as many as elements.
     positions : ndarray, shape (n_elements, 3)
         m.
     wavenumber : float
         rad/m.
     elements : ndarray of int, shape (n_elements,)
         Numbers of the elements in the whole array.
-    noise_covariance : ndarray, shape (n_elements, n_elements), complex, optional
-        Pure numbers; None = white noise.
+    noise_covariance : ndarray, shape (..., n_elements, n_elements), complex, optional
+        Of all or of each, pure numbers; None = white noise.
     """
+    found: list[StrongSources | None] = [None] * len(covariances)
     n_elements = len(positions)
     if not 3 <= n_elements <= min(MOST_ELEMENTS, n_snapshots):
-        return None
+        return found
     factor = None if noise_covariance is None else noise_factor(noise_covariance)
-    white = covariance if factor is None else whitened_covariance(covariance, factor)
+    white = covariances if factor is None else whitened_covariance(covariances, factor)
     values, vectors = np.linalg.eigh(white)
-    noise = max(float(values[n_elements // 2]), float(np.finfo(float).tiny))
-    strong = values[::-1] >= max(_STRONG * float(values[-1]), _LEAST_RATIO * noise)
-    n_strong = int(np.count_nonzero(strong))
-    if not 0 < n_strong <= n_elements // 3:
-        return None
-    within, others = values[-n_strong:, None], values[:-n_strong]
-    left = float((within * others / (within - others) ** 2).sum()) / n_snapshots
-    leading = vectors[:, : -n_strong - 1 : -1]
-    if factor is not None:
-        # C_v e_m = L v_m lie in the span of the steering vectors, e_m do not.
-        leading = np.linalg.qr(factor @ leading).Q
-    return StrongSources(leading, left, positions, wavenumber, elements)
+    noise = np.maximum(values[:, n_elements // 2], np.finfo(float).tiny)
+    least = np.maximum(_STRONG * values[:, -1], _LEAST_RATIO * noise)
+    counts = np.count_nonzero(values >= least[:, None], axis=-1)
+    for n_strong in range(1, n_elements // 3 + 1):
+        rows = np.flatnonzero(counts == n_strong)
+        if not len(rows):
+            continue
+        within, others = values[rows, -n_strong:, None], values[rows, None, :-n_strong]
+        leaning = (within * others / (within - others) ** 2).reshape(len(rows), -1)
+        left = leaning.sum(axis=-1) / n_snapshots
+        leading = vectors[rows][..., : -n_strong - 1 : -1]
+        if factor is not None:
+            # C_v e_m = L v_m lie in the span of the steering vectors, e_m do not.
+            own = factor if factor.ndim == 2 else factor[rows]
+            leading = np.linalg.qr(own @ leading).Q
+        angles, floors = valley_floors(leading, positions, wavenumber)
+        for place, row in enumerate(rows.tolist()):
+            found[row] = StrongSources(
+                leading[place],
+                float(left[place]),
+                positions,
+                wavenumber,
+                elements,
+                angles[place],
+                floors[place],
+            )
+    return found

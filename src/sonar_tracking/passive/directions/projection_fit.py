@@ -18,13 +18,13 @@ Hwang, Kim, Kim, Park, Nam (2005), eqs. 14-21.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from sonar_tracking.geometry import steering_pair, steering_vectors
 from sonar_tracking.passive.directions.steering_span import steering_span
-from sonar_tracking.records.arrays import ComplexArray, FloatArray
+from sonar_tracking.records.arrays import BoolArray, ComplexArray, FloatArray
 
 STEPS = 3
 LARGEST_STEP = float(np.deg2rad(0.5))
@@ -144,30 +144,47 @@ def projection_fit(
     return angles
 
 
-def any_fit_below(
-    problem: ProjectionProblem, starts: FloatArray, largest_error: float, steps: int = STEPS
-) -> bool:
-    """Return whether one of several fits leaves less than an error: the first that does ends it.
+def fits_below(
+    problem: ProjectionProblem, starts: FloatArray, largest_errors: FloatArray, steps: int = STEPS
+) -> BoolArray:
+    """Return whether one of several fits to each of some sets of combinations leaves little.
+
+    The first fit that leaves less than the largest error ends the search in that set.
 
     Parameters
     ----------
     problem : ProjectionProblem
-        What is fitted, to one set of combinations.
-    starts : ndarray, shape (n_starts, n_targets)
+        What is fitted, combinations of shape (n_sets, n_elements, rank).
+    starts : ndarray, shape (n_sets, n_starts, n_targets)
         Where the fits begin, rad.
-    largest_error : float
-        As :meth:`ProjectionProblem.error`, pure number.
+    largest_errors : ndarray, shape (n_sets,)
+        As :meth:`ProjectionProblem.error`, pure numbers.
     steps : int
         As of :func:`projection_fit`.
+
+    Returns
+    -------
+    ndarray of bool, shape (n_sets,)
+        One a set.
     """
-    angles, error = starts, problem.error(starts)
+    n_sets, n_starts, n_targets = starts.shape
+    found = np.zeros(n_sets, dtype=bool)
+    owner, angles = np.repeat(np.arange(n_sets), n_starts), starts.reshape(-1, n_targets)
+    own = replace(problem, combinations=problem.combinations[owner])
+    error = own.error(angles)
     for _ in range(steps):
-        if not len(angles) or (error < largest_error).any():
-            break
-        found, lower = _descent(problem, angles, error, _capped_step(problem, angles, LARGEST_STEP))
+        found[owner[error < largest_errors[owner]]] = True
+        going = ~found[owner]
+        if not going.any():
+            return found
+        owner, angles, error = owner[going], angles[going], error[going]
+        own = replace(problem, combinations=problem.combinations[owner])
+        trial, lower = _descent(own, angles, error, _capped_step(own, angles, LARGEST_STEP))
+        # A fit that does not descend has come to its end.
         moved = lower < error
-        angles, error = found[moved], lower[moved]
-    return bool((error < largest_error).any())
+        owner, angles, error = owner[moved], trial[moved], lower[moved]
+    found[owner[error < largest_errors[owner]]] = True
+    return found
 
 
 def _capped_step(problem: ProjectionProblem, angles: FloatArray, largest_step: float) -> FloatArray:

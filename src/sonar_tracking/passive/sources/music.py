@@ -13,24 +13,13 @@ and Propagation 34(3), 1986.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import cached_property
-
 import numpy as np
 
 from sonar_tracking.filtering.leading_eigenvectors import leading_eigenvectors, leading_left_vectors
-from sonar_tracking.geometry import steering_vectors
 from sonar_tracking.passive.directions.signal_subspace import whitened_covariance
-from sonar_tracking.passive.sources.angle_grid import (
-    AngleGrid,
-    adjoint,
-    angle_grid,
-    column_power,
-)
-from sonar_tracking.passive.sources.noise_of_windows import of_windows
+from sonar_tracking.passive.sources.angle_grid import AngleGrid, angle_grid
+from sonar_tracking.passive.sources.null_spectrum import NullSpectrum
 from sonar_tracking.records.arrays import ComplexArray, FloatArray, IndexArray
-
-_TINY = float(np.finfo(float).tiny)
 
 _REFINEMENT_STEPS = 8
 _FLOOR_REACHED = 1e-13
@@ -40,138 +29,6 @@ SHALLOWEST_VALLEY = 0.3
 """Null spectrum above which a valley is no source: less than 70 % of its steering vector lies in
 the signal subspace. Of 100 snapshots of 5 resolved sources on 15 elements it is 0.04 at -5 dB and
 below 0.15 (99 %) at -8 dB; an unresolved pair leaves a shallow valley anywhere, as echoes do."""
-
-
-@dataclass(frozen=True)
-class NullSpectrum:
-    """The null spectrum f of a signal subspace.
-
-    Attributes
-    ----------
-    positions : ndarray, shape (n_elements, 3)
-        Element positions, m.
-    wavenumber : float
-        rad/m.
-    signal_vectors : ndarray, shape (..., n_elements, n_sources), complex
-        Orthonormal eigenvectors of (whitened) covariances, pure numbers.
-    factor : ndarray, shape (..., n_elements, n_elements), complex, or None
-        Cholesky factor of the noise covariance, of all or of each, pure numbers; None = white.
-    """
-
-    positions: FloatArray
-    wavenumber: float
-    signal_vectors: ComplexArray
-    factor: ComplexArray | None
-
-    @cached_property
-    def across(self) -> FloatArray:
-        """Positions about their centre, m, shape (2, n_elements, 1)."""
-        places = self.positions[:, :2]
-        return np.asarray((places - places.sum(axis=0) / len(places)).T[:, :, None])
-
-    @cached_property
-    def curvature(self) -> float:
-        """Largest phase of an element, rad: how far a Newton step is from the floor."""
-        return self.wavenumber * float(np.abs(self.across).max())
-
-    def of(self, rows: IndexArray) -> NullSpectrum:
-        """Return the spectra of some of several covariances.
-
-        Parameters
-        ----------
-        rows : ndarray of int, shape (n_kept,)
-            Which of them.
-        """
-        if len(rows) == len(self.signal_vectors):
-            return self
-        factor = of_windows(self.factor, rows)
-        return replace(self, signal_vectors=self.signal_vectors[rows], factor=factor)
-
-    def on_grid(self, grid: AngleGrid) -> FloatArray:
-        """Return f at all angles of a grid.
-
-        Parameters
-        ----------
-        grid : AngleGrid
-            Of the same array.
-
-        Returns
-        -------
-        ndarray, shape (..., n_angles)
-            Pure numbers from 0, in the signal subspace, to 1, orthogonal to it.
-        """
-        if self.factor is None:
-            power = float(len(self.positions))
-            return np.maximum(power - grid.power(self.signal_vectors), 0.0) / power
-        # With whitened steering vectors L^-1 a: |E^H L^-1 a|^2 and |L^-1 a|^2.
-        whitening = adjoint(np.asarray(np.linalg.inv(self.factor), dtype=np.complex128))
-        whole = grid.power(whitening)
-        inside = grid.power(whitening @ self.signal_vectors)
-        return np.asarray(np.maximum(whole - inside, 0.0) / whole)
-
-    def at(self, angles: FloatArray) -> FloatArray:
-        """Return f at some angles.
-
-        Parameters
-        ----------
-        angles : ndarray, shape (..., n)
-            rad.
-
-        Returns
-        -------
-        ndarray, shape (..., n)
-            Pure numbers, as on the grid.
-        """
-        vectors = self._white(steering_vectors(self.positions, angles, self.wavenumber))
-        inside = adjoint(self.signal_vectors) @ vectors
-        power = column_power(vectors)
-        return np.maximum(power - column_power(inside), 0.0) / power
-
-    def newton_step(self, angles: FloatArray) -> FloatArray:
-        """Return the Newton step of |E_n^H a|^2 at each angle.
-
-        Parameters
-        ----------
-        angles : ndarray, shape (..., n)
-            rad.
-
-        Returns
-        -------
-        ndarray, shape (..., n)
-            To be added to the angles, rad.
-        """
-        n_angles = angles.shape[-1]
-        vectors, first, second = self._steering(angles)
-        # Outside of the signal subspace: y = E_n E_n^H a, u = E_n E_n^H a'.
-        outside = self._outside(np.concatenate([vectors, first], axis=-1))
-        y, u = outside[..., :n_angles].conj(), outside[..., n_angles:]
-        slope = (y * u).real.sum(axis=-2)
-        square = column_power(u)
-        # The whole second derivative is |u|^2 + Re(y^H a''); far from the floor it may be negative.
-        bend = np.maximum(square + (y * second).real.sum(axis=-2), 0.5 * square)
-        return -slope / np.maximum(bend, _TINY)
-
-    def _steering(self, angles: FloatArray) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-        """Return steering vectors with the phase of the array centre, and two derivatives."""
-        x, y = self.across
-        sine, cosine = np.sin(angles)[..., None, :], np.cos(angles)[..., None, :]
-        phase, slope = x * sine, x * cosine
-        if y.any():
-            phase, slope = phase + y * cosine, slope - y * sine
-        phase, slope = self.wavenumber * phase, self.wavenumber * slope
-        vectors = np.exp(1j * phase)
-        first, second = 1j * slope * vectors, -(slope**2 + 1j * phase) * vectors
-        if self.factor is None:
-            return vectors, first, second
-        return self._white(vectors), self._white(first), self._white(second)
-
-    def _white(self, vectors: ComplexArray) -> ComplexArray:
-        if self.factor is None:
-            return vectors
-        return np.asarray(np.linalg.solve(self.factor, vectors), dtype=np.complex128)
-
-    def _outside(self, vectors: ComplexArray) -> ComplexArray:
-        return vectors - self.signal_vectors @ (adjoint(self.signal_vectors) @ vectors)
 
 
 def music_bearings(
@@ -201,13 +58,45 @@ def music_bearings(
     ndarray, shape (n_resolved,)
         rad, ascending; at most n_sources, fewer when sources are not resolved.
     """
-    factor = _factor(noise_covariance)
-    white = covariance if factor is None else whitened_covariance(covariance, factor)
-    # In ascending order of the eigenvalues.
-    vectors = leading_eigenvectors(white[None], n_sources)[1][..., ::-1]
-    grid = angle_grid(positions, wavenumber)
-    angles = _resolved(NullSpectrum(positions, wavenumber, vectors, factor), grid)[0]
+    angles = bearings_in_covariances(
+        covariance[None], n_sources, positions, wavenumber, noise_covariance
+    )[0]
     return angles[~np.isnan(angles)]
+
+
+def bearings_in_covariances(
+    covariances: ComplexArray,
+    n_sources: int,
+    positions: FloatArray,
+    wavenumber: float,
+    noise_covariance: ComplexArray | None = None,
+) -> FloatArray:
+    """Return the arrival angles of the sources that MUSIC resolves in each of several covariances.
+
+    Parameters
+    ----------
+    covariances : ndarray, shape (n_covariances, n_elements, n_elements), complex
+        Sample covariances, linear power.
+    n_sources : int
+        Dimension of each signal subspace, below n_elements.
+    positions : ndarray, shape (n_elements, 3)
+        Element positions, m.
+    wavenumber : float
+        rad/m.
+    noise_covariance : ndarray, shape (n_elements, n_elements), complex, optional
+        Pure numbers; None = white noise.
+
+    Returns
+    -------
+    ndarray, shape (n_covariances, n_sources)
+        rad, ascending; NaN, at the end, where sources are not resolved.
+    """
+    factor = _factor(noise_covariance)
+    white = covariances if factor is None else whitened_covariance(covariances, factor)
+    # In ascending order of the eigenvalues.
+    vectors = leading_eigenvectors(white, n_sources)[1][..., ::-1]
+    grid = angle_grid(positions, wavenumber)
+    return _resolved(NullSpectrum(positions, wavenumber, vectors, factor), grid)
 
 
 def bearings_in_snapshots(

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sonar_tracking.geometry import wavenumber
-from sonar_tracking.passive.array_fit.array_fit import ArrayFit
+from sonar_tracking.passive.array_fit.array_fit import ArrayFit, updated_fits
 from sonar_tracking.passive.array_fit.judged_covariance import (
     JudgedCovariance,
     judged_covariance,
@@ -90,8 +90,12 @@ def _one_more_window(
         if each is not None and share > 0.0
     ]
     colours = updated_colours([(fits[row].colour, each, share) for row, _, each, share in new])
-    for (row, window, each, _), colour in zip(new, colours, strict=True):
-        fits[row] = fits[row].update(each, colour, window.covariance_end)
+    judged = [
+        (fits[row], each, colour, window.covariance_end)
+        for (row, window, each, _), colour in zip(new, colours, strict=True)
+    ]
+    for (row, _, _, _), fit in zip(new, updated_fits(judged), strict=True):
+        fits[row] = fit
     return [
         FittedWindows(fit, [*fitted.windows, _as_fitted(window, fit)])
         for fit, (fitted, window, _) in zip(fits, runs, strict=True)
