@@ -33,7 +33,7 @@ def count_moving_sources(
     header: ArraySnapshots,
     maximum_rate: float,
     thorough: bool,
-    steering_error: float = 0.0,
+    steering_error: float | FloatArray = 0.0,
 ) -> IntArray:
     """Return the number of sources seen by a uniform line array, -1 with too few snapshots.
 
@@ -51,7 +51,7 @@ def count_moving_sources(
         Fastest bearing that must not be counted twice, rad/s.
     thorough : bool
         Also find out how fast the strong sources really turn, to see weak ones beside them.
-    steering_error : float
+    steering_error : float or ndarray, shape (...)
         Relative rms error of the steering vectors.
 
     Returns
@@ -67,7 +67,7 @@ def count_moving_sources(
         snapshots.reshape(-1, n_snapshots, n_elements),
         covariance.reshape(-1, n_elements, n_elements),
         header,
-        steering_error,
+        np.broadcast_to(steering_error, batch).reshape(-1),
     )
     values = eigenvalues.reshape(-1, n_elements)
     fastest = maximum_rate * header.sample_period
@@ -112,7 +112,7 @@ class _Windows:
     snapshots: ComplexArray
     covariance: ComplexArray
     header: ArraySnapshots
-    steering_error: float
+    steering_error: FloatArray
 
     @property
     def number(self) -> float:
@@ -135,7 +135,7 @@ class _Windows:
             else:
                 newest = sample_covariance(self.snapshots[rows[together], -n:])
             own = of_windows(noise, rows[together])
-            loaded = with_steering_error(newest, self.steering_error, own)
+            loaded = with_steering_error(newest, self.steering_error[rows[together]], own)
             counts[together] = source_counts(loaded, n, own)
         return counts
 

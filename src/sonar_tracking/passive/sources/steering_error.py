@@ -26,7 +26,9 @@ from sonar_tracking.records.arrays import ComplexArray, FloatArray
 
 
 def with_steering_error(
-    covariance: ComplexArray, steering_error: float, noise_covariance: ComplexArray | None = None
+    covariance: ComplexArray,
+    steering_error: float | FloatArray,
+    noise_covariance: ComplexArray | None = None,
 ) -> ComplexArray:
     """Return a covariance with the floor of the steering errors.
 
@@ -34,9 +36,9 @@ def with_steering_error(
     ----------
     covariance : ndarray, shape (..., n_elements, n_elements), complex
         Sample covariance, linear power.
-    steering_error : float
+    steering_error : float or ndarray, shape (...)
         Relative rms error e of an element of the steering vectors.
-    noise_covariance : ndarray, shape (n_elements, n_elements), complex, optional
+    noise_covariance : ndarray, shape (..., n_elements, n_elements), complex, optional
         C_v, pure numbers with trace n_elements; None = white. The floor has its colour, so
         that it is white where the noise is.
 
@@ -45,7 +47,7 @@ def with_steering_error(
     ndarray, shape (..., n_elements, n_elements), complex
         Linear power.
     """
-    if steering_error == 0.0:
+    if not np.any(steering_error):
         return covariance
     n_elements = covariance.shape[-1]
     shape = np.eye(n_elements) if noise_covariance is None else noise_covariance
@@ -53,14 +55,16 @@ def with_steering_error(
     return np.asarray(covariance + floor[..., None, None] * shape, dtype=np.complex128)
 
 
-def steering_error_floor(covariance: ComplexArray, steering_error: float) -> FloatArray:
+def steering_error_floor(
+    covariance: ComplexArray, steering_error: float | FloatArray
+) -> FloatArray:
     """Return the power that the steering errors bring to an element, e^2 trace / M.
 
     Parameters
     ----------
     covariance : ndarray, shape (..., n_elements, n_elements), complex
         Sample covariance, linear power.
-    steering_error : float
+    steering_error : float or ndarray, shape (...)
         Relative rms error e of an element of the steering vectors.
 
     Returns

@@ -53,7 +53,7 @@ def summarise_windows(
     header: ArraySnapshots,
     whitening: ComplexArray | None,
     maximum_rate: float,
-    steering_error: float = 0.0,
+    steering_error: float | FloatArray = 0.0,
 ) -> list[CovarianceSummary]:
     """Return the covariance of each of several windows and what it says of noise and sources.
 
@@ -69,7 +69,7 @@ def summarise_windows(
         Inverse Cholesky factor of that covariance, pure numbers; None = white noise.
     maximum_rate : float
         Fastest bearing that must not be counted twice, rad/s.
-    steering_error : float
+    steering_error : float or ndarray, shape (n_windows,)
         Relative rms error of the steering vectors.
 
     Returns
@@ -83,6 +83,7 @@ def summarise_windows(
     if n_snapshots == 0:
         return [CovarianceSummary()] * n_windows
     sampled = sample_covariance(snapshots)
+    steering_error = np.reshape(steering_error, (-1, *(1,) * (snapshots.ndim - 3)))
     covariance = with_steering_error(sampled, steering_error, header.noise_covariance)
     eigenvalues, signal_values = _eigenvalues(
         snapshots, sampled, covariance, whitening, steering_error
@@ -114,7 +115,7 @@ def _eigenvalues(
     sampled: ComplexArray,
     covariance: ComplexArray,
     whitening: ComplexArray | None,
-    steering_error: float,
+    steering_error: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
     """Return the eigenvalues of the covariance and of the whitened one, both with the floor."""
     floor = steering_error_floor(sampled, steering_error)[..., None]
@@ -122,7 +123,7 @@ def _eigenvalues(
     if whitening is None:
         return eigenvalues, eigenvalues
     signal_values = _descending_eigenvalues(snapshots @ np.swapaxes(whitening, -1, -2)) + floor
-    if steering_error > 0.0:
+    if steering_error.any():
         loaded = np.linalg.eigvalsh(covariance)[..., ::-1]
         eigenvalues = np.asarray(loaded, dtype=np.float64)
     return eigenvalues, signal_values

@@ -268,7 +268,12 @@ def _summaries(
                 replace(first.header, noise_covariance=noise),
                 common_or_stacked([each.whitening for each in memories]),
                 math.radians(configuration.maximum_rate_deg),
-                configuration.steering_error or first.fit.steering.error_to_hide,
+                np.array(
+                    [
+                        configuration.steering_error or each.fit.steering.error_to_hide
+                        for each in memories
+                    ]
+                ),
             )
             for row, summary in zip(part, together, strict=True):
                 summaries[row] = summary
@@ -310,5 +315,5 @@ def _kind(memory: EstimationMemory) -> tuple[object, ...]:
         header.center_frequency,
         header.sound_speed,
         header.noise_covariance is None,
-        memory.fit.steering.error,
+        memory.fit.steering.error > 0.0,
     )
