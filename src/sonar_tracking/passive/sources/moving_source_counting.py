@@ -52,7 +52,7 @@ def count_moving_sources(
     thorough : bool
         Also find out how fast the strong sources really turn, to see weak ones beside them.
     steering_error : float or ndarray, shape (...)
-        Relative rms error of the steering vectors.
+        Relative rms error of the steering vectors, pure number.
 
     Returns
     -------

@@ -37,7 +37,7 @@ def with_steering_error(
     covariance : ndarray, shape (..., n_elements, n_elements), complex
         Sample covariance, linear power.
     steering_error : float or ndarray, shape (...)
-        Relative rms error e of an element of the steering vectors.
+        Relative rms error e of an element of the steering vectors, pure number.
     noise_covariance : ndarray, shape (..., n_elements, n_elements), complex, optional
         C_v, pure numbers with trace n_elements; None = white. The floor has its colour, so
         that it is white where the noise is.
@@ -65,7 +65,7 @@ def steering_error_floor(
     covariance : ndarray, shape (..., n_elements, n_elements), complex
         Sample covariance, linear power.
     steering_error : float or ndarray, shape (...)
-        Relative rms error e of an element of the steering vectors.
+        Relative rms error e of an element of the steering vectors, pure number.
 
     Returns
     -------

@@ -70,14 +70,13 @@ def summarise_windows(
     maximum_rate : float
         Fastest bearing that must not be counted twice, rad/s.
     steering_error : float or ndarray, shape (n_windows,)
-        Relative rms error of the steering vectors.
+        Relative rms error of the steering vectors, pure number.
 
     Returns
     -------
     list of CovarianceSummary
-        One a window. Ranks and counts are estimated of single runs only, without dimensions between
-        those of windows and snapshots, and only when the snapshots are enough: twice the number of
-        elements for the rank, a dozen for the count.
+        One a window. Ranks and counts are estimated of single runs only, no dimensions in between,
+        and only of enough snapshots: twice the elements for the rank, a dozen for the count.
     """
     n_windows, n_snapshots, n_elements = len(snapshots), *snapshots.shape[-2:]
     if n_snapshots == 0:
