@@ -18,6 +18,7 @@ from sonar_tracking.evaluation.studies.mismatch_bearings.array_errors import Arr
 from sonar_tracking.evaluation.studies.mismatch_bearings.bound import bound_deg2
 from sonar_tracking.evaluation.studies.mismatch_bearings.condition import Condition
 from sonar_tracking.evaluation.studies.mismatch_bearings.conditions import CONDITIONS
+from sonar_tracking.evaluation.studies.mismatch_bearings.matched_periods import matched_run
 from sonar_tracking.evaluation.studies.mismatch_bearings.names import (
     errors_under_names,
     share_of_right_names,
@@ -175,7 +176,7 @@ def test_errors_are_those_of_the_track_with_the_name_though_the_other_is_nearer(
         listed(condition, 0.5 * n, np.degrees(one.arrival_angle) + np.array([-0.4, 0.4]), (7, 8))
         for n, one in enumerate(truth)
     ]
-    errors = errors_under_names(BearingTruth(truth), lagging)
+    errors = errors_under_names(matched_run(BearingTruth(truth), lagging))
     assert np.degrees(np.abs(errors.error[:, 0])) == pytest.approx(0.4)
     assert errors.nees() == pytest.approx(0.16, rel=1e-6)
 
@@ -188,8 +189,8 @@ def test_names_are_right_where_tracks_cross_and_wrong_where_they_turn_back() -> 
         listed(condition, 0.5 * n, np.sort(np.degrees(one.arrival_angle)), (7, 8))
         for n, one in enumerate(truth)
     ]
-    assert share_of_right_names(two, BearingTruth(truth), truth, intervals) == 1.0
-    assert share_of_right_names(two, BearingTruth(truth), back, intervals) == 0.0
+    assert share_of_right_names(two, matched_run(BearingTruth(truth), truth), intervals) == 1.0
+    assert share_of_right_names(two, matched_run(BearingTruth(truth), back), intervals) == 0.0
 
 
 @pytest.mark.parametrize(

@@ -8,18 +8,19 @@ track that has its name.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.evaluation.metrics.bearing_score import CUTOFF_DEG, ORDER
-from sonar_tracking.evaluation.metrics.bearing_truth import BearingTruth
-from sonar_tracking.evaluation.metrics.ospa_gospa import assign
+from sonar_tracking.evaluation.metrics.bearing_score import CUTOFF_DEG
 from sonar_tracking.evaluation.metrics.score_statistics import normalised_square_error
-from sonar_tracking.motion import wrap_angle
+from sonar_tracking.evaluation.studies.mismatch_bearings.matched_periods import (
+    MatchedPeriod,
+    MatchedRun,
+    Pairs,
+    assigned,
+)
 from sonar_tracking.records.arrays import FloatArray
-from sonar_tracking.records.bearings import BearingTracks
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 
 Interval = tuple[float, float]
@@ -46,51 +47,62 @@ class NamedErrors:
         return normalised_square_error(self.error, self.covariance)
 
 
-def errors_under_names(truth: BearingTruth, tracks: Sequence[BearingTracks]) -> NamedErrors:
+def errors_under_names(run: MatchedRun) -> NamedErrors:
     """Return the errors of the tracks that have the names of targets.
 
     Parameters
     ----------
-    truth : BearingTruth
-        True bearings.
-    tracks : sequence of BearingTracks
-        The lists of a tracker.
+    run : MatchedRun
+        The tracks beside the targets.
     """
     names: dict[int, int] = {}
-    errors, covariances = [np.empty((0, 2))], [np.empty((0, 2, 2))]
-    for entry in tracks:
-        present = truth.at(entry.stamp)
-        if present is None:
-            continue
-        rows = np.flatnonzero(entry.established)
-        error = wrap_angle(entry.arrival_angle[rows] - present.angle[:, None])
-        apart = np.asarray(np.degrees(np.abs(error)))
-        # Whoever has a name that still fits keeps it, whatever is nearer.
-        kept = np.array(
-            [[names.get(int(one)) == int(name) for name in entry.id[rows]] for one in present.id],
-            dtype=bool,
-        ).reshape(apart.shape)
-        # They have names from when there are tracks for all of them.
-        fits = kept & (apart < CUTOFF_DEG) & (len(names) >= len(present.id))
-        taken = fits.any(axis=1, keepdims=True) | fits.any(axis=0, keepdims=True)
-        apart = np.where(fits, 0.0, np.where(taken, 10.0 * CUTOFF_DEG, apart))
-        pairs = assign(apart, CUTOFF_DEG, ORDER)
-        held = rows[pairs.estimates]
-        if len(held) < len(present.id) and len(names) < len(present.id):
+    targets, rows = list[int](), list[int]()
+    for period in run.periods:
+        pairs, n_targets = _named_pairs(period, names), len(period.targets)
+        if len(pairs) < n_targets and len(names) < n_targets:
             names.clear()
-        for target, row in zip(present.id[pairs.truths], held, strict=True):
-            names[int(target)] = int(entry.id[row])
-        rate = entry.arrival_angle_rate[held] - present.rate[pairs.truths]
-        errors.append(np.stack([error[pairs.truths, pairs.estimates], rate], axis=-1))
-        covariances.append(entry.covariance[held])
-    return NamedErrors(np.concatenate(errors), np.concatenate(covariances))
+        for target, track in pairs:
+            names[period.targets[target]] = period.tracks[track]
+            targets.append(target)
+            rows.append(period.first + track)
+    places = np.array(rows, dtype=np.intp)
+    return NamedErrors(run.error[places, np.array(targets, dtype=np.intp)], run.covariance[places])
+
+
+def _named_pairs(period: MatchedPeriod, names: dict[int, int]) -> Pairs:
+    """Return the pairs of a period: whoever has a name that still fits keeps it."""
+    if len(names) < len(period.targets):
+        # They have names from when there are tracks for all of them.
+        return period.pairs
+    fits = [
+        (target, period.tracks.index(name))
+        for target, each in enumerate(period.targets)
+        if (name := names.get(each)) in period.tracks
+    ]
+    fits = [(target, track) for target, track in fits if period.apart[track][target] < CUTOFF_DEG]
+    if not fits:
+        return period.pairs
+    taken = {target for target, _ in fits}, {track for _, track in fits}
+    if len(fits) == len(period.targets) == len(taken[1]):
+        return tuple(fits)
+    kept = set(fits)
+    return assigned(
+        [
+            [
+                0.0
+                if (target, track) in kept
+                else 10.0 * CUTOFF_DEG
+                if target in taken[0] or track in taken[1]
+                else distance
+                for target, distance in enumerate(distances)
+            ]
+            for track, distances in enumerate(period.apart)
+        ]
+    )
 
 
 def share_of_right_names(
-    scenario: Scenario,
-    truth: BearingTruth,
-    tracks: Sequence[BearingTracks],
-    intervals: tuple[Interval, Interval],
+    scenario: Scenario, run: MatchedRun, intervals: tuple[Interval, Interval]
 ) -> float:
     """Return the share of the targets with the name they had before.
 
@@ -98,14 +110,12 @@ def share_of_right_names(
     ----------
     scenario : Scenario
         What was simulated.
-    truth : BearingTruth
-        True bearings.
-    tracks : sequence of BearingTracks
-        The lists of a tracker.
+    run : MatchedRun
+        The tracks beside the targets.
     intervals : tuple of two tuples of float
         Before and after; the name in an interval is the one that a target has longest.
     """
-    before, after = (_names_in(scenario, truth, tracks, interval) for interval in intervals)
+    before, after = (_names_in(scenario, run, interval) for interval in intervals)
     return float(np.mean([before.get(one, 0) == after.get(one, -1) for one in _targets(scenario)]))
 
 
@@ -113,22 +123,12 @@ def _targets(scenario: Scenario) -> range:
     return range(1, len(scenario.targets) + 1)
 
 
-def _names_in(
-    scenario: Scenario,
-    truth: BearingTruth,
-    tracks: Sequence[BearingTracks],
-    interval: Interval,
-) -> dict[int, int]:
+def _names_in(scenario: Scenario, run: MatchedRun, interval: Interval) -> dict[int, int]:
     """Return the name that each target has longest in an interval, by the number of the target."""
     first, last = (scenario.stamp(time) for time in interval)
     held: dict[int, Counter[int]] = {target: Counter() for target in _targets(scenario)}
-    for entry in tracks:
-        present = truth.at(entry.stamp) if first <= entry.stamp <= last else None
-        if present is None:
-            continue
-        rows = np.flatnonzero(entry.established)
-        error = wrap_angle(entry.arrival_angle[rows] - present.angle[:, None])
-        assignment = assign(np.degrees(np.abs(error)), CUTOFF_DEG, ORDER)
-        for row, column in zip(assignment.truths, assignment.estimates, strict=True):
-            held[int(present.id[row])][int(entry.id[rows[column]])] += 1
+    for period in run.periods:
+        if first <= period.stamp <= last:
+            for target, track in period.pairs:
+                held[period.targets[target]][period.tracks[track]] += 1
     return {target: names.most_common(1)[0][0] for target, names in held.items() if names}

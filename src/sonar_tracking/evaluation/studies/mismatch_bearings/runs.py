@@ -8,12 +8,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sonar_tracking.errors import Notice, Severity
-from sonar_tracking.evaluation.metrics.bearing_score import OnlineBearingScore
 from sonar_tracking.evaluation.metrics.bearing_truth import BearingTruth
+from sonar_tracking.evaluation.metrics.identity_score import (
+    IdentityScore,
+    IdentityTally,
+    ScoredPeriod,
+)
 from sonar_tracking.evaluation.metrics.score_statistics import mean
 from sonar_tracking.evaluation.monte_carlo.run_synthesis import block_truth, true_bearings
 from sonar_tracking.evaluation.studies.mismatch_bearings.condition import Condition, Seeds
 from sonar_tracking.evaluation.studies.mismatch_bearings.conditions import CONDITIONS
+from sonar_tracking.evaluation.studies.mismatch_bearings.matched_periods import (
+    MatchedRun,
+    matched_run,
+)
 from sonar_tracking.evaluation.studies.mismatch_bearings.names import (
     errors_under_names,
     share_of_right_names,
@@ -29,7 +37,7 @@ from sonar_tracking.passive.bearings.bearing_tracker_stage import update_togethe
 from sonar_tracking.passive.subspaces.subspace_stage import SubspaceStage, SubspaceUpdate
 from sonar_tracking.passive.subspaces.subspace_stage import update_together as subspaces_together
 from sonar_tracking.passive.subspaces.unfollowed_subspace import UnfollowedSubspace
-from sonar_tracking.records.bearings import ArraySnapshots, BearingTracks, TrackStatus
+from sonar_tracking.records.bearings import ArraySnapshots, BearingTracks
 
 DEFAULTS = "defaults"
 TOLD = "told the truth"
@@ -38,7 +46,7 @@ WITHOUT = "defaults, no track-before-detect"
 STARTING = ("start_s", "within_20_s_percent", "within_60_s_percent", "false_per_hour")
 """Figures of the start of a faint source."""
 
-_NEAR = float(np.radians(5.0))
+_NEAR_DEG = 5.0
 _HOUR = 3600.0
 
 TOLD_ANGLE_VARIANCE_DEG2, TOLD_RATE_VARIANCE_DEG2 = 0.25, 0.01
@@ -224,17 +232,16 @@ def figures(
     faulty : sequence of int
         Elements whose channels are exchanged or inverted.
     """
-    online = OnlineBearingScore(truth)
-    online.add_all(run.tracks)
-    score = online.score()
-    errors = errors_under_names(truth, run.tracks)
-    false = float(score.identities.false_tracks)
+    matched = matched_run(truth, run.tracks)
+    identities = _identities(condition, truth, matched)
+    errors = errors_under_names(matched)
+    false = float(identities.false_tracks)
     texts = [notice.text for notice in run.notices if notice.severity != Severity.OK]
     metrics = {
         "mse_deg2": float(np.degrees(1.0) ** 2 * mean(errors.error[:, 0] ** 2)),
         "nees_per_dimension": 0.5 * mean(errors.nees()),
-        "count_right_percent": 100.0 * _count_right(truth, run.tracks),
-        "swaps": float(score.identities.lasting_identity_swaps),
+        "count_right_percent": 100.0 * mean(matched.count_right.astype(np.float64)),
+        "swaps": float(identities.lasting_identity_swaps),
         "false_tracks": false,
         "silent_false_percent": 100.0 * (false > 0.0 and not texts),
         "clipped_notices": float(sum("clipped" in text for text in texts)),
@@ -243,51 +250,42 @@ def figures(
         **dict.fromkeys(STARTING, np.nan),
     }
     if condition.faint:
-        metrics |= _start(condition, truth, run.tracks)
+        metrics |= _start(condition, matched)
         metrics["false_per_hour"] = false * _HOUR / condition.scenario.duration
     if condition.names_after[1] > 0.0:
         metrics["right_names_percent"] = 100.0 * share_of_right_names(
-            condition.scenario,
-            truth,
-            run.tracks,
-            (condition.names_before, condition.names_after),
+            condition.scenario, matched, (condition.names_before, condition.names_after)
         )
     if faulty:
         metrics["named_percent"] = 100.0 * any(_names(text, faulty) for text in texts)
     return metrics
 
 
-def _start(
-    condition: Condition, truth: BearingTruth, tracks: Sequence[BearingTracks]
-) -> dict[str, float]:
+def _identities(condition: Condition, truth: BearingTruth, matched: MatchedRun) -> IdentityScore:
+    """Return how well the tracks have kept their identities."""
+    tally = IdentityTally()
+    for period in matched.periods:
+        held = {period.targets[target]: period.tracks[track] for target, track in period.pairs}
+        tally.add(ScoredPeriod(period.stamp, period.targets, period.tracks, held, period.near))
+    return tally.score(condition.estimator.period, truth.first_seen())
+
+
+def _start(condition: Condition, matched: MatchedRun) -> dict[str, float]:
     """Return when the source has a track first, s, and whether within 20 s and 60 s, percent."""
-    first = np.inf
     if not condition.scenario.targets:
         return {}
-    for entry in tracks:
-        present = truth.at(entry.stamp)
-        if present is None or not entry.established.any():
-            continue
-        angles = entry.arrival_angle[entry.established]
-        if np.abs(angles - present.angle[0]).min() < _NEAR:
-            first = 1e-9 * (entry.stamp - condition.scenario.stamp(0.0))
-            break
+    stamps = (
+        period.stamp
+        for period in matched.periods
+        if any(apart[0] < _NEAR_DEG for apart in period.apart)
+    )
+    stamp = next(stamps, None)
+    first = np.inf if stamp is None else 1e-9 * (stamp - condition.scenario.stamp(0.0))
     return {
         "start_s": first,
         "within_20_s_percent": 100.0 * (first <= 20.0),
         "within_60_s_percent": 100.0 * (first <= 60.0),
     }
-
-
-def _count_right(truth: BearingTruth, tracks: Sequence[BearingTracks]) -> float:
-    """Return the share of the periods with as many confirmed tracks as there are targets."""
-    right = []
-    for entry in tracks:
-        present = truth.at(entry.stamp)
-        if present is not None:
-            confirmed = np.count_nonzero(entry.status == TrackStatus.CONFIRMED)
-            right.append(int(confirmed) == len(present.id))
-    return float(np.mean(right)) if right else np.nan
 
 
 def _names(text: str, elements: Sequence[int]) -> bool:
