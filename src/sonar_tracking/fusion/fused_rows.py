@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from sonar_tracking.errors import Notice
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.fusion.fused_target import FusedTarget
 from sonar_tracking.fusion.rotation import rotated
 from sonar_tracking.motion import KinematicState
+from sonar_tracking.records.alignments import ArrayAlignments
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks, TrackHypothesis, TrackSource
@@ -62,6 +64,28 @@ class FusedRow:
     contributors: tuple[Contribution, ...] = ()
     z: float = np.nan
     z_standard_deviation: float = np.nan
+
+
+@dataclass(frozen=True)
+class OwnPicture:
+    """What own sensors tell at one instant, before anybody else is asked.
+
+    Attributes
+    ----------
+    rows : tuple of FusedRow
+        One a target.
+    tracks : PositionTracks
+        The same as a list.
+    alignments : ArrayAlignments
+        Of all arrays that have been heard of.
+    notices : tuple of Notice
+        What the user should know of the frame.
+    """
+
+    rows: tuple[FusedRow, ...]
+    tracks: PositionTracks
+    alignments: ArrayAlignments
+    notices: tuple[Notice, ...]
 
 
 def row_of_target(target: FusedTarget, state: FloatArray, covariance: FloatArray) -> FusedRow:

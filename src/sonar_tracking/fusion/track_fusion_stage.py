@@ -9,6 +9,7 @@ heard are shown as target motion analysis finds them, until an echo tells which 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from sonar_tracking.alignment.bearing_errors import BearingKey
 from sonar_tracking.alignment.shared_alignment import SharedAlignment
@@ -19,13 +20,19 @@ from sonar_tracking.fusion.echo_checks import unusable_rows, usable_measurements
 from sonar_tracking.fusion.foreign_tracks import ForeignTracks
 from sonar_tracking.fusion.fused_rows import (
     FusedRow,
+    OwnPicture,
     ShownRows,
     row_of_target,
     turned_by_heading,
 )
 from sonar_tracking.fusion.fused_target import FusedTarget, moves
 from sonar_tracking.fusion.fused_targets import FusedTargets
-from sonar_tracking.fusion.fusion_records import FusionFrame, FusionUpdate, HeardBearing, ListKey
+from sonar_tracking.fusion.fusion_records import (
+    FusionFrame,
+    FusionUpdate,
+    HeardBearing,
+    ListKey,
+)
 from sonar_tracking.fusion.meetings import meetings_of_bearings, meetings_of_echoes
 from sonar_tracking.fusion.new_trials import new_trials
 from sonar_tracking.fusion.station_bearings import (
@@ -86,6 +93,23 @@ class TrackFusionStage(FusedTargets):
         InputError
             If the frame is not later; nothing has changed then.
         """
+        own = self.own_picture(frame)
+        tracks, notices = self.with_foreign(own, frame.foreign)
+        return FusionUpdate(tracks, own.tracks, own.alignments, (*own.notices, *notices))
+
+    def own_picture(self, frame: FusionFrame) -> OwnPicture:
+        """Take in everything of one instant but what other ships tell.
+
+        Parameters
+        ----------
+        frame : FusionFrame
+            Later than the one before.
+
+        Raises
+        ------
+        InputError
+            If the frame is not later; nothing has changed then.
+        """
         frame.check_later_than(self._stamp)
         if self._stamp != UNKNOWN_STAMP:
             interval = seconds(frame.stamp - self._stamp)
@@ -103,20 +127,36 @@ class TrackFusionStage(FusedTargets):
         for topic, tracks in frame.passive.items():
             self._watermarks[topic] = tracks.next_stamp
             self._copies.take(topic, tracks)
-        for topic, tracks in frame.foreign.items():
-            notices += self._foreign.take(topic, tracks, self._stamp)
         self._decide()
         self._end_orphans()
         watermark = common_watermark(self._watermarks.values(), self._n_sources, self._stamp)
         seen = self._filters.picture()
         alignments = self._filters.alignments(seen, self._stamp, watermark)
         notices += beyond_prior(alignments, self.configuration.alignment_deviation_deg)
-        own = self._own_rows(seen, alignments)
-        tracks = own_tracks = self._own_rows_shown.listed(own, self._stamp, watermark)
-        if self._foreign.heard_of:
-            rows = self._foreign.fused(own, self._stamp)
-            tracks = self._all_rows_shown.listed(rows, self._stamp, watermark)
-        return FusionUpdate(tracks, own_tracks, alignments, tuple(notices))
+        rows = self._own_rows(seen, alignments)
+        tracks = self._own_rows_shown.listed(rows, self._stamp, watermark)
+        return OwnPicture(tuple(rows), tracks, alignments, tuple(notices))
+
+    def with_foreign(
+        self, own: OwnPicture, foreign: Mapping[str, PositionTracks]
+    ) -> tuple[PositionTracks, tuple[Notice, ...]]:
+        """Return a picture of own sensors with what other ships tell, and what is wrong with that.
+
+        Parameters
+        ----------
+        own : OwnPicture
+            At a stamp after that of the picture before.
+        foreign : mapping of str to PositionTracks
+            By their topic: fused tracks of other ships that have come since then.
+        """
+        stamp = own.tracks.stamp
+        notices: list[Notice] = []
+        for topic, told in foreign.items():
+            notices += self._foreign.take(topic, told, stamp)
+        if not self._foreign.heard_of:
+            return own.tracks, tuple(notices)
+        rows = self._foreign.fused(own.rows, stamp)
+        return self._all_rows_shown.listed(rows, stamp, own.tracks.next_stamp), tuple(notices)
 
     def _take_echoes(self, topic: str, tracks: PositionTracks) -> None:
         self._copies.take(topic, tracks)

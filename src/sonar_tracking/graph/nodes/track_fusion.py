@@ -8,8 +8,9 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from sonar_tracking.errors import InputError, Notice
-from sonar_tracking.fusion.fusion_records import FusionFrame, FusionUpdate
+from sonar_tracking.errors import InputError, Notice, Severity
+from sonar_tracking.fusion.foreign_lists import ForeignLists
+from sonar_tracking.fusion.fusion_records import FusionFrame
 from sonar_tracking.fusion.track_fusion_configuration import TrackFusionConfiguration
 from sonar_tracking.fusion.track_fusion_stage import TrackFusionStage
 from sonar_tracking.graph.catalogue.fusion_nodes import TRACK_FUSION
@@ -26,7 +27,8 @@ from sonar_tracking.graph.catalogue.topics import (
 )
 from sonar_tracking.graph.message_writing.alignment_writing import alignments_to_message
 from sonar_tracking.graph.message_writing.position_writing import position_tracks_to_message
-from sonar_tracking.graph.node_base.data_flow import Received
+from sonar_tracking.graph.node_base.data_flow import DataInput, Received, input_concern
+from sonar_tracking.graph.node_base.diagnostics import kind_of
 from sonar_tracking.graph.node_base.event_time_join import JoinedItem
 from sonar_tracking.graph.node_base.node_process import run_node
 from sonar_tracking.graph.node_base.sonar_node import SonarNode
@@ -35,13 +37,16 @@ from sonar_tracking.message_reading.own_ship_reading import OwnShipReader
 from sonar_tracking.message_reading.position_reading import position_tracks_from_message
 from sonar_tracking.own_ship_interpolation import interpolate_own_ship, motion_in_map
 from sonar_tracking.records.commands import CommandKind, OperatorCommand
+from sonar_tracking.records.time import NANOSECONDS
 
 
 class TrackFusion(SonarNode):
     """Shell around :class:`sonar_tracking.fusion.track_fusion_stage.TrackFusionStage`.
 
     Everything of one stamp is one frame, in the order of the topics; every frame gives exactly one
-    list. A message that cannot be read does not spoil the frame.
+    list. A message that cannot be read does not spoil the frame. Where other ships tell their
+    tracks, those of own sensors go out first, and the list that holds both once theirs are known up
+    to its stamp.
     """
 
     uses_rest_of_group = True
@@ -60,7 +65,10 @@ class TrackFusion(SonarNode):
         self._tracks = self.data_publisher(FUSED_TRACKS)
         self._alignments = self.data_publisher(ALIGNMENTS)
         self._own = self.data_publisher(OWN_TRACKS)
-        lists = (*self._active, *self._passive, *self._foreign)
+        # Without data of its own, the node makes its list whenever another ship tells one.
+        self._exchanges = bool(count and self._foreign)
+        lists = (*self._active, *self._passive, *(() if self._exchanges else self._foreign))
+        self._lists = ForeignLists([topic.name for topic in self._foreign])
         group: dict[Topic, Callable[[Any], Any]] = {
             **dict.fromkeys(lists, position_tracks_from_message),
             **dict.fromkeys(self._bearings, measured_directions_from_message),
@@ -72,6 +80,9 @@ class TrackFusion(SonarNode):
             series={ODOMETRY: (own_ship, interpolate_own_ship)},
             needs_series=lambda record: self.expects(ODOMETRY),
         )
+        self._others = {
+            topic.name: self._listen_to(topic) for topic in self._foreign if self._exchanges
+        }
 
     def process(self, item: JoinedItem, records: Mapping[str, Any]) -> Iterable[Notice]:
         """Feed everything of one stamp and publish the tracks."""
@@ -87,14 +98,12 @@ class TrackFusion(SonarNode):
             own_ship=None if own_ship is None else motion_in_map(own_ship),
             foreign={one.name: records[one.name] for one in self._foreign if one.name in records},
         )
-        update = self._stage.update(frame)
-        self._publish(update)
-        return update.notices
+        return self._advance(frame)
 
     def substitute(self, rejected: Received) -> None:
         """Publish the tracks predicted to a stamp at which something unexpected went wrong."""
         if rejected.stamp > self._published:
-            self._publish(self._stage.update(FusionFrame(rejected.stamp)))
+            self._advance(FusionFrame(rejected.stamp))
 
     def carry_out(self, command: OperatorCommand) -> Iterable[Notice]:
         """End or merge tracks."""
@@ -107,24 +116,74 @@ class TrackFusion(SonarNode):
     def reset(self) -> None:
         """Forget all tracks; identifiers go on."""
         self._stage.reset()
+        self._lists.clear()
 
-    def state(self) -> TrackFusionStage:
-        """Return the stage."""
-        return self._stage
+    def state(self) -> tuple[TrackFusionStage, ForeignLists]:
+        """Return the stage, and what waits for other ships."""
+        return self._stage, self._lists
 
-    def take_state(self, state: TrackFusionStage) -> None:
+    def take_state(self, state: tuple[TrackFusionStage, ForeignLists]) -> None:
         """Go on with the tracks of the process before."""
-        self._stage = state
+        self._stage, self._lists = state
         self._stage.configuration = self._configuration
         self._stage.continue_from(self._configuration.first_id)
 
-    def _publish(self, update: FusionUpdate) -> None:
-        tracks = update.tracks
-        self._published = tracks.stamp
-        self._tracks.publish(position_tracks_to_message(tracks))
+    def _advance(self, frame: FusionFrame) -> Iterable[Notice]:
+        self._published = frame.stamp
+        if self._exchanges:
+            own = self._stage.own_picture(frame)
+            self._own.publish(position_tracks_to_message(own.tracks))
+            self._alignments.publish(alignments_to_message(own.alignments))
+            self._lists.add_own(own)
+            self._publish_both()
+            return own.notices
+        update = self._stage.update(frame)
+        self._tracks.publish(position_tracks_to_message(update.tracks))
         if self._foreign:
             self._own.publish(position_tracks_to_message(update.own_tracks))
         self._alignments.publish(alignments_to_message(update.alignments))
+        return update.notices
+
+    def _publish_both(self) -> None:
+        """Publish what waits for no other ship any more."""
+        awaited = [name for name, source in self._others.items() if is_published(source)]
+        for own, foreign in self._lists.ready(awaited):
+            tracks, notices = self._stage.with_foreign(own, foreign)
+            self._tracks.publish(position_tracks_to_message(tracks))
+            for notice in notices:
+                self.report(notice.culprit, notice.culprit, notice.severity, notice.text)
+
+    def _listen_to(self, topic: Topic) -> DataInput:
+        """Subscribe to the list of another ship, which no data of own sensors wait for."""
+        source = DataInput(
+            self,
+            topic,
+            topic.name,
+            self.node_configuration.flow_depth,
+            round(self.node_configuration.reset_after * NANOSECONDS),
+            position_tracks_from_message,
+            self._receive_foreign,
+            self.progress,
+            answered=False,
+        )
+        self.data_inputs.append(source)
+        self.diagnostics.add(input_concern(source), source.values)
+        return source
+
+    def _receive_foreign(self, source: DataInput, message: Any) -> None:
+        check, usable = source.judge(message)
+        if check.sentence:
+            concern = input_concern(source)
+            self.report(concern, kind_of(check.sentence), Severity.WARN, check.sentence)
+        for received in usable:
+            self._lists.add(source.topic.name, received.record)
+        self._publish_both()
+        source.finish(source.read_stamp(message))
+
+
+def is_published(source: DataInput) -> bool:
+    """Return whether somebody publishes an input."""
+    return source.subscription.get_publisher_count() > 0
 
 
 def _topics(kind: Topic, names: Iterable[str]) -> list[Topic]:
