@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sonar_tracking.passive.bearings.alike_runs import kind_of, row_of, stacked
+from sonar_tracking.passive.bearings.alike_runs import kind_of, rows_of, stacked
 from sonar_tracking.passive.bearings.encounters import Encounter
 
 
@@ -14,6 +14,6 @@ def _encounter(log_odds: float) -> Encounter:
 
 def test_runs_that_were_followed_together_stay_alike_when_their_numbers_differ() -> None:
     together = stacked([_encounter(-3.0), _encounter(1.0)])
-    first, second = (row_of(together, row) for row in range(2))
+    first, second = rows_of(together, 2)
     assert float(second.log_odds) == 1.0
     assert kind_of(first) == kind_of(second) == kind_of(_encounter(0.0))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sonar_tracking.errors import InputError
-from sonar_tracking.passive.bearings.estimate_checks import check_estimates
+from sonar_tracking.passive.bearings.estimate_checks import check_estimates, check_runs
 from tests.passive.block_scene import noise_colour
 from tests.passive.crossing_scene import POSITIONS
 from tests.passive.estimate_scene import estimates_of
@@ -90,3 +90,12 @@ def test_the_runs_of_a_batch_are_checked_together() -> None:
     check_estimates(estimates)
     with pytest.raises(InputError, match="negative power"):
         check_estimates(replace(estimates, covariance=np.stack([UNIT, UNIT, -0.1 * UNIT])))
+
+
+def test_one_bad_run_of_several_is_refused_whether_they_are_alike_or_not() -> None:
+    good, bad = estimates_of(UNIT), estimates_of(-0.1 * UNIT)
+    other = replace(good, element_positions=good.element_positions.copy())
+    check_runs([good, good, other])
+    for runs in ([good, bad, good], [good, other, bad]):
+        with pytest.raises(InputError, match="negative power"):
+            check_runs(runs)

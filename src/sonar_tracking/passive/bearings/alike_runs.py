@@ -46,15 +46,26 @@ def stacked(entries: Sequence[Any]) -> Any:
     return kind(**{name: stacked([getattr(entry, name) for entry in entries]) for name in names})
 
 
-def row_of(entry: Any, row: int) -> Any:
-    """Return one of the entries that were stacked."""
+def rows_of(entry: Any, n_rows: int) -> list[Any]:
+    """Return the entries that were stacked.
+
+    Parameters
+    ----------
+    entry : object
+        As :func:`stacked` gives it.
+    n_rows : int
+        How many they are.
+    """
     if isinstance(entry, np.ndarray):
-        # An array, and no number, where there is one a run: numbers tell runs apart.
-        return entry[row, ...]
+        if entry.ndim > 1:
+            return list(entry)
+        # Arrays, and no numbers, where there is one a run: numbers tell runs apart.
+        return [entry[row, ...] for row in range(n_rows)]
     kind: Any = type(entry)
     if (names := _field_names(kind)) is None:
-        return entry
-    return kind(**{name: row_of(getattr(entry, name), row) for name in names})
+        return [entry] * n_rows
+    columns = [rows_of(getattr(entry, name), n_rows) for name in names]
+    return [kind(*values) for values in zip(*columns, strict=True)]
 
 
 @lru_cache(maxsize=64)

@@ -13,6 +13,7 @@ from typing import Protocol, TypeVar
 from sonar_tracking.errors import Notice
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.passive.bearings.bearing_measurement import BearingMeasurement
+from sonar_tracking.passive.directions.signal_subspace import SignalSubspace
 from sonar_tracking.records.arrays import BoolArray, ComplexArray, FloatArray, IndexArray
 from sonar_tracking.records.bearings import SubspaceEstimates
 
@@ -31,11 +32,14 @@ class FilterUpdate:
         What the estimate says of each target; None = nothing.
     notices : tuple of Notice
         Why there was no measurement.
+    subspace : SignalSubspace or None
+        Of the covariance, where it was measured in that.
     """
 
     filters: KalmanState
     measurement: BearingMeasurement | None
     notices: tuple[Notice, ...] = ()
+    subspace: SignalSubspace | None = None
 
 
 class BearingFilters(Protocol[FilterState]):

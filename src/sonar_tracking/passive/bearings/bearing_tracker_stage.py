@@ -23,7 +23,7 @@ from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
     check_configuration,
     subspace_methods_of_covariance,
 )
-from sonar_tracking.passive.bearings.estimate_checks import check_estimates
+from sonar_tracking.passive.bearings.estimate_checks import check_runs
 from sonar_tracking.passive.bearings.operator_steps import with_ended, with_merged, with_started
 from sonar_tracking.passive.bearings.tracker_state import TrackerState, TrackerUpdate
 from sonar_tracking.passive.bearings.tracking_steps import TrackingSteps
@@ -156,7 +156,6 @@ class BearingTrackerStage:
 
     def _before(self, estimates: SubspaceEstimates) -> tuple[TrackerState, float | None]:
         """Return the state before an estimate and how long before, s; None = it is the first."""
-        check_estimates(estimates)
         self._check_method(estimates)
         state = self._state
         if state is None:
@@ -193,6 +192,7 @@ def update_together(
         If an estimate cannot be used; all trackers are then as before.
     """
     steps = trackers[0]._steps
+    check_runs(estimates)
     before = [tracker._before(own) for tracker, own in zip(trackers, estimates, strict=True)]
     try:
         followed = follow_together(steps, estimates, before)

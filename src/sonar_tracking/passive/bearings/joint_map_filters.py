@@ -217,7 +217,7 @@ class JointMapFilters:
         measurement = _equivalent_measurement(before, self.targets(state), age)
         if self._n_modes:
             state = self._weigh(state, measurement, estimates)
-        return FilterUpdate(state, measurement, notices)
+        return FilterUpdate(state, measurement, notices, subspace)
 
     def coasted(
         self, filters: JointMapState, predicted: JointMapState, rows: BoolArray

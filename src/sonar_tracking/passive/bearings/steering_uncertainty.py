@@ -30,7 +30,7 @@ import numpy as np
 
 from sonar_tracking.errors import Notice, Severity
 from sonar_tracking.geometry import steering_pair, wavenumber
-from sonar_tracking.passive.directions.signal_subspace import signal_subspace
+from sonar_tracking.passive.directions.signal_subspace import SignalSubspace, signal_subspace
 from sonar_tracking.passive.directions.sources_at_angles import PRIOR_VARIANCE, unresolved
 from sonar_tracking.records.arrays import BoolArray, FloatArray
 from sonar_tracking.records.bearings import BearingTracks, SubspaceEstimates
@@ -123,19 +123,19 @@ class SteeringUncertainty:
         share : float
             How many of its snapshots are new, 0 to 1.
         """
-        seen = replace(self, n_seen=self.n_seen + 1)
         if misfit is None or not misfit.judged:
-            return seen
+            return replace(self, n_seen=self.n_seen + 1)
         chi, freedom, kept = float(misfit.chi), misfit.freedom, _KEPT**share
         weight = float(misfit.weight)
         if chi - freedom > _LARGEST_SQUARE * weight:
-            return seen  # The tracks are not where the sources are.
-        return replace(
-            seen,
+            # The tracks are not where the sources are.
+            return replace(self, n_seen=self.n_seen + 1)
+        return SteeringUncertainty(
             excess=kept * self.excess + share * (chi - freedom),
             expected=kept * self.expected + share * freedom,
             variance=kept**2 * self.variance + share * 2.0 * freedom,
             weight=kept * self.weight + share * weight,
+            n_seen=self.n_seen + 1,
         )
 
     def widened(self, tracks: BearingTracks, estimates: SubspaceEstimates) -> BearingTracks:
@@ -205,7 +205,9 @@ def tells_of_steering(estimates: SubspaceEstimates, n_tracks: int) -> bool:
     return estimates.covariance is not None and enough
 
 
-def steering_misfit(estimates: SubspaceEstimates, angles: FloatArray) -> SteeringMisfit:
+def steering_misfit(
+    estimates: SubspaceEstimates, angles: FloatArray, subspace: SignalSubspace | None = None
+) -> SteeringMisfit:
     """Return what covariances leave of their signal eigenvectors at the angles of the tracks.
 
     Parameters
@@ -214,6 +216,8 @@ def steering_misfit(estimates: SubspaceEstimates, angles: FloatArray) -> Steerin
         Of one run or of several alike; such as :func:`tells_of_steering` of.
     angles : ndarray, shape (..., n_tracks)
         Of all tracks in the middle of the covariance, rad.
+    subspace : SignalSubspace, optional
+        Of the covariances, if it is known already; of any rank.
 
     Raises
     ------
@@ -226,7 +230,8 @@ def steering_misfit(estimates: SubspaceEstimates, angles: FloatArray) -> Steerin
     n_elements, rank = len(estimates.element_positions), _rank(estimates, n_tracks)
     n_free, snapshots = n_elements - 2 * n_tracks, estimates.covariance_snapshots
     close = unresolved(angles, angles, estimates).sum(axis=(-2, -1)) > n_tracks
-    subspace = signal_subspace(covariance, rank, estimates.noise_covariance)
+    if subspace is None or subspace.eigenvalues.shape[-1] != rank:
+        subspace = signal_subspace(covariance, rank, estimates.noise_covariance)
     number = wavenumber(estimates.center_frequency, estimates.sound_speed)
     pair = steering_pair(estimates.element_positions, angles, number, "array_centre")
     spanned = np.linalg.qr(subspace.whitened(np.concatenate(pair, axis=-1))).Q

@@ -210,6 +210,7 @@ class TrackingSteps:
             filters=followed.filters,
             existence=followed.existence,
             excess=followed.evidence.excess,
+            ended=(),
         )
         rows = running_rows(
             state.ids,
@@ -222,7 +223,7 @@ class TrackingSteps:
         n_faint = followed.evidence.n_shown(estimates.covariance_snapshots)
         for each in before.ended:
             rows = rows.append(each)
-        state, n_seen = self._end_tracks(replace(state, ended=()), followed.evidence)
+        state, n_seen = self._end_tracks(state, followed.evidence)
         if self.automatic:
             same = state.ids == before.ids
             mean = (followed.targets if same else self.filters.targets(state.filters)).mean
@@ -250,7 +251,7 @@ class TrackingSteps:
         if not telling or not state.steering.looks_at(len(estimates.element_positions)):
             return None
         angles = mean[..., 0] + mean[..., 1] * estimates.covariance_time_offset
-        return steering_misfit(estimates, angles)
+        return steering_misfit(estimates, angles, updated.subspace)
 
     def _judge_array(
         self, estimates: SubspaceEstimates, before: TrackerState, followed: FollowedTracks

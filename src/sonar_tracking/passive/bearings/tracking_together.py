@@ -16,7 +16,7 @@ from sonar_tracking.passive.bearings.alike_runs import (
     kind_of,
     kind_of_array,
     kind_of_estimates,
-    row_of,
+    rows_of,
     stacked,
     stacked_estimates,
 )
@@ -72,7 +72,7 @@ def follow_together(
         )
         together = stacked_estimates([estimates[row] for row in rows])
         all_of_them = steps.follow(together, state, interval)
-        followed.update((row, row_of(all_of_them, place)) for place, row in enumerate(rows))
+        followed.update(zip(rows, rows_of(all_of_them, len(rows)), strict=True))
     return [followed[row] for row in range(len(estimates))]
 
 
