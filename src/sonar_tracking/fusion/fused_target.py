@@ -59,6 +59,10 @@ class FusedTarget:
         Since when, stamp time, s.
     silent : bool
         Whether nothing has been measured of it for long: its sources have fallen silent.
+    hidden_until : float
+        Until when it may be another target that is known better, stamp time, s.
+    hidden : bool
+        Whether it may be that now.
     """
 
     id: int
@@ -70,6 +74,8 @@ class FusedTarget:
     rival: FusedTarget | None = None
     doubted: float = np.nan
     silent: bool = False
+    hidden_until: float = -np.inf
+    hidden: bool = False
 
     def note(self, key: ListKey, tracks: PositionTracks, row: int) -> None:
         """Let a row of a list of echoes be one of the tracks it is made of."""
@@ -104,15 +110,18 @@ class FusedTarget:
         return [*self.echoes.values(), *self.heard.values()]
 
     @property
+    def is_confirmed(self) -> bool:
+        """Whether one of its tracks is confirmed."""
+        return any(one.status == TrackStatus.CONFIRMED for one in self.contributors)
+
+    @property
     def status(self) -> TrackStatus:
         """Confirmed as long as one of its tracks is, unless it may be known already."""
-        if self.rival is not None:
+        if self.rival is not None or self.hidden:
             return TrackStatus.TENTATIVE
         if self.silent:
             return TrackStatus.COASTED
-        if any(one.status == TrackStatus.CONFIRMED for one in self.contributors):
-            return TrackStatus.CONFIRMED
-        return TrackStatus.COASTED
+        return TrackStatus.CONFIRMED if self.is_confirmed else TrackStatus.COASTED
 
     @property
     def existence(self) -> float:

@@ -13,6 +13,7 @@ from sonar_tracking.errors import InputError
 from sonar_tracking.fusion.bearing_links import HIGHEST_EVIDENCE, BearingLinks
 from sonar_tracking.fusion.bearing_trials import Trial
 from sonar_tracking.fusion.copied_lists import LONGEST_SILENCE, CopiedLists
+from sonar_tracking.fusion.echo_association import met_targets
 from sonar_tracking.fusion.echo_targets import EchoTargets
 from sonar_tracking.fusion.exchanges import ECHOES
 from sonar_tracking.fusion.fused_rows import ShownRows
@@ -23,7 +24,14 @@ from sonar_tracking.fusion.track_fusion_configuration import TrackFusionConfigur
 from sonar_tracking.records.time import NANOSECONDS, UNKNOWN_STAMP, nanoseconds
 
 PAUSE = 60.0
-"""After which a trial that failed is begun again, s: bearing tracks may change their targets."""
+"""After which a trial that failed is begun again, s: bearing tracks may change their targets. One
+that has been found not to be of its target has no row of its own for as long."""
+
+HIDDEN = 30.0
+"""After it may have been another target one has to be confirmed for so long, s."""
+
+SAME_PLACE = 9.21
+"""Square of the normalised distance that 99 % of two estimates of one position are within."""
 
 PRIOR_AGAINST_EXCHANGE = 3.0
 """Log of the odds that two targets which meet do not exchange their tracks."""
@@ -61,6 +69,7 @@ class FusedTargets:
         self._alive: dict[str, dict[BearingKey, Contributor]] = {}
         self._copies = CopiedLists(self._new_id)
         self._paused: dict[tuple[FusedTarget, BearingKey], int] = {}
+        self._parted: dict[BearingKey, int] = {}
         self._dismissed: set[ListKey | BearingKey] = set()
         self._own_rows_shown = ShownRows()
 
@@ -173,6 +182,7 @@ class FusedTargets:
         for key in self._links.broken(odds):
             target = self._links.target_of(key)
             self._unlink(key)
+            self._parted[key] = self._stamp + nanoseconds(PAUSE)
             if target is not None and target.echoes:
                 self._filters.forget_bearings(target)
 
@@ -195,13 +205,36 @@ class FusedTargets:
         """Let targets have each other's tracks of a source, if they have exchanged them."""
         exchanges = self._filters.exchanges
         exchanges.give_up(odds)
+        exchanged: list[tuple[FusedTarget, FusedTarget]] = []
         while found := exchanges.best(math.log(odds) + PRIOR_AGAINST_EXCHANGE):
             exchange, copies = found
             self._filters.exchanged(exchange, copies)
             if exchange.source is ECHOES:
                 self._target_of.exchange(exchange.pair)
+                exchanged.append(exchange.pair)
             else:
                 self._links.exchange(exchange.source, exchange.pair, exchange.evidence)
+        for pair in exchanged:
+            self._exchange_rivals(pair)
+
+    def _exchange_rivals(self, pair: tuple[FusedTarget, FusedTarget]) -> None:
+        """Let targets that may be one of a pair, its echoes being lost, be what lost them now.
+
+        What is where that one is expected is the same target.
+        """
+        one, other = pair
+        for target in [each for each in self._filters.targets if each.rival in pair]:
+            lost = other if target.rival is one else one
+            target.rival = lost
+            if lost.echoes:
+                continue
+            own = self._filters.state_of(target)
+            (met,) = met_targets(
+                own.mean[None], own.covariance[None], [lost], self._filters, self.configuration
+            )
+            if met.target is lost and met.sure:
+                number = lost.id
+                self._join(lost, target).id = number
 
     def _rename(self, target: FusedTarget, number: int) -> None:
         """Let a target have the name of that of two which has been confirmed for longer."""
@@ -231,6 +264,27 @@ class FusedTargets:
                 over.append(target)
         for target in over:
             self._remove(target)
+        self._hide_what_may_be_another(now)
+
+    def _hide_what_may_be_another(self, now: float) -> None:
+        """Let a target that nobody hears, and no echo confirms, be tentative where one is heard.
+
+        Where two targets meet, a tracker of echoes may begin a track of both, which nothing holds.
+        """
+        targets = self._filters.targets
+        unsure = [one for one in targets if not one.heard and not one.is_confirmed]
+        heard = [place for place, one in enumerate(targets) if one.heard and one.echoes]
+        if unsure and heard:
+            seen = self._filters.picture()
+            mean, spread = seen.mean[:, :2], seen.covariance[:, :2, :2]
+            for target in unsure:
+                own = targets.index(target)
+                apart = mean[heard] - mean[own]
+                solved = np.linalg.solve(spread[heard] + spread[own], apart[..., None])[..., 0]
+                if np.any(np.sum(apart * solved, axis=-1) < SAME_PLACE):
+                    target.hidden_until = now + HIDDEN
+        for target in targets:
+            target.hidden = now < target.hidden_until and not target.heard
 
     def _forget(self, target: FusedTarget) -> None:
         for place in [place for place in self._paused if place[0] is target]:
@@ -245,5 +299,8 @@ class FusedTargets:
         if key in self._dismissed or any(one in self._dismissed for one in heard):
             return True
         return key in self._target_of or any(
-            self._links.target_of(one) is not None or one in self._spoken_for for one in heard
+            self._links.target_of(one) is not None
+            or one in self._spoken_for
+            or self._stamp < self._parted.get(one, UNKNOWN_STAMP)
+            for one in heard
         )
