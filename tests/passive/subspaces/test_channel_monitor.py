@@ -7,14 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sonar_tracking.errors import Severity
+from sonar_tracking.errors import Notice, Severity
 from sonar_tracking.passive.subspaces.channel_monitor import (
     QUARANTINE_SNAPSHOTS,
+    ChannelMonitor,
     new_monitor,
+    updated_monitors,
     used_elements,
 )
 from sonar_tracking.passive.subspaces.subspace_stage import SubspaceConfiguration, SubspaceStage
-from sonar_tracking.records.bearings import SubspaceEstimates
+from sonar_tracking.records.bearings import ArraySnapshots, SubspaceEstimates
 from tests.passive.block_scene import noise_colour
 from tests.passive.crossing_scene import (
     EPOCH,
@@ -30,6 +32,12 @@ DATA = circular_noise(np.random.default_rng(1), 2000, 15)
 OTHERS = [n for n in range(15) if n != 4]
 
 
+def updated(
+    monitor: ChannelMonitor, block: ArraySnapshots
+) -> tuple[ChannelMonitor, tuple[Notice, ...]]:
+    return updated_monitors([monitor], [block])[0]
+
+
 def clipped(data: ComplexArray, gain: float) -> ComplexArray:
     """Return the data with element 4 amplified and clipped at three times its own noise."""
     data = data.copy()
@@ -42,7 +50,7 @@ def watched(data: ComplexArray, size: int = 100) -> tuple[list[bool], list[str]]
     """Return the elements used in the end and the sentences about the last block."""
     monitor = new_monitor(15)
     for first in range(0, len(data), size):
-        monitor, notices = monitor.update(block_of(data[first : first + size], EPOCH))
+        monitor, notices = updated(monitor, block_of(data[first : first + size], EPOCH))
         assert all(notice.severity is Severity.WARN for notice in notices)
     return monitor.used.tolist(), [notice.text for notice in notices]
 
@@ -186,8 +194,8 @@ def left_out(data: ComplexArray, size: int = 10) -> list[int]:
     monitor = new_monitor(data.shape[1])
     for first in range(0, len(data), size):
         part = data[first : first + size]
-        monitor, _ = monitor.update(
-            block_of(part, EPOCH, element_positions=POSITIONS[: data.shape[1]])
+        monitor, _ = updated(
+            monitor, block_of(part, EPOCH, element_positions=POSITIONS[: data.shape[1]])
         )
     return np.flatnonzero(~monitor.used).tolist()
 
@@ -226,8 +234,8 @@ def test_clipping_is_a_flat_amplitude_and_saturation_a_loud_one(
     data = on_and_off([0.5, 0.5, share, 0.5, 0.5], [1.0, 1.0, gain, 1.0, 1.0])
     monitor = new_monitor(5)
     for first in range(0, 400, 100):
-        monitor, notices = monitor.update(
-            block_of(data[first : first + 100], EPOCH, element_positions=POSITIONS[:5])
+        monitor, notices = updated(
+            monitor, block_of(data[first : first + 100], EPOCH, element_positions=POSITIONS[:5])
         )
         named = [notice.culprit for notice in notices]
         assert named == (["element 2"] if clipped_element and first >= 100 else [])
@@ -239,7 +247,7 @@ def test_power_is_a_plain_mean_at_first_and_forgets_after_fifty_snapshots() -> N
     monitor, seen, power, amplitude = new_monitor(2), 0, 0.0, 0.0
     for value in powers:
         data = np.full((10, 2), np.sqrt(value) + 0j)
-        monitor, _ = monitor.update(block_of(data, EPOCH, element_positions=POSITIONS[:2]))
+        monitor, _ = updated(monitor, block_of(data, EPOCH, element_positions=POSITIONS[:2]))
         share = max(10.0 / (10.0 + min(seen, 50)), 0.2)
         power = share * value + (1.0 - share) * power
         share = max(10.0 / (10.0 + min(seen, 200)), 0.05)
@@ -269,7 +277,7 @@ def test_quarantine_is_a_thousand_good_snapshots_not_one_less() -> None:
     monitor = new_monitor(5)
     for data, n_used in [(faint, 4), (good[:-1], 4), (good[-1:], 5)]:
         block = block_of(data, EPOCH, element_positions=POSITIONS[:5])
-        monitor, _ = monitor.update(block)
+        monitor, _ = updated(monitor, block)
         assert np.count_nonzero(monitor.used) == n_used
     assert monitor.n_snapshots == 60 + QUARANTINE_SNAPSHOTS
 
@@ -278,14 +286,14 @@ def test_quarantine_is_a_thousand_good_snapshots_not_one_less() -> None:
 def test_levels_are_judged_after_fifty_snapshots(n_snapshots: int, told: int) -> None:
     data = steady([1.0, 1.0, 1e-4, 1.0, 1.0], n_snapshots)
     block = block_of(data, EPOCH, element_positions=POSITIONS[:5])
-    assert len(new_monitor(5).update(block)[1]) == told
+    assert len(updated(new_monitor(5), block)[1]) == told
 
 
 def test_the_median_is_that_of_the_elements_that_are_heard() -> None:
     """Two of five are dead: the median of the others is 1, so that 90 is not yet too loud."""
     data = steady([0.0, 0.0, 1.0, 1.0, 90.0], 60)
     block = block_of(data, EPOCH, element_positions=POSITIONS[:5])
-    monitor, notices = new_monitor(5).update(block)
+    monitor, notices = updated(new_monitor(5), block)
     assert monitor.used.tolist() == [False, False, True, True, True]
     assert [notice.culprit for notice in notices] == ["element 0", "element 1"]
 
@@ -296,6 +304,23 @@ def test_a_constant_amplitude_among_gaussian_elements_is_clipped() -> None:
     data[:, 1] = 1.0
     data[:, 2] = 0.0
     block = block_of(data, EPOCH, element_positions=POSITIONS[:5])
-    texts = [notice.text for notice in new_monitor(5).update(block)[1]]
+    texts = [notice.text for notice in updated(new_monitor(5), block)[1]]
     assert ["silent" in text for text in texts] == [True, False]
     assert "Element 1 is clipped" in texts[1]
+
+
+def test_the_runs_of_a_batch_are_watched_as_each_by_itself() -> None:
+    good = block_of(DATA[:300], EPOCH)
+    silent = block_of(np.where(np.arange(15) == 4, 0.0, DATA[300:600]), EPOCH)
+    short = block_of(clipped(DATA[600:850], 50.0), EPOCH)
+    blocks = [good, silent, short]
+    monitors = [new_monitor(15)] * 3
+    for _ in range(2):
+        together = updated_monitors(monitors, blocks)
+        for (own, told), before, block in zip(together, monitors, blocks, strict=True):
+            alone, notices = updated(before, block)
+            assert told == notices and own.used.tolist() == alone.used.tolist()
+            np.testing.assert_array_equal(own.amplitudes, alone.amplitudes)
+            np.testing.assert_array_equal(own.plateau.below, alone.plateau.below)
+        monitors = [own for own, _ in together]
+    assert [monitor.used.all() for monitor in monitors] == [True, False, False]

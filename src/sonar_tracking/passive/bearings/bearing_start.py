@@ -206,6 +206,8 @@ class BearingStart:
 
     def _join(self, middle: int, angles: FloatArray, variances: FloatArray) -> list[TentativeTrack]:
         """Join bearings to tentative tracks; those left over begin new ones."""
+        if not self.tentative and not len(angles):
+            return []
         bearings = list(zip(angles.tolist(), variances.tolist(), strict=True))
         costs = np.array(
             [[self._cost(track, middle, *each) for each in bearings] for track in self.tentative]

@@ -145,6 +145,8 @@ def started_rows(started: tuple[StartedTrack, ...]) -> BearingTrackRows:
 
 def tentative_rows(tentative: tuple[TentativeTrack, ...], stamp: int) -> BearingTrackRows:
     """Return the rows of tentative tracks; rates are NaN until two bearings are joined."""
+    if not tentative:
+        return _NO_ROWS
     seen = []
     for track in tentative:
         if len(track.stamps) > 1:
@@ -175,6 +177,9 @@ def _rows(
         unknown,
         existence_probability,
     )
+
+
+_NO_ROWS = _rows((), TrackStatus.TENTATIVE, np.empty(0))
 
 
 def folded_angles(angles: FloatArray, positions: FloatArray) -> tuple[FloatArray, FloatArray]:

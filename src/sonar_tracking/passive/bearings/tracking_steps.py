@@ -260,8 +260,7 @@ class TrackingSteps:
         duration = estimates.covariance_snapshots * estimates.sample_period
         if followed.measurement is None or not self.needs_covariance or not duration > 0.0:
             return before.steering
-        telling = tells_of_steering(estimates, len(before.ids))
-        if estimates.basis.ndim > 3 or not telling:
+        if estimates.basis.ndim > 3 or not tells_of_steering(estimates, len(before.ids)):
             return before.steering
         share = min(seconds(estimates.stamp - before.stamp) / duration, 1.0)
         return before.steering.update(followed.misfit, share)
@@ -288,13 +287,14 @@ class TrackingSteps:
     def _status(self, state: TrackerState, followed: FollowedTracks) -> tuple[TrackStatus, ...]:
         """Return the status of each running track; TERMINATED is reported once."""
         nothing = followed.measurement is None and not followed.first
-        coasted = np.full(len(state.ids), nothing)
+        unseen = followed.evidence.unseen.tolist() if self.ends_tracks else [False] * len(state.ids)
+        status = [
+            TrackStatus.COASTED if nothing or each else TrackStatus.CONFIRMED for each in unseen
+        ]
         if self.ends_tracks:
-            coasted |= followed.evidence.unseen
-        status = np.where(coasted, TrackStatus.COASTED, TrackStatus.CONFIRMED)
-        if self.ends_tracks:
-            status[state.existence < ENDED] = TrackStatus.TERMINATED
-        return tuple(status.tolist())
+            for row in np.flatnonzero(state.existence < ENDED).tolist():
+                status[row] = TrackStatus.TERMINATED
+        return tuple(status)
 
     def _end_tracks(
         self, state: TrackerState, evidence: Evidence

@@ -7,6 +7,7 @@ magnitude, by where the limit is. No sound has that by chance, however few snaps
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,31 +46,37 @@ class AmplitudePlateau:
         flat = (self.at_largest >= _LEAST_SHARE) & (self.at_largest >= self.below)
         return np.asarray((flat & (self.largest > 0.0)).any(axis=0))
 
-    def update(self, data: ComplexArray, share: float) -> AmplitudePlateau:
-        """Return the plateaus after more snapshots.
 
-        Parameters
-        ----------
-        data : ndarray, shape (n_snapshots, n_elements), complex
-            Linear amplitude.
-        share : float
-            Weight of these snapshots, 0 to 1.
-        """
-        values = np.abs(np.stack([data.real, data.imag, np.abs(data)]))
-        here = values.max(axis=1)
-        # A value that has not been reached again for long was no limit.
-        forgotten = self.at_largest * len(data) < 0.5 * share
-        larger = (here > (1.0 + _SAME) * self.largest) | forgotten
-        largest = np.where(larger, here, self.largest)
-        top = values >= (1.0 - _SAME) * largest[:, None]
-        near = (values >= _BELOW * largest[:, None]) & ~top
-        kept = np.where(larger, 0.0, 1.0 - share)
-        weight = np.where(larger, 1.0, share)
-        return AmplitudePlateau(
-            largest=largest,
-            at_largest=kept * self.at_largest + weight * top.mean(axis=1),
-            below=kept * self.below + weight * near.mean(axis=1),
-        )
+def updated_plateaus(
+    plateaus: Sequence[AmplitudePlateau], data: ComplexArray, share: float
+) -> list[AmplitudePlateau]:
+    """Return the plateaus of several runs after more snapshots.
+
+    Parameters
+    ----------
+    plateaus : sequence of AmplitudePlateau
+        One a run.
+    data : ndarray, shape (n_runs, n_snapshots, n_elements), complex
+        Linear amplitude.
+    share : float
+        Weight of these snapshots, 0 to 1.
+    """
+    values = np.abs(np.stack([data.real, data.imag, np.abs(data)], axis=1))
+    here = values.max(axis=-2)
+    before = np.stack([each.largest for each in plateaus])
+    at_largest = np.stack([each.at_largest for each in plateaus])
+    below = np.stack([each.below for each in plateaus])
+    # A value that has not been reached again for long was no limit.
+    forgotten = at_largest * data.shape[-2] < 0.5 * share
+    larger = (here > (1.0 + _SAME) * before) | forgotten
+    largest = np.where(larger, here, before)
+    top = values >= (1.0 - _SAME) * largest[..., None, :]
+    near = (values >= _BELOW * largest[..., None, :]) & ~top
+    kept = np.where(larger, 0.0, 1.0 - share)
+    weight = np.where(larger, 1.0, share)
+    at_largest = kept * at_largest + weight * top.mean(axis=-2)
+    below = kept * below + weight * near.mean(axis=-2)
+    return [AmplitudePlateau(*own) for own in zip(largest, at_largest, below, strict=True)]
 
 
 def no_plateau(n_elements: int) -> AmplitudePlateau:

@@ -14,13 +14,18 @@ the elements are bad, all are used: the fault is likely to be elsewhere.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from sonar_tracking.errors import Notice, Severity
-from sonar_tracking.passive.subspaces.amplitude_plateau import AmplitudePlateau, no_plateau
-from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
+from sonar_tracking.passive.subspaces.amplitude_plateau import (
+    AmplitudePlateau,
+    no_plateau,
+    updated_plateaus,
+)
+from sonar_tracking.records.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from sonar_tracking.records.bearings import ArraySnapshots
 
 SILENT_RATIO, LOUD_RATIO, _SATURATED_RATIO = 1e-3, 100.0, 4.0
@@ -69,41 +74,73 @@ class ChannelMonitor:
         good = np.asarray(self.good_for >= QUARANTINE_SNAPSHOTS)
         return good if np.count_nonzero(good) > len(good) // 2 else np.ones_like(good)
 
-    def update(self, block: ArraySnapshots) -> tuple[ChannelMonitor, tuple[Notice, ...]]:
-        """Return the monitor after a block and a notice for each element that is bad in it.
 
-        Parameters
-        ----------
-        block : ArraySnapshots
-            Finite data of all elements.
-        """
-        data = block.data.reshape(-1, block.data.shape[-1])
-        squared = data.real**2 + data.imag**2
-        moments = np.stack([squared.mean(axis=0), (squared**2).mean(axis=0)])
-        power = _averaged(self.power, moments[0], self.n_snapshots, len(data), _POWER_SNAPSHOTS)
-        amplitudes = _averaged(
-            self.amplitudes, moments, self.n_snapshots, len(data), _AMPLITUDE_SNAPSHOTS
-        )
-        share = _share(self.n_snapshots, len(data), _AMPLITUDE_SNAPSHOTS)
-        plateau = self.plateau.update(data, share)
-        seen = self.n_snapshots + len(data)
-        silent, loud = moments[0] == 0.0, np.zeros(data.shape[-1], dtype=bool)
-        clipped, saturated = loud, loud
-        if seen >= _POWER_SNAPSHOTS:
-            median = _median(power, power > 0.0)
-            silent = silent | (power < SILENT_RATIO * median)
-            loud = power > LOUD_RATIO * median
-        if seen >= _AMPLITUDE_SNAPSHOTS:
-            clipped = _clipped(amplitudes) & plateau.found & ~silent
-            saturated = clipped & (power > _SATURATED_RATIO * _median(power, power > 0.0))
-        good_for = np.minimum(self.good_for + len(data), QUARANTINE_SNAPSHOTS)
-        good_for = np.where(silent | loud | saturated, 0, good_for)
-        monitor = ChannelMonitor(power, amplitudes, good_for, plateau, seen)
-        used = monitor.used
-        notices = [_silent(int(n), used[n]) for n in np.flatnonzero(silent)]
-        notices += [_clipping(int(n), used[n]) for n in np.flatnonzero(clipped)]
-        notices += [_loud(int(n), used[n]) for n in np.flatnonzero(loud & ~clipped)]
-        return monitor, tuple(notices)
+def updated_monitors(
+    monitors: Sequence[ChannelMonitor], blocks: Sequence[ArraySnapshots]
+) -> list[tuple[ChannelMonitor, tuple[Notice, ...]]]:
+    """Return the monitors of several runs after a block of each, and what is bad in it.
+
+    Parameters
+    ----------
+    monitors : sequence of ChannelMonitor
+        One a run.
+    blocks : sequence of ArraySnapshots
+        One a run; finite data of all elements. Blocks of one length are looked at in one go.
+
+    Returns
+    -------
+    list of (ChannelMonitor, tuple of Notice)
+        One a run, with a notice for each element that is bad.
+    """
+    snapshots = [block.data.reshape(-1, block.data.shape[-1]) for block in blocks]
+    alike: dict[tuple[object, ...], list[int]] = {}
+    for run, (monitor, data) in enumerate(zip(monitors, snapshots, strict=True)):
+        alike.setdefault((data.shape, monitor.n_snapshots), []).append(run)
+    after: dict[int, tuple[ChannelMonitor, tuple[Notice, ...]]] = {}
+    for runs in alike.values():
+        own = _updated([monitors[run] for run in runs], np.stack([snapshots[run] for run in runs]))
+        after.update(zip(runs, own, strict=True))
+    return [after[run] for run in range(len(monitors))]
+
+
+def _updated(
+    monitors: Sequence[ChannelMonitor], data: ComplexArray
+) -> list[tuple[ChannelMonitor, tuple[Notice, ...]]]:
+    """Return monitors that have seen as many snapshots after more, (n_runs, n_new, n_elements)."""
+    n_old, n_new = monitors[0].n_snapshots, data.shape[-2]
+    squared = data.real**2 + data.imag**2
+    moments = np.stack([squared.mean(axis=-2), (squared**2).mean(axis=-2)], axis=-2)
+    before = np.stack([each.power for each in monitors])
+    power = _averaged(before, moments[:, 0], n_old, n_new, _POWER_SNAPSHOTS)
+    before = np.stack([each.amplitudes for each in monitors])
+    amplitudes = _averaged(before, moments, n_old, n_new, _AMPLITUDE_SNAPSHOTS)
+    share = _share(n_old, n_new, _AMPLITUDE_SNAPSHOTS)
+    plateau = updated_plateaus([each.plateau for each in monitors], data, share)
+    seen = n_old + n_new
+    silent, loud = moments[:, 0] == 0.0, np.zeros(power.shape, dtype=bool)
+    clipped, saturated = loud, loud
+    if seen >= _POWER_SNAPSHOTS:
+        median = _median(power, power > 0.0)
+        silent = silent | (power < SILENT_RATIO * median)
+        loud = power > LOUD_RATIO * median
+    if seen >= _AMPLITUDE_SNAPSHOTS:
+        clipped = _clipped(amplitudes) & np.stack([each.found for each in plateau]) & ~silent
+        saturated = clipped & (power > _SATURATED_RATIO * _median(power, power > 0.0))
+    good_for = np.stack([each.good_for for each in monitors])
+    good_for = np.minimum(good_for + n_new, QUARANTINE_SNAPSHOTS)
+    good_for = np.where(silent | loud | saturated, 0, good_for)
+    bad = (silent | clipped | loud).any(axis=-1)
+    updated = []
+    for run, own in enumerate(plateau):
+        monitor = ChannelMonitor(power[run], amplitudes[run], good_for[run], own, seen)
+        notices = list[Notice]()
+        if bad[run]:
+            used = monitor.used
+            notices += [_silent(int(n), used[n]) for n in np.flatnonzero(silent[run])]
+            notices += [_clipping(int(n), used[n]) for n in np.flatnonzero(clipped[run])]
+            notices += [_loud(int(n), used[n]) for n in np.flatnonzero((loud & ~clipped)[run])]
+        updated.append((monitor, tuple(notices)))
+    return updated
 
 
 def new_monitor(n_elements: int) -> ChannelMonitor:
@@ -149,17 +186,23 @@ def _share(n_old: int, n_new: int, n_averaged: int) -> float:
 
 
 def _clipped(amplitudes: FloatArray) -> BoolArray:
-    heard = amplitudes[0] > 0.0
-    ratio = amplitudes[1] / np.where(heard, amplitudes[0], np.nan) ** 2
+    heard = amplitudes[:, 0] > 0.0
+    ratio = amplitudes[:, 1] / np.where(heard, amplitudes[:, 0], np.nan) ** 2
     return np.asarray(ratio < _median(ratio, heard) - _CLIPPED_DIFFERENCE)
 
 
-def _median(values: FloatArray, of: BoolArray) -> float:
-    """Return the median of some of the values; NaN, above and below which is nothing, of none."""
-    ordered = np.sort(values[of])
-    n = len(ordered)
-    # The median of numpy is the same, but loads its masked arrays and takes three times as long.
-    return 0.5 * float(ordered[(n - 1) // 2] + ordered[n // 2]) if n else np.nan
+def _median(values: FloatArray, of: BoolArray) -> FloatArray:
+    """Return the median of some of the values of each run, shape (n_runs, 1), in their unit.
+
+    NaN, above and below which is nothing, of none.
+    """
+    ordered = np.sort(np.where(of, values, np.inf), axis=-1)
+    n = np.count_nonzero(of, axis=-1, keepdims=True)
+    low, high = (
+        np.take_along_axis(ordered, place, axis=-1)
+        for place in (np.maximum(n - 1, 0) // 2, np.minimum(n // 2, values.shape[-1] - 1))
+    )
+    return np.where(n > 0, 0.5 * (low + high), np.nan)
 
 
 def _notice(element: int, used: bool, what: str) -> Notice:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from sonar_tracking.errors import Notice
 from sonar_tracking.geometry import is_uniform_line
 from sonar_tracking.passive.array_fit.array_fit import ArrayFit
 from sonar_tracking.passive.sources.noise_of_windows import common_or_stacked
@@ -141,6 +142,28 @@ class CompleteWindow:
     def covariance_end(self) -> int:
         """Global index of the last snapshot of its covariance."""
         return min(self.window.covariance_end, self.snapshots_from.timing.last_index)
+
+
+@dataclass(frozen=True)
+class AdvancedRun:
+    """A run after one more block, before its estimates are made.
+
+    Attributes
+    ----------
+    memory : EstimationMemory
+        After the block.
+    complete : list of CompleteWindow
+        Windows that it has completed.
+    notices : list of Notice
+        What a user should know about it.
+    end_of_data : bool
+        Whether it is the last one.
+    """
+
+    memory: EstimationMemory
+    complete: list[CompleteWindow]
+    notices: list[Notice]
+    end_of_data: bool
 
 
 def estimates_of_windows(

@@ -21,8 +21,14 @@ import numpy as np
 from sonar_tracking.errors import InputError, Notice
 from sonar_tracking.passive.subspaces.basis_sampling import noise_factors, start_sampler
 from sonar_tracking.passive.subspaces.block_checks import check_first_block, check_next_block
-from sonar_tracking.passive.subspaces.channel_monitor import new_monitor, used_elements
+from sonar_tracking.passive.subspaces.channel_monitor import (
+    ChannelMonitor,
+    new_monitor,
+    updated_monitors,
+    used_elements,
+)
 from sonar_tracking.passive.subspaces.estimation_memory import (
+    AdvancedRun,
     CompleteWindow,
     EstimationMemory,
     estimates_of_windows,
@@ -53,6 +59,7 @@ from sonar_tracking.records.time import END_OF_DATA
 __all__ = ["SubspaceConfiguration", "SubspaceStage", "SubspaceUpdate", "update_together"]
 
 Closed = tuple[EstimationMemory, list[CompleteWindow]]
+Channels = tuple[ChannelMonitor, tuple[Notice, ...]]
 
 LONG_GAP_PERIODS = 10
 """Sample times in a gap longer than this many periods give no estimates at all."""
@@ -72,16 +79,6 @@ class SubspaceUpdate:
 
     estimates: tuple[SubspaceEstimates, ...]
     notices: tuple[Notice, ...]
-
-
-@dataclass(frozen=True)
-class _Advanced:
-    """A run after one more block, before its estimates are made."""
-
-    memory: EstimationMemory
-    complete: list[CompleteWindow]
-    notices: list[Notice]
-    end_of_data: bool
 
 
 class SubspaceStage:
@@ -154,13 +151,13 @@ class SubspaceStage:
         """
         return update_together([self], [block])[0]
 
-    def _advance(self, block: ArraySnapshots) -> _Advanced:
+    def _advance(
+        self, block: ArraySnapshots, admitted: EstimationMemory, missing: int, channels: Channels
+    ) -> AdvancedRun:
         """Return what there is to remember after a block, and the windows it has completed."""
-        before = self._memory
-        memory, missing = self._admit(block, before)
-        monitor, channel_notices = memory.monitor.update(block)
+        before, (monitor, channel_notices) = self._memory, channels
         notices, complete = list(channel_notices), list[CompleteWindow]()
-        memory = self._choose_elements(replace(memory, monitor=monitor))
+        memory = self._choose_elements(replace(admitted, monitor=monitor))
         memory = self._open_windows(memory, missing)
         if before is not None and missing:
             notices.append(gap_notice(missing, block))
@@ -175,13 +172,11 @@ class SubspaceStage:
             window = self._schedule.window(memory.next_sample, memory.timing)
             memory = replace(memory, next_sample=memory.next_sample + 1)
             complete = [CompleteWindow(window, memory, memory)]
-        return _Advanced(memory, complete, notices, end_of_data)
+        return AdvancedRun(memory, complete, notices, end_of_data)
 
-    def _admit(
-        self, block: ArraySnapshots, memory: EstimationMemory | None
-    ) -> tuple[EstimationMemory, int]:
+    def _admit(self, block: ArraySnapshots) -> tuple[EstimationMemory, int]:
         """Check a block and place it in time; return how many snapshots are missing before it."""
-        if memory is None:
+        if (memory := self._memory) is None:
             return self._begin(block), 0
         check_next_block(block, memory.array)
         timing, missing = memory.timing.following(block.stamp, block.data.shape[-2])
@@ -334,7 +329,12 @@ def update_together(
     InputError
         If a block cannot be used; all stages are then as before.
     """
-    advanced = [stage._advance(block) for stage, block in zip(stages, blocks, strict=True)]
+    admitted = [stage._admit(block) for stage, block in zip(stages, blocks, strict=True)]
+    channels = updated_monitors([memory.monitor for memory, _ in admitted], blocks)
+    advanced = [
+        stage._advance(block, *own, monitored)
+        for stage, block, own, monitored in zip(stages, blocks, admitted, channels, strict=True)
+    ]
     configuration = stages[0].configuration
     fitted = fitted_windows(configuration, [(each.memory.fit, each.complete) for each in advanced])
     complete = [window for run in fitted for window in run.windows]
