@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from nav_msgs.msg import Odometry
+from rclpy.serialization import deserialize_message
 
 from sonar_tracking.display.page.frame_history import FrameHistory
 from sonar_tracking.display.page.health_frames import GONE, STALE, Health
@@ -19,6 +22,7 @@ from sonar_tracking.display.page.page_feed import PageFeed
 from sonar_tracking.display.page.page_frames import Frame, binary_frame, plain, rounded, text_frame
 from sonar_tracking.display.page.track_frames import tracks_frame
 from sonar_tracking.errors import InputError
+from sonar_tracking.graph.message_writing.simulated_writing import own_ship_to_bytes
 from sonar_tracking.records.commands import CommandKind
 from sonar_tracking.records.time import NANOSECONDS
 from tests.display.page.page_scene import START, TOPIC, own_ship, tracks
@@ -59,6 +63,18 @@ def test_the_frame_of_tracks_holds_their_columns_to_the_last_bit() -> None:
     assert said["position_covariance"][:3] == [400.0, 0.0, 900.0]
     assert said["contributors"] == [[0, 1, "array", 7]]
     assert said["t"] == START + 7
+
+
+def test_another_ship_is_shown_beside_own_ship_whoever_tells_first() -> None:
+    sent: list[Frame] = []
+    feed = PageFeed(PageConfiguration(), sent.append)
+    for topic, x in (("/consort/own_ship/odometry", 900.0), ("/own_ship/odometry", 5.0)) * 2:
+        state = replace(own_ship(2), position=(x, 0.0))
+        feed.take(topic, deserialize_message(own_ship_to_bytes(state), Odometry))
+        feed.take(topic, deserialize_message(own_ship_to_bytes(state), Odometry))
+    said = [(one.kind, content(one)["x"]) for one in sent if one.kind in ("own_ship", "ship")]
+    # Until own ship is heard of, the only one there is is taken for her.
+    assert said[2:] == [("own_ship", 5.0)] * 2 + [("ship", 900.0)] * 2 + [("own_ship", 5.0)] * 2
 
 
 def test_own_ship_is_known_between_and_shortly_after_its_states() -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.bags.storage.topic_names import topic_names
 from sonar_tracking.bags.storage.writer import BagWriter
 from sonar_tracking.errors import ConfigurationError
@@ -87,3 +88,23 @@ def test_tracks_without_truth_are_named(tmp_path: Path, capsys: pytest.CaptureFi
     truth = bag(tmp_path / "truth", "/truth/tracks")
     with pytest.raises(ConfigurationError, match="holds no tracks to score; its topics are"):
         score_bag(truth)
+
+
+def test_bearings_of_a_station_are_scored_against_what_is_true_there(tmp_path: Path) -> None:
+    topics = ("/bow/passive/bearing_tracks", "/passive/bearing_tracks")
+    path = bag(tmp_path / "run", "/truth/bearing_tracks", *topics)
+    writer = BagWriter(tmp_path / "turned")
+    for topic in read_bag(path).topics.values():
+        writer.add_topic(topic.name, TRACKS, role=topic.role)
+    writer.add_topic("/bow/truth/bearing_tracks", TRACKS, role="truth")
+    for message in read_bag(path).messages():
+        writer.write(message.topic, message.log_time, message.data)
+        if message.topic == "/truth/bearing_tracks":
+            # What is true at the station is a second late.
+            late = tracks_cdr(message.log_time // SECOND - EPOCH + 1)
+            writer.write("/bow/truth/bearing_tracks", message.log_time + SECOND, late)
+    writer.close()
+    scores = score_bag(tmp_path / "turned")
+    assert set(scores) == set(topics)
+    periods = [scores[topic].to_mapping()["unscored_periods"] for topic in topics]
+    assert periods == [1, 0]
