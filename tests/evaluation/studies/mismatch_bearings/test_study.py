@@ -209,6 +209,15 @@ def test_a_notice_names_the_channels_if_it_names_all_of_them_and_no_others(
     assert figures(condition, BearingTruth(crossing()), run, (6, 3))["named_percent"] == named
 
 
+def test_long_conditions_are_begun_first_with_the_seeds_of_their_places() -> None:
+    tasks = [task.argument for task in study.tasks(2, 7)]
+    sizes = [CONDITIONS[task.condition].n_estimates for task in tasks]
+    assert sizes == sorted(sizes, reverse=True)
+    assert {task.condition for task in tasks} == set(CONDITIONS)
+    places = {task.condition: task.seeds[0].entropy for task in tasks}
+    assert places == {name: (7, part) for part, name in enumerate(CONDITIONS)}
+
+
 def test_bound_falls_with_the_level_and_rises_where_bearings_are_near() -> None:
     faint, loud = (CONDITIONS[f"pair 3 deg apart, {level} dB"] for level in (0, 10))
     near = CONDITIONS["pair 2 deg apart, 0 dB"]

@@ -71,6 +71,11 @@ class Condition:
         )
 
     @property
+    def n_estimates(self) -> int:
+        """How many estimates there are in a run, about."""
+        return round(self.scenario.duration / self.estimator.period)
+
+    @property
     def source_rank(self) -> int:
         """Rank of the sources; one less for each that is coherent with another."""
         return len(self.scenario.targets) if self.published is None else self.published.rank

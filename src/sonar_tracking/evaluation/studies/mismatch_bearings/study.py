@@ -96,24 +96,30 @@ LAYOUTS = (
 
 
 def tasks(runs: int, seed: int) -> tuple[Task, ...]:
-    """Return what the workers compute: a few runs under a condition each."""
+    """Return what the workers compute: a few runs under a condition each.
+
+    Those with the most estimates come first, or a long one at the end leaves workers idle.
+    """
+    parts = {name: part for part, name in enumerate(CONDITIONS)}
     return tuple(
         Task(mismatch_runs, MismatchTask(name, batch.seeds))
-        for part, name in enumerate(CONDITIONS)
-        for batch in run_batches(runs, seed, part, RUNS_PER_TASK)
+        for name in sorted(CONDITIONS, key=lambda name: -CONDITIONS[name].n_estimates)
+        for batch in run_batches(runs, seed, parts[name], RUNS_PER_TASK)
     )
 
 
 def rows(results: Sequence[Sequence[MismatchRun]]) -> tuple[StudyRow, ...]:
     """Turn the results of the tasks into rows: under each condition the defaults come first."""
     every = [run for part in results for run in part]
+    there = {run.condition for run in every}
     return tuple(
         StudyRow(
             system,
             name,
             system_metrics([run.metrics[system] for run in every if run.condition == name], name),
         )
-        for name in dict.fromkeys(run.condition for run in every)
+        for name in CONDITIONS
+        if name in there
         for system in _systems(name)
     )
 
