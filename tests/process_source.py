@@ -39,6 +39,7 @@ LOADED = (
     "sonar_tracking.passive.lines.line_tracker_stage",
     "sonar_tracking.passive.subspaces.subspace_stage",
     "sonar_tracking.tma.targets.tma_tracker_stage",
+    "scipy.special",
 )
 """What commands and nodes load; nothing of it starts a thread, which would forbid copies."""
 

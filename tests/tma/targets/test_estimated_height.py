@@ -91,9 +91,12 @@ def joint(tracks: PositionTracks) -> bool:
 
 @pytest.mark.slow
 def test_two_stations_find_the_height_of_a_target_that_turns_and_dives() -> None:
-    """Joined within five minutes; errors as large as said, of position and of height."""
+    """Joined within five minutes; errors as large as said, of position and of height.
+
+    Three runs see half or twice the deviations as five do: their mean squares are the same.
+    """
     on_the_plane, upwards = [], []
-    for seed in range(5):
+    for seed in range(3):
         moments = followed(BOTH, seed)
         assert any(joint(tracks) for _, tracks in moments)
         for place, tracks in moments[FOUND_AFTER:]:
@@ -102,7 +105,7 @@ def test_two_stations_find_the_height_of_a_target_that_turns_and_dives() -> None
                 solved = np.linalg.solve(tracks.covariance[0, :2, :2], error)
                 on_the_plane.append(error @ solved / 2.0)
                 upwards.append((tracks.z[0] - place[2]) / tracks.z_standard_deviation[0])
-    assert len(upwards) > 450
+    assert len(upwards) > 270
     assert np.mean(np.abs(upwards) < 3.0) > 0.99
     assert 0.4 < np.mean(np.square(upwards)) < 1.5
     assert 0.4 < np.mean(on_the_plane) < 1.8
