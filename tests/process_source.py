@@ -24,20 +24,33 @@ from functools import cache, partial
 from importlib import import_module
 from pathlib import Path
 
+from typer.testing import CliRunner
+
+from sonar_tracking import cli
+from sonar_tracking.bags.storage.message_definitions import installed_definition
+from sonar_tracking.graph.catalogue import topics
+from sonar_tracking.graph.message_writing.field_writing import message_class
 from sonar_tracking.graph.orchestration.forked_node import SHARED, fork_node
 
 LOADED = (
     *SHARED,
+    "sonar_tracking.active.contact_tracker",
     "sonar_tracking.active.multi_target_tracker",
-    "sonar_tracking.cli",
     "sonar_tracking.evaluation.metrics.score_bag",
     "sonar_tracking.fusion.track_fusion_stage",
+    "sonar_tracking.graph.message_writing.alignment_writing",
+    "sonar_tracking.graph.message_writing.contact_writing",
+    "sonar_tracking.graph.message_writing.position_writing",
+    "sonar_tracking.graph.message_writing.simulated_writing",
     "sonar_tracking.graph.verbs.run_command",
     "sonar_tracking.graph.verbs.run_replay",
     "sonar_tracking.graph.verbs.run_scenario",
     "sonar_tracking.passive.bearings.bearing_tracker_stage",
+    "sonar_tracking.passive.bearings.joint_map_filters",
     "sonar_tracking.passive.lines.line_tracker_stage",
     "sonar_tracking.passive.subspaces.subspace_stage",
+    "sonar_tracking.simulation.sensors.array_simulation",
+    "sonar_tracking.simulation.world.world_simulation",
     "sonar_tracking.tma.targets.tma_tracker_stage",
     "scipy.special",
 )
@@ -142,10 +155,19 @@ def _source() -> socket.socket:
     return ours
 
 
-def _answer(requests: socket.socket) -> None:
-    """Make a copy for each request, until whoever asks is gone."""
+def _warm_up() -> None:
+    """Load what copies need, and have done what takes long the first time."""
     for each in LOADED:
         import_module(each)
+    for topic in (one for one in vars(topics).values() if isinstance(one, topics.Topic)):
+        installed_definition(topic.message_type)
+        message_class(topic.message_type).__import_type_support__()
+    CliRunner().invoke(cli.app, ["score", "nothing"])
+
+
+def _answer(requests: socket.socket) -> None:
+    """Make a copy for each request, until whoever asks is gone."""
+    _warm_up()
     while request := requests.recv(LONGEST_REQUEST):
         module, arguments, environment, log, folder = json.loads(request)
         end, begin = os.pipe()

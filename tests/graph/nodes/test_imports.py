@@ -1,16 +1,19 @@
 """A node imports what it runs and nothing else, so that a graph starts at once.
 
-Every case is a process of its own, in which nothing else has imported anything.
+Every case is a process of its own: a copy of one that has imported what all need and no module of
+this package, since loading that takes longer than the case itself.
 """
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 
 import pytest
 
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
+from sonar_tracking.graph.orchestration.forked_node import SHARED
 
 PEOPLE = {"matplotlib", "rich", "typer", "pydantic", "dask", "rosbags"}
 """Packages that show things to people or read foreign files."""
@@ -52,11 +55,54 @@ WARM = {
 """What is loaded later than the stage that needs it."""
 
 
-def imported(code: str) -> set[str]:
-    """Return the modules that are loaded once a fresh process has run some code."""
-    code += "\nimport sys; print(*sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    return set(done.stdout.split())
+COPIES = """
+import importlib, json, os, sys
+for each in {common}:
+    importlib.import_module(each)
+loaded = {{"": list(sys.modules)}}
+for code in {codes}:
+    end, begin = os.pipe()
+    if not os.fork():
+        with os.fdopen(begin, "w") as answer:
+            exec(code, {{}})
+            json.dump(list(sys.modules), answer)
+        os._exit(0)
+    os.close(begin)
+    with os.fdopen(end) as answer:
+        loaded[code] = json.loads(answer.read() or "null")
+    os.wait()
+print(json.dumps(loaded))
+"""
+COMMON = tuple(each for each in SHARED if not each.startswith("sonar_tracking."))
+"""What all nodes need: messages, with numpy."""
+RUN = "import sonar_tracking.graph.verbs.run_scenario"
+
+
+def import_of(node: str) -> str:
+    """Return the code that imports a node."""
+    return f"import {NODE_MODULES[node]}"
+
+
+def warm_up_of(stage: str) -> str:
+    """Return the code that warms a stage up, which has not loaded before what it needs then."""
+    module, _, made = stage.partition(":")
+    make = f"import sys, {module}; stage = eval({made!r}, vars({module}))"
+    return f"{make}; assert {WARM[stage]!r} not in sys.modules; stage.warm_up()"
+
+
+@pytest.fixture(scope="module")
+def imported() -> dict[str, set[str]]:
+    """Modules that are loaded once a fresh process has run each code."""
+    codes = [*map(import_of, NODE_MODULES), *map(warm_up_of, WARM), RUN]
+    done = subprocess.run(
+        [sys.executable, "-c", COPIES.format(common=COMMON, codes=codes)],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    loaded = {code: set(modules or ()) for code, modules in json.loads(done.stdout).items()}
+    assert not within(loaded[""], {"sonar_tracking", "rclpy", "scipy", *PEOPLE})
+    return loaded
 
 
 def within(modules: set[str], packages: set[str]) -> set[str]:
@@ -65,8 +111,8 @@ def within(modules: set[str], packages: set[str]) -> set[str]:
 
 
 @pytest.mark.parametrize("node", NODE_MODULES)
-def test_a_node_imports_what_it_runs(node: str) -> None:
-    modules = imported(f"import {NODE_MODULES[node]}")
+def test_a_node_imports_what_it_runs(imported: dict[str, set[str]], node: str) -> None:
+    modules = imported[import_of(node)]
     assert STAGES[node] in modules
     needless = {"scipy", *PEOPLE, *NO_NODE}
     if node == "operator_display":
@@ -79,16 +125,17 @@ def test_a_node_imports_what_it_runs(node: str) -> None:
 
 
 @pytest.mark.parametrize("stage", WARM, ids=lambda stage: stage.partition(":")[2])
-def test_what_a_stage_loads_later_is_loaded_by_its_warm_up(stage: str) -> None:
-    module, _, made = stage.partition(":")
-    make = f"import sys, {module}; stage = eval({made!r}, vars({module}))"
-    assert WARM[stage] in imported(
-        f"{make}; assert {WARM[stage]!r} not in sys.modules; stage.warm_up()"
-    )
+def test_what_a_stage_loads_later_is_loaded_by_its_warm_up(
+    imported: dict[str, set[str]], stage: str
+) -> None:
+    assert WARM[stage] in imported[warm_up_of(stage)]
 
 
-def test_a_run_starts_its_nodes_before_it_loads_what_nodes_run() -> None:
-    modules = imported("import sonar_tracking.graph.verbs.run_scenario")
+def test_a_run_starts_its_nodes_before_it_loads_what_nodes_run(
+    imported: dict[str, set[str]],
+) -> None:
+    modules = imported[RUN]
+    assert "sonar_tracking.graph.verbs.run_scenario" in modules
     stages = {name for node, name in STAGES.items() if not node.endswith("_simulator")}
     assert not within(modules, {"scipy", "rclpy", "matplotlib", "rosbags", *stages})
     scores = {

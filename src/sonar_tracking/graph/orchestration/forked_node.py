@@ -26,8 +26,11 @@ from sonar_tracking.stop_signals import STOP_SIGNALS
 
 NODES = "sonar_tracking.graph.nodes."
 SHARED = (
+    "sonar_tracking.graph.catalogue.command_kinds",
     "sonar_tracking.graph.message_writing.array_writing",
+    "sonar_tracking.graph.message_writing.progress_writing",
     "sonar_tracking.message_reading.array_reading",
+    "sonar_tracking.message_reading.snapshot_bytes",
     "sonar_tracking.graph.node_base.event_time_join",
     "sonar_tracking.graph.node_base.stamp_guard",
     "sonar_tracking_msgs.msg",
@@ -35,7 +38,11 @@ SHARED = (
     "rosgraph_msgs.msg",
     "rcl_interfaces.msg",
     "rcl_interfaces.srv",
+    "type_description_interfaces.msg",
     "type_description_interfaces.srv",
+    "ament_index_python.packages",
+    "rosidl_generator_py",
+    "xml.etree.ElementTree",
 )
 """What nodes load, whatever they do, and what starts no thread."""
 
