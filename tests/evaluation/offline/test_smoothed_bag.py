@@ -9,7 +9,6 @@ import sys
 from collections.abc import Callable
 from contextlib import redirect_stdout
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -22,14 +21,10 @@ from sonar_tracking.bags.storage.writer import BagWriter
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.evaluation.metrics.position_score import PositionScore
 from sonar_tracking.evaluation.metrics.score_bag import score_bag
-from sonar_tracking.evaluation.offline.offline_tma_chain import (
-    OfflineTmaRun,
-    run_offline_tma_chain,
-)
+from sonar_tracking.evaluation.offline.offline_tma_chain import OfflineTmaRun
 from sonar_tracking.evaluation.offline.smoothed_bag import smooth_bag
 from sonar_tracking.records.bearings import BearingTracks, Sensor
 from sonar_tracking.records.positions import TrackSource
-from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
 from tests.bags.position_fixtures import (
     BEARINGS,
     ODOMETRY,
@@ -38,15 +33,14 @@ from tests.bags.position_fixtures import (
     odometry_cdr,
     position_tracks_cdr,
 )
+from tests.tma.offline_runs import offline_tma_run
 
-DURATION = 320.0
 OFFSET = 10**12
 """Log times of a recorder that runs on another clock, ns."""
 
 
-@cache
 def simulated() -> OfflineTmaRun:
-    return run_offline_tma_chain(replace(load_scenario("cross_fix"), duration=DURATION))
+    return offline_tma_run("cross_fix")
 
 
 def recorded(

@@ -8,28 +8,19 @@ import pytest
 
 from sonar_tracking.evaluation.metrics.position_score import score_position_tracks
 from sonar_tracking.evaluation.metrics.position_truth import truth_as_tracks
-from sonar_tracking.evaluation.offline.offline_tma_chain import (
-    OfflineTmaRun,
-    passive_frame,
-    run_offline_tma_chain,
-)
+from sonar_tracking.evaluation.offline.offline_tma_chain import OfflineTmaRun, passive_frame
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks, TrackSource
-from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
 from sonar_tracking.tma.batch.target_smoother import TargetSmootherConfiguration
 from sonar_tracking.tma.targets.observation_log import ObservationLog, Observations
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
 from sonar_tracking.tma.targets.track_smoothing import SmoothedTracks, smooth_tracks
+from tests.tma.offline_runs import offline_tma_run as run
 
 pytestmark = pytest.mark.slow
 
 TRACKER = TmaTrackerConfiguration()
 SMOOTHER = TargetSmootherConfiguration(systematic_deviation_deg=0.1)
-
-
-@cache
-def run(name: str) -> OfflineTmaRun:
-    return run_offline_tma_chain(load_scenario(name))
 
 
 def observed(one: OfflineTmaRun) -> Observations:
