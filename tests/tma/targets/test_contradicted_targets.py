@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -35,15 +37,42 @@ DEVIATION = float(np.radians(0.5))
 Change = Callable[[int, PassiveFrame, SimulatedFrame], PassiveFrame]
 
 
-def followed(
-    change: Change, seed: int, every: int = 1, **parameters: float
-) -> list[tuple[int, TmaUpdate, SimulatedFrame]]:
+Followed = list[tuple[int, TmaUpdate, SimulatedFrame]]
+"""Number of a frame, what came of it, and the truth."""
+
+
+@cache
+def ship(seed: int) -> list[tuple[PassiveFrame, SimulatedFrame]]:
+    return simulated(scene(DIRECTIONS, targets=(NEAR,), duration=START + 100.0, seed=seed))
+
+
+@cache
+def confirmed(seed: int) -> tuple[bytes, Followed]:
+    """Return a stage, pickled, when measurements begin to be wrong, and what it said before."""
+    stage = TmaTrackerStage()
+    before = [
+        (number, stage.update(frame), truth)
+        for number, (frame, truth) in enumerate(ship(seed)[:START])
+    ]
+    return pickle.dumps(stage), before
+
+
+def misled(change: Change, seed: int) -> Followed:
+    """Return what becomes of a ship in frames that are changed from some time on."""
+    kept, before = confirmed(seed)
+    stage = pickle.loads(kept)
+    return before + [
+        (number, stage.update(change(number, frame, truth)), truth)
+        for number, (frame, truth) in enumerate(ship(seed)[START:], START)
+    ]
+
+
+def followed(change: Change, seed: int, every: int = 1, **parameters: float) -> Followed:
     """Return what becomes of a ship in frames of which some are changed."""
     stage = TmaTrackerStage(TmaTrackerConfiguration(**parameters))  # type: ignore[arg-type]
-    frames = simulated(scene(DIRECTIONS, targets=(NEAR,), duration=START + 100.0, seed=seed))
     return [
         (number, stage.update(change(number, frame, truth)), truth)
-        for number, (frame, truth) in enumerate(frames)
+        for number, (frame, truth) in enumerate(ship(seed))
         if number % every == 0
     ]
 
@@ -77,7 +106,7 @@ def elevations(number: int, frame: PassiveFrame, truth: SimulatedFrame) -> Passi
 @pytest.mark.parametrize("angle_deg", [-60.0, 5.0])
 def test_bearings_that_jump_elsewhere_leave_the_target_where_it_was(angle_deg: float) -> None:
     for seed in (5, 6):
-        updates = followed(jump(angle_deg), seed)
+        updates = misled(jump(angle_deg), seed)
         statuses = {number: listed(update).status.tolist() for number, update, _ in updates}
         assert statuses[START - 1] == [TrackStatus.CONFIRMED]
         lost = next(n for n in range(START, START + 30) if TrackStatus.COASTED in statuses[n])
@@ -101,7 +130,7 @@ def test_a_source_that_is_heard_again_where_it_was_expected_keeps_its_row() -> N
     def returning(number: int, frame: PassiveFrame, truth: SimulatedFrame) -> PassiveFrame:
         return wrong(number, frame, truth) if number < START + 25 else frame
 
-    updates = followed(returning, 5)
+    updates = misled(returning, 5)
     last = running(listed(updates[-1][1]))
     assert 1 in last.id.tolist()
     assert last.status[last.id == 1].tolist() == [TrackStatus.CONFIRMED]
