@@ -223,12 +223,15 @@ class Trajectory:
         elapsed = times - self._starts[leg]
         rate = self._rates[leg]
         azimuth = self._azimuths[leg] + rate * elapsed
-        # The chord of an arc of angle w dt has length v dt sin(w dt / 2) / (w dt / 2) and points
-        # along the mean heading; np.sinc has its limit at a straight leg built in.
-        half_angle = 0.5 * rate * elapsed
-        chord = self._speed * elapsed * np.sinc(half_angle / np.pi)
-        position = self._positions[leg] + chord[..., None] * _unit(azimuth - half_angle)
-        return KinematicState(position, self._speed * _unit(azimuth), azimuth, rate)
+        heading = mean_heading = _unit(azimuth)
+        chord = self._speed * elapsed
+        if rate.any():
+            # The chord of an arc of angle w dt has length v dt sin(w dt / 2) / (w dt / 2) and
+            # points along the mean heading; np.sinc has its limit at a straight leg built in.
+            half_angle = 0.5 * rate * elapsed
+            chord, mean_heading = chord * np.sinc(half_angle / np.pi), _unit(azimuth - half_angle)
+        position = self._positions[leg] + chord[..., None] * mean_heading
+        return KinematicState(position, self._speed * heading, azimuth, rate)
 
     def _append_turn(self, turn: Turn, following: float) -> None:
         begin = self.state(turn.time)

@@ -197,20 +197,18 @@ class BearingStation:
         state = self._trajectory.state(time)
         angle_of = {int(n) - 1: a for n, a in zip(truth.id, truth.arrival_angle, strict=True)}
         tracks, angles, numbers, frequencies = [], [], [], []
-        number = -1
+        first = 0
         for row, target in enumerate(self._targets):
-            for line in target.lines:
-                number += 1
-                if row not in angle_of or not line.is_present(time):
-                    continue
-                assert isinstance(target.motion, KinematicMotion)
-                ratio = frequency_ratio(
-                    target.motion.trajectory,
-                    state,
-                    time,
-                    station.sound_speed,
-                    station.propagation,
-                )
+            numbered = list(enumerate(target.lines, first))
+            first += len(numbered)
+            present = [one for one in numbered if row in angle_of and one[1].is_present(time)]
+            if not present:
+                continue
+            assert isinstance(target.motion, KinematicMotion)
+            ratio = frequency_ratio(
+                target.motion.trajectory, state, time, station.sound_speed, station.propagation
+            )
+            for number, line in present:
                 error = station.frequency_standard_deviation * normal[0, number]
                 if uniform[0, number] < station.line_outlier_share:
                     error = station.line_outlier_width * (2.0 * uniform[1, number] - 1.0)
