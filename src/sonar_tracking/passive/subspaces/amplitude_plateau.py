@@ -61,11 +61,15 @@ def updated_plateaus(
     share : float
         Weight of these snapshots, 0 to 1.
     """
-    values = np.abs(np.stack([data.real, data.imag, np.abs(data)], axis=1))
+    n_runs, *shape = data.shape
+    values = np.empty((n_runs, 3, *shape))
+    np.abs(data.real, out=values[:, 0])
+    np.abs(data.imag, out=values[:, 1])
+    np.abs(data, out=values[:, 2])
     here = values.max(axis=-2)
-    before = np.stack([each.largest for each in plateaus])
-    at_largest = np.stack([each.at_largest for each in plateaus])
-    below = np.stack([each.below for each in plateaus])
+    before = np.array([each.largest for each in plateaus])
+    at_largest = np.array([each.at_largest for each in plateaus])
+    below = np.array([each.below for each in plateaus])
     # A value that has not been reached again for long was no limit.
     forgotten = at_largest * data.shape[-2] < 0.5 * share
     larger = (here > (1.0 + _SAME) * before) | forgotten
@@ -74,8 +78,8 @@ def updated_plateaus(
     near = (values >= _BELOW * largest[..., None, :]) & ~top
     kept = np.where(larger, 0.0, 1.0 - share)
     weight = np.where(larger, 1.0, share)
-    at_largest = kept * at_largest + weight * top.mean(axis=-2)
-    below = kept * below + weight * near.mean(axis=-2)
+    at_largest = kept * at_largest + weight * (top.sum(axis=-2) / data.shape[-2])
+    below = kept * below + weight * (near.sum(axis=-2) / data.shape[-2])
     return [AmplitudePlateau(*own) for own in zip(largest, at_largest, below, strict=True)]
 
 

@@ -98,7 +98,7 @@ def updated_monitors(
         alike.setdefault((data.shape, monitor.n_snapshots), []).append(run)
     after: dict[int, tuple[ChannelMonitor, tuple[Notice, ...]]] = {}
     for runs in alike.values():
-        own = _updated([monitors[run] for run in runs], np.stack([snapshots[run] for run in runs]))
+        own = _updated([monitors[run] for run in runs], np.array([snapshots[run] for run in runs]))
         after.update(zip(runs, own, strict=True))
     return [after[run] for run in range(len(monitors))]
 
@@ -109,24 +109,27 @@ def _updated(
     """Return monitors that have seen as many snapshots after more, (n_runs, n_new, n_elements)."""
     n_old, n_new = monitors[0].n_snapshots, data.shape[-2]
     squared = data.real**2 + data.imag**2
-    moments = np.stack([squared.mean(axis=-2), (squared**2).mean(axis=-2)], axis=-2)
-    before = np.stack([each.power for each in monitors])
+    moments = np.empty((len(data), 2, data.shape[-1]))
+    squared.sum(axis=-2, out=moments[:, 0])
+    (squared**2).sum(axis=-2, out=moments[:, 1])
+    moments /= n_new
+    before = np.array([each.power for each in monitors])
     power = _averaged(before, moments[:, 0], n_old, n_new, _POWER_SNAPSHOTS)
-    before = np.stack([each.amplitudes for each in monitors])
+    before = np.array([each.amplitudes for each in monitors])
     amplitudes = _averaged(before, moments, n_old, n_new, _AMPLITUDE_SNAPSHOTS)
     share = _share(n_old, n_new, _AMPLITUDE_SNAPSHOTS)
     plateau = updated_plateaus([each.plateau for each in monitors], data, share)
     seen = n_old + n_new
     silent, loud = moments[:, 0] == 0.0, np.zeros(power.shape, dtype=bool)
     clipped, saturated = loud, loud
+    median = _median(power, power > 0.0)
     if seen >= _POWER_SNAPSHOTS:
-        median = _median(power, power > 0.0)
         silent = silent | (power < SILENT_RATIO * median)
         loud = power > LOUD_RATIO * median
     if seen >= _AMPLITUDE_SNAPSHOTS:
-        clipped = _clipped(amplitudes) & np.stack([each.found for each in plateau]) & ~silent
-        saturated = clipped & (power > _SATURATED_RATIO * _median(power, power > 0.0))
-    good_for = np.stack([each.good_for for each in monitors])
+        clipped = _clipped(amplitudes) & np.array([each.found for each in plateau]) & ~silent
+        saturated = clipped & (power > _SATURATED_RATIO * median)
+    good_for = np.array([each.good_for for each in monitors])
     good_for = np.minimum(good_for + n_new, QUARANTINE_SNAPSHOTS)
     good_for = np.where(silent | loud | saturated, 0, good_for)
     bad = (silent | clipped | loud).any(axis=-1)
@@ -196,13 +199,17 @@ def _median(values: FloatArray, of: BoolArray) -> FloatArray:
 
     NaN, above and below which is nothing, of none.
     """
-    ordered = np.sort(np.where(of, values, np.inf), axis=-1)
-    n = np.count_nonzero(of, axis=-1, keepdims=True)
-    low, high = (
-        np.take_along_axis(ordered, place, axis=-1)
-        for place in (np.maximum(n - 1, 0) // 2, np.minimum(n // 2, values.shape[-1] - 1))
-    )
-    return np.where(n > 0, 0.5 * (low + high), np.nan)
+    if of.all():
+        return _middle(np.sort(values, axis=-1))
+    heard = [np.sort(own[rows])[None] for own, rows in zip(values, of, strict=True)]
+    return np.concatenate([_middle(own) if own.size else np.full((1, 1), np.nan) for own in heard])
+
+
+def _middle(ordered: FloatArray) -> FloatArray:
+    """Return the median of ordered values, shape (n_runs, n), of each run, shape (n_runs, 1)."""
+    n = ordered.shape[-1]
+    # The median of numpy is the same, but loads its masked arrays and takes three times as long.
+    return 0.5 * (ordered[:, (n - 1) // 2, None] + ordered[:, n // 2, None])
 
 
 def _notice(element: int, used: bool, what: str) -> Notice:
