@@ -4,8 +4,8 @@ Most of the processor time of a short command, or of a node, goes into loading t
 modules. Each process of tests has one source, started at the first use, which has loaded them
 once. A copy runs the same ``main`` of the same module in the environment, folder and log it is
 told; it is a child of the process of the tests, which has its exit code and processor time. The
-tests of installation, those of the start itself and the longest tutorial begin from nothing, as
-users do.
+tests of installation, those of the start itself and runs of the longest tutorial begin from
+nothing, as users do.
 """
 
 from __future__ import annotations
