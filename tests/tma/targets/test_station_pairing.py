@@ -8,7 +8,8 @@ import pytest
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
 from sonar_tracking.tma.targets.joint_observation import observe_together
 from sonar_tracking.tma.targets.solver_likelihoods import log_likelihoods
-from sonar_tracking.tma.targets.station_pairing import StationPairing, Trial
+from sonar_tracking.tma.targets.station_pairing import StationPairing
+from sonar_tracking.tma.targets.station_trials import Trial
 from sonar_tracking.tma.targets.target_records import TargetObservation
 from sonar_tracking.tma.targets.target_solver import TargetSolver
 

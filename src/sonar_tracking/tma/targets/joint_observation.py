@@ -15,7 +15,8 @@ from sonar_tracking.tma.targets.baseline_solver import BaselineSolver
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
 from sonar_tracking.tma.targets.solver_likelihoods import log_likelihoods
 from sonar_tracking.tma.targets.station_association import CHANCE_DENSITY
-from sonar_tracking.tma.targets.station_pairing import Sighting, StationPairing, Trial
+from sonar_tracking.tma.targets.station_pairing import StationPairing
+from sonar_tracking.tma.targets.station_trials import Sighting, Trial
 from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
 from sonar_tracking.tma.targets.target_solver import (
     Problem,
@@ -119,6 +120,7 @@ def _weigh(seen: Sequence[Sighting], trials: Sequence[tuple[Trial, Sighting]]) -
         chance = _chance(observation)
         rival = explained.get(trial if target in trial.alone else target)
         begun = target in trial.alone or bool(target.solutions)
+        trial.crossed |= target is not trial.targets[0]
         own = _log_density(rival, chance) if begun and rival is not None else chance
         trial.evidence += _log_density(likelihood, chance) - own
 

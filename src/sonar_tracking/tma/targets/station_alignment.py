@@ -133,8 +133,10 @@ class StationAlignment:
         self, first: FollowedTarget, second: FollowedTarget, solution: TargetSolution
     ) -> None:
         """Follow a target that two stations have been found to hear."""
+        if first in self._targets:
+            return
         logs = [self._logs.pop(one, deque()) for one in (first, second)]
-        if not all(logs) or first in self._targets:
+        if not all(logs):
             return
         start = max(log[0].stamp for log in logs)
         heard = [one for log in logs for one in log if one.stamp >= start]

@@ -18,7 +18,7 @@ fallen behind is tried again, from what is known of the older target then, after
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,7 +27,8 @@ from sonar_tracking.records.time import nanoseconds
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
 from sonar_tracking.tma.targets.station_association import CHANCE_DENSITY, FREE, associate
-from sonar_tracking.tma.targets.target_records import TargetObservation
+from sonar_tracking.tma.targets.station_crossings import certain_crossings, pointed_at
+from sonar_tracking.tma.targets.station_trials import FIRST_PAUSE, Key, Sighting, Trial
 from sonar_tracking.tma.targets.target_solver import TargetSolver
 
 AGILE = 0.05
@@ -37,42 +38,8 @@ FEW = 4
 """Where a new target may be one with so many others at most, agile ones are tried at once; a trial
 is begun again when there are fewer."""
 
-FIRST_PAUSE, LATER_PAUSES = 30.0, 2.0
-"""Of a trial that failed, s, and how much longer each further one is."""
-
-Sighting = tuple[FollowedTarget, TargetObservation]
-"""A target, and what a station observed of it."""
-
-
-@dataclass(eq=False)
-class Trial:
-    """Two targets taken to be one.
-
-    Attributes
-    ----------
-    first, second : FollowedTarget
-        The older one, which stays, and the younger one.
-    solver : TargetSolver
-        Of both.
-    evidence : float
-        That they are one; log.
-    pause : float
-        Until it is tried again if it fails, s.
-    alone : dict of FollowedTarget to TargetSolver
-        What the trial is compared with where this is not the target's own solver.
-    """
-
-    first: FollowedTarget
-    second: FollowedTarget
-    solver: TargetSolver
-    evidence: float = 0.0
-    pause: float = FIRST_PAUSE
-    alone: dict[FollowedTarget, TargetSolver] = field(default_factory=dict)
-
-    @property
-    def pair(self) -> tuple[FollowedTarget, FollowedTarget]:
-        """Both targets."""
-        return self.first, self.second
+LATER_PAUSES = 2.0
+"""How much longer each further pause of a trial that failed is."""
 
 
 @dataclass(frozen=True)
@@ -113,6 +80,7 @@ class StationPairing:
         self._threshold = float(np.log(odds))
         self._trials: list[Trial] = []
         self._failed: list[_Failed] = []
+        self._joined: list[FollowedTarget] = []
         self._agile: RangeBankConfiguration | None = None
 
     def begin(self, born: FollowedTarget, others: Sequence[FollowedTarget]) -> None:
@@ -120,7 +88,7 @@ class StationPairing:
         possible = [one for one in others if _may_be_one(one, born)]
         for other in possible:
             if isinstance(other.solver, TargetSolver):
-                self._trials.append(Trial(other, born, other.solver.copy()))
+                self._trials.append(Trial((other, born), other.solver.copy()))
                 if len(possible) <= FEW:
                     self._try_agile(other, born, FIRST_PAUSE)
 
@@ -138,7 +106,8 @@ class StationPairing:
             self._agile = replace(given, acceleration=max(given.acceleration, AGILE))
         alone = {first: first.solver.copy(self._agile), second: TargetSolver(self._agile)}
         solver = first.solver.copy(self._agile)
-        self._trials.append(Trial(first, second, solver, pause=pause, alone=alone))
+        trial = Trial((first, second), solver, pause=pause, alone=alone, agile=True)
+        self._trials.append(trial)
 
     def concerned(self, seen: Sequence[Sighting]) -> list[tuple[Trial, Sighting]]:
         """Return what the trials of the targets that a station has seen will take in.
@@ -146,72 +115,112 @@ class StationPairing:
         A station that sees both targets of a trial tells them apart: the trial is given up.
         """
         of_target = dict(seen)
+        located = [one for one in self._joined if len(one.members) > 1]
+        self._trials += pointed_at(self._trials, located, seen, self._known())
         concerned = []
         for trial in self._trials:
-            own = [one for one in trial.pair if one in of_target]
-            if len(own) == 2:
+            own = [one for one in trial.targets if one in of_target]
+            if len(own) > 1:
                 trial.evidence = -np.inf
             elif own:
                 concerned.append((trial, (own[0], of_target[own[0]])))
         return concerned
 
+    def _known(self) -> set[Key]:
+        """Return what is tried, or has failed not long ago."""
+        failed = [one.trial for one in self._failed]
+        return {trial.key for trial in (*self._trials, *failed)}
+
     def end(self, target: FollowedTarget) -> None:
         """Forget the trials of a target that ends."""
-        self._trials = [one for one in self._trials if target not in one.pair]
-        self._failed = [one for one in self._failed if target not in one.trial.pair]
+        self._joined = [one for one in self._joined if one is not target]
+        self._trials = [one for one in self._trials if target not in one.targets]
+        self._failed = [one for one in self._failed if target not in one.trial.targets]
 
     def choose_side(self, target: FollowedTarget, side: str) -> None:
         """Let the side of a target, ``left`` or ``right``, be certain in all its trials."""
         for trial in self._trials:
-            if target is trial.first:
+            if target is trial.targets[0]:
                 trial.solver.choose_side(side)
             if target in trial.alone:
                 trial.alone[target].choose_side(side)
 
     def decide(self, stamp: int) -> tuple[Pair, ...]:
-        """Return the pairs that are one at a stamp, ns, and give up for now those that are not."""
+        """Return the pairs that are one at a stamp, ns, and give up for now those that are not.
+
+        Three that are one are two pairs, with the same first target.
+        """
         self._give_up(stamp)
         if not any(one.evidence >= self._threshold for one in self._trials):
             return ()
+        if all(one.is_pair for one in self._trials):
+            return tuple(self._certain_pairs())
+        certain = certain_crossings(self._trials, self._threshold)
+        together = [(one, more) for one in certain for more in one.targets[1:]]
+        return tuple(Pair(one.targets[0], more, one.solver) for one, more in together)
+
+    def _certain_pairs(self) -> list[Pair]:
+        """Return the pairs of the best assignment that beat all others by the odds."""
         # The others have no part in the best assignment.
         likely = [one for one in self._trials if one.evidence > 0.0]
-        firsts = list(dict.fromkeys(one.first for one in likely))
-        seconds = list(dict.fromkeys(one.second for one in likely))
+        firsts = list(dict.fromkeys(one.targets[0] for one in likely))
+        seconds = list(dict.fromkeys(one.targets[1] for one in likely))
         evidence = np.full((len(firsts), len(seconds)), -np.inf)
         for one in likely:
-            place = firsts.index(one.first), seconds.index(one.second)
+            place = firsts.index(one.targets[0]), seconds.index(one.targets[1])
             evidence[place] = max(evidence[place], one.evidence)
         assigned = associate(evidence + np.log(CHANCE_DENSITY))
         pairs = []
         for column, row in enumerate(assigned):
-            if row == FREE or evidence[row, column] - _rival(evidence, row, column) < (
-                self._threshold
-            ):
+            if row == FREE:
+                continue
+            if evidence[row, column] - _rival(evidence, row, column) < self._threshold:
                 continue
             pair = firsts[row], seconds[column]
-            trial = max((one for one in likely if one.pair == pair), key=lambda one: one.evidence)
-            pairs.append(Pair(trial.first, trial.second, trial.solver))
-        return tuple(pairs)
+            own = [one for one in likely if one.targets == pair]
+            trial = max(own, key=lambda one: one.evidence)
+            pairs.append(Pair(*pair, trial.solver))
+        return pairs
 
     def _give_up(self, stamp: int) -> None:
         """Give up what fell behind, for ever only where a station tells the two apart."""
         for failed in [one for one in self._failed if one.next_stamp <= stamp]:
-            first, second = failed.trial.pair
-            if sum(one.second is second for one in self._trials) < FEW:
+            first, *others = failed.trial.targets
+            if not failed.trial.is_pair:
+                self._failed.remove(failed)  # and is begun again where a smaller one points to it
+            elif self._pairs_with(others[0]) < FEW:
                 self._failed.remove(failed)
-                self._try_agile(first, second, LATER_PAUSES * failed.trial.pause)
-        for trial in [one for one in self._trials if one.evidence <= -self._threshold]:
+                self._try_agile(first, others[0], LATER_PAUSES * failed.trial.pause)
+        for trial in [one for one in self._trials if self._fell_behind(one)]:
             self._trials.remove(trial)
-            parallel = any(one.pair == trial.pair for one in self._trials)
+            own = set(trial.targets)
+            parallel = any(set(one.targets) == own for one in self._trials)
             if trial.evidence > -np.inf and not parallel:
                 self._failed.append(_Failed(trial, stamp + nanoseconds(trial.pause)))
+
+    def _pairs_with(self, second: FollowedTarget) -> int:
+        return sum(one.is_pair and one.targets[1] is second for one in self._trials)
+
+    def _fell_behind(self, trial: Trial) -> bool:
+        """Return whether a trial is given up: one worse than without its last target, too."""
+        base = trial.base
+        lost = base is not None and base in self._trials and trial.evidence < base.evidence
+        return lost or trial.evidence <= -self._threshold
 
     def join(self, pair: Pair) -> None:
         """Take a pair to be one: what the older target is tried with goes on with both."""
         self.end(pair.second)
+        if pair.first not in self._joined:
+            self._joined.append(pair.first)
+        # It is somewhere else than both alone were taken to be: what was found with it is void.
+        self._failed = [one for one in self._failed if pair.first not in one.trial.targets]
+        self._trials = [one for one in self._trials if one.is_pair or pair.first not in one.targets]
         for trial in self._trials:
-            if pair.first in trial.pair:
-                trial.solver = pair.solver.copy(trial.solver.configuration)
+            if pair.first in trial.targets:
+                (other,) = (one for one in trial.targets if one is not pair.first)
+                configuration = trial.solver.configuration
+                trial.solver, trial.evidence = pair.solver.copy(configuration), 0.0
+                trial.alone[other] = TargetSolver(configuration)
             if pair.first in trial.alone:
                 trial.alone[pair.first] = pair.solver.copy(trial.solver.configuration)
 

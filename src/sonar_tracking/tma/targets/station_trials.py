@@ -1,0 +1,63 @@
+"""A trial: targets of different stations taken to be one, with a solver of their own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from sonar_tracking.tma.targets.followed_target import FollowedTarget
+from sonar_tracking.tma.targets.target_records import TargetObservation
+from sonar_tracking.tma.targets.target_solver import TargetSolver
+
+FIRST_PAUSE = 30.0
+"""Of a trial that failed, until it is begun again, s."""
+
+Sighting = tuple[FollowedTarget, TargetObservation]
+"""A target, and what a station observed of it."""
+
+
+@dataclass(eq=False)
+class Trial:
+    """Targets of different stations taken to be one.
+
+    Attributes
+    ----------
+    targets : tuple of FollowedTarget
+        The oldest one, which stays, and the others.
+    solver : TargetSolver
+        Of all.
+    evidence : float
+        That they are one; log.
+    pause : float
+        Until it is tried again if it fails, s.
+    alone : dict of FollowedTarget to TargetSolver
+        What the trial is compared with where this is not the target's own solver.
+    agile : bool
+        Whether they need not go straight for long.
+    crossed : bool
+        Whether bearings of more than the first one have been taken in.
+    base : Trial or None
+        The trial of all but one that it goes on from.
+    """
+
+    targets: tuple[FollowedTarget, ...]
+    solver: TargetSolver
+    evidence: float = 0.0
+    pause: float = FIRST_PAUSE
+    alone: dict[FollowedTarget, TargetSolver] = field(default_factory=dict)
+    agile: bool = False
+    crossed: bool = False
+    base: Trial | None = None
+
+    @property
+    def is_pair(self) -> bool:
+        """Whether it is of two."""
+        return len(self.targets) == 2
+
+    @property
+    def key(self) -> Key:
+        """What no two trials have in common."""
+        return frozenset(self.targets), self.agile
+
+
+Key = tuple[frozenset[FollowedTarget], bool]
+"""Targets of a trial, and whether they may be agile."""
