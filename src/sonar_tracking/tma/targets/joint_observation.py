@@ -120,7 +120,7 @@ def _weigh(seen: Sequence[Sighting], trials: Sequence[tuple[Trial, Sighting]]) -
         chance = _chance(observation)
         rival = explained.get(trial if target in trial.alone else target)
         begun = target in trial.alone or bool(target.solutions)
-        trial.crossed |= target is not trial.targets[0]
+        trial.count(target)
         own = _log_density(rival, chance) if begun and rival is not None else chance
         trial.evidence += _log_density(likelihood, chance) - own
 

@@ -6,6 +6,8 @@ fewer. So where a trial says from which direction a further station should hear 
 that station is there, all of them are tried as one. The evidence goes on from that of the smaller
 trial. What the further station says from then on is compared with a target that begins then, whose
 first bearing may come from anywhere. A target of several stations points to others in the same way.
+A target that is elsewhere is not looked for again before a pause is over: bearings that only cross
+for a moment must not be waited for.
 
 Targets are certain to be one if the best explanation of all leads the best one in which they are
 not together by the odds. Explanations are trials that have no target in common.
@@ -32,6 +34,9 @@ from sonar_tracking.tma.targets.target_solver import TargetSolver
 POINTED = 10.0
 """How much more likely than from anywhere a bearing is where a trial points to it."""
 
+LEAST_BEARINGS = 4
+"""Of the newest target in a trial, before it can be certain."""
+
 MOST_OF_A_TARGET = 8
 """Larger trials that are begun with a target at one instant: those that point to it best."""
 
@@ -41,8 +46,8 @@ def pointed_at(
     located: Sequence[FollowedTarget],
     seen: Sequence[Sighting],
     known: Collection[Key],
-) -> list[Trial]:
-    """Return trials of what a station sees where those under way point to.
+) -> tuple[list[Trial], set[Key]]:
+    """Return trials of what a station sees where those under way point to, and what is elsewhere.
 
     Parameters
     ----------
@@ -53,38 +58,47 @@ def pointed_at(
     seen : sequence of Sighting
         What one station observed at one instant, to be taken in next.
     known : collection of Key
-        What is tried already, or has failed.
+        What is tried already, or not to be tried now.
+
+    Returns
+    -------
+    list of Trial
+        To be tried from now on.
+    set of Key
+        What is elsewhere than where it would have to be.
     """
     alone = [Trial((one,), one.solver) for one in located if isinstance(one.solver, TargetSolver)]
     candidates = [
         (trial, target, observation)
-        for trial in (*(one for one in trials if one.crossed), *alone)
+        for trial in (*(one for one in trials if one.bearings), *alone)
         for target, observation in seen
         if observation.azimuths
         and isinstance(target.solver, TargetSolver)
         and target.solutions
         and _is_elsewhere(target, trial)
-        and (frozenset((*trial.targets, target)), trial.agile) not in known
+        and _key_of_both(trial, target) not in known
     ]
     found = log_likelihoods([(trial.solver, one) for trial, _, one in candidates])
     chance = [np.log(CHANCE_DENSITY * len(one.azimuths)) for _, _, one in candidates]
     gain = np.array(found) - np.array(chance)
     begun: dict[Key, Trial] = {}
+    elsewhere: set[Key] = set()
     count: dict[FollowedTarget, int] = {}
     for row in np.argsort(-gain, kind="stable").tolist():
-        trial, target, _ = candidates[row]
-        if gain[row] < np.log(POINTED):
-            break
-        larger = _extended(trial, target)
-        if larger.key in begun or count.get(target, 0) == MOST_OF_A_TARGET:
+        trial, target, observation = candidates[row]
+        key = _key_of_both(trial, target)
+        if key in begun:
             continue
-        count[target] = count.get(target, 0) + 1
-        begun[larger.key] = larger
-    return list(begun.values())
+        if gain[row] < 0.0:
+            elsewhere.add(key)
+        elif gain[row] >= np.log(POINTED) and count.get(target, 0) < MOST_OF_A_TARGET:
+            count[target] = count.get(target, 0) + 1
+            begun[key] = _extended(trial, target, observation.stamp)
+    return list(begun.values()), elsewhere
 
 
 def certain_crossings(trials: Sequence[Trial], threshold: float) -> list[Trial]:
-    """Return the trials, of two and more, whose targets are one for certain.
+    """Return the trials of three and more, or parts of such, whose targets are one for certain.
 
     Parameters
     ----------
@@ -113,11 +127,14 @@ def certain_crossings(trials: Sequence[Trial], threshold: float) -> list[Trial]:
     enough = value - threshold
     certain: list[Trial] = []
     for row in chosen:
+        if likely[row].is_pair or values[row] < threshold:
+            continue
         parts = [part for part in range(len(likely)) if members[part] <= members[row]]
         for part in sorted(parts, key=lambda one: (-len(members[one]), -values[one])):
             together = [members[part] <= each for each in members]
             others = np.where(together, 0.0, values).tolist()
-            if values[row] >= threshold and best_packing(members, others, enough) == (enough, ()):
+            ripe = likely[part].bearings >= LEAST_BEARINGS
+            if ripe and best_packing(members, others, enough) == (enough, ()):
                 certain.append(likely[part])
                 break
     return certain
@@ -133,7 +150,11 @@ def _is_elsewhere(target: FollowedTarget, trial: Trial) -> bool:
     return not any(stations & set(one.members) for one in trial.targets)
 
 
-def _extended(trial: Trial, added: FollowedTarget) -> Trial:
+def _key_of_both(trial: Trial, added: FollowedTarget) -> Key:
+    return frozenset((*trial.targets, added)), trial.agile
+
+
+def _extended(trial: Trial, added: FollowedTarget, stamp: int) -> Trial:
     """Return the trial with a further target."""
     alone = {target: solver.copy() for target, solver in trial.alone.items()}
     alone[added] = TargetSolver(trial.solver.configuration)
@@ -143,5 +164,7 @@ def _extended(trial: Trial, added: FollowedTarget) -> Trial:
         evidence=trial.evidence,
         alone=alone,
         agile=trial.agile,
+        newest=added,
         base=trial if len(trial.targets) > 1 else None,
+        begun=stamp,
     )

@@ -19,11 +19,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from sonar_tracking.records.arrays import FloatArray
-from sonar_tracking.records.time import nanoseconds
+from sonar_tracking.records.time import UNKNOWN_STAMP, nanoseconds
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
 from sonar_tracking.tma.targets.station_association import CHANCE_DENSITY, FREE, associate
@@ -41,6 +42,10 @@ is begun again when there are fewer."""
 LATER_PAUSES = 2.0
 """How much longer each further pause of a trial that failed is."""
 
+UNDECIDED = 60.0
+"""A further station is tried anew if so long nothing was decided, s: the others may point to it
+better by then."""
+
 
 @dataclass(frozen=True)
 class _Failed:
@@ -48,6 +53,13 @@ class _Failed:
 
     trial: Trial
     next_stamp: int
+
+
+class _Pause(NamedTuple):
+    """Until when targets are not tried together, ns, and how long that was, s."""
+
+    end: int
+    length: float
 
 
 @dataclass(frozen=True)
@@ -80,6 +92,7 @@ class StationPairing:
         self._threshold = float(np.log(odds))
         self._trials: list[Trial] = []
         self._failed: list[_Failed] = []
+        self._pauses: dict[Key, _Pause] = {}
         self._joined: list[FollowedTarget] = []
         self._agile: RangeBankConfiguration | None = None
 
@@ -116,7 +129,10 @@ class StationPairing:
         """
         of_target = dict(seen)
         located = [one for one in self._joined if len(one.members) > 1]
-        self._trials += pointed_at(self._trials, located, seen, self._known())
+        begun, elsewhere = pointed_at(self._trials, located, seen, self._known(seen))
+        self._trials += begun
+        for key in elsewhere:
+            self._pause(key, seen[0][1].stamp)
         concerned = []
         for trial in self._trials:
             own = [one for one in trial.targets if one in of_target]
@@ -126,16 +142,24 @@ class StationPairing:
                 concerned.append((trial, (own[0], of_target[own[0]])))
         return concerned
 
-    def _known(self) -> set[Key]:
-        """Return what is tried, or has failed not long ago."""
+    def _known(self, seen: Sequence[Sighting]) -> set[Key]:
+        """Return what is tried, or not to be tried at the instant of what is seen."""
         failed = [one.trial for one in self._failed]
-        return {trial.key for trial in (*self._trials, *failed)}
+        paused = {key for key, one in self._pauses.items() if one.end > seen[0][1].stamp}
+        return {trial.key for trial in (*self._trials, *failed)} | paused
+
+    def _pause(self, key: Key, stamp: int) -> None:
+        """Do not try targets together for some time, longer each time."""
+        before = self._pauses.get(key)
+        length = FIRST_PAUSE if before is None else LATER_PAUSES * before.length
+        self._pauses[key] = _Pause(stamp + nanoseconds(length), length)
 
     def end(self, target: FollowedTarget) -> None:
         """Forget the trials of a target that ends."""
         self._joined = [one for one in self._joined if one is not target]
         self._trials = [one for one in self._trials if target not in one.targets]
         self._failed = [one for one in self._failed if target not in one.trial.targets]
+        self._pauses = {key: one for key, one in self._pauses.items() if target not in key[0]}
 
     def choose_side(self, target: FollowedTarget, side: str) -> None:
         """Let the side of a target, ``left`` or ``right``, be certain in all its trials."""
@@ -153,16 +177,18 @@ class StationPairing:
         self._give_up(stamp)
         if not any(one.evidence >= self._threshold for one in self._trials):
             return ()
-        if all(one.is_pair for one in self._trials):
-            return tuple(self._certain_pairs())
-        certain = certain_crossings(self._trials, self._threshold)
+        larger = [one for one in self._trials if not one.is_pair]
+        certain = certain_crossings(self._trials, self._threshold) if larger else []
         together = [(one, more) for one in certain for more in one.targets[1:]]
-        return tuple(Pair(one.targets[0], more, one.solver) for one, more in together)
+        pairs = [Pair(one.targets[0], more, one.solver) for one, more in together]
+        taken = {target for one in certain for target in one.targets}
+        alone = self._certain_pairs(larger)
+        return (*pairs, *(one for one in alone if taken.isdisjoint((one.first, one.second))))
 
-    def _certain_pairs(self) -> list[Pair]:
+    def _certain_pairs(self, larger: Sequence[Trial]) -> list[Pair]:
         """Return the pairs of the best assignment that beat all others by the odds."""
         # The others have no part in the best assignment.
-        likely = [one for one in self._trials if one.evidence > 0.0]
+        likely = [one for one in self._trials if one.evidence > 0.0 and one.is_pair]
         firsts = list(dict.fromkeys(one.targets[0] for one in likely))
         seconds = list(dict.fromkeys(one.targets[1] for one in likely))
         evidence = np.full((len(firsts), len(seconds)), -np.inf)
@@ -174,9 +200,10 @@ class StationPairing:
         for column, row in enumerate(assigned):
             if row == FREE:
                 continue
-            if evidence[row, column] - _rival(evidence, row, column) < self._threshold:
-                continue
             pair = firsts[row], seconds[column]
+            rival = max(_rival(evidence, row, column), _larger_rival(larger, pair))
+            if evidence[row, column] - rival < self._threshold:
+                continue
             own = [one for one in likely if one.targets == pair]
             trial = max(own, key=lambda one: one.evidence)
             pairs.append(Pair(*pair, trial.solver))
@@ -185,18 +212,19 @@ class StationPairing:
     def _give_up(self, stamp: int) -> None:
         """Give up what fell behind, for ever only where a station tells the two apart."""
         for failed in [one for one in self._failed if one.next_stamp <= stamp]:
-            first, *others = failed.trial.targets
-            if not failed.trial.is_pair:
-                self._failed.remove(failed)  # and is begun again where a smaller one points to it
-            elif self._pairs_with(others[0]) < FEW:
+            first, second = failed.trial.targets
+            if self._pairs_with(second) < FEW:
                 self._failed.remove(failed)
-                self._try_agile(first, others[0], LATER_PAUSES * failed.trial.pause)
+                self._try_agile(first, second, LATER_PAUSES * failed.trial.pause)
         for trial in [one for one in self._trials if self._fell_behind(one)]:
             self._trials.remove(trial)
             own = set(trial.targets)
             parallel = any(set(one.targets) == own for one in self._trials)
-            if trial.evidence > -np.inf and not parallel:
+            if trial.begun != UNKNOWN_STAMP:
+                self._pause(trial.key, stamp)
+            elif trial.evidence > -np.inf and not parallel:
                 self._failed.append(_Failed(trial, stamp + nanoseconds(trial.pause)))
+        self._trials = [one for one in self._trials if not self._is_undecided(one, stamp)]
 
     def _pairs_with(self, second: FollowedTarget) -> int:
         return sum(one.is_pair and one.targets[1] is second for one in self._trials)
@@ -207,6 +235,13 @@ class StationPairing:
         lost = base is not None and base in self._trials and trial.evidence < base.evidence
         return lost or trial.evidence <= -self._threshold
 
+    def _is_undecided(self, trial: Trial, stamp: int) -> bool:
+        """Return whether a further station is to be tried anew."""
+        if trial.begun == UNKNOWN_STAMP or stamp - trial.begun < nanoseconds(UNDECIDED):
+            return False
+        before = 0.0 if trial.base is None else trial.base.evidence
+        return trial.evidence - before < self._threshold
+
     def join(self, pair: Pair) -> None:
         """Take a pair to be one: what the older target is tried with goes on with both."""
         self.end(pair.second)
@@ -214,13 +249,16 @@ class StationPairing:
             self._joined.append(pair.first)
         # It is somewhere else than both alone were taken to be: what was found with it is void.
         self._failed = [one for one in self._failed if pair.first not in one.trial.targets]
-        self._trials = [one for one in self._trials if one.is_pair or pair.first not in one.targets]
+        self._pauses = {key: one for key, one in self._pauses.items() if pair.first not in key[0]}
+        points = len(pair.first.members | pair.second.members) > 1
+        self._trials = [
+            one
+            for one in self._trials
+            if pair.first not in one.targets or (one.is_pair and not points)
+        ]
         for trial in self._trials:
             if pair.first in trial.targets:
-                (other,) = (one for one in trial.targets if one is not pair.first)
-                configuration = trial.solver.configuration
-                trial.solver, trial.evidence = pair.solver.copy(configuration), 0.0
-                trial.alone[other] = TargetSolver(configuration)
+                trial.solver = pair.solver.copy(trial.solver.configuration)
             if pair.first in trial.alone:
                 trial.alone[pair.first] = pair.solver.copy(trial.solver.configuration)
 
@@ -228,6 +266,12 @@ class StationPairing:
 def _may_be_one(first: FollowedTarget, second: FollowedTarget) -> bool:
     """Return whether no station tells two targets apart, and something is known of the first."""
     return not set(first.members) & set(second.members) and bool(first.solutions)
+
+
+def _larger_rival(larger: Sequence[Trial], pair: tuple[FollowedTarget, FollowedTarget]) -> float:
+    """Return the evidence of the best trial of more that one of a pair is in, but not the other."""
+    other = [one.evidence for one in larger if len({*one.targets}.intersection(pair)) == 1]
+    return max(other, default=0.0)
 
 
 def _rival(evidence: FloatArray, row: int, column: int) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from sonar_tracking.records.time import UNKNOWN_STAMP
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
 from sonar_tracking.tma.targets.target_records import TargetObservation
 from sonar_tracking.tma.targets.target_solver import TargetSolver
@@ -33,10 +34,14 @@ class Trial:
         What the trial is compared with where this is not the target's own solver.
     agile : bool
         Whether they need not go straight for long.
-    crossed : bool
-        Whether bearings of more than the first one have been taken in.
+    newest : FollowedTarget or None
+        The one that was added last; None = the second one.
+    bearings : int
+        Its bearings that have been taken in.
     base : Trial or None
-        The trial of all but one that it goes on from.
+        The trial of all but the newest that it goes on from.
+    begun : int
+        Stamp of its first bearing, ns.
     """
 
     targets: tuple[FollowedTarget, ...]
@@ -45,8 +50,14 @@ class Trial:
     pause: float = FIRST_PAUSE
     alone: dict[FollowedTarget, TargetSolver] = field(default_factory=dict)
     agile: bool = False
-    crossed: bool = False
+    newest: FollowedTarget | None = None
+    bearings: int = 0
     base: Trial | None = None
+    begun: int = UNKNOWN_STAMP
+
+    def count(self, target: FollowedTarget) -> None:
+        """Count a bearing of one of them."""
+        self.bearings += target is (self.newest or self.targets[-1])
 
     @property
     def is_pair(self) -> bool:
