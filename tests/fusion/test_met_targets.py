@@ -14,7 +14,7 @@ from sonar_tracking.fusion.track_fusion_configuration import TrackFusionConfigur
 from sonar_tracking.fusion.track_fusion_stage import TrackFusionStage
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
-from sonar_tracking.records.positions import PositionTracks
+from sonar_tracking.records.positions import PositionTracks, TrackSource
 from tests.fusion.fusion_scene import ARRAY, ECHOES, FOUR, Ships, moments
 
 CONFIGURATION = TrackFusionConfiguration(
@@ -142,3 +142,22 @@ def test_bearings_that_have_been_given_back_make_no_row_for_a_minute() -> None:
     later = FusionFrame(moment.frame.stamp + 61 * 10**9)
     stage.update(later)
     assert not stage._stands_for(passive, (key,))
+
+
+@pytest.mark.parametrize(("metres", "shown"), [(30.0, False), (900.0, True)])
+def test_what_is_told_to_be_fixed_where_a_ship_lost_its_echoes_is_no_row(
+    metres: float, shown: bool
+) -> None:
+    stage = TrackFusionStage(CONFIGURATION)
+    for moment in moments(Ships(FOUR[:2]), 62.0):
+        told = moment.frame.active.get(ECHOES)
+        if told is not None and moment.time == 60.0:
+            # The first ship's track ends, and another one begins there, which does not move yet.
+            identifiers, source, state = told.id.copy(), told.source.copy(), told.state.copy()
+            identifiers[0], source[0] = SECOND, TrackSource.STATIC
+            state[0] = [*(moment.truth[0, :2] + metres), 0.0, 0.0]
+            begun = replace(told, id=identifiers, source=source, state=state)
+            tracks = stage.update(replace(moment.frame, active={ECHOES: begun})).tracks
+        else:
+            stage.update(moment.frame)
+    assert (SECOND in tracks.contributor_id) == shown

@@ -70,6 +70,7 @@ class FusedTargets:
         self._copies = CopiedLists(self._new_id)
         self._paused: dict[tuple[FusedTarget, BearingKey], int] = {}
         self._parted: dict[BearingKey, int] = {}
+        self._not_fixed: set[ListKey] = set()
         self._dismissed: set[ListKey | BearingKey] = set()
         self._own_rows_shown = ShownRows()
 
@@ -296,7 +297,11 @@ class FusedTargets:
 
     def _stands_for(self, key: ListKey, heard: tuple[BearingKey, ...]) -> bool:
         """Return whether a target with echoes stands for a row of another list, or nothing may."""
-        if key in self._dismissed or any(one in self._dismissed for one in heard):
+        if (
+            key in self._not_fixed
+            or key in self._dismissed
+            or any(one in self._dismissed for one in heard)
+        ):
             return True
         return key in self._target_of or any(
             self._links.target_of(one) is not None

@@ -11,6 +11,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+import numpy as np
+
 from sonar_tracking.alignment.bearing_errors import BearingKey
 from sonar_tracking.alignment.shared_alignment import SharedAlignment
 from sonar_tracking.errors import Notice
@@ -26,7 +28,7 @@ from sonar_tracking.fusion.fused_rows import (
     turned_by_heading,
 )
 from sonar_tracking.fusion.fused_target import FusedTarget, moves
-from sonar_tracking.fusion.fused_targets import FusedTargets
+from sonar_tracking.fusion.fused_targets import SAME_PLACE, FusedTargets
 from sonar_tracking.fusion.fusion_records import (
     FusionFrame,
     FusionUpdate,
@@ -45,7 +47,7 @@ from sonar_tracking.motion import KinematicState
 from sonar_tracking.records.alignments import ArrayAlignments
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
-from sonar_tracking.records.positions import PositionTracks
+from sonar_tracking.records.positions import PositionTracks, TrackSource
 from sonar_tracking.records.time import (
     NANOSECONDS,
     UNKNOWN_STAMP,
@@ -166,6 +168,7 @@ class TrackFusionStage(FusedTargets):
             if tracks.status[row] != TrackStatus.TERMINATED
         }
         self._target_of.end_others(topic, going_on)
+        self._take_for_targets(topic, tracks)
         sound, told = usable_states(tracks), usable_measurements(tracks)
         measured: list[tuple[FusedTarget, int]] = []
         for key, row in going_on.items():
@@ -190,6 +193,24 @@ class TrackFusionStage(FusedTargets):
             and moves(tracks, row)
         }
         self._meet(topic, tracks, new)
+
+    def _take_for_targets(self, topic: str, tracks: PositionTracks) -> None:
+        """Find what is told to be fixed, and may be a target that is heard and has lost its echoes.
+
+        A tracker of echoes does not know of a new track for a while that it moves.
+        """
+        self._not_fixed = {key for key in self._not_fixed if key[0] != topic}
+        targets = self._filters.targets
+        lost = [row for row, one in enumerate(targets) if one.heard and not one.echoes]
+        fixed = np.flatnonzero((tracks.source == TrackSource.STATIC) & usable_states(tracks))
+        if not lost or not len(fixed):
+            return
+        seen = self._filters.picture()
+        apart = tracks.state[fixed, None, :2] - seen.mean[lost, :2]
+        spread = tracks.covariance[fixed, None, :2, :2] + seen.covariance[lost, :2, :2]
+        solved = np.linalg.solve(spread, apart[..., None])[..., 0]
+        same = np.any(np.sum(apart * solved, axis=-1) < SAME_PLACE, axis=1)
+        self._not_fixed |= {(topic, int(tracks.id[row])) for row in fixed[same]}
 
     def _meet(self, topic: str, tracks: PositionTracks, new: dict[ListKey, int]) -> None:
         """Find out whose new confirmed tracks are: of a target whose echoes were lost, or new."""
