@@ -86,12 +86,22 @@ def kind_of_array(estimates: SubspaceEstimates) -> Hashable:
     )
 
 
-def kind_of_estimates(estimates: SubspaceEstimates) -> Hashable:
-    """Return what estimates must have in common to be measured in together."""
-    covariance = estimates.covariance
+def kind_of_estimates(estimates: SubspaceEstimates, of_covariance: bool) -> Hashable:
+    """Return what estimates must have in common to be measured in together.
+
+    Parameters
+    ----------
+    estimates : SubspaceEstimates
+        Of a single run.
+    of_covariance : bool
+        Whether bearings are measured in the covariance: where its rank is known the columns of the
+        subspace, which is not measured in, need not be as many.
+    """
+    covariance, basis = estimates.covariance, estimates.basis
+    not_measured_in = of_covariance and estimates.rank >= 0
     return (
         kind_of_array(estimates),
-        estimates.basis.shape,
+        basis.shape[:-1] if not_measured_in else basis.shape,
         estimates.time_offsets.tobytes(),
         estimates.effective_snapshots,
         estimates.rank,
@@ -107,11 +117,12 @@ def stacked_estimates(estimates: Sequence[SubspaceEstimates]) -> SubspaceEstimat
     Parameters
     ----------
     estimates : sequence of SubspaceEstimates
-        One a run.
+        One a run; of bases that need not have as many columns those that all have are kept.
     """
+    n_columns = min(each.basis.shape[-1] for each in estimates)
     return replace(
         estimates[0],
-        basis=np.stack([each.basis for each in estimates]),
+        basis=np.stack([each.basis[..., :n_columns] for each in estimates]),
         covariance=stacked([each.covariance for each in estimates]),
         noise_power=np.stack([each.noise_power for each in estimates]),
         noise_covariance=common_or_stacked([each.noise_covariance for each in estimates]),

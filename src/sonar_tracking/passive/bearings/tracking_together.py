@@ -53,7 +53,7 @@ def follow_together(
             kind_of(state.filters),
             np.isfinite(state.excess).tobytes(),
             state.steering.looks_at(len(own.element_positions)),
-            kind_of_estimates(own),
+            kind_of_estimates(own, steps.needs_covariance),
         )
         for own, (state, interval) in zip(estimates, before, strict=True)
     ]
