@@ -9,6 +9,7 @@ import pytest
 
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.passive.bearings.encounters import Encounter, no_encounter
+from sonar_tracking.passive.bearings.joint_states import each_target, uncorrelated, with_marginals
 
 PASSING = KalmanState(np.array([0.1, -0.1, 0.01, -0.01]), 1e-4 * np.eye(4))
 BACK = KalmanState(np.array([-0.1, 0.1, -0.01, 0.01]), 1e-4 * np.eye(4))
@@ -64,3 +65,11 @@ def test_runs_in_one_array_have_encounters_of_their_own() -> None:
     back = KalmanState(np.stack([BACK.mean] * 2), np.stack([BACK.covariance] * 2))
     told = encounter.with_account(back, np.array([4.0, 4.0])).told(passing)
     assert np.array_equal(told.mean, np.stack([BACK.mean, PASSING.mean]))
+
+
+def test_targets_that_are_left_keep_the_account_of_their_own() -> None:
+    targets = KalmanState(np.array([[0.1, 0.0], [0.2, 0.0]]), np.stack([np.eye(2)] * 2))
+    own, other = uncorrelated(targets), replace(targets, mean=targets.mean + 1.0)
+    rows = np.array([True, False])
+    kept = each_target(with_marginals(own, other, other, rows))
+    np.testing.assert_array_equal(kept.mean, [[1.1, 1.0], [0.2, 0.0]])

@@ -30,7 +30,8 @@ def with_marginals(
     )
     scale = np.where(rows[..., None, None], scale, np.eye(2))
     mean, all_scales = joint.mean.copy(), np.zeros_like(joint.covariance)
-    mean[..., entries] = np.where(rows[..., None], after.mean, before.mean)
+    # The others keep their own account, whatever is told of them.
+    mean[..., entries] = np.where(rows[..., None], after.mean, mean[..., entries])
     all_scales[..., entries[:, :, None], entries[:, None, :]] = scale
     covariance = all_scales @ joint.covariance @ np.swapaxes(all_scales, -1, -2)
     return KalmanState(mean, symmetrised(covariance))
