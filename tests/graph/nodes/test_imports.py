@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from collections.abc import Sequence
 
 import pytest
 
@@ -90,17 +91,22 @@ def warm_up_of(stage: str) -> str:
     return f"{make}; assert {WARM[stage]!r} not in sys.modules; stage.warm_up()"
 
 
-@pytest.fixture(scope="module")
-def imported() -> dict[str, set[str]]:
-    """Modules that are loaded once a fresh process has run each code."""
-    codes = [*map(import_of, NODE_MODULES), *map(warm_up_of, WARM), RUN]
+def loaded_after(codes: Sequence[str], common: Sequence[str] = ()) -> dict[str, set[str]]:
+    """Return the modules that are loaded once a fresh process has run each code."""
     done = subprocess.run(
-        [sys.executable, "-c", COPIES.format(common=COMMON, codes=codes)],
+        [sys.executable, "-c", COPIES.format(common=tuple(common), codes=list(codes))],
         capture_output=True,
         text=True,
         check=True,
     )
-    loaded = {code: set(modules or ()) for code, modules in json.loads(done.stdout).items()}
+    return {code: set(modules or ()) for code, modules in json.loads(done.stdout).items()}
+
+
+@pytest.fixture(scope="module")
+def imported() -> dict[str, set[str]]:
+    """Modules that are loaded once a fresh process has run each code."""
+    codes = [*map(import_of, NODE_MODULES), *map(warm_up_of, WARM), RUN]
+    loaded = loaded_after(codes, COMMON)
     assert not within(loaded[""], {"sonar_tracking", "rclpy", "scipy", *PEOPLE})
     return loaded
 
