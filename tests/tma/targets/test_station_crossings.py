@@ -15,12 +15,9 @@ from sonar_tracking.simulation.scenarios.bearing_sensor_configuration import (
 from sonar_tracking.simulation.scenarios.kinematic_motion import KinematicMotion
 from sonar_tracking.simulation.scenarios.target import TargetConfiguration
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
-from sonar_tracking.tma.targets.station_crossings import (
-    LEAST_BEARINGS,
-    certain_crossings,
-    pointed_at,
-)
-from sonar_tracking.tma.targets.station_trials import Trial
+from sonar_tracking.tma.targets.station_crossings import certain_crossings, pointed_at
+from sonar_tracking.tma.targets.station_pairing import StationPairing
+from sonar_tracking.tma.targets.station_trials import LEAST_BEARINGS, Trial
 from sonar_tracking.tma.targets.target_records import TargetObservation
 from sonar_tracking.tma.targets.target_solver import TargetSolver
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
@@ -118,6 +115,18 @@ def test_agile_and_straight_trials_of_the_same_targets_are_no_rivals() -> None:
 def test_a_coincidence_of_a_few_bearings_is_not_certain() -> None:
     a, b, c = named("one", "two", "three")
     assert certain_crossings([trial(20.0, a, b, c, bearings=LEAST_BEARINGS - 1)], 4.6) == []
+
+
+def test_a_pair_that_was_pointed_to_waits_for_as_many_bearings() -> None:
+    """One that is tried from birth does not: its first bearing was at no chosen time."""
+    a, b = named("one", "two")
+    cases = ((1, LEAST_BEARINGS - 1, False), (1, LEAST_BEARINGS, True), (0, 1, True))
+    for begun, bearings, is_one in cases:
+        pairing = StationPairing(100.0)
+        tried = trial(20.0, a, b, bearings=bearings)
+        tried.begun = begun
+        pairing._trials = [tried]
+        assert [(one.first, one.second) for one in pairing.decide(SECOND)] == [(a, b)] * is_one
 
 
 def seen_from(sensor: str, place: tuple[float, float], stamp: int, at: float) -> TargetObservation:

@@ -28,14 +28,11 @@ from sonar_tracking.filtering.set_packing import best_packing
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
 from sonar_tracking.tma.targets.solver_likelihoods import log_likelihoods
 from sonar_tracking.tma.targets.station_association import CHANCE_DENSITY
-from sonar_tracking.tma.targets.station_trials import Key, Sighting, Trial
+from sonar_tracking.tma.targets.station_trials import LEAST_BEARINGS, Key, Sighting, Trial
 from sonar_tracking.tma.targets.target_solver import TargetSolver
 
 POINTED = 10.0
 """How much more likely than from anywhere a bearing is where a trial points to it."""
-
-LEAST_BEARINGS = 4
-"""Of the newest target in a trial, before it can be certain."""
 
 MOST_OF_A_TARGET = 8
 """Larger trials that are begun with a target at one instant: those that point to it best."""

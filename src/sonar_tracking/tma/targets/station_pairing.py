@@ -24,12 +24,18 @@ from typing import NamedTuple
 import numpy as np
 
 from sonar_tracking.records.arrays import FloatArray
-from sonar_tracking.records.time import UNKNOWN_STAMP, nanoseconds
+from sonar_tracking.records.time import nanoseconds
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
 from sonar_tracking.tma.targets.station_association import CHANCE_DENSITY, FREE, associate
 from sonar_tracking.tma.targets.station_crossings import certain_crossings, pointed_at
-from sonar_tracking.tma.targets.station_trials import FIRST_PAUSE, Key, Sighting, Trial
+from sonar_tracking.tma.targets.station_trials import (
+    FIRST_PAUSE,
+    LEAST_BEARINGS,
+    Key,
+    Sighting,
+    Trial,
+)
 from sonar_tracking.tma.targets.target_solver import TargetSolver
 
 AGILE = 0.05
@@ -206,6 +212,8 @@ class StationPairing:
                 continue
             own = [one for one in likely if one.targets == pair]
             trial = max(own, key=lambda one: one.evidence)
+            if trial.was_pointed_to and trial.bearings < LEAST_BEARINGS:
+                continue
             pairs.append(Pair(*pair, trial.solver))
         return pairs
 
@@ -220,7 +228,7 @@ class StationPairing:
             self._trials.remove(trial)
             own = set(trial.targets)
             parallel = any(set(one.targets) == own for one in self._trials)
-            if trial.begun != UNKNOWN_STAMP:
+            if trial.was_pointed_to:
                 self._pause(trial.key, stamp)
             elif trial.evidence > -np.inf and not parallel:
                 self._failed.append(_Failed(trial, stamp + nanoseconds(trial.pause)))
@@ -237,7 +245,7 @@ class StationPairing:
 
     def _is_undecided(self, trial: Trial, stamp: int) -> bool:
         """Return whether a further station is to be tried anew."""
-        if trial.begun == UNKNOWN_STAMP or stamp - trial.begun < nanoseconds(UNDECIDED):
+        if not trial.was_pointed_to or stamp - trial.begun < nanoseconds(UNDECIDED):
             return False
         before = 0.0 if trial.base is None else trial.base.evidence
         return trial.evidence - before < self._threshold

@@ -12,6 +12,9 @@ from sonar_tracking.tma.targets.target_solver import TargetSolver
 FIRST_PAUSE = 30.0
 """Of a trial that failed, until it is begun again, s."""
 
+LEAST_BEARINGS = 4
+"""Of the newest target, before it is certain that it is the one a trial pointed to."""
+
 Sighting = tuple[FollowedTarget, TargetObservation]
 """A target, and what a station observed of it."""
 
@@ -63,6 +66,11 @@ class Trial:
     def is_pair(self) -> bool:
         """Whether it is of two."""
         return len(self.targets) == 2
+
+    @property
+    def was_pointed_to(self) -> bool:
+        """Whether its newest target was found where others pointed, and not tried from birth."""
+        return self.begun != UNKNOWN_STAMP
 
     @property
     def key(self) -> Key:
