@@ -16,9 +16,12 @@ MOST_NODES = 4000
 
 @dataclass
 class _Search:
-    """What is known so far; members are bits."""
+    """What is known so far; members are bits.
 
-    options: list[list[tuple[float, int, int]]]
+    Of each member, the sets it is in: value, row, members, and what these can be worth.
+    """
+
+    options: list[list[tuple[float, int, int, float]]]
     share: list[float]
     best: float
     chosen: tuple[int, ...] = ()
@@ -49,18 +52,19 @@ def best_packing(
     """
     n_members = 1 + max((max(one) for one in members if one), default=-1)
     share = [0.0] * n_members
-    options: list[list[tuple[float, int, int]]] = [[] for _ in range(n_members)]
-    for row, (own, value) in enumerate(zip(members, values, strict=True)):
-        if value <= 0.0 or not own:
-            continue
-        mask = sum(1 << member for member in own)
-        for member in own:
-            share[member] = max(share[member], value / len(own))
-            options[member].append((value, row, mask))
+    possible = [row for row, value in enumerate(values) if value > 0.0 and members[row]]
+    for row in possible:
+        for member in members[row]:
+            share[member] = max(share[member], values[row] / len(members[row]))
     # Members that can be worth most come first.
     order = sorted(range(n_members), key=lambda member: -share[member])
-    for each in options:
-        each.sort(key=lambda option: (-option[0], option[1]))
+    options: list[list[tuple[float, int, int, float]]] = [[] for _ in range(n_members)]
+    for row in sorted(possible, key=lambda row: -values[row]):
+        own = [member for member in order if member in members[row]]
+        mask = sum(1 << member for member in own)
+        worth = sum(share[member] for member in own)
+        for member in own:
+            options[member].append((values[row], row, mask, worth))
     search = _Search([options[m] for m in order], [share[m] for m in order], least)
     bits = [1 << member for member in order]
     _branch(search, bits, 0, 0, 0.0, sum(share))
@@ -84,11 +88,10 @@ def _branch(
     # Sums in another order differ in their last bits.
     if place == len(bits) or value + bound <= search.best * (1.0 + 1e-12):
         return
-    for worth, row, mask in search.options[place]:
+    for own, row, mask, worth in search.options[place]:
         if taken & mask:
             continue
-        used = sum(s for s, bit in zip(search.share, bits, strict=True) if mask & bit)
         search.path.append(row)
-        _branch(search, bits, place + 1, taken | mask, value + worth, bound - used)
+        _branch(search, bits, place + 1, taken | mask, value + own, bound - worth)
         search.path.pop()
     _branch(search, bits, place + 1, taken | bits[place], value, bound - search.share[place])

@@ -60,6 +60,15 @@ def with_track(source: Callable[[float], float]) -> Iterator[Frame]:
     yield from frames(HALVES, source=source)
 
 
+def shown(start: Start, opened: Open, made: Iterator[Frame]) -> tuple[PageServer, Tab]:
+    """Return a server, and a dark page that shows frames in a large bearing-time record."""
+    server = start()
+    page = opened(server.address)
+    page.colours("dark")
+    show(server, page, made)
+    return server, page
+
+
 def seen(page: Tab, axis: str, t: float) -> np.ndarray[Any, np.dtype[np.float64]]:
     """Return the bearings at which an axis is brightest, degrees from its left end."""
     page.value(f"{VIEW}.axis.value = {axis!r}, {VIEW}.over.value = 'none', 0")
@@ -73,10 +82,7 @@ def apart(first: Any, second: float) -> Any:
 
 @pytest.mark.slow
 def test_a_source_goes_through_north_without_a_break(start: Start, opened: Open) -> None:
-    server = start()
-    page = opened(server.address)
-    page.colours("dark")
-    show(server, page, with_track(past_north))
+    _, page = shown(start, opened, with_track(past_north))
     page.value(f"{VIEW}.range.value = '30', 0")
     for t in (5.2, 17.2, 20.2, 23.2, 35.2):
         bearing = math.degrees(past_north(t))
@@ -95,10 +101,7 @@ def test_a_source_goes_through_north_without_a_break(start: Start, opened: Open)
 def test_the_line_of_a_track_does_not_cross_the_picture_at_north(
     start: Start, opened: Open
 ) -> None:
-    server = start()
-    page = opened(server.address)
-    page.colours("dark")
-    show(server, page, with_track(past_north))
+    _, page = shown(start, opened, with_track(past_north))
     strokes = f"""(() => {{
       const view = {VIEW}; page.draw();
       const {{ box }} = view.panels[0];
@@ -121,10 +124,7 @@ def test_the_line_of_a_track_does_not_cross_the_picture_at_north(
 
 @pytest.mark.slow
 def test_a_source_on_the_axis_of_the_array_is_at_one_end_only(start: Start, opened: Open) -> None:
-    server = start()
-    page = opened(server.address)
-    page.colours("dark")
-    show(server, page, with_track(past_the_bow))
+    _, page = shown(start, opened, with_track(past_the_bow))
     page.value(f"{VIEW}.range.value = '30', 0")
     for t in (5.2, 12.2, 20.2, 27.2):
         cone = seen(page, "cone", t) / 2.0 - 90.0
@@ -136,10 +136,7 @@ def test_a_source_on_the_axis_of_the_array_is_at_one_end_only(start: Start, open
 
 
 def test_a_record_that_wraps_leaves_each_row_where_it_is(start: Start, opened: Open) -> None:
-    server = start()
-    page = opened(server.address)
-    page.colours("dark")
-    show(server, page, frames(HALVES))
+    server, page = shown(start, opened, frames(HALVES))
     page.value(f"{VIEW}.wrap.isOn || {VIEW}.wrap.click(), {VIEW}.axis.value = 'cone', 0")
     page.value(f"{VIEW}.range.value = '30', {VIEW}.over.value = 'none', page.draw(), 0")
     height = f"(({{box, ring}}) => ring.yOf({START + 10.2}, box, true))({VIEW}.panels[0])"
