@@ -265,12 +265,7 @@ class SonarNode(Node):
         """Run what is to be used of an input, and tell what is wrong with its stamps."""
         if check.verdict is Verdict.RESET:
             self._begin_again(source)
-        if check.sentence:
-            severity = Severity.ERROR if check.verdict is Verdict.REJECT else Severity.WARN
-            concern = input_concern(source)
-            self.report(concern, kind_of(check.sentence), severity, check.sentence)
-        if check.verdict not in (Verdict.ACCEPT, Verdict.GAP, Verdict.RESET):
-            self.watch.check_publishers(source)
+        self.tell(source, check)
         for received in usable:
             self.diagnostics.advance(received.stamp)
             for item in self._joined(received):
@@ -279,6 +274,14 @@ class SonarNode(Node):
             for other in self.data_inputs:
                 for each in other.judge_held(source.guard.last_stamp):
                     self._use(other, *each)
+
+    def tell(self, source: DataInput, check: StampCheck) -> None:
+        """Tell what is wrong with a stamp of an input."""
+        if check.sentence:
+            severity = Severity.ERROR if check.verdict is Verdict.REJECT else Severity.WARN
+            self.report(input_concern(source), kind_of(check.sentence), severity, check.sentence)
+        if check.verdict not in (Verdict.ACCEPT, Verdict.GAP, Verdict.RESET):
+            self.watch.check_publishers(source)
 
     def _joined(self, received: Received) -> Iterable[JoinedItem]:
         """Give one message to the join and return what may run now."""
@@ -313,11 +316,7 @@ class SonarNode(Node):
                     f"{item.topic} at {seconds_text(item.stamp)} was processed without "
                     f"{topic}, which is too far behind; check that its publisher is running.",
                 )
-            records = {
-                topic: received.record
-                for topic, received in item.items.items()
-                if not received.rejection
-            }
+            records = {name: one.record for name, one in item.items.items() if not one.rejection}
             self._commands.carry_out_due(item.stamp, self._checkpoint.take_up(item.stamp))
             for notice in self.process(item, records) or ():
                 self.report(notice.culprit, notice.culprit, notice.severity, notice.text)

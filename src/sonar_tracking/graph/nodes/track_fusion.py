@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from sonar_tracking.errors import InputError, Notice, Severity
+from sonar_tracking.errors import InputError, Notice
 from sonar_tracking.fusion.foreign_lists import ForeignLists
 from sonar_tracking.fusion.fusion_records import FusionFrame
 from sonar_tracking.fusion.track_fusion_configuration import TrackFusionConfiguration
@@ -28,7 +28,6 @@ from sonar_tracking.graph.catalogue.topics import (
 from sonar_tracking.graph.message_writing.alignment_writing import alignments_to_message
 from sonar_tracking.graph.message_writing.position_writing import position_tracks_to_message
 from sonar_tracking.graph.node_base.data_flow import DataInput, Received, input_concern
-from sonar_tracking.graph.node_base.diagnostics import kind_of
 from sonar_tracking.graph.node_base.event_time_join import JoinedItem
 from sonar_tracking.graph.node_base.node_process import run_node
 from sonar_tracking.graph.node_base.sonar_node import SonarNode
@@ -172,9 +171,7 @@ class TrackFusion(SonarNode):
 
     def _receive_foreign(self, source: DataInput, message: Any) -> None:
         check, usable = source.judge(message)
-        if check.sentence:
-            concern = input_concern(source)
-            self.report(concern, kind_of(check.sentence), Severity.WARN, check.sentence)
+        self.tell(source, check)
         for received in usable:
             self._lists.add(source.topic.name, received.record)
         self._publish_both()
