@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from sonar_tracking.graph.catalogue.topics import (
     ALIGNMENTS,
     BEARING_TRACKS,
     FUSED_TRACKS,
+    OWN_TRACKS,
 )
 from sonar_tracking.graph.message_writing.array_writing import bearing_tracks_to_message
 from sonar_tracking.graph.message_writing.position_writing import position_tracks_to_message
@@ -29,6 +31,7 @@ from tests.graph.live_graph import NodeProcess, Probe, node_process, stamps
 NODE = "track_fusion"
 SHIPS = Ships(FOUR, misalignment=float(np.radians(1.5)))
 FIRST_ID = 1 + (1 << 32)
+OTHER = replace(OWN_TRACKS, name="consort/own_tracks")
 IN_QUEUES = 6
 """Frames that may be on their way; the first of a run waits for the next one."""
 
@@ -136,3 +139,47 @@ def test_rows_that_are_impossible_are_named_and_the_rest_is_fused(fusion: Fusion
     fusion.wait_lists()
     fusion.probe.wait_sentence(f"{NODE}: data of active/tracks", "track 101", "check the sender")
     assert len(position_tracks_from_message(fusion.lists[-1])) == 4
+
+
+@pytest.fixture
+def exchanging(tmp_path: Path) -> Iterator[Fusion]:
+    """Yield a node that takes the tracks of another ship."""
+    parameters = {
+        "use_sim_time": True,
+        "travel_time": False,
+        "passive_topics": "['']",
+        "foreign_topics": f"[{OTHER.name}]",
+    }
+    probe = Probe()
+    log = tmp_path / "log.txt"
+    with node_process(f"sonar_tracking.graph.nodes.{NODE}", log, **parameters) as process:
+        fusion = Fusion(process, probe)
+        probe.wait_matched(NODE, "/active/tracks", "/passive/bearing_tracks", "/tracks")
+        yield fusion
+    probe.close()
+
+
+def test_data_may_begin_again_while_a_list_of_another_ship_is_set_aside(exchanging: Fusion) -> None:
+    """The first list of a new run may come from the other ship: it is kept until own data come."""
+    probe = exchanging.probe
+    other = probe.publisher(OTHER)
+    probe.wait_matched(NODE, f"/{OTHER.name}")
+    shown = [moment.frame for moment in moments(SHIPS, 60.0)]
+    echoes = [frame.active for frame in shown if frame.active]
+    own, heard = probe.listen(OWN_TRACKS), 0
+    exchanging.lists = own  # those of both wait for the other ship
+    for told in (5, 1):
+        for lists in echoes[:told]:
+            (tracks,) = exchanging.moved(FusionFrame(0, active=lists)).active.values()
+            other.publish(position_tracks_to_message(tracks))
+            heard += 1
+            probe.wait_for_count(
+                lambda: probe.finished(NODE, f"/{OTHER.name}"), heard, "of the other"
+            )
+        for frame in shown:
+            exchanging.send(exchanging.moved(frame))
+        what = f"own lists; output:\n{exchanging.process.output}"
+        probe.wait_for_count(lambda: len(own), len(shown) - 1, what)
+        assert exchanging.process.is_alive
+        assert "Traceback" not in exchanging.process.output
+        exchanging.new_run()

@@ -267,13 +267,17 @@ class SonarNode(Node):
             self._begin_again(source)
         self.tell(source, check)
         for received in usable:
-            self.diagnostics.advance(received.stamp)
-            for item in self._joined(received):
-                self._run(item)
+            self.take_in(source, received)
         if check.verdict is Verdict.RESET:
             for other in self.data_inputs:
                 for each in other.judge_held(source.guard.last_stamp):
                     self._use(other, *each)
+
+    def take_in(self, source: DataInput, received: Received) -> None:
+        """Take in a message whose stamp is sound, and run what may run now."""
+        self.diagnostics.advance(received.stamp)
+        for item in self._joined(received):
+            self._run(item)
 
     def tell(self, source: DataInput, check: StampCheck) -> None:
         """Tell what is wrong with a stamp of an input."""
@@ -286,9 +290,8 @@ class SonarNode(Node):
     def _joined(self, received: Received) -> Iterable[JoinedItem]:
         """Give one message to the join and return what may run now."""
         topic, stamp, next_stamp = received.source.topic.name, received.stamp, received.next_stamp
-        if topic not in self._series_topics:
-            return self._join.push(topic, stamp, next_stamp, received)
-        return self._join.push(topic, stamp, next_stamp, received.record)
+        item = received.record if topic in self._series_topics else received
+        return self._join.push(topic, stamp, next_stamp, item)
 
     def _begin_again(self, source: DataInput) -> None:
         begin = source.guard.last_stamp
@@ -309,13 +312,11 @@ class SonarNode(Node):
                 if received.rejection and not self.uses_rest_of_group:
                     raise InputError(received.rejection)
             for topic in item.not_awaited:
-                self.report(
-                    "join",
-                    topic,
-                    Severity.WARN,
+                sentence = (
                     f"{item.topic} at {seconds_text(item.stamp)} was processed without "
-                    f"{topic}, which is too far behind; check that its publisher is running.",
+                    f"{topic}, which is too far behind; check that its publisher is running."
                 )
+                self.report("join", topic, Severity.WARN, sentence)
             records = {name: one.record for name, one in item.items.items() if not one.rejection}
             self._commands.carry_out_due(item.stamp, self._checkpoint.take_up(item.stamp))
             for notice in self.process(item, records) or ():

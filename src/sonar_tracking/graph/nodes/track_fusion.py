@@ -173,9 +173,16 @@ class TrackFusion(SonarNode):
         check, usable = source.judge(message)
         self.tell(source, check)
         for received in usable:
-            self._lists.add(source.topic.name, received.record)
+            self.take_in(source, received)
         self._publish_both()
         source.finish(source.read_stamp(message))
+
+    def take_in(self, source: DataInput, received: Received) -> None:
+        """Keep a list of another ship for the pictures that wait for it; join what else comes."""
+        if source.topic.name in self._others:
+            self._lists.add(source.topic.name, received.record)
+        else:
+            super().take_in(source, received)
 
 
 def is_published(source: DataInput) -> bool:
