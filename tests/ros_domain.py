@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 import socket
 import zlib
@@ -15,8 +16,6 @@ from sonar_tracking.graph.orchestration.domain_lock import domain_lock
 
 LARGEST_DOMAIN = 101
 """Above it, the UDP ports of DDS are among those that Linux gives to any program."""
-
-_claims: list[socket.socket] = []
 
 
 @cache
@@ -43,7 +42,7 @@ def _claim(domain: int) -> bool:
     with suppress(OSError, ConfigurationError):
         claim.bind(f"\0sonar_tracking-tests-domain-{domain}")
         with mock.patch.dict(os.environ, ROS_DOMAIN_ID=str(domain)), domain_lock():
-            _claims.append(claim)
+            atexit.register(claim.close)
             return True
     claim.close()
     return False

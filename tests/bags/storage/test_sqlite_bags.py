@@ -6,6 +6,7 @@ import shutil
 import sqlite3
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -131,3 +132,16 @@ def test_bags_converted_to_sqlite3_and_back_hold_the_same(tmp_path: Path, compre
             name: (topic.type_name, topic.role, topic.message_count, topic.quality)
             for name, topic in original.topics.items()
         }
+
+
+def test_a_bag_may_be_read_and_collected_in_another_thread(tmp_path: Path) -> None:
+    """Garbage is collected by whichever thread runs just then, such as that of the page."""
+    old_file(tmp_path / "old.db3", False).close()
+    bags = [read_bag(tmp_path / "old.db3")]
+
+    def read_and_drop() -> list[tuple[int, bytes]]:
+        bag = bags.pop()
+        return [(m.log_time, m.data) for m in bag.messages()]
+
+    with ThreadPoolExecutor(1) as another:
+        assert another.submit(read_and_drop).result() == in_order()

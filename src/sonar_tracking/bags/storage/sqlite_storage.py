@@ -221,7 +221,8 @@ def _text(value: object) -> str:
 
 def _connected(address: str, size: int) -> sqlite3.Connection:
     """Open a file of ``size`` bytes; raise :class:`sqlite3.Error` if it is no database."""
-    connection = sqlite3.connect(address, uri=True)
+    # A bag that nobody holds any more is closed by whichever thread collects it.
+    connection = sqlite3.connect(address, uri=True, check_same_thread=False)
     connection.text_factory = lambda data: data.decode("utf-8", "replace")
     rounds = iter(range(1 + size // _BYTES_A_ROUND + _SMALLEST_ROUNDS))
     connection.set_progress_handler(lambda: next(rounds, None) is None, _ROUND)
