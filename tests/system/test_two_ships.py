@@ -4,11 +4,19 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from sonar_tracking.bags.storage.bag_records import position_tracks_of
 from sonar_tracking.bags.storage.reader import read_bag
+from sonar_tracking.records.positions import PositionTracks
 from tests.system.command_line import report_of, run_command
+
+
+def made_of(tracks: PositionTracks, row: int) -> set[str]:
+    """Return the sensors and lists that a row is made of."""
+    sensors = np.array(tracks.contributor_sensor)
+    return set(sensors[tracks.contributor_track == row].tolist())
 
 
 @pytest.mark.slow
@@ -16,25 +24,33 @@ def test_two_ships_exchange_what_they_have_found_and_a_replay_does_the_same(tmp_
     bag, report, again = tmp_path / "bag", tmp_path / "run.json", tmp_path / "again.json"
     done = run_command(
         tmp_path,
-        *("run", "ships_in_company", "--duration", "60", "--rate", "max"),
+        *("run", "ships_in_company", "--duration", "400", "--rate", "max"),
         *("--record", bag, "--json", report),
     )
     assert done.returncode == 0, done.stdout
     live = report_of(report)
-    assert live["topics"]["/consort/passive/bearing_tracks"]["messages"] == 30
-    assert live["topics"]["/consort/own_ship/odometry"]["messages"] >= 30
+    assert live["topics"]["/consort/passive/bearing_tracks"]["messages"] == 200
+    assert live["topics"]["/consort/own_ship/odometry"]["messages"] >= 200
     assert live["latency_ms"]["fused_count"] > 0
-    *_, own = position_tracks_of(read_bag(bag), "/tracks")
-    *_, other = position_tracks_of(read_bag(bag), "/consort/tracks")
+    recording = read_bag(bag)
+    lists = {
+        name: list(position_tracks_of(recording, name)) for name in ("/tracks", "/consort/tracks")
+    }
+    own, other = (one[29] for one in lists.values())
     assert {"consort/own_tracks", "active/tracks", "array"} <= set(own.contributor_sensor)
     assert {"own_tracks", "consort/active/tracks"} <= set(other.contributor_sensor)
     # One ship is out of the reach of each sonar, so that it is in the picture by the other one.
     assert len(own.id[own.established]) == len(other.id[other.established]) == 3
     assert {int(one) >> 48 for one in own.id} == {1}
     assert {int(one) >> 48 for one in other.id} == {2}
+    for tracks in lists.values():
+        found = [made_of(tracks[-1], row) for row in range(len(tracks[-1]))]
+        assert all({"active/tracks", "consort/active/tracks"} <= one for one in found)
+        # What the other ship found first keeps its name when own sensors find it, too.
+        assert len({int(name) for one in tracks for name in one.id[one.established]}) == 3
 
     done = run_command(tmp_path, "replay", bag, "--rate", "max", "--json", again)
     assert done.returncode == 0, done.stdout
     compared = report_of(again)["comparison"]
     for topic in ("/tracks", "/own_tracks", "/consort/tracks", "/consort/own_tracks"):
-        assert compared[topic] == "identical: 30 messages"
+        assert compared[topic] == "identical: 200 messages"

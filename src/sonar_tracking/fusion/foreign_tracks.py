@@ -8,7 +8,7 @@ tracks may hold what own ship has told before.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,11 +18,13 @@ from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.fusion.copied_rows import moved_state
 from sonar_tracking.fusion.echo_association import log_odds_of_one_target
 from sonar_tracking.fusion.echo_checks import unusable_rows, usable_states
-from sonar_tracking.fusion.fused_rows import Contribution, FusedRow
+from sonar_tracking.fusion.fused_rows import Contribution, FusedRow, ShownRows
 from sonar_tracking.fusion.fusion_records import ListKey
 from sonar_tracking.fusion.inverse_covariance_intersection import inverse_covariance_intersection
+from sonar_tracking.fusion.shared_names import SharedNames, Source
 from sonar_tracking.fusion.track_fusion_configuration import TrackFusionConfiguration
 from sonar_tracking.records.arrays import BoolArray
+from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks, TrackSource
 from sonar_tracking.records.time import seconds
 from sonar_tracking.tma.targets.station_association import FREE, associate
@@ -35,22 +37,24 @@ LATEST_AGE = 60.0
 
 
 class ForeignTracks:
-    """The last list of each other ship, and which of its rows are of own targets.
+    """The last list of each other ship, and which of its rows are of targets known already.
 
     Parameters
     ----------
     configuration : TrackFusionConfiguration
-        Odds and the area in which tracks begin.
-    next_id : callable
-        Returns a new identifier.
+        Odds, the area in which tracks begin, identifiers.
     """
 
-    def __init__(self, configuration: TrackFusionConfiguration, next_id: Callable[[], int]) -> None:
-        self._configuration = configuration
-        self._next_id = next_id
+    def __init__(self, configuration: TrackFusionConfiguration) -> None:
+        self.configuration = configuration
+        self.names = SharedNames(configuration.first_of_all)
+        self.forget()
+
+    def forget(self) -> None:
+        """Forget all lists; identifiers go on."""
+        self.names.forget()
         self._lists: dict[str, PositionTracks] = {}
-        self._names: dict[ListKey, int] = {}
-        self._own: dict[ListKey, int] = {}
+        self._shown = ShownRows()
 
     @property
     def heard_of(self) -> bool:
@@ -85,101 +89,131 @@ class ForeignTracks:
         possible = usable_states(tracks) & _possible(tracks)
         usable = possible & tracks.established & _found_by_itself(tracks)
         self._lists[topic] = tracks.selected(usable)
+        going_on = tracks.status != TrackStatus.TERMINATED
+        self.names.keep(topic, set(tracks.id[going_on].tolist()))
         return unusable_rows(tracks, topic, possible)
 
-    def fused(self, rows: Sequence[FusedRow], stamp: int) -> list[FusedRow]:
+    def listed(self, own: Sequence[FusedRow], stamp: int, next_stamp: int) -> PositionTracks:
         """Return own rows, fused with those of other ships, and what only these have.
 
         Parameters
         ----------
-        rows : sequence of FusedRow
+        own : sequence of FusedRow
             Of own targets.
-        stamp : int
+        stamp, next_stamp : int
             Of the list, ns.
         """
-        result = list(rows)
+        sources: list[Source] = [row.id for row in own]
+        rows = [replace(row, id=self.names.name_of(row.id)) for row in own]
         for topic, tracks in self._lists.items():
             age = seconds(stamp - tracks.stamp)
             if 0.0 <= age <= LATEST_AGE and len(tracks):
-                result = self._with_list(topic, tracks, result, len(rows), age)
-        return result
+                self._add(topic, tracks, age, sources, rows)
+        self.names.keep_own({row.id for row in own})
+        return self._shown.listed(rows, stamp, next_stamp)
 
-    def _with_list(
-        self, topic: str, tracks: PositionTracks, rows: list[FusedRow], n_own: int, age: float
-    ) -> list[FusedRow]:
-        foreign = [
+    def _add(
+        self,
+        topic: str,
+        tracks: PositionTracks,
+        age: float,
+        sources: list[Source],
+        rows: list[FusedRow],
+    ) -> None:
+        """Add the list of a ship, some seconds old, to the rows known before and who tells them."""
+        told = [
             moved_state(KalmanState(tracks.state[row], tracks.covariance[row]), age)
             for row in range(len(tracks))
         ]
-        keys = [(topic, int(number)) for number in tracks.id]
-        partners = self._partners(keys, foreign, rows[:n_own])
-        result = list(rows)
-        for row, (key, state) in enumerate(zip(keys, foreign, strict=True)):
-            place = partners[row]
-            made_of = ((TrackSource.FUSED, topic, key[1]), *_contributions(tracks, row))
+        keys: list[ListKey] = [(topic, int(number)) for number in tracks.id]
+        known, before = tuple(sources), [self.names.partner_of(key) for key in keys]
+        partners = self._partners(before, told, known, rows)
+        alone = {key for key, place in zip(keys, partners, strict=True) if place is None}
+        self.names.settle(keys, alone, known)
+        for number, source in enumerate(known):
+            rows[number] = replace(rows[number], id=self.names.name_of(source))
+        for row, (key, place) in enumerate(zip(keys, partners, strict=True)):
             if place is None:
-                result.append(self._foreign_row(tracks, row, key, state, made_of))
+                name = self.names.alone(key, {one.id for one in rows})
+                sources.append(key)
+                rows.append(_foreign_row(tracks, row, key, name, told[row]))
                 continue
-            own = result[place]
-            both = inverse_covariance_intersection(KalmanState(own.state, own.covariance), state)
-            contributors = (*own.contributors, *made_of)
-            result[place] = replace(
-                own, state=both.mean, covariance=both.covariance, contributors=contributors
-            )
-        return result
+            others = {one.id for one in rows if one is not rows[place]}
+            name = self.names.join(key, known[place], self._shown.confirmed_since, others)
+            rows[place] = _joint_row(rows[place], tracks, row, key, name, told[row])
 
     def _partners(
-        self, keys: Sequence[ListKey], foreign: Sequence[KalmanState], own: Sequence[FusedRow]
+        self,
+        before: Sequence[Source | None],
+        told: Sequence[KalmanState],
+        sources: Sequence[Source],
+        rows: Sequence[FusedRow],
     ) -> list[int | None]:
-        """Return the own row of each foreign one; None = there is none.
+        """Return which known row each row of another ship is of; None = of none.
 
         A pair stays one for as long as it is likelier than not.
         """
-        known = [place for place, row in enumerate(own) if np.all(np.isfinite(row.covariance))]
+        known = [place for place, row in enumerate(rows) if np.all(np.isfinite(row.covariance))]
         if not known:
-            return [None] * len(keys)
+            return [None] * len(told)
         odds = log_odds_of_one_target(
-            np.array([one.mean for one in foreign]),
-            np.array([one.covariance for one in foreign]),
-            np.array([own[place].state for place in known]),
-            np.array([own[place].covariance for place in known]),
-            self._configuration.clutter_area,
+            np.array([one.mean for one in told]),
+            np.array([one.covariance for one in told]),
+            np.array([rows[place].state for place in known]),
+            np.array([rows[place].covariance for place in known]),
+            self.configuration.clutter_area,
         )
-        needed = np.log(self._configuration.association_odds * len(known))
-        before = np.array(
-            [[self._own.get(key) == own[place].id for key in keys] for place in known]
-        )
-        chosen = associate(odds - np.where(before, 0.0, needed), 1.0)
-        partners = [None if row == FREE else known[row] for row in chosen]
-        for key, place in zip(keys, partners, strict=True):
-            if place is None:
-                self._own.pop(key, None)
-            else:
-                self._own[key] = own[place].id
-        return partners
+        needed = np.log(self.configuration.association_odds * len(known))
+        were_one = np.array([[one == sources[place] for one in before] for place in known])
+        chosen = associate(odds - np.where(were_one, 0.0, needed), 1.0)
+        return [None if row == FREE else known[row] for row in chosen]
 
-    def _foreign_row(
-        self,
-        tracks: PositionTracks,
-        row: int,
-        key: ListKey,
-        state: KalmanState,
-        contributors: tuple[Contribution, ...],
-    ) -> FusedRow:
-        if key not in self._names:
-            self._names[key] = self._next_id()
-        static = tracks.source[row] == TrackSource.STATIC
-        return FusedRow(
-            id=self._names[key],
-            status=tracks.status[row],
-            source=TrackSource.STATIC if static else TrackSource.FUSED,
-            state=state.mean,
-            covariance=state.covariance,
-            existence=float(tracks.existence_probability[row]),
-            initiated=float(tracks.initiated[row]),
-            updated=float(tracks.updated[row]),
-            contributors=contributors,
-        )
+
+def _joint_row(
+    known: FusedRow,
+    tracks: PositionTracks,
+    row: int,
+    key: ListKey,
+    number: int,
+    told: KalmanState,
+) -> FusedRow:
+    """Return a row known before with what another ship tells of the target, as ``number``."""
+    both = inverse_covariance_intersection(KalmanState(known.state, known.covariance), told)
+    return replace(
+        known,
+        id=number,
+        status=_surer(known.status, TrackStatus(tracks.status[row])),
+        state=both.mean,
+        covariance=both.covariance,
+        existence=float(np.fmax(known.existence, tracks.existence_probability[row])),
+        initiated=float(np.fmin(known.initiated, tracks.initiated[row])),
+        updated=float(np.fmax(known.updated, tracks.updated[row])),
+        contributors=(*known.contributors, *_contributions(tracks, row, key)),
+    )
+
+
+def _surer(one: TrackStatus, other: TrackStatus) -> TrackStatus:
+    """Return the status of a target of which two ships tell."""
+    order = (TrackStatus.CONFIRMED, TrackStatus.COASTED, TrackStatus.TENTATIVE)
+    return min(one, other, key=order.index)
+
+
+def _foreign_row(
+    tracks: PositionTracks, row: int, key: ListKey, number: int, told: KalmanState
+) -> FusedRow:
+    """Return a row of another ship of what nobody else knows, as ``number``."""
+    static = tracks.source[row] == TrackSource.STATIC
+    return FusedRow(
+        id=number,
+        status=TrackStatus(tracks.status[row]),
+        source=TrackSource.STATIC if static else TrackSource.FUSED,
+        state=told.mean,
+        covariance=told.covariance,
+        existence=float(tracks.existence_probability[row]),
+        initiated=float(tracks.initiated[row]),
+        updated=float(tracks.updated[row]),
+        contributors=_contributions(tracks, row, key),
+    )
 
 
 def _possible(tracks: PositionTracks) -> BoolArray:
@@ -193,8 +227,9 @@ def _found_by_itself(tracks: PositionTracks) -> BoolArray:
     return np.isin(np.arange(len(tracks)), others, invert=True)
 
 
-def _contributions(tracks: PositionTracks, row: int) -> tuple[Contribution, ...]:
-    return tuple(
+def _contributions(tracks: PositionTracks, row: int, key: ListKey) -> tuple[Contribution, ...]:
+    """Return the row itself and what it is made of."""
+    made_of = tuple(
         (
             TrackSource(tracks.contributor_source[one]),
             tracks.contributor_sensor[one],
@@ -202,3 +237,4 @@ def _contributions(tracks: PositionTracks, row: int) -> tuple[Contribution, ...]
         )
         for one in np.flatnonzero(tracks.contributor_track == row)
     )
+    return ((TrackSource.FUSED, *key), *made_of)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -23,7 +24,6 @@ from sonar_tracking.fusion.foreign_tracks import ForeignTracks
 from sonar_tracking.fusion.fused_rows import (
     FusedRow,
     OwnPicture,
-    ShownRows,
     row_of_target,
     turned_by_heading,
 )
@@ -70,17 +70,34 @@ class TrackFusionStage(FusedTargets):
     def __init__(
         self, configuration: TrackFusionConfiguration | None = None, n_sources: int = 1
     ) -> None:
+        settings = configuration or TrackFusionConfiguration()
         self._n_sources = n_sources
-        super().__init__(configuration or TrackFusionConfiguration())
+        self._foreign = ForeignTracks(settings)
+        super().__init__(settings)
 
     def reset(self) -> None:
         """Forget all targets; identifiers go on."""
         super().reset()
-        self._foreign = ForeignTracks(self.configuration, self._new_id)
-        self._all_rows_shown = ShownRows()
+        self._foreign.forget()
         self._stations: dict[str, FloatArray] = {}
         self._own_ship: KinematicState | None = None
         self._watermarks: dict[str, int] = {}
+
+    def continue_from(self, first_id: int) -> None:
+        """Let new tracks have identifiers from one on, if those so far are below it."""
+        super().continue_from(first_id)
+        again = replace(self.configuration, first_id=first_id)
+        self._foreign.configuration = again
+        self._foreign.names.continue_from(again.first_of_all)
+
+    def end_track(self, number: int) -> None:
+        """End a row of own sensors since an operator says so; see :class:`FusedTargets`."""
+        super().end_track(self._foreign.names.own_row_called(number))
+
+    def merge_tracks(self, number: int, other: int) -> None:
+        """Let two rows be one target since an operator says so; see :class:`FusedTargets`."""
+        own_row = self._foreign.names.own_row_called
+        super().merge_tracks(own_row(number), own_row(other))
 
     def update(self, frame: FusionFrame) -> FusionUpdate:
         """Take in everything of one instant.
@@ -157,8 +174,8 @@ class TrackFusionStage(FusedTargets):
             notices += self._foreign.take(topic, told, stamp)
         if not self._foreign.heard_of:
             return own.tracks, tuple(notices)
-        rows = self._foreign.fused(own.rows, stamp)
-        return self._all_rows_shown.listed(rows, stamp, own.tracks.next_stamp), tuple(notices)
+        tracks = self._foreign.listed(own.rows, stamp, own.tracks.next_stamp)
+        return tracks, tuple(notices)
 
     def _take_echoes(self, topic: str, tracks: PositionTracks) -> None:
         self._copies.take(topic, tracks)
