@@ -83,6 +83,26 @@ def test_sensors_are_where_their_station_is() -> None:
     assert np.isclose(angle, 0.5 * np.pi - np.arctan2(700.0, 800.0), atol=1e-3)
 
 
+def test_sensors_of_a_station_that_are_turned_do_not_tell_it() -> None:
+    """An array hears as it stands, and says that it stands as it should; so does a sonar."""
+    turned = {**SEA["stations"][2], "array": {"n_elements": 3, "misalignment_deg": 2.0}}
+    turned["active_sonar"] = {**SONAR, "misalignment_deg": -3.0}
+    scenes = [sea(), sea(stations=[*SEA["stations"][:2], turned])]
+    true, off = (scene.of_station("consort/tow") for scene in scenes)
+    heard, heard_off = (SampleSimulation(one).next_block() for one in (true, off))
+    assert heard is not None and heard_off is not None
+    assert np.array_equal(heard.samples.data, heard_off.samples.data)
+    yaws = [
+        2.0 * np.degrees(np.arctan2(one.samples.sensor.orientation[2], 1.0))
+        for one in (heard, heard_off)
+    ]
+    assert np.isclose(yaws[0] - yaws[1], 2.0, atol=0.01)
+    (told, _), (told_off, _) = (list(ActiveSonarSimulation(one)) for one in (true, off))
+    assert len(told.contacts.azimuth) == len(told_off.contacts.azimuth) > 0
+    apart = np.degrees(told_off.contacts.azimuth - told.contacts.azimuth)
+    assert np.allclose((apart + 180.0) % 360.0 - 180.0, 3.0)
+
+
 def test_no_two_arrays_hear_the_same_noise() -> None:
     alone, bow = ArraySimulation(sea()).next_block(), ArraySimulation(sea().of_station("bow"))
     heard = bow.next_block()

@@ -45,6 +45,13 @@ class ArrayConfiguration:
     mounting_yaw_deg: float = parameter(
         0.0, "direction of the array axis, anticlockwise from the bow", unit="deg"
     )
+    misalignment_deg: float = parameter(
+        0.0,
+        "by how much the array is really turned anticlockwise from what its data tell",
+        unit="deg",
+        minimum=-180.0,
+        maximum=180.0,
+    )
 
     def element_positions(self) -> FloatArray:
         """Return the element positions in the frame of the array, shape (n_elements, 3), m."""
@@ -58,6 +65,11 @@ class ArrayConfiguration:
         positions[:, 1] = self.element_y or 0.0
         positions[:, 2] = self.element_z or 0.0
         return positions
+
+    @property
+    def misalignment(self) -> float:
+        """In rad."""
+        return float(np.radians(self.misalignment_deg))
 
     def wavenumber(self) -> float:
         """Return the wavenumber at the carrier, rad/m."""

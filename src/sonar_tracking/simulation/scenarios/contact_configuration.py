@@ -23,6 +23,13 @@ class ContactSensorConfiguration:
     sound_speed: float = parameter(1500.0, "0 = a ping takes no time", unit="m/s", minimum=0.0)
     range_standard_deviation: float = parameter(50.0, "of a contact", unit="m", minimum=1e-6)
     azimuth_standard_deviation_deg: float = parameter(0.1, "of a contact", unit="deg", minimum=1e-9)
+    misalignment_deg: float = parameter(
+        0.0,
+        "by how much the sonar is really turned anticlockwise from what its data tell",
+        unit="deg",
+        minimum=-180.0,
+        maximum=180.0,
+    )
     maximum_range: float = parameter(7000.0, "of the survey", unit="m", minimum=1.0)
     signal_to_noise_ratio_db: float = parameter(
         10.0, "of a target, at reference_range if that is given", unit="dB"
@@ -68,6 +75,11 @@ class ContactSensorConfiguration:
     def azimuth_standard_deviation(self) -> float:
         """In rad."""
         return float(np.radians(self.azimuth_standard_deviation_deg))
+
+    @property
+    def misalignment(self) -> float:
+        """In rad."""
+        return float(np.radians(self.misalignment_deg))
 
     @property
     def range_resolution(self) -> float:

@@ -3,7 +3,8 @@
 A ping leaves own ship at the stamp, is reflected where the target is when it arrives there, and is
 received where own ship is then. Half the travel time times the sound speed is the range, the
 direction of arrival the azimuth; both with Gaussian errors. Amplitudes are exponential, noise mean
-1, target mean 1 + SNR; what exceeds the threshold is a contact.
+1, target mean 1 + SNR; what exceeds the threshold is a contact. A sonar that is misaligned tells
+azimuths that are too small by the angle it is turned by.
 
 References
 ----------
@@ -231,7 +232,7 @@ class ContactSimulation:
         return Contacts(
             stamp=self._stamp(time),
             range=rows[order, 0],
-            azimuth=wrap_angle(rows[order, 1]),
+            azimuth=wrap_angle(rows[order, 1] - sensor.misalignment),
             amplitude=amplitudes[order],
             range_standard_deviation=sensor.range_standard_deviation,
             azimuth_standard_deviation=sensor.azimuth_standard_deviation,

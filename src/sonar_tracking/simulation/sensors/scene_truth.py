@@ -12,10 +12,11 @@ from sonar_tracking.simulation.scenarios.scenario import Scenario
 
 
 def array_sensor_at(scenario: Scenario, time: float) -> Sensor:
-    """Return the array with its pose and velocity at a scenario time, s."""
+    """Return the array with its pose, as its data tell it, and velocity at a scenario time, s."""
     receiver = scenario.receiver()
     state = receiver.trajectory.state(time)
-    half_yaw = 0.5 * float(wrap_angle(state.azimuth + receiver.mounting_yaw))
+    told = state.azimuth + receiver.mounting_yaw - scenario.array.misalignment
+    half_yaw = 0.5 * float(wrap_angle(told))
     return Sensor(
         sensor_id=scenario.array.sensor_id,
         frame_id=f"{scenario.carrier}/array",
