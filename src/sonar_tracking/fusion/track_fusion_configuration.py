@@ -45,6 +45,14 @@ class TrackFusionConfiguration:
     minimum_azimuth_deviation_deg: float = parameter(
         0.05, "no bearing is taken to be better", unit="deg", minimum=0.0, maximum=90.0
     )
+    bearing_resolution_deg: float = parameter(
+        12.0,
+        "within which an array may report one bearing of two targets, at broadside: of such a "
+        "bearing nothing is learnt; 0 = it tells apart whatever it hears",
+        unit="deg",
+        minimum=0.0,
+        maximum=90.0,
+    )
     mounting_x: float = parameter(
         0.0, "array origin ahead of own ship's reference, if data do not tell their pose", unit="m"
     )
@@ -91,6 +99,11 @@ class TrackFusionConfiguration:
     def heading_variance(self) -> float:
         """In rad^2."""
         return float(np.radians(self.heading_standard_deviation_deg) ** 2)
+
+    @property
+    def bearing_resolution(self) -> float:
+        """At broadside, rad."""
+        return float(np.radians(self.bearing_resolution_deg))
 
     @property
     def propagation_speed(self) -> float:

@@ -43,6 +43,7 @@ from sonar_tracking.fusion.station_bearings import (
     with_names_of_their_own,
 )
 from sonar_tracking.fusion.track_fusion_configuration import TrackFusionConfiguration
+from sonar_tracking.fusion.unresolved_bearings import UnresolvedBearings
 from sonar_tracking.motion import KinematicState
 from sonar_tracking.records.alignments import ArrayAlignments
 from sonar_tracking.records.arrays import FloatArray
@@ -82,6 +83,7 @@ class TrackFusionStage(FusedTargets):
         self._stations: dict[str, FloatArray] = {}
         self._own_ship: KinematicState | None = None
         self._watermarks: dict[str, int] = {}
+        self._unresolved: dict[str, UnresolvedBearings] = {}
 
     def continue_from(self, first_id: int) -> None:
         """Let new tracks have identifiers from one on, if those so far are below it."""
@@ -266,13 +268,32 @@ class TrackFusionStage(FusedTargets):
         self._filters.trials.end(set(), tried - set(told.alive))
         if told.found:
             self._stations[sensor] = told.found[0].station
-            found = self._filters.widened(told.found)
+            found, notices = self._resolved(sensor, self._filters.widened(told.found))
             self._take_linked(self._once_a_target(found))
             free = [one for one in found if self._may_be_tried(one.key, told)]
             begun = new_trials(free, self._filters, self._paused, self._stamp)
             self._filters.begin_trials(begun)
             self._filters.try_bearings(free)
+            return (*told.notices, *notices)
         return told.notices
+
+    def _resolved(
+        self, sensor: str, found: list[HeardBearing]
+    ) -> tuple[list[HeardBearing], tuple[Notice, ...]]:
+        """Return the bearings of a station that are of one target each, and what to tell of it."""
+        targets = self._filters.targets
+        if len(targets) < 2:
+            return found, ()
+        if sensor not in self._unresolved:
+            resolution = self.configuration.bearing_resolution
+            self._unresolved[sensor] = UnresolvedBearings(sensor, resolution)
+        unresolved = self._unresolved[sensor]
+        expected, _ = self._filters.expected(found[0])
+        notices = unresolved.take(found, targets, expected, self._stamp)
+        for target in targets:
+            if not unresolved.keys.isdisjoint(target.heard):
+                target.updated = self._stamp / NANOSECONDS
+        return [one for one in found if one.key not in unresolved.keys], notices
 
     def _once_a_target(self, found: list[HeardBearing]) -> list[HeardBearing]:
         """Return the bearings that are of targets; of two that an operator has merged, one."""
@@ -314,6 +335,8 @@ class TrackFusionStage(FusedTargets):
         taken = {row.id for row in rows}
         odds, n_targets = settings.association_odds, len(self._filters.targets)
         self._spoken_for = self._filters.trials.spoken_for(odds, n_targets)
+        for unresolved in self._unresolved.values():
+            self._spoken_for |= unresolved.keys
         rows += self._copies.rows(self._stamp, self._stands_for, self._stations, alignments, taken)
         heading = settings.heading_variance
         return [turned_by_heading(row, self._own_ship, heading) for row in rows]
