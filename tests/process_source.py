@@ -27,7 +27,7 @@ from pathlib import Path
 from typer.testing import CliRunner
 
 from sonar_tracking import cli
-from sonar_tracking.bags.storage.message_definitions import installed_definition
+from sonar_tracking.bags.contents.message_definitions import installed_definition
 from sonar_tracking.graph.catalogue import topics
 from sonar_tracking.graph.message_writing.field_writing import message_class
 from sonar_tracking.graph.orchestration.forked_node import SHARED, fork_node

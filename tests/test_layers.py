@@ -66,10 +66,14 @@ ROOMS = (
     "simulation",
     # files
     "message_reading",
+    "bags.contents",
+    "bags.mcap",
+    "bags.sqlite",
     "bags.storage",
     "bags.audio",
     "bags.nmea",
     "bags.tables",
+    "bags.positions",
     "bags.importers",
     "bags.exporters",
     "bags",
@@ -95,6 +99,7 @@ ROOMS = (
     "evaluation.bench",
     "evaluation",
     # people
+    "display.waterfalls",
     "display.page",
     "display",
     "graph.catalogue",

@@ -235,7 +235,7 @@ def _displayed(*options: object) -> tuple[ModuleType, object]:
 
 def _names(remap: list[str] | None, namespace: str) -> object:
     """Return the rules for the names of a bag's topics."""
-    return _load("sonar_tracking.bags.storage.topic_names").topic_names(remap or (), namespace)
+    return _load("sonar_tracking.bags.contents.topic_names").topic_names(remap or (), namespace)
 
 
 def _missing_package(error: ModuleNotFoundError) -> str:

@@ -32,7 +32,7 @@ def export(
     csv is one table of everything, a row a track and instant, with covariances and the tracks each
     was made from. geojson and kml are charts with one line a target; they need a datum.
     """
-    names = load("sonar_tracking.bags.storage.topic_names").topic_names(remap or (), namespace)
+    names = load("sonar_tracking.bags.contents.topic_names").topic_names(remap or (), namespace)
     needs("sonar_tracking.bags.exporters.export_bag").export_bag(
         bag, file_format, output, topic or (), datum, names
     )

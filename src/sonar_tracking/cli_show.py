@@ -26,6 +26,6 @@ def show(
     namespace: NamespaceOption = "",
 ) -> None:
     """Open the live page on a recording, without the graph; Ctrl-C ends it."""
-    names = load("sonar_tracking.bags.storage.topic_names").topic_names(remap or (), namespace)
+    names = load("sonar_tracking.bags.contents.topic_names").topic_names(remap or (), namespace)
     module = needs("sonar_tracking.display.page.show_bag")
     raise typer.Exit(module.show_bag(bag, names, page_port, page_address, not no_browser))

@@ -32,7 +32,7 @@ def smooth(
     Each track from all that was measured along its bearing tracks, before and after, of source
     SMOOTHED, in a topic beside the old one. A bag of bearings without positions is tracked first.
     """
-    names = load("sonar_tracking.bags.storage.topic_names").topic_names(remap or (), namespace)
+    names = load("sonar_tracking.bags.contents.topic_names").topic_names(remap or (), namespace)
     needs("sonar_tracking.evaluation.offline.smoothed_bag").smooth_bag(
         bag, output, acceleration, systematic_deviation_deg, names
     )

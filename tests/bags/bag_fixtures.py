@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 import yaml
 
-from sonar_tracking.bags.storage.bag_information import WRAPPING_KEY
-from sonar_tracking.bags.storage.mcap_writer import McapWriter
-from sonar_tracking.bags.storage.message_definitions import installed_typestore
-from sonar_tracking.bags.storage.recording_information import RecordingInformation
+from sonar_tracking.bags.contents.bag_information import WRAPPING_KEY
+from sonar_tracking.bags.contents.message_definitions import installed_typestore
+from sonar_tracking.bags.contents.recording_information import RecordingInformation
+from sonar_tracking.bags.mcap.mcap_writer import McapWriter
 from sonar_tracking.bags.storage.writer import BagWriter
 from sonar_tracking.records.bearings import TrackStatus
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sonar_tracking.bags.storage.message_definitions import installed_typestore
+from sonar_tracking.bags.contents.message_definitions import installed_typestore
 from sonar_tracking.message_reading.sample_reading import LOFAR_AXIS
 from sonar_tracking.records.bearings import BearingTracks
 from sonar_tracking.records.contacts import Contacts

@@ -10,10 +10,10 @@ import pytest
 
 from sonar_tracking.bags.storage.writer import BagWriter
 from sonar_tracking.display.bearing_time_record import MOST_LINES, Waterfall, beam_picture
-from sonar_tracking.display.page.beam_rows import BeamAxis, BeamRow
 from sonar_tracking.display.plot_bag import plot_bag
 from sonar_tracking.display.summary_table import bearing_summary
 from sonar_tracking.display.track_history import track_histories
+from sonar_tracking.display.waterfalls.beam_rows import BeamAxis, BeamRow
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.records.bearings import AngleKind, BearingTracks, TrackStatus
 from tests.bags.bag_fixtures import CLOCK, EPOCH, SECOND, TRACKS, open_writer, write_messages

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sonar_tracking.bags.storage.recording_information import RecordingInformation
+from sonar_tracking.bags.contents.recording_information import RecordingInformation
 from sonar_tracking.bags.storage.writer import BagWriter
 from sonar_tracking.display.chart_graticule import draw_graticule
 from sonar_tracking.display.picture_files import new_figure

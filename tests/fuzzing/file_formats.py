@@ -17,9 +17,9 @@ from sonar_tracking.bags.importers.import_bearings import BearingSources, import
 from sonar_tracking.bags.importers.import_contacts import ContactSensor, import_contacts
 from sonar_tracking.bags.importers.import_nmea import import_nmea
 from sonar_tracking.bags.importers.import_samples import import_samples
-from sonar_tracking.bags.importers.map_origin import MapOrigin
-from sonar_tracking.bags.importers.position_files import read_own_ship
-from sonar_tracking.bags.importers.position_tables import true_positions_of_table
+from sonar_tracking.bags.positions.map_origin import MapOrigin
+from sonar_tracking.bags.positions.position_files import read_own_ship
+from sonar_tracking.bags.positions.position_tables import true_positions_of_table
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.graph.catalogue.node_settings import read_settings
 from sonar_tracking.simulation.scenarios.scenario import DEFAULT_EPOCH

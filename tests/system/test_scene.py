@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from sonar_tracking.bags.storage.message_definitions import installed_typestore
+from sonar_tracking.bags.contents.message_definitions import installed_typestore
 from sonar_tracking.bags.storage.reader import Bag, read_bag
 from sonar_tracking.message_reading.field_reading import stamp_from_time
 from sonar_tracking.scene.rigid_pose import RigidPose

@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sonar_tracking.display.page.beam_rows import BeamAxis, BeamRow
-from sonar_tracking.display.page.bounded_rows import BoundedRows
-from sonar_tracking.display.page.waterfall_cascade import SCALES, WaterfallCascade
 from sonar_tracking.display.picture_files import loudness_colours, new_figure, save_picture
 from sonar_tracking.display.track_history import TrackHistory
+from sonar_tracking.display.waterfalls.beam_rows import BeamAxis, BeamRow
+from sonar_tracking.display.waterfalls.bounded_rows import BoundedRows
+from sonar_tracking.display.waterfalls.waterfall_cascade import SCALES, WaterfallCascade
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import AngleKind
 from sonar_tracking.records.time import LAST_STAMP, seconds

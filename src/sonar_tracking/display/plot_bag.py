@@ -23,9 +23,9 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
+from sonar_tracking.bags.contents.topic_names import RECORDED_NAMES, TopicNames
 from sonar_tracking.bags.storage.bag_datum import bag_datum
 from sonar_tracking.bags.storage.reader import Bag, read_bag
-from sonar_tracking.bags.storage.topic_names import RECORDED_NAMES, TopicNames
 from sonar_tracking.display.bag_contents import BagContents, bag_contents, drawn_topics
 from sonar_tracking.display.bearing_time_record import Waterfall, draw_bearing_time_record
 from sonar_tracking.display.contact_record import contact_record, draw_contact_record

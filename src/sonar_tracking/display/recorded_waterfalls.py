@@ -10,9 +10,9 @@ from sonar_tracking.bags.storage.bag_records import IMAGE_TYPE, SAMPLES_TYPE, to
 from sonar_tracking.bags.storage.reader import Bag
 from sonar_tracking.display.bearing_time_record import Waterfall
 from sonar_tracking.display.lofar_gram import GramRows
-from sonar_tracking.display.page.beam_power import beam_power_row
-from sonar_tracking.display.page.broadband_energy import BroadbandEnergy
-from sonar_tracking.display.page.lofar_rows import LofarBeams, LofarRow
+from sonar_tracking.display.waterfalls.beam_power import beam_power_row
+from sonar_tracking.display.waterfalls.broadband_energy import BroadbandEnergy
+from sonar_tracking.display.waterfalls.lofar_rows import LofarBeams, LofarRow
 from sonar_tracking.passive.lines.background_normalisation import BackgroundNormaliser
 from sonar_tracking.passive.lines.line_tracker_configuration import LineTrackerConfiguration
 from sonar_tracking.records.bearings import ArraySnapshots, BearingTracks

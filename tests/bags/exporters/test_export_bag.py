@@ -10,13 +10,13 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from sonar_tracking.bags.contents.message_definitions import installed_typestore
+from sonar_tracking.bags.contents.recording_information import RecordingInformation
 from sonar_tracking.bags.exporters.chart_files import KML_NAMESPACE
 from sonar_tracking.bags.exporters.export_bag import export_bag
 from sonar_tracking.bags.exporters.export_rows import ExportRow
 from sonar_tracking.bags.exporters.track_lines import MOST_KEPT, TrackLine
 from sonar_tracking.bags.storage.bag_records import COMMANDS_TYPE
-from sonar_tracking.bags.storage.message_definitions import installed_typestore
-from sonar_tracking.bags.storage.recording_information import RecordingInformation
 from sonar_tracking.bags.storage.writer import new_bag
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.geodesy import surface_positions

@@ -13,9 +13,9 @@ from sonar_tracking.bags.importers.import_contacts import (
     RecordedPings,
     read_pings,
 )
-from sonar_tracking.bags.importers.map_origin import MapOrigin
-from sonar_tracking.bags.importers.position_files import read_own_ship
-from sonar_tracking.bags.importers.position_tables import true_positions_of_table
+from sonar_tracking.bags.positions.map_origin import MapOrigin
+from sonar_tracking.bags.positions.position_files import read_own_ship
+from sonar_tracking.bags.positions.position_tables import true_positions_of_table
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.simulation.scenarios.scenario import DEFAULT_EPOCH
 

@@ -12,9 +12,9 @@ from scipy.io import wavfile
 from sonar_tracking.bags.importers.bearing_file import read_bearing_lines, read_stations
 from sonar_tracking.bags.importers.contact_file import read_contact_lines
 from sonar_tracking.bags.importers.file_inspection import inspect_file
-from sonar_tracking.bags.importers.map_origin import MapOrigin
-from sonar_tracking.bags.importers.position_files import read_own_ship
-from sonar_tracking.bags.importers.position_tables import true_positions_of_table
+from sonar_tracking.bags.positions.map_origin import MapOrigin
+from sonar_tracking.bags.positions.position_files import read_own_ship
+from sonar_tracking.bags.positions.position_tables import true_positions_of_table
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.evaluation.studies.room_array.responses import read_room_responses
 from sonar_tracking.evaluation.studies.ship_bearings.data import read_bearings

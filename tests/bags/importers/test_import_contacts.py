@@ -10,8 +10,8 @@ import pytest
 
 from sonar_tracking.active.contact_tracker import make_contact_tracker
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.bags.contents.message_definitions import installed_typestore
 from sonar_tracking.bags.importers.import_contacts import ContactSensor, import_contacts, read_pings
-from sonar_tracking.bags.storage.message_definitions import installed_typestore
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.message_reading.array_reading import own_ship_from_message

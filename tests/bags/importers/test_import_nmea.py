@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sonar_tracking.bags.importers import nmea_log
 from sonar_tracking.bags.importers.file_inspection import inspect_file
 from sonar_tracking.bags.importers.import_contacts import ContactSensor, import_contacts, read_pings
 from sonar_tracking.bags.importers.import_nmea import import_nmea
-from sonar_tracking.bags.importers.map_origin import MapOrigin
-from sonar_tracking.bags.importers.nmea_log import NmeaLog, read_nmea_log
-from sonar_tracking.bags.importers.own_ship_track import checked_coverage, own_ship_at
-from sonar_tracking.bags.importers.position_files import read_own_ship
-from sonar_tracking.bags.importers.position_tables import own_ship_of_table
+from sonar_tracking.bags.positions import nmea_log
+from sonar_tracking.bags.positions.map_origin import MapOrigin
+from sonar_tracking.bags.positions.nmea_log import NmeaLog, read_nmea_log
+from sonar_tracking.bags.positions.own_ship_track import checked_coverage, own_ship_at
+from sonar_tracking.bags.positions.position_files import read_own_ship
+from sonar_tracking.bags.positions.position_tables import own_ship_of_table
 from sonar_tracking.bags.storage.bag_records import records_of
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.display.plot_bag import plot_bag

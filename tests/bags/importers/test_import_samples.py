@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from scipy.io import wavfile
 
+from sonar_tracking.bags.contents.message_definitions import installed_typestore
 from sonar_tracking.bags.importers.audio_recording import GivenTime
 from sonar_tracking.bags.importers.import_samples import import_samples, suggested_estimator
 from sonar_tracking.bags.storage.bag_records import records_of
-from sonar_tracking.bags.storage.message_definitions import installed_typestore
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.message_reading.array_reading import own_ship_from_message

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.io import wavfile
 
+from sonar_tracking.bags.contents.message_definitions import installed_typestore
 from sonar_tracking.bags.importers.import_wav import import_wav
-from sonar_tracking.bags.storage.message_definitions import installed_typestore
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.geometry import line_array, steering_vectors, wavenumber

@@ -9,8 +9,8 @@ import pytest
 
 from sonar_tracking.bags.importers.bearing_file import read_bearing_lines, read_stations
 from sonar_tracking.bags.importers.contact_file import CONTACT_COLUMNS, read_contact_lines
-from sonar_tracking.bags.importers.map_origin import MapOrigin
-from sonar_tracking.bags.importers.position_files import read_own_ship
+from sonar_tracking.bags.positions.map_origin import MapOrigin
+from sonar_tracking.bags.positions.position_files import read_own_ship
 from sonar_tracking.bags.tables.table_headings import KNOWN
 from sonar_tracking.bags.tables.written_angles import written_angle
 from sonar_tracking.bags.tables.written_times import written_times

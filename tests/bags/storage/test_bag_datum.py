@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sonar_tracking.bags.contents.message_definitions import installed_typestore
+from sonar_tracking.bags.contents.recording_information import RecordingInformation
 from sonar_tracking.bags.storage.bag_datum import DATUM_TYPE, bag_datum
-from sonar_tracking.bags.storage.message_definitions import installed_typestore
 from sonar_tracking.bags.storage.reader import read_bag
-from sonar_tracking.bags.storage.recording_information import RecordingInformation
 from sonar_tracking.bags.storage.writer import BagWriter
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.display_plan import with_datum

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sonar_tracking.bags.contents.message_definitions import installed_typestore
 from sonar_tracking.bags.storage.bag_records import (
     BEARING_TRACKS_TYPE,
     bearing_tracks_of,
@@ -14,7 +15,6 @@ from sonar_tracking.bags.storage.bag_records import (
     snapshots_of,
     topics_of_type,
 )
-from sonar_tracking.bags.storage.message_definitions import installed_typestore
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.bags.storage.writer import BagWriter
 from sonar_tracking.errors import ConfigurationError, InputError

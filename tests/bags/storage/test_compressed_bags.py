@@ -18,9 +18,9 @@ from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as RosbagsWriter
 from rosbags.rosbag2.enums import CompressionFormat, CompressionMode
 
-from sonar_tracking.bags.storage import decompression
-from sonar_tracking.bags.storage.decompression import DamagedDataError, TooLargeError, decompressed
-from sonar_tracking.bags.storage.message_definitions import installed_typestore
+from sonar_tracking.bags.contents import decompression
+from sonar_tracking.bags.contents.decompression import DamagedDataError, TooLargeError, decompressed
+from sonar_tracking.bags.contents.message_definitions import installed_typestore
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.errors import ConfigurationError
 from tests.bags.bag_fixtures import EPOCH, SECOND, TRACKS, open_writer, tracks_cdr, write_messages

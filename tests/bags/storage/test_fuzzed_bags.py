@@ -14,7 +14,7 @@ import pytest
 from mcap.writer import CompressionType
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
-from sonar_tracking.bags.storage.message_definitions import installed_typestore
+from sonar_tracking.bags.contents.message_definitions import installed_typestore
 from tests.bags.bag_fixtures import (
     EPOCH,
     SECOND,

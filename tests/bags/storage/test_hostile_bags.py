@@ -14,12 +14,12 @@ import pytest
 import yaml
 from mcap.opcode import Opcode
 
-from sonar_tracking.bags.storage.bag_information import information_from_text
-from sonar_tracking.bags.storage.metadata import OfferedQuality, quality_from_text
+from sonar_tracking.bags.contents.bag_information import information_from_text
+from sonar_tracking.bags.contents.metadata import OfferedQuality, quality_from_text
+from sonar_tracking.bags.contents.recording_information import RecordingInformation
+from sonar_tracking.bags.contents.stored_text import StoredTextError, json_value, yaml_value
 from sonar_tracking.bags.storage.reader import read_bag
-from sonar_tracking.bags.storage.recording_information import RecordingInformation
 from sonar_tracking.bags.storage.repair import repair_bag
-from sonar_tracking.bags.storage.stored_text import StoredTextError, json_value, yaml_value
 from sonar_tracking.errors import ConfigurationError
 from tests.bags.bag_fixtures import TRACKS, information, open_writer, write_messages
 

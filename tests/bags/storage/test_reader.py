@@ -11,7 +11,7 @@ from mcap.writer import CompressionType, Writer
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as RosbagsWriter
 
-from sonar_tracking.bags.storage.message_definitions import (
+from sonar_tracking.bags.contents.message_definitions import (
     installed_definition,
     installed_typestore,
 )

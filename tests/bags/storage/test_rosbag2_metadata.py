@@ -19,12 +19,12 @@ from mcap.reader import make_reader
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as RosbagsWriter
 
-from sonar_tracking.bags.storage.bag_information import WRAPPING_KEY, information_from_text
-from sonar_tracking.bags.storage.message_definitions import (
+from sonar_tracking.bags.contents.bag_information import WRAPPING_KEY, information_from_text
+from sonar_tracking.bags.contents.message_definitions import (
     installed_definition,
     installed_typestore,
 )
-from sonar_tracking.bags.storage.metadata import OfferedQuality
+from sonar_tracking.bags.contents.metadata import OfferedQuality
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.bags.storage.repair import repair_bag
 from sonar_tracking.bags.storage.writer import BagWriter

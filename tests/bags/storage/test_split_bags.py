@@ -10,11 +10,11 @@ import pytest
 import yaml
 from mcap.writer import CompressionType, Writer
 
+from sonar_tracking.bags.contents.message_definitions import installed_definition
+from sonar_tracking.bags.contents.storage_file import BagMessage, Part
 from sonar_tracking.bags.storage.bag_files import natural_order
-from sonar_tracking.bags.storage.message_definitions import installed_definition
 from sonar_tracking.bags.storage.message_merge import merged_messages
 from sonar_tracking.bags.storage.reader import read_bag
-from sonar_tracking.bags.storage.storage_file import BagMessage, Part
 from tests.bags.bag_fixtures import (
     SNAPSHOTS,
     TRACKS,

@@ -17,8 +17,8 @@ from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import Reader
 
-from sonar_tracking.bags.storage.message_definitions import installed_definition
-from sonar_tracking.bags.storage.metadata import OfferedQuality
+from sonar_tracking.bags.contents.message_definitions import installed_definition
+from sonar_tracking.bags.contents.metadata import OfferedQuality
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.bags.storage.writer import BagWriter
 from sonar_tracking.errors import ConfigurationError

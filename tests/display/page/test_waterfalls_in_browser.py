@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sonar_tracking.display.page.beam_power import beam_power_row
 from sonar_tracking.display.page.own_ship_log import OwnShipLog
 from sonar_tracking.display.page.page_configuration import PageConfiguration
 from sonar_tracking.display.page.page_server import PageServer
 from sonar_tracking.display.page.track_frames import StationPlaces
 from sonar_tracking.display.page.waterfall_frames import WaterfallFrames
+from sonar_tracking.display.waterfalls.beam_power import beam_power_row
 from tests.display.page.chromium import Chromium, Tab
 from tests.display.page.page_scene import START
 from tests.display.page.waterfall_scene import (

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sonar_tracking.bags.contents.topic_names import topic_names
 from sonar_tracking.bags.storage.reader import read_bag
-from sonar_tracking.bags.storage.topic_names import topic_names
 from sonar_tracking.bags.storage.writer import BagWriter
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.evaluation.metrics.position_score import PositionScore

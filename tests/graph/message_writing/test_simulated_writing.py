@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from rclpy.serialization import deserialize_message, serialize_message
 
-from sonar_tracking.bags.storage.digest import canonical_cdr, installed_typestore
+from sonar_tracking.bags.contents.digest import canonical_cdr, installed_typestore
 from sonar_tracking.errors import InputError
 from sonar_tracking.graph.message_writing import array_writing, position_writing, simulated_writing
 from sonar_tracking.message_reading.identifier_reading import (

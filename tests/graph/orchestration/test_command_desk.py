@@ -7,7 +7,7 @@ import struct
 import pytest
 from sonar_tracking_msgs.msg import OperatorCommand as Message
 
-from sonar_tracking.bags.storage.log_time import head_stamp
+from sonar_tracking.bags.contents.log_time import head_stamp
 from sonar_tracking.graph.message_writing.command_writing import command_to_message
 from sonar_tracking.graph.orchestration.command_desk import MOST_WAITING, CommandDesk
 from sonar_tracking.graph.orchestration.finished_stamps import FinishedStamps

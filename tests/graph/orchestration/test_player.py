@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from sonar_tracking.bags.storage.storage_file import BagMessage
+from sonar_tracking.bags.contents.storage_file import BagMessage
 from sonar_tracking.graph.catalogue.run_identity import CONTROL_NODE
 from sonar_tracking.graph.orchestration.flow_ledger import FlowLedger
 from sonar_tracking.graph.orchestration.player import CLOCK_PERIOD, FULL_SPEED_CLOCK_PERIOD, Player

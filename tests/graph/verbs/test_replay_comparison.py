@@ -7,9 +7,9 @@ from typing import Any
 from rclpy.serialization import serialize_message
 from std_msgs.msg import Header
 
-from sonar_tracking.bags.storage.loss import Loss
-from sonar_tracking.bags.storage.message_definitions import installed_definition
-from sonar_tracking.bags.storage.storage_file import BagMessage
+from sonar_tracking.bags.contents.loss import Loss
+from sonar_tracking.bags.contents.message_definitions import installed_definition
+from sonar_tracking.bags.contents.storage_file import BagMessage
 from sonar_tracking.graph.orchestration.topic_record import TopicRecord
 from sonar_tracking.graph.verbs.replay_comparison import ReplayComparison
 

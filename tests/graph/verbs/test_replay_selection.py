@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
+from sonar_tracking.bags.contents.recording_information import role_of_type
 from sonar_tracking.bags.storage.reader import Bag, read_bag
-from sonar_tracking.bags.storage.recording_information import role_of_type
 from sonar_tracking.bags.storage.writer import BagWriter
 from sonar_tracking.display.run_display import LineDisplay
 from sonar_tracking.errors import ConfigurationError

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
+from sonar_tracking.bags.contents.recording_information import RecordingInformation
 from sonar_tracking.bags.storage.reader import read_bag
-from sonar_tracking.bags.storage.recording_information import RecordingInformation
 from sonar_tracking.bags.storage.writer import BagWriter
 from sonar_tracking.display.run_display import LineDisplay
 from sonar_tracking.errors import ConfigurationError

@@ -17,6 +17,7 @@ from typing import Any, TextIO
 from rich.console import Console
 from rich.progress import Progress
 
+from sonar_tracking.bags.contents.topic_names import RECORDED_NAMES, TopicNames
 from sonar_tracking.bags.exporters.chart_files import write_geojson, write_kml
 from sonar_tracking.bags.exporters.export_rows import COLUMNS, rows_of
 from sonar_tracking.bags.exporters.operator_names import operator_names
@@ -29,7 +30,6 @@ from sonar_tracking.bags.storage.bag_records import (
     records_in_order,
 )
 from sonar_tracking.bags.storage.reader import Bag, read_bag
-from sonar_tracking.bags.storage.topic_names import RECORDED_NAMES, TopicNames
 from sonar_tracking.errors import ConfigurationError, unknown_name_text
 from sonar_tracking.records.datum import ADVICE, Datum, datum_if_told
 

@@ -8,11 +8,11 @@ from pathlib import Path
 
 from sonar_tracking.bags.audio.recorded_files import open_recording
 from sonar_tracking.bags.audio.recording import Recording
+from sonar_tracking.bags.contents.metadata import OfferedQuality
+from sonar_tracking.bags.contents.recording_information import RecordingInformation
 from sonar_tracking.bags.importers.array_geometry_file import RecordedArray
 from sonar_tracking.bags.importers.bearing_truth_file import SurveyedBearings
 from sonar_tracking.bags.importers.recorded_messages import truth_cdr
-from sonar_tracking.bags.storage.metadata import OfferedQuality
-from sonar_tracking.bags.storage.recording_information import RecordingInformation
 from sonar_tracking.bags.storage.writer import new_bag
 from sonar_tracking.records.time import END_OF_DATA, NANOSECONDS
 

@@ -26,8 +26,8 @@ from pathlib import Path
 
 import numpy as np
 
-from sonar_tracking.bags.importers.map_origin import MapOrigin
-from sonar_tracking.bags.importers.position_tables import POSITIONS, table_positions
+from sonar_tracking.bags.positions.map_origin import MapOrigin
+from sonar_tracking.bags.positions.position_tables import POSITIONS, table_positions
 from sonar_tracking.bags.tables.number_table import NumberTable, read_number_table
 from sonar_tracking.bags.tables.table_directions import direction_angles
 from sonar_tracking.bags.tables.table_times import NO_TIME, TIMES, one_of, table_stamps

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.bags.importers.given_files import Files, given_paths
-from sonar_tracking.bags.importers.nmea_log import looks_like_nmea
+from sonar_tracking.bags.positions.given_files import Files, given_paths
+from sonar_tracking.bags.positions.nmea_log import looks_like_nmea
 from sonar_tracking.bags.tables.line_notes import LineNotes
 from sonar_tracking.bags.tables.number_table import read_number_table, table_cells
 from sonar_tracking.bags.tables.table_times import NO_TIME, TIMES, table_stamps

@@ -9,7 +9,7 @@ import numpy as np
 from sonar_tracking.bags.importers.bearing_association import associate_bearings
 from sonar_tracking.bags.importers.bearing_file import CONES, BearingLines, StationPlace
 from sonar_tracking.bags.importers.bearing_pictures import SensorBearings
-from sonar_tracking.bags.importers.own_ship_track import OwnShipMotion
+from sonar_tracking.bags.positions.own_ship_track import OwnShipMotion
 from sonar_tracking.configuration import parameter
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.motion import wrap_angle

@@ -17,7 +17,7 @@ Columns of contacts:
 
 Lines of one time are one ping; an empty optional cell costs nothing but itself, and a contact that
 cannot be used not its ping. Own ship may also come from a file of its own, see
-:mod:`sonar_tracking.bags.importers.position_files`; without either it rests at the origin.
+:mod:`sonar_tracking.bags.positions.position_files`; without either it rests at the origin.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ from pathlib import Path
 
 import numpy as np
 
-from sonar_tracking.bags.importers.map_origin import MapOrigin
-from sonar_tracking.bags.importers.position_tables import table_positions
+from sonar_tracking.bags.positions.map_origin import MapOrigin
+from sonar_tracking.bags.positions.position_tables import table_positions
 from sonar_tracking.bags.tables.number_table import NumberTable, read_number_table
 from sonar_tracking.bags.tables.table_directions import direction_angles
 from sonar_tracking.bags.tables.table_times import NO_TIME, TIMES, one_of, table_stamps

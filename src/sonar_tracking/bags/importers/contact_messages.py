@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from sonar_tracking.bags.storage.message_definitions import installed_typestore
+from sonar_tracking.bags.contents.message_definitions import installed_typestore
 from sonar_tracking.message_reading.contact_reading import CONTACT_REALS, DEVIATIONS
 from sonar_tracking.message_reading.position_reading import STATE_NAMES
 from sonar_tracking.records.arrays import FloatArray

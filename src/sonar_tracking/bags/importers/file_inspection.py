@@ -21,17 +21,17 @@ from sonar_tracking.bags.importers.bearing_file import (
 )
 from sonar_tracking.bags.importers.bearing_truth_file import read_surveyed_bearings
 from sonar_tracking.bags.importers.contact_file import read_contact_lines
-from sonar_tracking.bags.importers.given_files import files_in
-from sonar_tracking.bags.importers.map_origin import MapOrigin
-from sonar_tracking.bags.importers.nmea_log import looks_like_nmea, read_nmea_log
-from sonar_tracking.bags.importers.position_tables import (
+from sonar_tracking.bags.nmea.ais_reports import FORMATS
+from sonar_tracking.bags.nmea.own_ship_sentences import READERS
+from sonar_tracking.bags.positions.given_files import files_in
+from sonar_tracking.bags.positions.map_origin import MapOrigin
+from sonar_tracking.bags.positions.nmea_log import looks_like_nmea, read_nmea_log
+from sonar_tracking.bags.positions.position_tables import (
     PLACE,
     PLANE,
     own_ship_of_table,
     true_positions_of_table,
 )
-from sonar_tracking.bags.nmea.ais_reports import FORMATS
-from sonar_tracking.bags.nmea.own_ship_sentences import READERS
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.bags.tables.line_notes import LineNotes
 from sonar_tracking.bags.tables.npz_file import read_npz

@@ -17,6 +17,8 @@ from typing import Any
 
 import numpy as np
 
+from sonar_tracking.bags.contents.metadata import OfferedQuality
+from sonar_tracking.bags.contents.recording_information import RecordingInformation
 from sonar_tracking.bags.importers.bearing_file import (
     CONES,
     FROM_THE_BOW,
@@ -37,20 +39,18 @@ from sonar_tracking.bags.importers.contact_messages import (
     odometry_cdr,
     truth_tracks_cdr,
 )
-from sonar_tracking.bags.importers.given_files import Files
 from sonar_tracking.bags.importers.import_contacts import ODOMETRY_TOPIC, TRUTH_TOPIC
-from sonar_tracking.bags.importers.map_origin import MapOrigin
-from sonar_tracking.bags.importers.nmea_log import NmeaLogs
-from sonar_tracking.bags.importers.own_ship_track import (
+from sonar_tracking.bags.positions.given_files import Files
+from sonar_tracking.bags.positions.map_origin import MapOrigin
+from sonar_tracking.bags.positions.nmea_log import NmeaLogs
+from sonar_tracking.bags.positions.own_ship_track import (
     OwnShipMotion,
     checked_coverage,
     own_ship_at,
 )
-from sonar_tracking.bags.importers.position_files import read_own_ship
-from sonar_tracking.bags.importers.true_tracks import true_tracks_at
+from sonar_tracking.bags.positions.position_files import read_own_ship
+from sonar_tracking.bags.positions.true_tracks import true_tracks_at
 from sonar_tracking.bags.storage.bag_records import BEARING_TRACKS_TYPE, FREQUENCY_LINES_TYPE
-from sonar_tracking.bags.storage.metadata import OfferedQuality
-from sonar_tracking.bags.storage.recording_information import RecordingInformation
 from sonar_tracking.bags.storage.writer import new_bag
 from sonar_tracking.errors import ConfigurationError, shown
 from sonar_tracking.records.bearings import Sensor

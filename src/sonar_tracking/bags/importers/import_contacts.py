@@ -15,6 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from sonar_tracking.bags.contents.metadata import OfferedQuality
+from sonar_tracking.bags.contents.recording_information import RecordingInformation
 from sonar_tracking.bags.importers.contact_file import ContactLines, read_contact_lines
 from sonar_tracking.bags.importers.contact_messages import (
     CONTACTS_TYPE,
@@ -24,19 +26,17 @@ from sonar_tracking.bags.importers.contact_messages import (
     odometry_cdr,
     truth_tracks_cdr,
 )
-from sonar_tracking.bags.importers.given_files import Files
-from sonar_tracking.bags.importers.map_origin import MapOrigin
-from sonar_tracking.bags.importers.nmea_log import NmeaLogs
-from sonar_tracking.bags.importers.own_ship_track import (
+from sonar_tracking.bags.positions.given_files import Files
+from sonar_tracking.bags.positions.map_origin import MapOrigin
+from sonar_tracking.bags.positions.nmea_log import NmeaLogs
+from sonar_tracking.bags.positions.own_ship_track import (
     OwnShipMotion,
     checked_coverage,
     own_ship_at,
 )
-from sonar_tracking.bags.importers.position_files import read_own_ship
-from sonar_tracking.bags.importers.surveyed_positions import SurveyedPositions
-from sonar_tracking.bags.importers.true_tracks import true_tracks_at
-from sonar_tracking.bags.storage.metadata import OfferedQuality
-from sonar_tracking.bags.storage.recording_information import RecordingInformation
+from sonar_tracking.bags.positions.position_files import read_own_ship
+from sonar_tracking.bags.positions.surveyed_positions import SurveyedPositions
+from sonar_tracking.bags.positions.true_tracks import true_tracks_at
 from sonar_tracking.bags.storage.writer import new_bag
 from sonar_tracking.configuration import parameter
 from sonar_tracking.errors import ConfigurationError

@@ -13,27 +13,27 @@ from typing import Any
 
 import numpy as np
 
+from sonar_tracking.bags.contents.metadata import OfferedQuality
+from sonar_tracking.bags.contents.recording_information import RecordingInformation
 from sonar_tracking.bags.importers.contact_messages import (
     ODOMETRY_TYPE,
     TRACKS_TYPE,
     odometry_cdr,
     truth_tracks_cdr,
 )
-from sonar_tracking.bags.importers.given_files import read_each
 from sonar_tracking.bags.importers.import_contacts import ODOMETRY_TOPIC, TRUTH_TOPIC
-from sonar_tracking.bags.importers.joined_positions import joined_positions
-from sonar_tracking.bags.importers.map_origin import MapOrigin
-from sonar_tracking.bags.importers.nmea_log import NmeaLog, epochs_of_logs, read_nmea_log
-from sonar_tracking.bags.importers.nmea_tracks import own_ship_of_log, ships_of_logs
-from sonar_tracking.bags.importers.own_ship_track import (
+from sonar_tracking.bags.nmea.ship_histories import ShipHistory
+from sonar_tracking.bags.positions.given_files import read_each
+from sonar_tracking.bags.positions.joined_positions import joined_positions
+from sonar_tracking.bags.positions.map_origin import MapOrigin
+from sonar_tracking.bags.positions.nmea_log import NmeaLog, epochs_of_logs, read_nmea_log
+from sonar_tracking.bags.positions.nmea_tracks import own_ship_of_log, ships_of_logs
+from sonar_tracking.bags.positions.own_ship_track import (
     OwnShipMotion,
     checked_coverage,
     own_ship_at,
 )
-from sonar_tracking.bags.importers.true_tracks import TrueTargets
-from sonar_tracking.bags.nmea.ship_histories import ShipHistory
-from sonar_tracking.bags.storage.metadata import OfferedQuality
-from sonar_tracking.bags.storage.recording_information import RecordingInformation
+from sonar_tracking.bags.positions.true_tracks import TrueTargets
 from sonar_tracking.bags.storage.writer import new_bag
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.records.arrays import IntArray

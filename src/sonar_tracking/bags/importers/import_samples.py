@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from sonar_tracking.bags.audio.recording import Recording
+from sonar_tracking.bags.contents.recording_information import RecordingInformation
 from sonar_tracking.bags.importers.array_geometry_file import RecordedArray, read_array_geometry
 from sonar_tracking.bags.importers.array_plausibility import check_bearings
 from sonar_tracking.bags.importers.audio_recording import (
@@ -25,19 +26,18 @@ from sonar_tracking.bags.importers.audio_recording import (
     opened_recording,
     write_messages,
 )
-from sonar_tracking.bags.importers.given_files import Files
-from sonar_tracking.bags.importers.map_origin import MapOrigin
-from sonar_tracking.bags.importers.nmea_log import NmeaLogs
-from sonar_tracking.bags.importers.position_files import read_own_ship
 from sonar_tracking.bags.importers.recording_truth import RecordingTruth, read_recording_truth
 from sonar_tracking.bags.importers.sample_blocks import (
     ODOMETRY_TOPIC,
     SAMPLES_TOPIC,
     SampleBlocks,
 )
-from sonar_tracking.bags.importers.surveyed_positions import SurveyedPositions
+from sonar_tracking.bags.positions.given_files import Files
+from sonar_tracking.bags.positions.map_origin import MapOrigin
+from sonar_tracking.bags.positions.nmea_log import NmeaLogs
+from sonar_tracking.bags.positions.position_files import read_own_ship
+from sonar_tracking.bags.positions.surveyed_positions import SurveyedPositions
 from sonar_tracking.bags.storage.bag_records import ODOMETRY_TYPE, SAMPLES_TYPE
-from sonar_tracking.bags.storage.recording_information import RecordingInformation
 from sonar_tracking.configuration import from_mapping
 from sonar_tracking.passive.lines.band_demodulator_configuration import (
     BandDemodulatorConfiguration,
@@ -113,7 +113,7 @@ def import_samples(
     node_parameters : mapping of mapping
         Node, parameter, value: what a replay of the bag starts.
     own_ship, truth : Path, str, or sequence of them, optional
-        See :mod:`sonar_tracking.bags.importers.position_files`, and
+        See :mod:`sonar_tracking.bags.positions.position_files`, and
         :mod:`sonar_tracking.bags.importers.recording_truth`.
     time : GivenTime
         What is said of its time; default: what the geometry file, the names or the files say.

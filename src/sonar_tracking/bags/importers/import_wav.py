@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from sonar_tracking.bags.audio.recording import Recording, Stretch
+from sonar_tracking.bags.contents.recording_information import RecordingInformation
 from sonar_tracking.bags.importers.array_geometry_file import RecordedArray, read_array_geometry
 from sonar_tracking.bags.importers.array_plausibility import check_bearings
 from sonar_tracking.bags.importers.audio_recording import (
@@ -32,11 +33,10 @@ from sonar_tracking.bags.importers.bearing_truth_file import (
     holds_true_bearings,
     read_surveyed_bearings,
 )
-from sonar_tracking.bags.importers.given_files import Files, files_text
-from sonar_tracking.bags.importers.map_origin import MapOrigin
 from sonar_tracking.bags.importers.recorded_messages import snapshots_cdr
+from sonar_tracking.bags.positions.given_files import Files, files_text
+from sonar_tracking.bags.positions.map_origin import MapOrigin
 from sonar_tracking.bags.storage.bag_records import BEARING_TRACKS_TYPE, SNAPSHOTS_TYPE
-from sonar_tracking.bags.storage.recording_information import RecordingInformation
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.passive.lines.demodulation import Band, Demodulator, design_band
 from sonar_tracking.passive.subspaces.block_checks import MAXIMUM_RELATIVE_BANDWIDTH

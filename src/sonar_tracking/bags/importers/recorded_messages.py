@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from sonar_tracking.bags.contents.message_definitions import installed_typestore
 from sonar_tracking.bags.importers.array_geometry_file import RecordedArray
 from sonar_tracking.bags.importers.bearing_truth_file import SurveyedBearings
 from sonar_tracking.bags.storage.bag_records import (
@@ -13,7 +14,6 @@ from sonar_tracking.bags.storage.bag_records import (
     SAMPLES_TYPE,
     SNAPSHOTS_TYPE,
 )
-from sonar_tracking.bags.storage.message_definitions import installed_typestore
 from sonar_tracking.records.arrays import ComplexArray, FloatArray
 from sonar_tracking.records.bearings import Sensor, TrackStatus
 from sonar_tracking.records.samples import ArraySamples

@@ -19,14 +19,14 @@ from sonar_tracking.bags.importers.bearing_truth_file import (
     read_surveyed_bearings,
 )
 from sonar_tracking.bags.importers.contact_messages import TRACKS_TYPE, truth_tracks_cdr
-from sonar_tracking.bags.importers.given_files import Files, files_text
 from sonar_tracking.bags.importers.import_contacts import TRUTH_TOPIC as POSITIONS_TOPIC
-from sonar_tracking.bags.importers.map_origin import MapOrigin
-from sonar_tracking.bags.importers.nmea_log import NmeaLogs
-from sonar_tracking.bags.importers.own_ship_track import check_overlap, own_ship_at
 from sonar_tracking.bags.importers.recorded_messages import truth_cdr
-from sonar_tracking.bags.importers.surveyed_positions import SurveyedPositions
-from sonar_tracking.bags.importers.true_tracks import TrueTargets, read_true_targets
+from sonar_tracking.bags.positions.given_files import Files, files_text
+from sonar_tracking.bags.positions.map_origin import MapOrigin
+from sonar_tracking.bags.positions.nmea_log import NmeaLogs
+from sonar_tracking.bags.positions.own_ship_track import check_overlap, own_ship_at
+from sonar_tracking.bags.positions.surveyed_positions import SurveyedPositions
+from sonar_tracking.bags.positions.true_tracks import TrueTargets, read_true_targets
 from sonar_tracking.bags.storage.bag_records import BEARING_TRACKS_TYPE
 from sonar_tracking.motion import lever_arm, swing_velocity
 from sonar_tracking.records.arrays import FloatArray

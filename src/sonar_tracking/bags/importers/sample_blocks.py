@@ -16,9 +16,9 @@ from sonar_tracking.bags.audio.recording import Recording, Stretch
 from sonar_tracking.bags.importers.array_geometry_file import RecordedArray
 from sonar_tracking.bags.importers.audio_recording import Message
 from sonar_tracking.bags.importers.contact_messages import odometry_cdr
-from sonar_tracking.bags.importers.own_ship_track import checked_coverage, own_ship_at
 from sonar_tracking.bags.importers.recorded_messages import samples_cdr
-from sonar_tracking.bags.importers.surveyed_positions import SurveyedPositions
+from sonar_tracking.bags.positions.own_ship_track import checked_coverage, own_ship_at
+from sonar_tracking.bags.positions.surveyed_positions import SurveyedPositions
 from sonar_tracking.errors import ConfigurationError, InputError
 from sonar_tracking.motion import lever_arm, swing_velocity
 from sonar_tracking.passive.lines.band_demodulator_configuration import (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from sonar_tracking.bags.storage.message_definitions import installed_typestore
+from sonar_tracking.bags.contents.message_definitions import installed_typestore
 from sonar_tracking.bags.storage.reader import Bag
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.message_reading.datum_reading import datum_from_message

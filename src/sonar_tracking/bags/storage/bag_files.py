@@ -7,11 +7,11 @@ from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from sonar_tracking.bags.storage.bag_information import BagInformation
+from sonar_tracking.bags.contents.bag_information import BagInformation
+from sonar_tracking.bags.contents.decompression import decompressed_file
+from sonar_tracking.bags.contents.loss import Loss
+from sonar_tracking.bags.contents.storage_file import Storage, UnreadableFileError
 from sonar_tracking.bags.storage.compressed_messages import with_whole_messages
-from sonar_tracking.bags.storage.decompression import decompressed_file
-from sonar_tracking.bags.storage.loss import Loss
-from sonar_tracking.bags.storage.storage_file import Storage, UnreadableFileError
 from sonar_tracking.errors import ConfigurationError
 
 _KINDS = (".mcap", ".db3")
@@ -126,11 +126,11 @@ def open_file(path: Path) -> Storage:
 def _opened(path: Path, name: str) -> Storage:
     storage: Storage
     if path.suffix == ".db3":
-        from sonar_tracking.bags.storage.sqlite_storage import open_sqlite
+        from sonar_tracking.bags.sqlite.sqlite_storage import open_sqlite
 
         storage = open_sqlite(path, name)
     else:
-        from sonar_tracking.bags.storage.mcap_storage import McapStorage
+        from sonar_tracking.bags.mcap.mcap_storage import McapStorage
 
         storage = McapStorage(path, name)
     if storage.information is not None:

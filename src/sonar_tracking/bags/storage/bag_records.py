@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator
 from typing import Any, TypeVar
 
-from sonar_tracking.bags.storage.digest import decoded_message
-from sonar_tracking.bags.storage.message_definitions import typestore_of
+from sonar_tracking.bags.contents.digest import decoded_message
+from sonar_tracking.bags.contents.message_definitions import typestore_of
 from sonar_tracking.bags.storage.reader import Bag
 from sonar_tracking.errors import ConfigurationError, InputError, unknown_name_text
 from sonar_tracking.message_reading.array_reading import (

@@ -7,15 +7,15 @@ from collections.abc import Collection, Iterator
 from dataclasses import replace
 from itertools import islice
 
-from sonar_tracking.bags.storage.decompression import (
+from sonar_tracking.bags.contents.decompression import (
     LARGEST_MESSAGE,
     ZSTD_MAGIC,
     DamagedDataError,
     decompressed,
 )
-from sonar_tracking.bags.storage.loss import Loss
+from sonar_tracking.bags.contents.loss import Loss
+from sonar_tracking.bags.contents.storage_file import BagMessage, Part, Storage
 from sonar_tracking.bags.storage.message_merge import merged_messages
-from sonar_tracking.bags.storage.storage_file import BagMessage, Part, Storage
 
 _MESSAGES_ASKED = 3
 """One of them may be damaged."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import heapq
 from collections.abc import Collection, Iterator, Sequence
 
-from sonar_tracking.bags.storage.storage_file import BagMessage, Part
+from sonar_tracking.bags.contents.storage_file import BagMessage, Part
 
 
 def merged_messages(parts: Sequence[Part], topics: Collection[str]) -> Iterator[BagMessage]:

@@ -6,10 +6,10 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
+from sonar_tracking.bags.contents.bag_information import FILE_NAME, BagInformation
+from sonar_tracking.bags.contents.loss import Loss, losses_text
+from sonar_tracking.bags.contents.storage_file import Storage, UnreadableFileError
 from sonar_tracking.bags.storage.bag_files import BagFiles, chosen_files, open_file, plain_name
-from sonar_tracking.bags.storage.bag_information import FILE_NAME, BagInformation
-from sonar_tracking.bags.storage.loss import Loss, losses_text
-from sonar_tracking.bags.storage.storage_file import Storage, UnreadableFileError
 
 
 @dataclass(frozen=True)

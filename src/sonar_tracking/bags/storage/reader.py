@@ -15,26 +15,26 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import get_args
 
-from sonar_tracking.bags.storage.bag_files import files_of
-from sonar_tracking.bags.storage.bag_information import (
+from sonar_tracking.bags.contents.bag_information import (
     RECORD_NAME,
     WRAPPING_KEY,
     BagInformation,
     read_metadata_file,
 )
-from sonar_tracking.bags.storage.loss import MISSING_KEY, losses_from_json
-from sonar_tracking.bags.storage.message_definitions import MessageDefinition
-from sonar_tracking.bags.storage.message_merge import merged_messages
-from sonar_tracking.bags.storage.metadata import OfferedQuality
-from sonar_tracking.bags.storage.opened_files import OpenedFiles, opened_files, recovery_sentence
-from sonar_tracking.bags.storage.recording_information import (
+from sonar_tracking.bags.contents.loss import MISSING_KEY, losses_from_json
+from sonar_tracking.bags.contents.message_definitions import MessageDefinition
+from sonar_tracking.bags.contents.metadata import OfferedQuality
+from sonar_tracking.bags.contents.recording_information import (
     CUSTOM_DATA_KEY,
     RecordingInformation,
     Role,
     role_of_type,
 )
-from sonar_tracking.bags.storage.storage_file import BagMessage, Storage
-from sonar_tracking.bags.storage.topic_names import TopicNames
+from sonar_tracking.bags.contents.storage_file import BagMessage, Storage
+from sonar_tracking.bags.contents.topic_names import TopicNames
+from sonar_tracking.bags.storage.bag_files import files_of
+from sonar_tracking.bags.storage.message_merge import merged_messages
+from sonar_tracking.bags.storage.opened_files import OpenedFiles, opened_files, recovery_sentence
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.records.time import NANOSECONDS
 

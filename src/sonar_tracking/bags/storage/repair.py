@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from sonar_tracking.bags.storage.loss import MISSING_KEY, losses_to_json
+from sonar_tracking.bags.contents.loss import MISSING_KEY, losses_to_json
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.bags.storage.writer import new_bag
 

@@ -15,21 +15,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from sonar_tracking.bags.storage.bag_information import FILE_NAME, RECORD_KEY, RECORD_NAME
-from sonar_tracking.bags.storage.mcap_writer import McapWriter
-from sonar_tracking.bags.storage.message_definitions import MessageDefinition, installed_definition
-from sonar_tracking.bags.storage.metadata import (
+from sonar_tracking.bags.contents.bag_information import FILE_NAME, RECORD_KEY, RECORD_NAME
+from sonar_tracking.bags.contents.message_definitions import MessageDefinition, installed_definition
+from sonar_tracking.bags.contents.metadata import (
     OfferedQuality,
     TopicSummary,
     metadata_file_text,
     metadata_mapping,
     metadata_record_text,
 )
-from sonar_tracking.bags.storage.recording_information import (
+from sonar_tracking.bags.contents.recording_information import (
     CUSTOM_DATA_KEY,
     RecordingInformation,
     Role,
 )
+from sonar_tracking.bags.mcap.mcap_writer import McapWriter
 from sonar_tracking.errors import ConfigurationError, SonarTrackingError
 
 FLUSH_PERIOD = 0.5

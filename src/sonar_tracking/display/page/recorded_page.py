@@ -10,10 +10,10 @@ from dataclasses import fields
 from itertools import chain, islice, takewhile
 from typing import Any
 
+from sonar_tracking.bags.contents.digest import decoded_message
+from sonar_tracking.bags.contents.log_time import head_stamp
+from sonar_tracking.bags.contents.message_definitions import typestore_of
 from sonar_tracking.bags.storage.bag_datum import bag_datum
-from sonar_tracking.bags.storage.digest import decoded_message
-from sonar_tracking.bags.storage.log_time import head_stamp
-from sonar_tracking.bags.storage.message_definitions import typestore_of
 from sonar_tracking.bags.storage.reader import Bag
 from sonar_tracking.display.page.page_configuration import PageConfiguration
 from sonar_tracking.display.page.page_frames import seconds_of, text_frame

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from sonar_tracking.bags.contents.topic_names import TopicNames
 from sonar_tracking.bags.storage.reader import read_bag
-from sonar_tracking.bags.storage.topic_names import TopicNames
 from sonar_tracking.display.page.recorded_page import RecordedPage
 from sonar_tracking.display.page.web_browser import open_browser
 from sonar_tracking.stop_signals import stop_code

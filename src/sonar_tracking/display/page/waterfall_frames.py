@@ -14,12 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from sonar_tracking.display.page.beam_power import beam_power_row
-from sonar_tracking.display.page.beam_rows import BeamRow
-from sonar_tracking.display.page.broadband_energy import BroadbandEnergy
 from sonar_tracking.display.page.hearing_log import HearingLog
-from sonar_tracking.display.page.lofar_history import LofarHistory
-from sonar_tracking.display.page.lofar_rows import LofarBeams, LofarRow
 from sonar_tracking.display.page.own_ship_legs import OwnShipLegs
 from sonar_tracking.display.page.own_ship_log import OwnShipLog
 from sonar_tracking.display.page.page_frames import (
@@ -33,7 +28,12 @@ from sonar_tracking.display.page.past_tracks import PastTracks
 from sonar_tracking.display.page.solution_dots import solution_dots
 from sonar_tracking.display.page.stacked_dots import DotStack
 from sonar_tracking.display.page.track_frames import StationPlaces
-from sonar_tracking.display.page.waterfall_cascade import ScaledRow, WaterfallCascade
+from sonar_tracking.display.waterfalls.beam_power import beam_power_row
+from sonar_tracking.display.waterfalls.beam_rows import BeamRow
+from sonar_tracking.display.waterfalls.broadband_energy import BroadbandEnergy
+from sonar_tracking.display.waterfalls.lofar_history import LofarHistory
+from sonar_tracking.display.waterfalls.lofar_rows import LofarBeams, LofarRow
+from sonar_tracking.display.waterfalls.waterfall_cascade import ScaledRow, WaterfallCascade
 from sonar_tracking.errors import InputError
 from sonar_tracking.records.bearings import ArraySnapshots, BearingTracks, Sensor
 from sonar_tracking.records.lines import FrequencyLines

@@ -18,6 +18,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from sonar_tracking.bags.contents.topic_names import RECORDED_NAMES, TopicNames
 from sonar_tracking.bags.storage.bag_records import (
     BEARING_TRACKS_TYPE,
     POSITION_TRACKS_TYPE,
@@ -26,7 +27,6 @@ from sonar_tracking.bags.storage.bag_records import (
     topics_of_type,
 )
 from sonar_tracking.bags.storage.reader import Bag, read_bag
-from sonar_tracking.bags.storage.topic_names import RECORDED_NAMES, TopicNames
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.evaluation.metrics.bearing_score import BearingScore, score_bearing_tracks
 from sonar_tracking.evaluation.metrics.cutoff import (

@@ -13,15 +13,15 @@ from pathlib import Path
 
 from rich.console import Console
 
+from sonar_tracking.bags.contents.log_time import head_stamp
+from sonar_tracking.bags.contents.topic_names import RECORDED_NAMES, TopicNames
 from sonar_tracking.bags.importers.contact_messages import position_tracks_cdr
 from sonar_tracking.bags.storage.bag_records import (
     POSITION_TRACKS_TYPE,
     position_tracks_of,
     topics_of_type,
 )
-from sonar_tracking.bags.storage.log_time import head_stamp
 from sonar_tracking.bags.storage.reader import Bag, read_bag
-from sonar_tracking.bags.storage.topic_names import RECORDED_NAMES, TopicNames
 from sonar_tracking.bags.storage.writer import BagWriter, new_bag
 from sonar_tracking.configuration import from_mapping
 from sonar_tracking.errors import ConfigurationError

@@ -11,7 +11,7 @@ import difflib
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from sonar_tracking.bags.storage.topic_names import typed_namespace, typed_rules
+from sonar_tracking.bags.contents.topic_names import typed_namespace, typed_rules
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode
 from sonar_tracking.graph.catalogue.topics import CLOCK_TOPIC, FIXED_TRANSFORMS, TRANSFORMS, Topic

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from sonar_tracking.bags.storage.log_time import head_stamp
+from sonar_tracking.bags.contents.log_time import head_stamp
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.records.time import NANOSECONDS

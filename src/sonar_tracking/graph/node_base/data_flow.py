@@ -17,7 +17,7 @@ from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.serialization import deserialize_message, serialize_message
 
-from sonar_tracking.bags.storage.log_time import head_stamp
+from sonar_tracking.bags.contents.log_time import head_stamp
 from sonar_tracking.errors import InputError
 from sonar_tracking.graph.catalogue.topics import Topic
 from sonar_tracking.graph.message_writing.field_writing import message_class

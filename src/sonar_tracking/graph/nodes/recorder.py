@@ -17,10 +17,10 @@ from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
-from sonar_tracking.bags.storage.log_time import LogClock, begins_with_header, head_stamp
-from sonar_tracking.bags.storage.message_definitions import installed_definition
-from sonar_tracking.bags.storage.metadata import OfferedQuality
-from sonar_tracking.bags.storage.recording_information import (
+from sonar_tracking.bags.contents.log_time import LogClock, begins_with_header, head_stamp
+from sonar_tracking.bags.contents.message_definitions import installed_definition
+from sonar_tracking.bags.contents.metadata import OfferedQuality
+from sonar_tracking.bags.contents.recording_information import (
     RecordingInformation,
     Role,
     role_of_type,

@@ -20,7 +20,7 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.serialization import deserialize_message
 
-from sonar_tracking.bags.storage.log_time import head_stamp
+from sonar_tracking.bags.contents.log_time import head_stamp
 from sonar_tracking.errors import InputError, Severity
 from sonar_tracking.graph.catalogue.display_nodes import SCENE_PUBLISHER
 from sonar_tracking.graph.catalogue.topics import (

@@ -12,7 +12,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from typing import Any, Protocol
 
-from sonar_tracking.bags.storage.log_time import head_stamp
+from sonar_tracking.bags.contents.log_time import head_stamp
 from sonar_tracking.errors import InputError
 from sonar_tracking.graph.catalogue.command_kinds import check_command
 from sonar_tracking.graph.catalogue.run_identity import CONTROL_NODE

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator
 
-from sonar_tracking.bags.storage.log_time import head_stamp
-from sonar_tracking.bags.storage.storage_file import BagMessage
+from sonar_tracking.bags.contents.log_time import head_stamp
+from sonar_tracking.bags.contents.storage_file import BagMessage
 from sonar_tracking.graph.catalogue.run_identity import CONTROL_NODE
 from sonar_tracking.graph.orchestration.command_desk import CommandDesk
 from sonar_tracking.graph.orchestration.control_node import ControlNode

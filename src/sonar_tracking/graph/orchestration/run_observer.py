@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from sonar_tracking.bags.storage.log_time import head_stamp
+from sonar_tracking.bags.contents.log_time import head_stamp
 from sonar_tracking.display.run_display import RunDisplay
 from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
 from sonar_tracking.graph.catalogue.topics import (

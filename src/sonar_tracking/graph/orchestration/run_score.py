@@ -8,7 +8,7 @@ from typing import Any
 
 from rclpy.serialization import deserialize_message
 
-from sonar_tracking.bags.storage.log_time import head_stamp
+from sonar_tracking.bags.contents.log_time import head_stamp
 from sonar_tracking.evaluation.metrics.bearing_score import OnlineBearingScore
 from sonar_tracking.evaluation.metrics.position_score import OnlinePositionScore
 from sonar_tracking.graph.catalogue.graph_names import GraphNames

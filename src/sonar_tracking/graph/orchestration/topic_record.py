@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sonar_tracking.bags.storage.digest import STEP_BYTES, CanonicalDigest
+from sonar_tracking.bags.contents.digest import STEP_BYTES, CanonicalDigest
 
 _TOGETHER, _KEPT_BYTES = 32, 1_000_000
 """Most messages, and bytes, that wait: digested together they take half of the time, since code and

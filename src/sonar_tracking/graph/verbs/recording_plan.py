@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from sonar_tracking.bags.storage.log_time import CLOCK_TYPE
+from sonar_tracking.bags.contents.log_time import CLOCK_TYPE
+from sonar_tracking.bags.contents.recording_information import RecordingInformation, Role
 from sonar_tracking.bags.storage.reader import Bag, read_bag
-from sonar_tracking.bags.storage.recording_information import RecordingInformation, Role
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.graph_names import GraphNames
 from sonar_tracking.graph.catalogue.planned_node import PlannedNode

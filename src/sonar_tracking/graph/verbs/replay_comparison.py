@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 
-from sonar_tracking.bags.storage.earlier_layouts import earlier_layout
-from sonar_tracking.bags.storage.loss import Loss
+from sonar_tracking.bags.contents.earlier_layouts import earlier_layout
+from sonar_tracking.bags.contents.loss import Loss
+from sonar_tracking.bags.contents.storage_file import BagMessage
 from sonar_tracking.bags.storage.reader import Bag
-from sonar_tracking.bags.storage.storage_file import BagMessage
 from sonar_tracking.graph.orchestration.topic_record import TopicRecord, first_difference
 
 

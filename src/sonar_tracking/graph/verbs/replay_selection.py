@@ -7,10 +7,10 @@ from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field, replace
 from itertools import chain, repeat
 
-from sonar_tracking.bags.storage.earlier_layouts import earlier_layout
+from sonar_tracking.bags.contents.earlier_layouts import earlier_layout
+from sonar_tracking.bags.contents.storage_file import BagMessage
+from sonar_tracking.bags.contents.topic_names import TopicNames
 from sonar_tracking.bags.storage.reader import Bag
-from sonar_tracking.bags.storage.storage_file import BagMessage
-from sonar_tracking.bags.storage.topic_names import TopicNames
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.node_settings import NodeSettings
 from sonar_tracking.graph.verbs.run_options import RunOptions

@@ -8,9 +8,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from sonar_tracking.bags.contents.recording_information import RecordingInformation
 from sonar_tracking.bags.storage.bag_datum import bag_datum
 from sonar_tracking.bags.storage.reader import Bag, read_bag
-from sonar_tracking.bags.storage.recording_information import RecordingInformation
 from sonar_tracking.bags.storage.repair import repair_bag
 from sonar_tracking.display.run_display import RunDisplay
 from sonar_tracking.errors import ConfigurationError

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sonar_tracking.bags.storage.recording_information import RecordingInformation
+from sonar_tracking.bags.contents.recording_information import RecordingInformation
 from sonar_tracking.display.run_display import RunDisplay
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.graph.catalogue.display_plan import (

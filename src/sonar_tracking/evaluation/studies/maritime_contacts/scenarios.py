@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sonar_tracking.bags.importers.own_ship_track import interpolated
+from sonar_tracking.bags.positions.own_ship_track import interpolated
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.evaluation.metrics.ospa_gospa import Assignment, assign
 from sonar_tracking.motion import azimuth_from_compass

@@ -1,0 +1,1 @@
+"""What a bag holds, and what it says of itself: messages, topics, definitions, times, losses."""

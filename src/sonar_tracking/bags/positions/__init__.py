@@ -1,0 +1,1 @@
+"""Where ships were, by the tables and logs of strangers."""

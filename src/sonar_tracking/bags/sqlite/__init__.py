@@ -1,0 +1,1 @@
+"""Files of sqlite3: read, and what can be had of damaged ones."""

@@ -1,0 +1,1 @@
+"""Rows of waterfalls: power and lines against time, on every time scale."""
