@@ -41,6 +41,7 @@ ROOMS = (
     "passive.array_fit",
     "passive.subspaces",
     "passive.near_field",
+    "passive.track_start",
     "passive.bearings",
     "passive.lines",
     "passive",

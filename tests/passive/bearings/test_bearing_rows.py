@@ -16,7 +16,7 @@ from sonar_tracking.passive.bearings.bearing_track_list import (
     started_rows,
     tentative_rows,
 )
-from sonar_tracking.passive.bearings.tentative_track import StartedTrack, TentativeTrack
+from sonar_tracking.passive.track_start.tentative_track import StartedTrack, TentativeTrack
 from sonar_tracking.records.bearings import Sensor, TrackStatus
 from tests.passive.bearings.test_joined_bearings import SECOND, estimates
 from tests.passive.crossing_scene import POSITIONS

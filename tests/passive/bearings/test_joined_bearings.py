@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from sonar_tracking.filtering.constant_velocity import process_noise_matrix
-from sonar_tracking.passive.bearings import bearing_start
-from sonar_tracking.passive.bearings.bearing_start import BearingStart
-from sonar_tracking.passive.bearings.tentative_track import StartedTrack
+from sonar_tracking.passive.track_start import bearing_start
+from sonar_tracking.passive.track_start.bearing_start import BearingStart
+from sonar_tracking.passive.track_start.tentative_track import StartedTrack
 from sonar_tracking.records.bearings import SubspaceEstimates
 from tests.passive.crossing_scene import FREQUENCY, POSITIONS, SAMPLE_PERIOD, SOUND_SPEED
 

@@ -10,8 +10,8 @@ import numpy as np
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.geometry import is_line
 from sonar_tracking.passive.bearings.bearing_measurement import BearingMeasurement
-from sonar_tracking.passive.bearings.tentative_track import StartedTrack, TentativeTrack
 from sonar_tracking.passive.bearings.track_existence import STARTED
+from sonar_tracking.passive.track_start.tentative_track import StartedTrack, TentativeTrack
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import BearingTracks, SubspaceEstimates, TrackStatus
 

@@ -20,10 +20,10 @@ from sonar_tracking.passive.bearings.bearing_track_list import (
     tentative_rows,
 )
 from sonar_tracking.passive.bearings.bearing_tracker_configuration import SQUARE_DEGREE
-from sonar_tracking.passive.bearings.tentative_track import StartedTrack
 from sonar_tracking.passive.bearings.track_existence import STARTED
 from sonar_tracking.passive.bearings.tracker_state import TrackerState
 from sonar_tracking.passive.bearings.tracking_steps import TrackingSteps
+from sonar_tracking.passive.track_start.tentative_track import StartedTrack
 from sonar_tracking.records.bearings import SubspaceEstimates, TrackStatus
 
 NEAREST_DEG = 1.0

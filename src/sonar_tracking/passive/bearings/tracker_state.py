@@ -8,10 +8,10 @@ from typing import Any
 from sonar_tracking.errors import Notice
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.passive.bearings.bearing_filters import BearingFilters
-from sonar_tracking.passive.bearings.bearing_start import BearingStart
 from sonar_tracking.passive.bearings.bearing_track_list import BearingTrackRows
-from sonar_tracking.passive.bearings.faint_start import FaintStart
 from sonar_tracking.passive.bearings.steering_uncertainty import SteeringUncertainty
+from sonar_tracking.passive.track_start.bearing_start import BearingStart
+from sonar_tracking.passive.track_start.faint_start import FaintStart
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 from sonar_tracking.records.bearings import BearingTracks
 

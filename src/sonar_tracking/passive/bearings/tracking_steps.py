@@ -15,7 +15,6 @@ import numpy as np
 from sonar_tracking.errors import InputError
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.passive.bearings.bearing_filters import BearingFilters, FilterUpdate
-from sonar_tracking.passive.bearings.bearing_start import BearingStart
 from sonar_tracking.passive.bearings.bearing_track_list import (
     BearingTrackRows,
     bearing_tracks,
@@ -48,6 +47,7 @@ from sonar_tracking.passive.directions.sources_at_angles import (
     signal_to_noise_ratios,
 )
 from sonar_tracking.passive.sources.weak_source_counting import WeakSourceCounter
+from sonar_tracking.passive.track_start.bearing_start import BearingStart
 from sonar_tracking.records.arrays import BoolArray, FloatArray
 from sonar_tracking.records.bearings import SubspaceEstimates, TrackStatus
 from sonar_tracking.records.time import END_OF_DATA, seconds

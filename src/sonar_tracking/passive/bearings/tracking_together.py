@@ -20,12 +20,12 @@ from sonar_tracking.passive.bearings.alike_runs import (
     stacked,
     stacked_estimates,
 )
-from sonar_tracking.passive.bearings.bearing_start import BearingStart
 from sonar_tracking.passive.bearings.followed_tracks import FollowedTracks
 from sonar_tracking.passive.bearings.tracker_state import TrackerState
 from sonar_tracking.passive.bearings.tracking_steps import TrackingSteps
 from sonar_tracking.passive.sources.noise_of_windows import common_or_stacked
 from sonar_tracking.passive.sources.weak_source_counting import counts_together
+from sonar_tracking.passive.track_start.bearing_start import BearingStart
 from sonar_tracking.records.bearings import SubspaceEstimates
 
 

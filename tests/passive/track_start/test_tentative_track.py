@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sonar_tracking.passive.bearings.tentative_track import TentativeTrack
+from sonar_tracking.passive.track_start.tentative_track import TentativeTrack
 
 SECOND = 1_000_000_000
 

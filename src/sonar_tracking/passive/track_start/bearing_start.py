@@ -21,15 +21,15 @@ import numpy as np
 
 from sonar_tracking.filtering.assignment import least_cost_pairs
 from sonar_tracking.filtering.constant_velocity import process_noise_matrix
-from sonar_tracking.passive.bearings.hidden_pairs import (
+from sonar_tracking.passive.sources.weak_source_counting import WeakSourceCounter
+from sonar_tracking.passive.track_start.hidden_pairs import (
     HiddenPair,
     PairFit,
     hidden_pair,
     new_pair,
 )
-from sonar_tracking.passive.bearings.new_bearings import new_bearings
-from sonar_tracking.passive.bearings.tentative_track import StartedTrack, TentativeTrack
-from sonar_tracking.passive.sources.weak_source_counting import WeakSourceCounter
+from sonar_tracking.passive.track_start.new_bearings import new_bearings
+from sonar_tracking.passive.track_start.tentative_track import StartedTrack, TentativeTrack
 from sonar_tracking.records.arrays import ComplexArray, FloatArray
 from sonar_tracking.records.bearings import SubspaceEstimates
 from sonar_tracking.records.time import nanoseconds, seconds

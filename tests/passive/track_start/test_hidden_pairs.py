@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sonar_tracking.geometry import steering_vectors
-from sonar_tracking.passive.bearings.hidden_pairs import PairFit, hidden_pair, new_pair
+from sonar_tracking.passive.track_start.hidden_pairs import PairFit, hidden_pair, new_pair
 from sonar_tracking.records.arrays import ComplexArray, FloatArray
 from sonar_tracking.records.bearings import SubspaceEstimates
 from tests.passive.crossing_scene import POSITIONS, WAVENUMBER

@@ -1,10 +1,10 @@
 """Automatic start of the tracks of faint sources: track before detect beside the tracks there are.
 
 One Bernoulli filter looks for one source more
-(:mod:`sonar_tracking.passive.bearings.track_before_detect`). It takes what the tracks leave of the
-mean of the covariances of some seconds that share no snapshots. It starts nothing where MDL sees
-more sources than there are tracks in one of them: those are for the ordinary start. When a track
-starts, by whatever start, the filter begins anew.
+(:mod:`sonar_tracking.passive.track_start.track_before_detect`). It takes what the tracks leave of
+the mean of the covariances of some seconds that share no snapshots. It starts nothing where MDL
+sees more sources than there are tracks in one of them: those are for the ordinary start. When a
+track starts, by whatever start, the filter begins anew.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ import numpy as np
 
 from sonar_tracking.filtering.constant_velocity import transition_matrix
 from sonar_tracking.geometry import wavenumber
-from sonar_tracking.passive.bearings.bearing_start import covariance_middle
-from sonar_tracking.passive.bearings.tentative_track import StartedTrack
-from sonar_tracking.passive.bearings.track_before_detect import FaintSource, TrackBeforeDetect
 from sonar_tracking.passive.directions.beam_excess import BeamGrid, beam_excess, beam_grid
+from sonar_tracking.passive.track_start.bearing_start import covariance_middle
+from sonar_tracking.passive.track_start.tentative_track import StartedTrack
+from sonar_tracking.passive.track_start.track_before_detect import FaintSource, TrackBeforeDetect
 from sonar_tracking.records.arrays import ComplexArray, FloatArray
 from sonar_tracking.records.bearings import SubspaceEstimates
 from sonar_tracking.records.time import seconds

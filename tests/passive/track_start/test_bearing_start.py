@@ -7,13 +7,13 @@ import pytest
 
 from sonar_tracking.errors import InputError
 from sonar_tracking.geometry import steering_vectors
-from sonar_tracking.passive.bearings.bearing_start import BearingStart
 from sonar_tracking.passive.bearings.bearing_tracker_stage import (
     BearingTrackerConfiguration,
     BearingTrackerStage,
 )
-from sonar_tracking.passive.bearings.tentative_track import TentativeTrack
 from sonar_tracking.passive.subspaces.subspace_stage import SubspaceConfiguration, SubspaceStage
+from sonar_tracking.passive.track_start.bearing_start import BearingStart
+from sonar_tracking.passive.track_start.tentative_track import TentativeTrack
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
 from tests.passive.crossing_scene import (
     EPOCH,

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from sonar_tracking.geometry import steering_vectors
-from sonar_tracking.passive.bearings.new_bearings import LEAST_POWER_RATIO, new_bearings
+from sonar_tracking.passive.track_start.new_bearings import LEAST_POWER_RATIO, new_bearings
 from tests.passive.block_scene import noise_colour
 from tests.passive.crossing_scene import POSITIONS, WAVENUMBER
 from tests.passive.estimate_scene import estimates_of

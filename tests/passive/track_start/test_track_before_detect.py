@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from sonar_tracking.geometry import line_array, wavenumber
-from sonar_tracking.passive.bearings.track_before_detect import (
+from sonar_tracking.passive.directions.beam_excess import BeamExcess, BeamGrid, beam_grid
+from sonar_tracking.passive.track_start.track_before_detect import (
     STARTING_ODDS,
     TrackBeforeDetect,
 )
-from sonar_tracking.passive.directions.beam_excess import BeamExcess, BeamGrid, beam_grid
 from sonar_tracking.records.arrays import FloatArray
 
 INTERVAL, SNAPSHOTS = 2.0, 240.0

@@ -29,10 +29,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sonar_tracking.geometry import beamwidth, wavenumber
-from sonar_tracking.passive.bearings.tentative_track import TentativeTrack
 from sonar_tracking.passive.directions.signal_subspace import SignalSubspace, signal_subspace
 from sonar_tracking.passive.directions.sources_at_angles import unresolved
 from sonar_tracking.passive.directions.weighted_subspace_fit import weighted_subspace_fit
+from sonar_tracking.passive.track_start.tentative_track import TentativeTrack
 from sonar_tracking.records.arrays import ComplexArray, FloatArray
 from sonar_tracking.records.bearings import SubspaceEstimates
 

@@ -1,0 +1,1 @@
+"""Where bearing tracks begin: new, hidden and faint sources."""
