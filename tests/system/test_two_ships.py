@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,9 @@ import pytest
 
 from sonar_tracking.bags.storage.bag_records import position_tracks_of
 from sonar_tracking.bags.storage.reader import read_bag
+from sonar_tracking.evaluation.offline.offline_fusion_chain import run_offline_fusion_chain
 from sonar_tracking.records.positions import PositionTracks
+from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
 from tests.system.command_line import report_of, run_command
 
 
@@ -54,3 +57,12 @@ def test_two_ships_exchange_what_they_have_found_and_a_replay_does_the_same(tmp_
     compared = report_of(again)["comparison"]
     for topic in ("/tracks", "/own_tracks", "/consort/tracks", "/consort/own_tracks"):
         assert compared[topic] == "identical: 200 messages"
+
+    # What each ship makes of both does not depend on when the other one's lists have come.
+    scenario = replace(load_scenario("ships_in_company"), duration=400.0)
+    for place, name in (("", "/tracks"), ("consort", "/consort/tracks")):
+        _, updates = run_offline_fusion_chain(scenario, place)
+        for told, one in zip(lists[name], updates, strict=True):
+            assert np.array_equal(told.id, one.tracks.id)
+            assert np.array_equal(told.state, one.tracks.state, equal_nan=True)
+            assert np.array_equal(told.covariance, one.tracks.covariance, equal_nan=True)

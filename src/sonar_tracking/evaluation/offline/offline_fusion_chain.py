@@ -1,7 +1,7 @@
-"""Stations, active sonar, their trackers and the fusion of all in one process.
+"""Stations, active sonars, their trackers and the fusions of all in one process.
 
 The same stage objects as in the nodes, fed with the same frames: the reference the graph is
-compared with, bit for bit.
+compared with, bit for bit. Ships that exchange what they have found each have a fusion.
 """
 
 from __future__ import annotations
@@ -9,31 +9,47 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from sonar_tracking.active.contact_tracker import make_contact_tracker
-from sonar_tracking.active.contacts.contact_defaults import (
-    ContactDefaultsConfiguration,
-    with_defaults,
-)
-from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.configuration import parameter
+from sonar_tracking.evaluation.offline.known_world import KnownWorld
 from sonar_tracking.evaluation.offline.offline_bearing_chain import stage_configuration
-from sonar_tracking.evaluation.offline.offline_tma_chain import passive_frame
+from sonar_tracking.evaluation.offline.place_tracks import (
+    ECHOES,
+    POSITIONS,
+    PlaceTracks,
+    belonging,
+    below,
+    node_at,
+    nodes_asked_for,
+    place_tracks,
+    topics_of,
+)
+from sonar_tracking.fusion.foreign_lists import ForeignLists
 from sonar_tracking.fusion.fusion_records import FusionFrame, FusionUpdate
 from sonar_tracking.fusion.track_fusion_configuration import TrackFusionConfiguration
 from sonar_tracking.fusion.track_fusion_stage import TrackFusionStage
 from sonar_tracking.motion import KinematicState
-from sonar_tracking.own_ship_interpolation import motion_in_map
 from sonar_tracking.records.contacts import Contacts
-from sonar_tracking.records.positions import PositionTracks, TruthTracks
+from sonar_tracking.records.positions import TruthTracks
 from sonar_tracking.simulation.scenarios.scenario import Scenario
-from sonar_tracking.simulation.sensors.active_sonar_simulation import ActiveSonarSimulation
-from sonar_tracking.simulation.sensors.bearing_simulation import BearingSimulation
-from sonar_tracking.simulation.world.world_simulation import WorldSimulation
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame
-from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
 
-ECHOES, POSITIONS = "active/tracks", "passive/tracks"
-FUSION, CONTACT_TRACKER, TMA = "track_fusion", "hpda_tracker", "tma_tracker"
+__all__ = [
+    "ECHOES",
+    "POSITIONS",
+    "FusedMoment",
+    "fused_moments",
+    "make_track_fusion",
+    "run_offline_fusion_chain",
+]
+
+FUSION, OWN_LIST = "track_fusion", "own_tracks"
+
+
+@dataclass(frozen=True)
+class ForeignTopics:
+    """What a fusion takes of other ships."""
+
+    foreign_topics: tuple[str, ...] = parameter((), "fused tracks of other ships")
 
 
 @dataclass
@@ -44,10 +60,10 @@ class FusedMoment:
     ----------
     truth : TruthTracks
         Where the targets are.
-    own_ship : KinematicState
-        Where own ship is.
+    own_ship : KinematicState or None
+        Where the ship of the fusion is.
     contacts : Contacts or None
-        Of a ping sent then.
+        Of a ping sent then by its own sonar.
     passive : PassiveFrame or None
         Of the stations that report then.
     frame : FusionFrame
@@ -55,77 +71,113 @@ class FusedMoment:
     """
 
     truth: TruthTracks
-    own_ship: KinematicState
+    own_ship: KinematicState | None
     contacts: Contacts | None = None
     passive: PassiveFrame | None = None
     frame: FusionFrame = field(default_factory=lambda: FusionFrame(0))
 
 
-def fused_moments(scenario: Scenario) -> Iterator[FusedMoment]:
-    """Yield what the trackers of a scenario find, stamp by stamp.
+def fused_moments(scenario: Scenario, place: str = "") -> Iterator[FusedMoment]:
+    """Yield what the trackers of a scenario find for the fusion of a place, stamp by stamp.
 
     Parameters
     ----------
     scenario : Scenario
-        With an active sonar and stations; its ``nodes`` configure the trackers.
+        Its ``nodes`` configure the trackers.
+    place : str
+        Namespace of the fusion; empty = own ship's.
 
     Raises
     ------
     ConfigurationError
         If the scenario or the parameters cannot be used.
     """
-    given = scenario.nodes.get(CONTACT_TRACKER, {})
-    where = f"{scenario.name}: nodes.{CONTACT_TRACKER}"
-    defaults = stage_configuration(ContactDefaultsConfiguration, given, where)
-    echoes = make_contact_tracker(stage_configuration(ContactTrackerConfiguration, given, where))
-    where = f"{scenario.name}: nodes.{TMA}"
-    told = stage_configuration(TmaTrackerConfiguration, scenario.nodes.get(TMA, {}), where)
-    positions = TmaTrackerStage(told, len(scenario.bearing_sensors))
-    for stamp, moment in sorted(_received(scenario).items()):
-        active: dict[str, PositionTracks] = {}
-        passive: dict[str, PositionTracks] = {}
-        if moment.contacts is not None:
-            active[ECHOES] = echoes.update(with_defaults(moment.contacts, defaults)).tracks
-        if moment.passive is not None:
-            found = positions.update(moment.passive).tracks
-            if found is not None:
-                passive[POSITIONS] = found
-        bearings = () if moment.passive is None else moment.passive.bearings
-        if active or bearings or passive:
-            moment.frame = FusionFrame(stamp, active, bearings, passive, moment.own_ship)
-            yield moment
+    world = KnownWorld(scenario)
+    yield from _moments(scenario, place, world, place_tracks(scenario, world))
 
 
-def make_track_fusion(scenario: Scenario) -> TrackFusionStage:
-    """Return the stage of the fusion as a scenario configures it."""
-    given = scenario.nodes.get(FUSION, {})
-    where = f"{scenario.name}: nodes.{FUSION}"
+def make_track_fusion(scenario: Scenario, place: str = "") -> TrackFusionStage:
+    """Return the stage of the fusion of a place as a scenario configures it."""
+    name = node_at(place, FUSION)
+    given, where = scenario.nodes.get(name, {}), f"{scenario.name}: nodes.{name}"
     configuration = stage_configuration(TrackFusionConfiguration, given, where)
-    return TrackFusionStage(configuration, 2 + len(scenario.bearing_sensors))
+    topics, places = topics_of(scenario), _fusions(scenario)
+    kinds = (topics.active, topics.bearings, topics.passive)
+    return TrackFusionStage(configuration, sum(len(belonging(one, place, places)) for one in kinds))
 
 
 def run_offline_fusion_chain(
-    scenario: Scenario,
+    scenario: Scenario, place: str = ""
 ) -> tuple[tuple[FusedMoment, ...], tuple[FusionUpdate, ...]]:
-    """Return what the trackers found, and what the fusion made of it, one update a moment."""
-    stage = make_track_fusion(scenario)
-    moments = tuple(fused_moments(scenario))
-    return moments, tuple(stage.update(one.frame) for one in moments)
+    """Return what the trackers found, and what a fusion made of it, one update a moment.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Its ``nodes`` configure the trackers and fusions.
+    place : str
+        Namespace of the fusion; empty = own ship's.
+
+    Raises
+    ------
+    ConfigurationError
+        If the scenario or the parameters cannot be used.
+    """
+    world = KnownWorld(scenario)
+    told = place_tracks(scenario, world)
+    moments = tuple(_moments(scenario, place, world, told))
+    stage = make_track_fusion(scenario, place)
+    own = [stage.own_picture(one.frame) for one in moments]
+    lists = ForeignLists(_foreign_topics(scenario, place))
+    others = {below(one, OWN_LIST): one for one in _fusions(scenario) if one != place}
+    known = [topic for topic in _foreign_topics(scenario, place) if topic in others]
+    for topic in known:
+        other = make_track_fusion(scenario, others[topic])
+        for moment in _moments(scenario, others[topic], world, told):
+            lists.add(topic, other.own_picture(moment.frame).tracks)
+    updates = []
+    for picture in own:
+        lists.add_own(picture)
+        for each, foreign in lists.ready(known):
+            tracks, notices = stage.with_foreign(each, foreign)
+            every = (*each.notices, *notices)
+            updates.append(FusionUpdate(tracks, each.tracks, each.alignments, every))
+    return moments, tuple(updates)
 
 
-def _received(scenario: Scenario) -> dict[int, FusedMoment]:
-    """Return what the sensors receive, by stamp."""
-    world = WorldSimulation(scenario)
-    received: dict[int, FusedMoment] = {}
-    while (instant := world.next_instant()) is not None:
-        if instant.truth_tracks is not None and instant.own_ship is not None:
-            own_ship = motion_in_map(instant.own_ship)
-            received[instant.stamp] = FusedMoment(instant.truth_tracks, own_ship)
-    for ping in ActiveSonarSimulation(scenario):
-        received[ping.start_stamp].contacts = ping.contacts
-    simulation = BearingSimulation(scenario)
-    while (frame := simulation.next_frame()) is not None:
-        passive = passive_frame(frame)
-        if passive.bearings:
-            received[frame.start_stamp].passive = passive
-    return received
+def _fusions(scenario: Scenario) -> list[str]:
+    """Return the places that have a fusion; without one that is asked for, own ship."""
+    return nodes_asked_for(scenario, FUSION) or [""]
+
+
+def _foreign_topics(scenario: Scenario, place: str) -> tuple[str, ...]:
+    name = node_at(place, FUSION)
+    given, where = scenario.nodes.get(name, {}), f"{scenario.name}: nodes.{name}"
+    return stage_configuration(ForeignTopics, given, where).foreign_topics
+
+
+def _moments(
+    scenario: Scenario, place: str, world: KnownWorld, told: PlaceTracks
+) -> Iterator[FusedMoment]:
+    places = _fusions(scenario)
+    kinds = (told.active, told.bearings, told.passive)
+    active, bearings, passive = (belonging(one.topics, place, places) for one in kinds)
+    for stamp in sorted({stamp for one in kinds for stamp in one.at}):
+        ship = world.ship(place, stamp)
+        frame = FusionFrame(
+            stamp,
+            active=told.active.of(active, stamp),
+            bearings=tuple(told.bearings.of(bearings, stamp).values()),
+            passive=told.passive.of(passive, stamp),
+            own_ship=ship,
+        )
+        if frame.active or frame.bearings or frame.passive:
+            contacts = told.contacts.of([below(place, ECHOES)], stamp)
+            heard = told.passive_frame(place, places, stamp, ship)
+            yield FusedMoment(
+                truth=world.truth(stamp),
+                own_ship=ship,
+                contacts=next(iter(contacts.values()), None),
+                passive=heard if heard.bearings else None,
+                frame=frame,
+            )

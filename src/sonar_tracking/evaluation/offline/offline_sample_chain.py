@@ -78,12 +78,12 @@ def run_offline_sample_chain(scenario: Scenario) -> OfflineSampleRun:
         If the scenario or the parameters cannot be used.
     """
     chain = _Chain(scenario)
+    blocks = []
     for block in iter(SampleSimulation(scenario).next_block, None):
-        chain.blocks.append(block)
-        chain.bearings.extend(chain.bearings_of(block.samples))
-        chain.listen(block.samples)
+        blocks.append(block)
+        chain.take(block.samples)
     return OfflineSampleRun(
-        blocks=tuple(chain.blocks),
+        blocks=tuple(blocks),
         bearings=tuple(chain.bearings),
         lines=tuple(chain.lines),
         rows=tuple(chain.rows),
@@ -91,12 +91,32 @@ def run_offline_sample_chain(scenario: Scenario) -> OfflineSampleRun:
     )
 
 
+def heard_on_hydrophones(
+    scenario: Scenario,
+) -> tuple[tuple[BearingTracks, ...], tuple[FrequencyLines, ...]]:
+    """Return the bearing tracks and frequency lines of a simulated scenario, without positions.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With hydrophones; its ``nodes`` configure the stages.
+
+    Raises
+    ------
+    ConfigurationError
+        If the scenario or the parameters cannot be used.
+    """
+    chain = _Chain(scenario)
+    for block in iter(SampleSimulation(scenario).next_block, None):
+        chain.take(block.samples)
+    return tuple(chain.bearings), tuple(chain.lines)
+
+
 @dataclass
 class _Chain:
     """The stages and what they have given so far."""
 
     scenario: Scenario
-    blocks: list[SimulatedSamples] = field(default_factory=list)
     bearings: list[BearingTracks] = field(default_factory=list)
     lines: list[FrequencyLines] = field(default_factory=list)
     rows: list[LofarRows] = field(default_factory=list)
@@ -131,6 +151,11 @@ class _Chain:
         )
         self._waiting: list[ArraySamples] = []
         self._told = 0
+
+    def take(self, samples: ArraySamples) -> None:
+        """Follow a block of samples, later than the one before."""
+        self.bearings.extend(self.bearings_of(samples))
+        self.listen(samples)
 
     def bearings_of(self, samples: ArraySamples) -> list[BearingTracks]:
         """Return the pictures that a block of samples completes."""

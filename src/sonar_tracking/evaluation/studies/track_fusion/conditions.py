@@ -71,7 +71,10 @@ class Condition:
             "own_ship": _OWN_SHIP,
             "bearing_sensors": stations + ([_STATION] if self.moored else []),
             "targets": ships,
-            "nodes": {"track_fusion": {"heading_standard_deviation_deg": 0.0}},
+            "nodes": {
+                "tma_tracker": {},
+                "track_fusion": {"heading_standard_deviation_deg": 0.0},
+            },
         }
         return scenario_from_mapping(mapping, "study track-fusion")
 

@@ -1,0 +1,280 @@
+"""What the trackers of every place make of what its sensors receive, by stamp and topic.
+
+Own ship, its consort, stations and buoys each have a namespace, below which their topics are; of
+several nodes of one kind, a topic is for that of the nearest place. The same stage objects as in
+the nodes, fed with the same data.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Generic, TypeVar
+
+from sonar_tracking.active.contact_tracker import make_contact_tracker
+from sonar_tracking.active.contacts.contact_defaults import (
+    ContactDefaultsConfiguration,
+    with_defaults,
+)
+from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.evaluation.offline.known_world import KnownWorld
+from sonar_tracking.evaluation.offline.offline_bearing_chain import (
+    run_offline_chain,
+    stage_configuration,
+)
+from sonar_tracking.evaluation.offline.offline_sample_chain import heard_on_hydrophones
+from sonar_tracking.motion import KinematicState
+from sonar_tracking.records.bearings import BearingTracks
+from sonar_tracking.records.contacts import Contacts
+from sonar_tracking.records.lines import FrequencyLines
+from sonar_tracking.records.positions import PositionTracks
+from sonar_tracking.records.station_name import station_name
+from sonar_tracking.simulation.scenarios.scenario import NodeParameters, Scenario
+from sonar_tracking.simulation.sensors.active_sonar_simulation import ActiveSonarSimulation
+from sonar_tracking.simulation.sensors.bearing_simulation import BearingSimulation
+from sonar_tracking.tma.targets.passive_frame import PassiveFrame
+from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
+from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+
+CONTACT_TRACKER, TMA = "hpda_tracker", "tma_tracker"
+ECHOES, POSITIONS = "active/tracks", "passive/tracks"
+BEARINGS, LINES = "passive/bearing_tracks", "passive/frequency_lines"
+
+Record = TypeVar("Record")
+
+
+@dataclass
+class ToldByTopic(Generic[Record]):
+    """Records of one kind.
+
+    Attributes
+    ----------
+    topics : list of str
+        In the order of the graph.
+    at : dict of int to dict of str to record
+        By stamp, ns, and topic.
+    """
+
+    topics: list[str]
+    at: dict[int, dict[str, Record]]
+
+    def of(self, topics: Iterable[str], stamp: int) -> dict[str, Record]:
+        """Return what some topics tell at a stamp, ns, in their order."""
+        told = self.at.get(stamp, {})
+        return {topic: told[topic] for topic in topics if topic in told}
+
+    def add(self, topic: str, stamp: int, record: Record) -> None:
+        """Add what a topic tells at a stamp, ns."""
+        self.at.setdefault(stamp, {})[topic] = record
+
+
+@dataclass
+class PlaceTracks:
+    """What all trackers tell before any fusion.
+
+    Attributes
+    ----------
+    contacts : ToldByTopic of Contacts
+        By the topic of the tracks that they make.
+    active, passive : ToldByTopic of PositionTracks
+        Of echoes; of bearings.
+    bearings : ToldByTopic of BearingTracks
+        Of arrays and bearing sensors.
+    lines : ToldByTopic of FrequencyLines
+        Of them, too.
+    """
+
+    contacts: ToldByTopic[Contacts]
+    active: ToldByTopic[PositionTracks]
+    passive: ToldByTopic[PositionTracks]
+    bearings: ToldByTopic[BearingTracks]
+    lines: ToldByTopic[FrequencyLines]
+
+    def passive_frame(
+        self, place: str, places: Iterable[str], stamp: int, ship: KinematicState | None
+    ) -> PassiveFrame:
+        """Return what a place hears at a stamp.
+
+        Parameters
+        ----------
+        place : str
+            Whose node takes it.
+        places : iterable of str
+            All that have such a node.
+        stamp : int
+            ns.
+        ship : KinematicState or None
+            The ship of the place at the stamp; None = not known.
+        """
+        known = tuple(places)
+        bearings = belonging(self.bearings.topics, place, known)
+        lines = belonging(self.lines.topics, place, known)
+        return PassiveFrame(
+            stamp=stamp,
+            bearings=tuple(self.bearings.of(bearings, stamp).values()),
+            lines=tuple(self.lines.of(lines, stamp).values()),
+            own_ship=ship,
+        )
+
+
+def below(namespace: str, name: str) -> str:
+    """Return the name of a topic of a place."""
+    return f"{namespace}/{name}" if namespace else name
+
+
+def node_at(namespace: str, name: str) -> str:
+    """Return the name of a node of a place."""
+    return f"{station_name(namespace)}_{name}" if namespace else name
+
+
+def nodes_asked_for(scenario: Scenario, name: str) -> list[str]:
+    """Return the namespaces that have a node under ``nodes``, own ship's first."""
+    places = ("", *scenario.station_namespaces)
+    return [place for place in places if node_at(place, name) in scenario.nodes]
+
+
+def belonging(topics: Iterable[str], place: str, places: Iterable[str]) -> list[str]:
+    """Return the topics that are for the node of a place, of those that have such a node."""
+
+    def is_of(topic: str, namespace: str) -> bool:
+        return not namespace or topic.startswith(f"{namespace}/")
+
+    known = tuple(places)
+    return [
+        topic
+        for topic in topics
+        if place == max((one for one in known if is_of(topic, one)), key=len, default=None)
+    ]
+
+
+@dataclass(frozen=True)
+class PlaceTopics:
+    """The topics of all places, in the order of the graph.
+
+    Attributes
+    ----------
+    active, passive, bearings, lines : list of str
+        By kind, as in :class:`PlaceTracks`.
+    """
+
+    active: list[str]
+    passive: list[str]
+    bearings: list[str]
+    lines: list[str]
+
+
+def topics_of(scenario: Scenario) -> PlaceTopics:
+    """Return the topics on which the trackers of a scenario tell what they find."""
+    sensors = [one.namespace for one in scenario.bearing_sensors]
+    places = _simulated_places(scenario)
+    arrays = [name for name, place in places.items() if place.array_given]
+    wet = [name for name in arrays if places[name].hydrophones is not None]
+    sonars = [name for name, place in places.items() if place.active_sonar is not None]
+    return PlaceTopics(
+        active=[below(name, ECHOES) for name in sonars],
+        passive=[below(name, POSITIONS) for name in nodes_asked_for(scenario, TMA)],
+        bearings=[below(name, BEARINGS) for name in (*sensors, *arrays)],
+        lines=[below(name, LINES) for name in (*sensors, *wet)],
+    )
+
+
+def place_tracks(scenario: Scenario, world: KnownWorld) -> PlaceTracks:
+    """Simulate the sensors of all places, and follow what they receive.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Its ``nodes`` configure the trackers; target motion analysis is done where it is asked for.
+    world : KnownWorld
+        What odometry tells.
+
+    Raises
+    ------
+    ConfigurationError
+        If the scenario or the parameters cannot be used.
+    """
+    topics = topics_of(scenario)
+    told = PlaceTracks(
+        contacts=ToldByTopic(topics.active, {}),
+        active=ToldByTopic(topics.active, {}),
+        passive=ToldByTopic(topics.passive, {}),
+        bearings=ToldByTopic(topics.bearings, {}),
+        lines=ToldByTopic(topics.lines, {}),
+    )
+    if scenario.bearing_sensors:
+        _follow_bearing_sensors(scenario, told)
+    for namespace, place in _simulated_places(scenario).items():
+        if place.array_given:
+            _follow_array(place, namespace, told)
+        if place.active_sonar is not None:
+            _follow_sonar(place, namespace, told)
+    for namespace in nodes_asked_for(scenario, TMA):
+        _find_positions(scenario, namespace, world, told)
+    return told
+
+
+def _simulated_places(scenario: Scenario) -> dict[str, Scenario]:
+    """Return what concerns each place, nodes included, as if it was own ship."""
+    places = scenario.places
+    order = ("", *(one for one in scenario.station_namespaces if one in places))
+    return {name: replace(places[name], nodes=_nodes_of(scenario, name)) for name in order}
+
+
+def _nodes_of(scenario: Scenario, namespace: str) -> NodeParameters:
+    """Return the parameters of the nodes of a place, as if it was own ship."""
+    prefix = node_at(namespace, "")
+    return {
+        name.removeprefix(prefix): values
+        for name, values in scenario.nodes.items()
+        if name.startswith(prefix)
+    }
+
+
+def _follow_bearing_sensors(scenario: Scenario, told: PlaceTracks) -> None:
+    places = [sensor.namespace for sensor in scenario.bearing_sensors]
+    for frame in iter(BearingSimulation(scenario).next_frame, None):
+        for report in frame.reports:
+            place, stamp = places[report.station], frame.start_stamp
+            if report.bearings is not None:
+                told.bearings.add(below(place, BEARINGS), stamp, report.bearings)
+            if report.lines is not None:
+                told.lines.add(below(place, LINES), stamp, report.lines)
+
+
+def _follow_array(place: Scenario, namespace: str, told: PlaceTracks) -> None:
+    topic = below(namespace, BEARINGS)
+    if place.hydrophones is None:
+        bearings = run_offline_chain(place).tracks
+    else:
+        bearings, lines = heard_on_hydrophones(place)
+        for heard in lines:
+            told.lines.add(below(namespace, LINES), heard.stamp, heard)
+    for tracks in bearings:
+        told.bearings.add(topic, tracks.stamp, tracks)
+
+
+def _follow_sonar(place: Scenario, namespace: str, told: PlaceTracks) -> None:
+    given, topic = place.nodes.get(CONTACT_TRACKER, {}), below(namespace, ECHOES)
+    where = f"{place.name}: nodes.{node_at(namespace, CONTACT_TRACKER)}"
+    defaults = stage_configuration(ContactDefaultsConfiguration, given, where)
+    tracker = make_contact_tracker(stage_configuration(ContactTrackerConfiguration, given, where))
+    for ping in ActiveSonarSimulation(place):
+        tracks = tracker.update(with_defaults(ping.contacts, defaults)).tracks
+        told.contacts.add(topic, ping.start_stamp, ping.contacts)
+        told.active.add(topic, ping.start_stamp, tracks)
+
+
+def _find_positions(
+    scenario: Scenario, namespace: str, world: KnownWorld, told: PlaceTracks
+) -> None:
+    places, name = nodes_asked_for(scenario, TMA), node_at(namespace, TMA)
+    configuration = stage_configuration(
+        TmaTrackerConfiguration, scenario.nodes[name], f"{scenario.name}: nodes.{name}"
+    )
+    stage = TmaTrackerStage(configuration, len(belonging(told.bearings.topics, namespace, places)))
+    for stamp in sorted({*told.bearings.at, *told.lines.at}):
+        frame = told.passive_frame(namespace, places, stamp, world.ship(namespace, stamp))
+        if frame.bearings or frame.lines:
+            tracks = stage.update(frame).tracks
+            if tracks is not None:
+                told.passive.add(below(namespace, POSITIONS), stamp, tracks)
