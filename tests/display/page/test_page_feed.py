@@ -65,15 +65,20 @@ def test_the_frame_of_tracks_holds_their_columns_to_the_last_bit() -> None:
     assert said["t"] == START + 7
 
 
-def test_another_ship_is_shown_beside_own_ship_whoever_tells_first() -> None:
+@pytest.mark.parametrize("is_expected", [True, False])
+def test_another_ship_is_shown_beside_own_ship_whoever_tells_first(is_expected: bool) -> None:
     sent: list[Frame] = []
     feed = PageFeed(PageConfiguration(), sent.append)
+    if is_expected:
+        for topic in ("/consort/own_ship/odometry", "/own_ship/odometry"):
+            feed.expect(topic, "nav_msgs/msg/Odometry")
     for topic, x in (("/consort/own_ship/odometry", 900.0), ("/own_ship/odometry", 5.0)) * 2:
         state = replace(own_ship(2), position=(x, 0.0))
         feed.take(topic, deserialize_message(own_ship_to_bytes(state), Odometry))
         feed.take(topic, deserialize_message(own_ship_to_bytes(state), Odometry))
     said = [(one.kind, content(one)["x"]) for one in sent if one.kind in ("own_ship", "ship")]
-    # Until own ship is heard of, the only one there is is taken for her.
+    # Of a ship nobody has spoken of, the only one there is is taken for her until she is heard.
+    assert said[:2] == [("ship" if is_expected else "own_ship", 900.0)] * 2
     assert said[2:] == [("own_ship", 5.0)] * 2 + [("ship", 900.0)] * 2 + [("own_ship", 5.0)] * 2
 
 

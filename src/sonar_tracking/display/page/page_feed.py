@@ -19,6 +19,7 @@ from sonar_tracking.display.page.page_commands import command_frame
 from sonar_tracking.display.page.page_configuration import PageConfiguration
 from sonar_tracking.display.page.page_frames import Frame, text_frame
 from sonar_tracking.display.page.place_frames import datum_frame
+from sonar_tracking.display.page.shown_types import ODOMETRY_TYPE
 from sonar_tracking.display.page.track_frames import (
     StationPlaces,
     alignment_frame,
@@ -66,6 +67,7 @@ class PageFeed:
         self._configuration = configuration
         self._send = send
         self._sources: dict[str, str] = {}
+        self._ships: list[str] = []
         self.health = Health()
         self.history = FrameHistory(60.0 * configuration.history_minutes)
         self._datum = datum_if_told(configuration.datum, "datum")
@@ -89,7 +91,7 @@ class PageFeed:
         """Begin with the data: nothing is known yet."""
         configuration = self._configuration
         self._read_own_ship, self._read_other_ships = OwnShipReader(), OwnShipReader()
-        self._log, self._odometry = OwnShipLog(), ""
+        self._log = OwnShipLog()
         self._places = StationPlaces(configuration, self._log)
         self._pings = ContactFrames(configuration, self._log)
         seconds = 60.0 * configuration.history_minutes
@@ -103,6 +105,11 @@ class PageFeed:
     def _tell_datum(self) -> None:
         if self._datum is not None:
             self.emit(datum_frame(self._datum))
+
+    def expect(self, topic: str, type_name: str) -> None:
+        """Count on a topic whose messages may be late: no other ship is taken for own ship."""
+        if type_name == ODOMETRY_TYPE and topic not in self._ships:
+            self._ships.append(topic)
 
     def take(self, topic: str, message: Any, size: int = 0) -> None:
         """Take a message, and send the frames it makes.
@@ -183,11 +190,10 @@ class PageFeed:
         return [*self.history.latest.values(), begin, *self.history, end]
 
     def _own_ship(self, topic: str, message: Any) -> Iterator[Frame]:
-        own = outermost_topic([topic, self._odometry] if self._odometry else [topic])
-        if own != topic:
+        self.expect(topic, ODOMETRY_TYPE)
+        if topic != outermost_topic(self._ships):
             yield ship_frame(topic, self._read_other_ships(message))
             return
-        self._odometry = topic
         state = self._read_own_ship(message)
         self._log.add(state)
         yield own_ship_frame(state)

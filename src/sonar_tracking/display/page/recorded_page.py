@@ -87,6 +87,8 @@ class RecordedPage:
             span=self._span,
             show_part=self._wanted.put,
         )
+        for name in self._shown:
+            self.server.feed.expect(name, bag.topics[name].type_name)
 
     def feed(self) -> None:
         """Hand the recording to the server, as much of it as is shown at a time."""

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
 COMMAND_TYPE = "sonar_tracking_msgs/msg/OperatorCommand"
 
 SHOWN_TYPES = (
-    "nav_msgs/msg/Odometry",
+    ODOMETRY_TYPE,
     "sonar_tracking_msgs/msg/Tracks",
     "sonar_tracking_msgs/msg/BearingTracks",
     "sonar_tracking_msgs/msg/FrequencyLines",

@@ -129,6 +129,7 @@ class OperatorDisplay(Node):
     def _listen(self, topic: str, type_name: str, kept: bool) -> None:
         """Listen to a topic; ``kept`` = what was said before is wanted, and publishers have it."""
         kind = message_class(type_name)
+        self._server.do(lambda: self._server.feed.expect(topic, type_name))
 
         def receive(data: bytes) -> None:
             self._receive(topic, kind, data)
