@@ -23,6 +23,7 @@ coefficients", IEEE Trans. Automatic Control 33(8), 1988.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -48,6 +49,9 @@ STRAIGHT, MANOEUVRING, WEAVING = 0, 1, 2
 
 MIXED = 2
 """The first two interact."""
+
+TRANSITION, EXCHANGE, DEVIATES, DEVIATION_NOISE = (slice(at, at + 4) for at in (0, 4, 8, 12))
+"""Places in what a time does to a hypothesis."""
 
 
 def with_modes(bank: HypothesisBank, configuration: RangeBankConfiguration) -> HypothesisBank:
@@ -88,32 +92,13 @@ def predict_modes(
     configuration : RangeBankConfiguration
         How targets move, and how often they manoeuvre and weave.
     """
-    bank = mix_modes(bank, elapsed, configuration)
-    _move(bank, elapsed[::MODES], configuration)
+    step, change = _changes(elapsed[::MODES], configuration)
+    bank = _mixed(bank, change)
+    _move(bank, step, change, configuration)
     if not bank.vertical:
         return bank
     moved = predict_vertical(bank.mean, bank.covariance, elapsed[:, None], bank.height)
     return replace(bank, mean=moved[0], covariance=moved[1])
-
-
-def _move(bank: HypothesisBank, step: FloatArray, configuration: RangeBankConfiguration) -> None:
-    """Move each mode for so many seconds, shape (n_hypotheses,), in place."""
-    straight, manoeuvring = configuration.acceleration, configuration.manoeuvre_acceleration
-    density = np.array([straight, manoeuvring]) ** 2
-    if COMPILED is not None:
-        weave, step = configuration.weave, np.ascontiguousarray(step, dtype=float)
-        change = np.ascontiguousarray(deviation_transition(step, weave))
-        noise = np.ascontiguousarray(deviation_noise(step, weave))
-        shape = len(step), bank.mean.shape[-1]
-        COMPILED.move(bank.mean, bank.covariance, step, change, noise, tuple(density), shape)
-        return
-    mean, covariance = _of_modes(bank)
-    states = mean.shape[-1] - DEVIATION
-    turning = mean[:, :MIXED, :states], covariance[:, :MIXED, :states, :states]
-    move_straight(*turning, step[:, None], density)
-    weaving = mean[:, WEAVING], covariance[:, WEAVING]
-    move_straight(*weaving, step, density[STRAIGHT])
-    move_deviation(*weaving, step, configuration.weave)
 
 
 def mix_modes(
@@ -130,20 +115,81 @@ def mix_modes(
     configuration : RangeBankConfiguration
         How often targets manoeuvre and weave.
     """
+    return _mixed(bank, _changes(elapsed[::MODES], configuration)[1])
+
+
+def _changes(
+    elapsed: FloatArray, configuration: RangeBankConfiguration
+) -> tuple[FloatArray, FloatArray]:
+    """Return times of shape (n_hypotheses,), s, and what they do, shape (n_hypotheses, 16).
+
+    Where all are the same both have one entry.
+    """
+    first = elapsed[:1]
+    if np.all(elapsed == first):
+        return first, _change(float(first[0]), configuration)[None]
+    times, place = np.unique(elapsed, return_inverse=True)
+    return elapsed, np.stack([_change(float(time), configuration) for time in times])[place]
+
+
+@lru_cache(maxsize=1024)
+def _change(elapsed: float, configuration: RangeBankConfiguration) -> FloatArray:
+    """Return what a time, s, does to a hypothesis: most frames follow each other alike.
+
+    Logs of the transition between the first two modes (4 numbers), and of what begins and ceases
+    to weave, and what does not (4); transition and noise of the deviation (4 each).
+    """
+    time = np.array([elapsed])
     interval, duration = configuration.manoeuvre_interval, configuration.manoeuvre_duration
+    change = np.concatenate(
+        [
+            _log_transition(time, interval, duration).ravel(),
+            _log_exchange(time, configuration).ravel(),
+            deviation_transition(time, configuration.weave).ravel(),
+            deviation_noise(time, configuration.weave).ravel(),
+        ]
+    )
+    change.setflags(write=False)
+    return change
+
+
+def _move(
+    bank: HypothesisBank,
+    step: FloatArray,
+    change: FloatArray,
+    configuration: RangeBankConfiguration,
+) -> None:
+    """Move each mode for so many seconds, shape (n_hypotheses,) or (1,), in place."""
+    straight, manoeuvring = configuration.acceleration, configuration.manoeuvre_acceleration
+    density = straight * straight, manoeuvring * manoeuvring
+    if COMPILED is not None:
+        shape = len(bank.mean) // MODES, bank.mean.shape[-1]
+        parts = step, change[:, DEVIATES], change[:, DEVIATION_NOISE]
+        given = (np.ascontiguousarray(one, dtype=float) for one in parts)
+        COMPILED.move(bank.mean, bank.covariance, *given, density, shape)
+        return
+    mean, covariance = _of_modes(bank)
+    states = mean.shape[-1] - DEVIATION
+    turning = mean[:, :MIXED, :states], covariance[:, :MIXED, :states, :states]
+    move_straight(*turning, step[:, None], np.array(density))
+    weaving = mean[:, WEAVING], covariance[:, WEAVING]
+    move_straight(*weaving, step, np.array(density[STRAIGHT]))
+    move_deviation(*weaving, step, configuration.weave)
+
+
+def _mixed(bank: HypothesisBank, change: FloatArray) -> HypothesisBank:
+    """Return a copy of the bank, its modes changed into each other."""
     before = bank.log_weight.reshape(-1, MODES)
-    joint = before[:, :MIXED, None] + _log_transition(elapsed[::MODES], interval, duration)
+    joint = before[:, :MIXED, None] + change[:, TRANSITION].reshape(-1, MIXED, MIXED)
     after = np.logaddexp(joint[:, 0], joint[:, 1])
     # Share of what comes from the other mode in each.
-    other = np.stack(
-        [np.exp(joint[:, 1, 0] - after[:, 0]), np.exp(joint[:, 0, 1] - after[:, 1])], 1
-    )
-    weight = _exchanged(after, before[:, WEAVING], elapsed[::MODES], configuration)
-    bank = replace(
-        bank,
-        mean=np.array(bank.mean, dtype=float, order="C"),
-        covariance=np.array(bank.covariance, dtype=float, order="C"),
-        log_weight=weight.reshape(bank.log_weight.shape),
+    other = np.exp(joint[:, ::-1].diagonal(axis1=1, axis2=2) - after)
+    weight = _exchanged(after, before[:, WEAVING], change[:, EXCHANGE])
+    bank = HypothesisBank(
+        np.array(bank.mean, dtype=float, order="C"),
+        np.array(bank.covariance, dtype=float, order="C"),
+        weight.reshape(bank.log_weight.shape),
+        bank.known,
     )
     if COMPILED is None:
         _mix(bank, other)
@@ -172,22 +218,25 @@ def _of_modes(bank: HypothesisBank) -> tuple[FloatArray, FloatArray]:
     return bank.mean.reshape(-1, MODES, size), covariance
 
 
-def _exchanged(
-    mixed: FloatArray,
-    weaving: FloatArray,
-    elapsed: FloatArray,
-    configuration: RangeBankConfiguration,
-) -> FloatArray:
+def _exchanged(mixed: FloatArray, weaving: FloatArray, logs: FloatArray) -> FloatArray:
     """Return the log weights of all modes after targets have begun, or ceased, to weave."""
+    begins, ceases, stays, goes_on = logs.T
+    weight = np.empty((len(mixed), MODES))
+    total = np.logaddexp(mixed[:, 0], mixed[:, 1])
+    left = np.logaddexp(total + stays, weaving + ceases) - total
+    np.add(mixed, left[:, None], out=weight[:, :MIXED])
+    np.logaddexp(weaving + goes_on, total + begins, out=weight[:, WEAVING])
+    return weight
+
+
+def _log_exchange(elapsed: FloatArray, configuration: RangeBankConfiguration) -> FloatArray:
+    """Return the logs of the probabilities to begin and to cease to weave, and not to, (n, 4)."""
     share = configuration.weave_probability
     settled = -np.expm1(-elapsed / configuration.manoeuvre_interval)
-    total = np.logaddexp(mixed[:, 0], mixed[:, 1])
     with np.errstate(divide="ignore"):
         begins, ceases = np.log(settled * share), np.log(settled * (1.0 - share))
         stays, goes_on = np.log1p(-settled * share), np.log1p(-settled * (1.0 - share))
-    left = np.logaddexp(total + stays, weaving + ceases) - total
-    weaves = np.logaddexp(weaving + goes_on, total + begins)
-    return np.concatenate([mixed + left[:, None], weaves[:, None]], axis=1)
+    return np.stack([begins, ceases, stays, goes_on], axis=-1)
 
 
 def _log_transition(elapsed: FloatArray, interval: float, duration: float) -> FloatArray:
