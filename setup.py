@@ -55,7 +55,10 @@ compiled = [
         "active.tracks.compiled_modes",
         "tma.batch.compiled_linear",
         "tma.estimators.compiled_conditioning",
+        "tma.estimators.compiled_errors",
+        "tma.estimators.compiled_innovations",
         "tma.estimators.compiled_modes",
+        "tma.estimators.compiled_monitor",
     )
 ]
 

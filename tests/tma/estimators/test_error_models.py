@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.tma.estimators import error_models
 from sonar_tracking.tma.estimators.error_models import (
     ErrorEvidence,
     azimuth_evidence,
@@ -14,7 +15,6 @@ from sonar_tracking.tma.estimators.error_models import (
     variance_factor,
     with_azimuth_evidence,
     with_lines,
-    without_common_doppler,
 )
 
 SECOND = 1_000_000_000
@@ -89,31 +89,6 @@ def test_a_vague_prediction_tells_nothing() -> None:
     assert after.stamp.tolist() == [0]
 
 
-def test_motion_that_all_lines_show_is_no_error_of_theirs() -> None:
-    """A shift in proportion to the frequencies leaves nothing; one line alone stands out."""
-    frequency = np.array([200.0, 300.0, 150.0, 250.0])
-    variance, everything = np.full(4, 0.01), np.ones(4, dtype=bool)
-    shift = 0.002 * frequency
-    left, own = without_common_doppler(shift, np.ones(4), frequency, variance, everything)
-    assert left == pytest.approx(np.zeros(4), abs=1e-12)
-    # The first by the others: 200^2 0.01 / (300^2 + 150^2 + 250^2).
-    assert own[0] == pytest.approx(0.01 * 200.0**2 / 175_000.0)
-    shift[2] += 0.5
-    left, _ = without_common_doppler(shift, np.ones(4), frequency, variance, everything)
-    assert left[2] == pytest.approx(0.5)
-    assert np.max(np.abs(left[[0, 1, 3]])) < 0.2
-
-
-def test_of_two_lines_neither_is_judged_by_the_other() -> None:
-    two = np.array([True, True, False])
-    innovation, own = np.array([0.3, -0.2, 0.0]), np.array([0.1, 0.2, 0.3])
-    left, spread = without_common_doppler(
-        innovation, own, np.array([200.0, 300.0, np.nan]), np.full(3, 0.01), two
-    )
-    np.testing.assert_array_equal(left, innovation)
-    np.testing.assert_array_equal(spread, own)
-
-
 def test_evidence_on_the_azimuths_of_each_station_is_its_own() -> None:
     here = ErrorEvidence(no_evidence((), 2).table + 1.0, np.array([5, 6, 7]))
     there = no_evidence((), 0)
@@ -122,3 +97,20 @@ def test_evidence_on_the_azimuths_of_each_station_is_its_own() -> None:
     np.testing.assert_array_equal(swapped.table[1:], here.table[1:])
     assert swapped.stamp.tolist() == [0, 6, 7]
     assert with_lines(here, 3, (0,)).stamp.tolist() == [5, 0, 7, 0]
+
+
+@pytest.mark.skipif(error_models.COMPILED is None, reason="no compiler was there")
+def test_compiled_models_give_the_bits_of_numpy(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rows with and without a value, at steady and unsteady times, some of them wild."""
+    generator = np.random.default_rng(4)
+    evidence, stamp = no_evidence((5,), 3), 1
+    for _ in range(50):
+        innovation, own = 2.0 * generator.standard_normal((5, 4)), generator.random((5, 4))
+        telling, stamp = generator.random((5, 4)) < 0.8, stamp + int(generator.integers(1, 3) * 1e9)
+        compiled = learn_errors(evidence, innovation, own, telling, stamp)
+        with monkeypatch.context() as without:
+            without.setattr(error_models, "COMPILED", None)
+            plain = learn_errors(evidence, innovation, own, telling, stamp)
+        np.testing.assert_array_equal(compiled.table, plain.table)
+        np.testing.assert_array_equal(compiled.stamp, plain.stamp)
+        evidence = compiled

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from sonar_tracking.records.arrays import BoolArray, FloatArray
+from sonar_tracking.tma.estimators import innovation_monitor
 from sonar_tracking.tma.estimators.innovation_monitor import (
     Changes,
     InnovationWindows,
@@ -11,6 +12,7 @@ from sonar_tracking.tma.estimators.innovation_monitor import (
     empty_windows,
     extend_windows,
     judge,
+    watch_innovations,
 )
 
 N_RUNS, N_LINES = 100, 4
@@ -184,3 +186,31 @@ def test_windows_take_what_is_present_and_forget_what_raised_an_alarm() -> None:
     assert not np.any(turned.lines[0])
     assert not np.any(turned.azimuth[0])
     np.testing.assert_array_equal(turned.azimuth[1], windows.azimuth[1])
+
+
+@pytest.mark.skipif(innovation_monitor.COMPILED is None, reason="no compiler was there")
+@pytest.mark.parametrize("n_lines", [0, 1, 4, 9])
+def test_the_compiled_monitor_gives_the_bits_of_numpy(
+    n_lines: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Lines that shift, all and singly, outliers and gaps; windows and what they say."""
+    generator = np.random.default_rng(8)
+    innovations = 1.3 * generator.standard_normal((120, N_RUNS, 1 + n_lines))
+    innovations[40:, ::3, 1:] += 1.5
+    innovations[60:, 1::3, 1:2] += 3.0
+    innovations[generator.random(innovations.shape) < 0.02] *= 8.0
+    present = generator.random(innovations.shape) < 0.9
+    compiled = empty_windows((N_RUNS,), n_lines)
+    alarms = 0
+    for one, there in zip(innovations, present, strict=True):
+        before = compiled
+        compiled, changes = watch_innovations(before, one, there)
+        with monkeypatch.context() as without:
+            without.setattr(innovation_monitor, "COMPILED", None)
+            plain, others = watch_innovations(before, one, there)
+        np.testing.assert_array_equal(compiled.lines, plain.lines)
+        np.testing.assert_array_equal(compiled.azimuth, plain.azimuth)
+        np.testing.assert_array_equal(changes.reborn, others.reborn)
+        np.testing.assert_array_equal(changes.manoeuvre, others.manoeuvre)
+        alarms += int(changes.reborn.sum()) + int(changes.manoeuvre.sum())
+    assert n_lines == 0 or alarms > 50

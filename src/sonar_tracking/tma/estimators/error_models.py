@@ -18,7 +18,8 @@ frequency zero, which is the variance that the filter takes:
     R_k = R (d + c (1 + phi) / (1 - phi) / (1 + (tau / T)^2)),
 
 averaged geometrically over the models. The last factor takes the spectral density not at zero but
-at the lowest frequency that matters to the motion, 1 / T.
+at the lowest frequency that matters to the motion, 1 / T. ``compiled_errors``, which is there if a
+compiler was when the package was installed, gives the bits of what is here in numpy.
 
 References
 ----------
@@ -29,11 +30,15 @@ Magill, "Optimal adaptive estimation of sampled stochastic processes", IEEE Tran
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
+from sonar_tracking.compiled_modules import compiled_module
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 from sonar_tracking.records.time import NANOSECONDS
+
+COMPILED = compiled_module("tma.estimators.compiled_errors")
 
 LASTING, TIME_CONSTANT, WHITE, _LINE, _AZIMUTH = np.array(
     [
@@ -44,7 +49,7 @@ LASTING, TIME_CONSTANT, WHITE, _LINE, _AZIMUTH = np.array(
         *[(4.0, tau, 0.4, 3.0, 0.0) for tau in (3.0, 10.0, 30.0, 100.0)],
         *[(c, tau, 1.0, 3.0, 0.0) for c in (1.0, 4.0, 16.0) for tau in (10.0, 30.0, 100.0, 300.0)],
     ]
-).T
+).T.copy()
 """Of each model: c and tau of the part that lasts (pure number, s), d of the other, prior odds for
 a line and for an azimuth. Where the range is still wrong the predicted azimuth drifts away for
 minutes, with the white errors of the bearings upon it: models of azimuths have no such part that
@@ -52,6 +57,12 @@ lasts beside a white one, lest the drift pass for an error. Errors smaller than 
 as told; without their models small ones would pass for lasting ones."""
 
 N_MODELS = len(WHITE)
+
+PHI, LOGS, FADED = slice(N_MODELS), slice(N_MODELS, 2 * N_MODELS), slice(2 * N_MODELS, None)
+"""Places in what a time does."""
+
+NOTHING_BEFORE = -(2**62)
+"""Taken for the time since the last value where there was none, ns."""
 
 with np.errstate(divide="ignore"):
     LOG_PRIOR = np.log(np.stack([_AZIMUTH, _LINE]))
@@ -76,14 +87,6 @@ SHORTEST_INTERVAL = 0.01
 
 WILD = 9.0
 """A normalised innovation squared counts at most this much: a few outliers are no larger errors."""
-
-VAGUE = 3.0
-"""Where the filter's own variance is larger than the error's by this, the innovation says little
-of the error."""
-
-
-COMPARED_LINES = 3
-"""So many lines tell their errors from the motion of the target that they have in common."""
 
 
 @dataclass(frozen=True)
@@ -154,10 +157,10 @@ def variance_factor(evidence: ErrorEvidence, stamp: int) -> FloatArray:
     ndarray, shape (..., 1 + n_lines)
         Pure numbers.
     """
-    phi = np.exp(-_interval(evidence, stamp)[..., None] / TIME_CONSTANT)
-    weight = evidence.table[..., 0, :] + LOG_PRIOR[np.minimum(np.arange(evidence.n_rows), 1)]
+    passed, place = _passed(evidence, stamp)
+    logs = passed[0, LOGS] if len(passed) == 1 else passed[:, LOGS][place]
+    weight = evidence.table[..., 0, :] + _log_prior(evidence.n_rows)
     weight = np.exp(weight - np.max(weight, axis=-1, keepdims=True))
-    logs = np.log(QUICK + SLOW * (1.0 + phi) / (1.0 - phi))
     return np.asarray(np.exp(np.sum(weight * logs, axis=-1) / np.sum(weight, axis=-1)))
 
 
@@ -183,71 +186,72 @@ def learn_errors(
     stamp : int
         Of the frame, ns.
     """
-    interval = _interval(evidence, stamp)[..., None]
-    phi = np.exp(-interval / TIME_CONSTANT)
-    table = np.empty_like(evidence.table)
-    lasting = phi * evidence.table[..., 1, :]
-    variance = LASTING + phi**2 * (evidence.table[..., 2, :] - LASTING)
+    passed, place = _passed(evidence, stamp)
+    phi, faded = passed[:, PHI], passed[:, FADED][place, 0]
+    if COMPILED is None:
+        table = _learnt(evidence.table, phi[place], faded[..., None], innovation, own_variance)
+        table = np.where(telling[..., None, None], table, evidence.table)
+    else:
+        table = np.empty(evidence.table.shape)
+        spread = np.empty((*place.shape, N_MODELS))
+        before, told, faded = (np.ascontiguousarray(o) for o in (evidence.table, telling, faded))
+        COMPILED.learn(
+            *(before, np.ascontiguousarray(phi), place),
+            *(np.ascontiguousarray(innovation), np.ascontiguousarray(own_variance), told),
+            *(LASTING, WHITE, table, spread, WILD, (place.size, N_MODELS, len(phi))),
+        )
+        log_spread = np.log(spread, out=spread)
+        COMPILED.weigh(before, faded, log_spread, told, table, (place.size, N_MODELS))
+    return ErrorEvidence(table, np.where(telling, stamp, evidence.stamp))
+
+
+def _learnt(
+    before: FloatArray,
+    phi: FloatArray,
+    faded: FloatArray,
+    innovation: FloatArray,
+    own_variance: FloatArray,
+) -> FloatArray:
+    """Return the table after an innovation of every row."""
+    table = np.empty_like(before)
+    lasting = phi * before[..., 1, :]
+    variance = LASTING + phi**2 * (before[..., 2, :] - LASTING)
     spread = variance + WHITE + own_variance[..., None]
     left = innovation[..., None] - lasting
     squared = left**2 / spread
     gain = np.where(squared > WILD, 0.0, variance / spread)
-    faded = np.exp(-interval / MEMORY) * evidence.table[..., 0, :]
-    likelihood = faded - 0.5 * (np.minimum(squared, WILD) + np.log(spread))
+    likelihood = faded * before[..., 0, :] - 0.5 * (np.minimum(squared, WILD) + np.log(spread))
     table[..., 0, :] = likelihood - np.max(likelihood, axis=-1, keepdims=True)
     table[..., 1, :] = lasting + gain * left
     table[..., 2, :] = (1.0 - gain) * variance
-    return ErrorEvidence(
-        np.where(telling[..., None, None], table, evidence.table),
-        np.where(telling, stamp, evidence.stamp),
-    )
+    return table
 
 
-def without_common_doppler(
-    innovation: FloatArray,
-    own_variance: FloatArray,
-    frequency: FloatArray,
-    variance: FloatArray,
-    present: BoolArray,
-) -> tuple[FloatArray, FloatArray]:
-    """Return the innovations of lines, and what the prediction adds to their variance.
+def _passed(evidence: ErrorEvidence, stamp: int) -> tuple[FloatArray, IntArray]:
+    """Return what different times since the last value do, and which that is for each row."""
+    passed = np.where(evidence.stamp > 0, stamp - evidence.stamp, NOTHING_BEFORE)
+    times: dict[int, int] = {}
+    place = np.array([times.setdefault(time, len(times)) for time in passed.ravel().tolist()])
+    return np.array([_after(time) for time in times]), place.reshape(passed.shape)
 
-    Motion shifts all lines in proportion to their frequencies. Of three and more lines each is
-    compared with the others rather than with the prediction: a turn of the target says nothing of
-    their errors then.
 
-    Parameters
-    ----------
-    innovation : ndarray, shape (..., n_lines)
-        Measured minus predicted, Hz.
-    own_variance, variance : ndarray, shape (..., n_lines)
-        Of the prediction, and of the measurement as told, Hz^2.
-    frequency : ndarray, shape (..., n_lines)
-        Received, Hz.
-    present : ndarray of bool, shape (..., n_lines)
-        Which lines there are.
+@lru_cache(maxsize=1024)
+def _after(passed: int) -> FloatArray:
+    """Return what a time since the last value of a row, ns, does: most values come regularly.
 
-    Returns
-    -------
-    innovation : ndarray, shape (..., n_lines)
-        Hz.
-    own_variance : ndarray, shape (..., n_lines)
-        Hz^2.
+    Of each model phi and the log of what the told variance is to be multiplied by, and how much
+    what was learnt still counts.
     """
-    scale = np.where(present, frequency, 1.0)
-    weight = np.where(present, scale**2 / variance, 0.0)
-    shift = weight * np.where(present, innovation, 0.0) / scale
-    others = np.sum(weight, axis=-1, keepdims=True) - weight
-    enough = (np.sum(present, axis=-1, keepdims=True) >= COMPARED_LINES) & present
-    others = np.where(enough, others, 1.0)
-    common = (np.sum(shift, axis=-1, keepdims=True) - shift) / others
-    return (
-        np.where(enough, innovation - scale * common, innovation),
-        np.where(enough, scale**2 / others, own_variance),
-    )
+    shortest = SHORTEST_INTERVAL if passed != NOTHING_BEFORE else FIRST_INTERVAL
+    interval = np.array([max(passed / NANOSECONDS, shortest)])
+    phi = np.exp(-interval / TIME_CONSTANT)
+    logs = np.log(QUICK + SLOW * (1.0 + phi) / (1.0 - phi))
+    after = np.concatenate([phi, logs, np.exp(-interval / MEMORY)])
+    after.setflags(write=False)
+    return after
 
 
-def _interval(evidence: ErrorEvidence, stamp: int) -> FloatArray:
-    """Return the time since the last value of each row, s."""
-    passed = (stamp - evidence.stamp) / NANOSECONDS
-    return np.where(evidence.stamp > 0, np.maximum(passed, SHORTEST_INTERVAL), FIRST_INTERVAL)
+@lru_cache(maxsize=64)
+def _log_prior(n_rows: int) -> FloatArray:
+    """Return the log of the prior odds of each model for the azimuth and the lines."""
+    return LOG_PRIOR[np.minimum(np.arange(n_rows), 1)]

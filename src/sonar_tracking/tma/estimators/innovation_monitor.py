@@ -7,6 +7,9 @@ deviate: of one line T_i, of all lines present together C = sum T_i / sqrt(n_lin
 - One line whose T is out is another source under the old name: it is started anew.
 - All lines out the same way, or the azimuth, is the target manoeuvring: Doppler is common to all
   lines. C is judged without its strongest line too, so that one line cannot pass for all.
+
+The sums have a stated order, and ``compiled_monitor``, which is there if a compiler was when the
+package was installed, gives the same bits.
 """
 
 from __future__ import annotations
@@ -15,7 +18,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sonar_tracking.compiled_modules import compiled_module
 from sonar_tracking.records.arrays import BoolArray, FloatArray
+
+COMPILED = compiled_module("tma.estimators.compiled_monitor")
 
 WINDOW = 20
 """Innovations kept; all of them judge a manoeuvre."""
@@ -72,6 +78,37 @@ def empty_windows(batch: tuple[int, ...], n_lines: int) -> InnovationWindows:
     return InnovationWindows(np.zeros((*batch, n_lines, WINDOW)), np.zeros((*batch, WINDOW)))
 
 
+def watch_innovations(
+    windows: InnovationWindows, normalised: FloatArray, present: BoolArray
+) -> tuple[InnovationWindows, Changes]:
+    """Return the windows with the newest innovations, cleared where they say so, and what they say.
+
+    Parameters
+    ----------
+    windows : InnovationWindows
+        Before.
+    normalised : ndarray, shape (..., 1 + n_lines)
+        Innovations over their standard deviations, pure numbers: azimuth, then lines.
+    present : ndarray of bool, shape (..., 1 + n_lines)
+        Which of them there are.
+    """
+    if COMPILED is None:
+        extended = extend_windows(windows, normalised, present)
+        changes = judge(extended, present)
+        return clear_windows(extended, changes), changes
+    after = InnovationWindows(np.empty(windows.lines.shape), np.empty(windows.azimuth.shape))
+    batch, n_lines = windows.azimuth.shape[:-1], windows.lines.shape[-2]
+    changes = Changes(np.empty((*batch, n_lines), dtype=bool), np.empty(batch, dtype=bool))
+    given = windows.lines, windows.azimuth, normalised, present
+    COMPILED.watch(
+        *(np.ascontiguousarray(each) for each in given),
+        *(after.lines, after.azimuth, changes.reborn, changes.manoeuvre),
+        (CLIP, OUTLIER, OUTLIER_COUNT, LINE_THRESHOLD, MOTION_THRESHOLD, OTHERS_THRESHOLD),
+        (changes.manoeuvre.size, n_lines, WINDOW, LINE_WINDOW),
+    )
+    return after, changes
+
+
 def extend_windows(
     windows: InnovationWindows, normalised: FloatArray, present: BoolArray
 ) -> InnovationWindows:
@@ -107,7 +144,7 @@ def judge(windows: InnovationWindows, present: BoolArray) -> Changes:
     if not there.any():
         return Changes(np.zeros(there.shape, dtype=bool), azimuth)
     clipped = np.clip(windows.lines[..., -LINE_WINDOW:], -CLIP, CLIP)
-    line = np.sum(clipped, axis=-1) / np.sqrt(LINE_WINDOW)
+    line = _deviate(clipped, LINE_WINDOW)
     out = (np.abs(line) > LINE_THRESHOLD) & there
     counted = _counted(windows.lines)
     recent, _ = _others(counted, there, LINE_WINDOW)
@@ -115,7 +152,7 @@ def judge(windows: InnovationWindows, present: BoolArray) -> Changes:
 
     others, moving = _others(counted, there, WINDOW)
     count = np.maximum(np.sum(there, axis=-1), 1)
-    common = np.abs(np.sum(moving, axis=-1)) > MOTION_THRESHOLD * np.sqrt(count)
+    common = np.abs(_summed(moving)) > MOTION_THRESHOLD * np.sqrt(count)
     strongest = np.abs(moving) == np.max(np.abs(moving), axis=-1, keepdims=True, initial=0.0)
     common &= np.any((others * np.sign(moving) > OTHERS_THRESHOLD) & strongest, axis=-1)
 
@@ -141,14 +178,19 @@ def _counted(window: FloatArray) -> FloatArray:
 
 
 def _deviate(counted: FloatArray, length: int) -> FloatArray:
-    return np.asarray(np.sum(counted[..., -length:], axis=-1) / np.sqrt(length))
+    return np.asarray(_summed(counted[..., -length:]) / np.sqrt(length))
+
+
+def _summed(values: FloatArray) -> FloatArray:
+    """Return the sum over the last axis, one after the other."""
+    return np.asarray(np.add.accumulate(values, axis=-1)[..., -1])
 
 
 def _others(counted: FloatArray, there: BoolArray, length: int) -> tuple[FloatArray, FloatArray]:
     """Return the deviate of all lines but each one, and that of each; 0 where there is none."""
     moving = np.where(there, _deviate(counted, length), 0.0)
     count = np.maximum(np.sum(there, axis=-1, keepdims=True) - 1, 1)
-    return (np.sum(moving, axis=-1, keepdims=True) - moving) / np.sqrt(count), moving
+    return (_summed(moving)[..., None] - moving) / np.sqrt(count), moving
 
 
 def _push(window: FloatArray, newest: FloatArray, present: BoolArray) -> FloatArray:

@@ -20,11 +20,12 @@ Cheong (2011), eqs. 6-13, with those two corrections.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from sonar_tracking.motion import wrap_angle
-from sonar_tracking.records.arrays import BoolArray, FloatArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 from sonar_tracking.tma.estimators.sensor_frame import (
     DEVIATION,
     KINEMATIC,
@@ -63,6 +64,16 @@ class LinearisedRows:
     derivative: FloatArray
     variance: FloatArray
     present: BoolArray
+
+
+def watched_rows(rows: LinearisedRows) -> IntArray:
+    """Return the places of those whose errors are watched: azimuth and lines, not the elevation."""
+    return _watched(rows.variance.shape[-1])
+
+
+@lru_cache(maxsize=64)
+def _watched(n_rows: int) -> IntArray:
+    return np.delete(np.arange(n_rows), ELEVATION)
 
 
 def has_height(mean: FloatArray, n_lines: int) -> bool:

@@ -125,11 +125,10 @@ def _changes(
 
     Where all are the same both have one entry.
     """
-    first = elapsed[:1]
-    if np.all(elapsed == first):
-        return first, _change(float(first[0]), configuration)[None]
-    times, place = np.unique(elapsed, return_inverse=True)
-    return elapsed, np.stack([_change(float(time), configuration) for time in times])[place]
+    times: dict[float, int] = {}
+    place = [times.setdefault(time, len(times)) for time in elapsed.tolist()]
+    changes = np.array([_change(time, configuration) for time in times])
+    return (elapsed[:1], changes) if len(times) == 1 else (elapsed, changes[place])
 
 
 @lru_cache(maxsize=1024)

@@ -23,12 +23,11 @@ from sonar_tracking.tma.estimators.bank_batch import (
     join_banks,
     separate_banks,
 )
+from sonar_tracking.tma.estimators.error_innovations import BankInnovations, error_innovations
 from sonar_tracking.tma.estimators.error_models import (
-    VAGUE,
     ErrorEvidence,
     learn_errors,
     variance_factor,
-    without_common_doppler,
 )
 from sonar_tracking.tma.estimators.hypothesis_bank import (
     HypothesisBank,
@@ -38,11 +37,9 @@ from sonar_tracking.tma.estimators.hypothesis_bank import (
 from sonar_tracking.tma.estimators.innovation_monitor import (
     Changes,
     InnovationWindows,
-    clear_windows,
-    extend_windows,
-    judge,
+    watch_innovations,
 )
-from sonar_tracking.tma.estimators.measurement_model import LinearisedRows
+from sonar_tracking.tma.estimators.measurement_model import LinearisedRows, watched_rows
 from sonar_tracking.tma.estimators.motion_modes import MODES, STRAIGHT, WEAVING, predict_modes
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.range_bank_state import (
@@ -286,28 +283,18 @@ def _learn(
 ) -> ErrorEvidence:
     """Return what the innovations add on the errors.
 
-    They are averaged over the hypotheses with the weights that these have afterwards: what one of
-    them explains is no error. Of azimuths that none of them accepts only the first in a row is
-    usable: the others are of something else; and no line that was just started anew.
+    They are averaged over the hypotheses with the weights that these have afterwards. Of azimuths
+    that none of them accepts only the first in a row is usable: the others are of something else;
+    and no line that was just started anew.
     """
-    told, owner, runs = batch.measurement, batch.rows.owner, batch.rows
-    watched = np.arange(rows.variance.shape[-1]) != ROW_ELEVATION
-    innovation = rows.innovation[:, 0, watched]
-    present = runs.any(rows.present[:, 0])[:, watched]
-    mean = runs.sums(weight * innovation)
-    own = (variance - rows.variance)[:, 0, watched] + (innovation - mean[owner]) ** 2
-    own = runs.sums(weight * own)
-    variance_told = np.where(present, rows.variance[runs.starts, 0][:, watched] / factor, 1.0)
-    if told.n_lines:
-        frequency = np.broadcast_to(told.frequency, (len(owner), told.n_lines))[runs.starts]
-        present[:, 1:] &= usable[1]
-        mean[:, 1:], own[:, 1:] = without_common_doppler(
-            mean[:, 1:], own[:, 1:], frequency, variance_told[:, 1:], present[:, 1:]
-        )
-    own /= variance_told
-    telling = present & (own < VAGUE * factor)
-    telling[:, 0] &= usable[0]
-    return learn_errors(batch.errors, mean / np.sqrt(variance_told), own, telling, told.stamp)
+    told, runs = batch.measurement, batch.rows
+    frequency = np.broadcast_to(told.frequency, (len(weight), told.n_lines))[runs.starts]
+    found = error_innovations(
+        BankInnovations(runs, weight, rows, variance, frequency), factor, usable
+    )
+    return learn_errors(
+        batch.errors, found.innovation, found.own_variance, found.telling, told.stamp
+    )
 
 
 def _watch(
@@ -316,9 +303,7 @@ def _watch(
     """Show the innovations, averaged over the hypotheses, to the monitor."""
     weight = np.exp(bank.log_weight)
     normalised = (rows.innovation / np.sqrt(variance))[:, 0]
-    watched = np.arange(rows.variance.shape[-1]) != ROW_ELEVATION
+    watched = watched_rows(rows)
     normalised = batch.rows.sums(weight * normalised)[:, watched]
     present = batch.rows.any(rows.present[:, 0])[:, watched]
-    extended = extend_windows(batch.windows, normalised, present)
-    changes = judge(extended, present)
-    return clear_windows(extended, changes), changes
+    return watch_innovations(batch.windows, normalised, present)
