@@ -59,6 +59,7 @@ compiled = [
         "tma.estimators.compiled_innovations",
         "tma.estimators.compiled_modes",
         "tma.estimators.compiled_monitor",
+        "tma.estimators.compiled_rows",
     )
 ]
 

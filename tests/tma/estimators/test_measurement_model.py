@@ -1,8 +1,11 @@
 """Protects the measurement equations and their derivatives."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from sonar_tracking.tma.estimators import measurement_model
 from sonar_tracking.tma.estimators.measurement_model import linearise, offset_seen, range_rate
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 
@@ -67,3 +70,33 @@ def test_unless_told_otherwise_sound_takes_no_time() -> None:
     offset, delay = offset_seen(STATE[0, :4], frame.position, frame.propagation_speed)
     assert offset.tolist() == [1100.0, 750.0]
     assert delay == 0.0
+
+
+@pytest.mark.skipif(measurement_model.COMPILED is None, reason="no compiler was there")
+@pytest.mark.parametrize("vertical", [False, True])
+@pytest.mark.parametrize("batch", [(), (5,), (2, 3)])
+def test_compiled_rows_give_the_bits_of_numpy(
+    batch: tuple[int, ...], vertical: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two sides, some gaps, sound that takes time; what is measured of each run or of all."""
+    generator = np.random.default_rng(3)
+    states = generator.normal(0.0, 2000.0, (*batch, 4, 6 + 2 * vertical + 4))
+    states[..., 2:4] /= 500.0
+    states[..., 0, :2] = [100.0, -50.0]
+    frequency = generator.uniform(100.0, 300.0, (*batch, 2))
+    frequency[generator.random(frequency.shape) < 0.3] = np.nan
+    frame = replace(
+        measurement(),
+        azimuth=generator.uniform(-7.0, 7.0, (*batch, 2)),
+        frequency=frequency,
+        frequency_deviation=generator.uniform(0.1, 1.0, 2),
+        elevation=np.where(generator.random(batch) < 0.5, np.nan, generator.random(batch)),
+        propagation_speed=1500.0,
+        sensor_z=-30.0,
+    )
+    known = generator.random((*batch, 2)) < 0.8
+    compiled = linearise(states, frame, known)
+    monkeypatch.setattr(measurement_model, "COMPILED", None)
+    plain = linearise(states, frame, known)
+    for name in ("innovation", "derivative", "variance", "present"):
+        np.testing.assert_array_equal(getattr(compiled, name), getattr(plain, name), name)

@@ -10,7 +10,8 @@ With a finite propagation speed p is that earlier position, the state always is 
 and rdot is divided by c + v . p / r, v being the target's velocity in the water.
 
 The paper divides the range rate by the absolute position, which is wrong as soon as the sensor
-moves, and prints arctan(x / y) where atan2 is needed.
+moves, and prints arctan(x / y) where atan2 is needed. ``compiled_rows``, which is there if a
+compiler was when the package was installed, gives the bits of what is here in numpy.
 
 References
 ----------
@@ -19,11 +20,14 @@ Cheong (2011), eqs. 6-13, with those two corrections.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
+from types import ModuleType
 
 import numpy as np
 
+from sonar_tracking.compiled_modules import compiled_module
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 from sonar_tracking.tma.estimators.sensor_frame import (
@@ -33,8 +37,13 @@ from sonar_tracking.tma.estimators.sensor_frame import (
     TmaMeasurement,
 )
 
+COMPILED = compiled_module("tma.estimators.compiled_rows")
+
 AZIMUTH, ELEVATION, FIRST_LINE = 0, 1, 2
 """Rows of a measurement."""
+
+RELATED = 7
+"""Numbers of a state seen from the sensor, compiled: offsets, height, velocity, travel time."""
 
 MINIMUM_RANGE = 1.0
 """Below it directions are numerically meaningless; ranges are kept above, m."""
@@ -128,7 +137,10 @@ def doppler_factor(mean: FloatArray, measurement: TmaMeasurement) -> FloatArray:
 
 
 def linearise(
-    mean: FloatArray, measurement: TmaMeasurement, known: BoolArray, azimuth: FloatArray
+    mean: FloatArray,
+    measurement: TmaMeasurement,
+    known: BoolArray,
+    azimuth: FloatArray | None = None,
 ) -> LinearisedRows:
     """Return innovations and derivatives of all rows at the given states.
 
@@ -141,9 +153,12 @@ def linearise(
         What was measured.
     known : ndarray of bool, shape (..., n_lines)
         Lines that have a source frequency in the state; the rows of others are not there.
-    azimuth : ndarray, shape (..., n_components) or (..., 1)
-        The measured azimuth as each component takes it, rad.
+    azimuth : ndarray, shape (..., n_components) or (..., 1), optional
+        The measured azimuth as each component takes it, rad; if not given the one of those of the
+        measurement that is nearest to what the component expects.
     """
+    if COMPILED is not None and azimuth is None:
+        return _compiled_rows(COMPILED, mean, measurement, known)
     distance, direction, relative, delay = _relative(mean, measurement)
     n_lines = known.shape[-1]
     shape = (*mean.shape[:-1], 2 + n_lines)
@@ -153,7 +168,9 @@ def linearise(
     derivative = np.zeros((*shape, KINEMATIC + n_lines + VERTICAL * vertical))
 
     x, y = direction[..., 0], direction[..., 1]
-    innovation[..., 0] = wrap_angle(azimuth - np.arctan2(y, x))
+    expected = np.arctan2(y, x)
+    azimuth = _nearest(measurement.azimuth, expected) if azimuth is None else azimuth
+    innovation[..., 0] = wrap_angle(azimuth - expected)
     derivative[..., 0, 0], derivative[..., 0, 1] = -y / distance, x / distance
     variance[..., 0] = measurement.azimuth_variance[..., None]
 
@@ -162,10 +179,11 @@ def linearise(
     if vertical:
         height = mean[..., place] - delay * mean[..., place + 1] - measurement.sensor_z
     innovation[..., 1] = measurement.elevation[..., None] - np.arctan2(height, distance)
-    slope = -height / (distance**2 + height**2)
+    slant = distance * distance + height * height
+    slope = -height / slant
     derivative[..., 1, :2] = slope[..., None] * direction
     if vertical:
-        rise = distance / (distance**2 + height**2)
+        rise = distance / slant
         derivative[..., 1, place], derivative[..., 1, place + 1] = rise, -delay * rise
     variance[..., 1] = measurement.elevation_variance[..., None]
     if n_lines:
@@ -185,6 +203,49 @@ def linearise(
     present[..., :2] = True
     present &= np.isfinite(innovation) & np.isfinite(variance)
     return keep_rows(LinearisedRows(innovation, derivative, variance, present), present)
+
+
+def _compiled_rows(
+    compiled: ModuleType, mean: FloatArray, measurement: TmaMeasurement, known: BoolArray
+) -> LinearisedRows:
+    """Return the rows, each component with the nearest azimuth."""
+    batch, n_lines, seen = mean.shape[:-2], known.shape[-1], measurement
+    vertical = has_height(mean, n_lines)
+    entries, states = math.prod(batch), np.ascontiguousarray(mean, dtype=float)
+    shape = (entries, *mean.shape[-2:], n_lines, int(vertical))
+    speeds = float(seen.sound_speed), float(seen.propagation_speed)
+    constants = (*speeds, float(seen.height), float(seen.sensor_z), MINIMUM_RANGE)
+    related = np.empty((RELATED, entries * mean.shape[-2]))
+    position, velocity = _column(seen.position, batch, 2), _column(seen.velocity, batch, 2)
+    compiled.relate(states, position, velocity, related, constants, shape)
+    angles = np.arctan2(related[:2], related[2:4])
+    rows = (*mean.shape[:-1], FIRST_LINE + n_lines)
+    found = LinearisedRows(
+        np.empty(rows),
+        np.empty((*rows, KINEMATIC + n_lines + VERTICAL * vertical)),
+        np.empty(rows),
+        np.empty(rows, dtype=bool),
+    )
+    n_sides = seen.azimuth.shape[-1]
+    columns = (
+        *(_column(seen.azimuth, batch, n_sides), _column(seen.azimuth_variance, batch)),
+        *(_column(seen.elevation, batch), _column(seen.elevation_variance, batch)),
+        *(
+            _column(seen.frequency, batch, n_lines),
+            _column(seen.frequency_deviation, batch, n_lines),
+        ),
+    )
+    out = found.innovation, found.derivative, found.variance, found.present
+    heard = np.ascontiguousarray(np.broadcast_to(known, (*batch, n_lines)))
+    compiled.linearise(*(states, related, angles, heard, *columns, *out), constants, shape, n_sides)
+    return found
+
+
+def _column(values: FloatArray, batch: tuple[int, ...], *width: int) -> FloatArray:
+    """Return values of each entry of a batch one after the other, or one for all."""
+    if values.shape not in (width, (*batch, *width)):
+        values = np.broadcast_to(values, (*batch, *width))
+    return np.ascontiguousarray(values, dtype=float)
 
 
 def keep_rows(rows: LinearisedRows, keep: BoolArray) -> LinearisedRows:
@@ -231,6 +292,16 @@ def offset_seen(
     then = now - delay[..., None] * mean[..., 2:KINEMATIC]
     delay = np.hypot(then[..., 0], then[..., 1]) / propagation_speed
     return now - delay[..., None] * mean[..., 2:KINEMATIC], delay
+
+
+def _nearest(azimuth: FloatArray, expected: FloatArray) -> FloatArray:
+    """Return the azimuth that is nearest to what each component expects."""
+    if azimuth.shape[-1] == 1:
+        return azimuth
+    apart = wrap_angle(azimuth[..., None, :] - expected[..., None])
+    candidates = np.broadcast_to(azimuth[..., None, :], apart.shape)
+    nearest = np.argmin(np.abs(apart), axis=-1)[..., None]
+    return np.asarray(np.take_along_axis(candidates, nearest, axis=-1)[..., 0])
 
 
 def _factor(

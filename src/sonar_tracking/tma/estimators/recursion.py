@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import BoolArray, FloatArray
 from sonar_tracking.records.time import NANOSECONDS
 from sonar_tracking.tma.estimators.hypothesis_bank import (
@@ -20,7 +19,6 @@ from sonar_tracking.tma.estimators.measurement_model import (
     LinearisedRows,
     keep_rows,
     linearise,
-    offset_seen,
 )
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, TmaEstimate, TmaMeasurement
 
@@ -36,17 +34,7 @@ def rows_of(bank: HypothesisBank, measurement: TmaMeasurement) -> LinearisedRows
     Of the two azimuths of a line array each component takes the nearer one: they are mirror
     images, so that it is the one on the component's own side of the array.
     """
-    azimuth = measurement.azimuth
-    if azimuth.shape[-1] > 1:
-        position = measurement.position[..., None, :]
-        offset, _ = offset_seen(bank.mean, position, measurement.propagation_speed)
-        expected = np.arctan2(offset[..., 1], offset[..., 0])[..., None]
-        candidates = np.broadcast_to(
-            azimuth[..., None, :], (*expected.shape[:-1], azimuth.shape[-1])
-        )
-        nearest = np.argmin(np.abs(wrap_angle(candidates - expected)), axis=-1)[..., None]
-        azimuth = np.take_along_axis(candidates, nearest, axis=-1)[..., 0]
-    return linearise(bank.mean, measurement, bank.known, azimuth)
+    return linearise(bank.mean, measurement, bank.known)
 
 
 def gate_rows(
