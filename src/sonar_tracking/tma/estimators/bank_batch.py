@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import prod
 from typing import Any, TypeVar, cast
 
@@ -48,6 +48,11 @@ class RunRows:
         """First row of each run, shape (n_runs,)."""
         return np.cumsum(self.counts) - self.counts
 
+    @cached_property
+    def _places(self) -> dict[int, IntArray]:
+        """Where columns of so many values go in the sums over runs."""
+        return {}
+
     def sums(self, values: FloatArray) -> FloatArray:
         """Return the sums over the rows of each run.
 
@@ -62,8 +67,11 @@ class RunRows:
             In the unit of the values.
         """
         n_runs, width = len(self.counts), values.shape[1]
-        place = self.owner[:, None] * width + np.arange(width)
-        total = np.bincount(place.ravel(), weights=values.ravel(), minlength=n_runs * width)
+        place = self._places.get(width)
+        if place is None:
+            place = (self.owner[:, None] * width + np.arange(width)).ravel()
+            self._places[width] = place
+        total = np.bincount(place, weights=values.ravel(), minlength=n_runs * width)
         return np.asarray(total.reshape(n_runs, width), np.float64)
 
     def log_sums(self, values: FloatArray) -> FloatArray:
@@ -142,7 +150,7 @@ def join_banks(
         bank.log_weight.size // count for bank, count in zip(banks, n_components, strict=True)
     ]
     n_rows = [bank.log_weight.size for bank in banks]
-    rows = RunRows(np.repeat(n_components, n_runs))
+    rows = _rows_of_runs(tuple(n_components), tuple(n_runs))
     size, n_lines = banks[0].mean.shape[-1], banks[0].known.shape[-1]
     bank = HypothesisBank(
         _joined([bank.mean for bank in banks], n_rows, (1, size)),
@@ -167,6 +175,12 @@ def join_banks(
         contradicted=_joined([one.contradicted for one in states], n_runs, ()),
         measurement=_measurement_of_rows(measurements, banks, n_runs, rows),
     )
+
+
+@lru_cache(maxsize=256)
+def _rows_of_runs(n_components: tuple[int, ...], n_runs: tuple[int, ...]) -> RunRows:
+    """Return which rows belong to which run, of states of so many runs of so many hypotheses."""
+    return RunRows(np.repeat(n_components, n_runs))
 
 
 def join_motions(banks: Sequence[HypothesisBank]) -> tuple[RunRows, HypothesisBank]:
@@ -265,5 +279,7 @@ def _measurement_of_rows(
 
 def _joined(parts: Sequence[AnyArray], counts: Sequence[int], shape: tuple[int, ...]) -> AnyArray:
     """Return arrays of so many entries of a shape each, as one array of all entries."""
+    if len(parts) == 1:
+        return cast(AnyArray, parts[0].reshape(counts[0], *shape))
     flat = [part.reshape(count, *shape) for part, count in zip(parts, counts, strict=True)]
-    return cast(AnyArray, flat[0] if len(flat) == 1 else np.concatenate(flat))
+    return cast(AnyArray, np.concatenate(flat))

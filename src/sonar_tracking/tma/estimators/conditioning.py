@@ -55,7 +55,7 @@ def condition(covariance: FloatArray, rows: LinearisedRows, whole: BoolArray) ->
     """
     n, n_rows, size = covariance.shape[-1], *rows.derivative.shape[-2:]
     shape = covariance.shape[:-2]
-    taken = np.flatnonzero(np.any(rows.present.reshape(-1, n_rows), axis=0)).astype(np.int64)
+    taken = np.flatnonzero(np.logical_or.reduce(rows.present.reshape(-1, n_rows), axis=0))
     after = np.ascontiguousarray(covariance, dtype=float).reshape(-1, n, n)
     innovation = np.ascontiguousarray(rows.innovation, dtype=float).reshape(-1, n_rows)
     variance = np.ascontiguousarray(rows.variance, dtype=float).reshape(-1, n_rows)
@@ -75,9 +75,8 @@ def condition(covariance: FloatArray, rows: LinearisedRows, whole: BoolArray) ->
             *(after, derivative, innovation, variance, taken, along, shift, squared, spreads),
             (len(after), n, size, n_rows),
         )
-    log_spread = np.zeros(len(after))
-    for each in np.log(spreads):
-        log_spread += each
+    logs = np.add.accumulate(np.log(spreads), axis=0)
+    log_spread = logs[-1] if len(logs) else np.zeros(len(after))
     return Conditioned(
         shift.reshape(*shape, n),
         after.reshape(covariance.shape),

@@ -160,8 +160,8 @@ def variance_factor(evidence: ErrorEvidence, stamp: int) -> FloatArray:
     passed, place = _passed(evidence, stamp)
     logs = passed[0, LOGS] if len(passed) == 1 else passed[:, LOGS][place]
     weight = evidence.table[..., 0, :] + _log_prior(evidence.n_rows)
-    weight = np.exp(weight - np.max(weight, axis=-1, keepdims=True))
-    return np.asarray(np.exp(np.sum(weight * logs, axis=-1) / np.sum(weight, axis=-1)))
+    weight = np.exp(weight - weight.max(axis=-1, keepdims=True))
+    return np.asarray(np.exp((weight * logs).sum(axis=-1) / weight.sum(axis=-1)))
 
 
 def learn_errors(

@@ -30,6 +30,8 @@ from sonar_tracking.tma.estimators.vertical_prediction import predict_vertical
 SOURCE_FREQUENCY_SPREAD = 50.0 / 300.0
 """Standard deviation of a new source frequency relative to the received one: diffuse."""
 
+LOG_TURN = float(np.log(2.0 * np.pi))
+
 
 @dataclass(frozen=True)
 class HypothesisBank:
@@ -180,7 +182,7 @@ def seed_lines(
     which : ndarray of bool, shape (..., n_lines)
         Lines to seed.
     """
-    if not np.any(which):
+    if not which.any():
         return bank
     factor = doppler_factor(bank.mean, measurement)
     received = np.where(which, measurement.frequency, 0.0)[..., None, :]
@@ -264,9 +266,9 @@ def condition_bank(
     whole[further] = True
     covariance = bank.covariance if in_place else bank.covariance.copy()
     seen = condition(covariance, rows, whole)
-    constant = np.log(2.0 * np.pi) * np.sum(rows.present, axis=-1)
+    constant = LOG_TURN * np.count_nonzero(rows.present, axis=-1)
     weight = bank.log_weight - 0.5 * (seen.squared + seen.log_spread + constant) + log_penalty
-    return replace(bank, mean=bank.mean + seen.shift, covariance=seen.covariance, log_weight=weight)
+    return HypothesisBank(bank.mean + seen.shift, seen.covariance, weight, bank.known)
 
 
 def mixture_moments(bank: HypothesisBank) -> tuple[FloatArray, FloatArray]:

@@ -40,7 +40,13 @@ from sonar_tracking.tma.estimators.innovation_monitor import (
     watch_innovations,
 )
 from sonar_tracking.tma.estimators.measurement_model import LinearisedRows, watched_rows
-from sonar_tracking.tma.estimators.motion_modes import MODES, STRAIGHT, WEAVING, predict_modes
+from sonar_tracking.tma.estimators.motion_modes import (
+    MANOEUVRING,
+    MODES,
+    STRAIGHT,
+    WEAVING,
+    predict_modes,
+)
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.range_bank_state import (
     ELEVATION_INTERVAL,
@@ -61,11 +67,11 @@ from sonar_tracking.tma.estimators.recursion import (
 from sonar_tracking.tma.estimators.sensor_frame import TmaEstimate, TmaMeasurement
 from sonar_tracking.tma.estimators.vertical_motion import seed_height, with_vertical
 
-LIKELY = 0.5
-"""Probability of a manoeuvre from which on it is said that there is one."""
-
 ROW_ELEVATION = 1
 """Row between the azimuth and the lines; the monitor does not look at it."""
+
+DIRECTIONS = slice(ROW_ELEVATION + 1)
+"""Azimuth and elevation."""
 
 
 @dataclass(frozen=True)
@@ -192,7 +198,6 @@ def _advance(
 ) -> tuple[BankBatch, Changes]:
     """Return the batch after its measurements; where a run has just begun it may be lost sooner."""
     rows_of_run = batch.rows
-    before = _manoeuvring(batch.bank, rows_of_run)
     predicted = _predict(batch, configuration)
     measured, errors = batch.measurement, batch.errors
     if configuration.learn_errors:
@@ -204,7 +209,7 @@ def _advance(
     rows = rows_of(predicted, measured)
     variance = innovation_variance(predicted, rows)
     windows, changes = _watch(batch, predicted, rows, variance)
-    if np.any(changes.reborn):
+    if changes.reborn.any():
         predicted = seed_lines(predicted, measured, changes.reborn[rows_of_run.owner])
         rows = rows_of(predicted, measured)
         variance = innovation_variance(predicted, rows)
@@ -212,11 +217,14 @@ def _advance(
     bank = condition_bank(predicted, within, penalty, slice(WEAVING, None, MODES), in_place=True)
     total = rows_of_run.log_sums(bank.log_weight)
     bank = replace(bank, log_weight=bank.log_weight - total[rows_of_run.owner])
+    weight = np.exp(bank.log_weight)
+    accepted = rows_of_run.any(within.present[:, 0, DIRECTIONS])
     if configuration.learn_errors:
-        usable = rows_of_run.any(within.present[:, 0, 0]) | (batch.refused == 0), ~changes.reborn
-        errors = _learn(batch, factor, np.exp(bank.log_weight), rows, variance, usable)
-    began = (before <= LIKELY) & (_manoeuvring(bank, rows_of_run) > LIKELY)
-    refused, contradicted = _count_refused(batch, rows, within, begun)
+        usable = accepted[:, 0] | (batch.refused == 0), ~changes.reborn
+        errors = _learn(batch, factor, weight, rows, variance, usable)
+    manoeuvring = _manoeuvring(weight, rows_of_run)
+    began = manoeuvring & ~_manoeuvring(np.exp(batch.bank.log_weight), rows_of_run)
+    refused, contradicted = _count_refused(batch, rows, accepted, begun)
     after = replace(
         batch,
         bank=bank,
@@ -229,13 +237,10 @@ def _advance(
 
 
 def _count_refused(
-    batch: BankBatch, rows: LinearisedRows, within: LinearisedRows, begun: BoolArray
+    batch: BankBatch, rows: LinearisedRows, accepted: BoolArray, begun: BoolArray
 ) -> tuple[IntArray, FloatArray]:
     """Return how many azimuths and elevations in a row no hypothesis of a run has accepted."""
-    directions = slice(ROW_ELEVATION + 1)
-    accepted = within.present[:, 0, directions]
-    refused = batch.rows.all(rows.present[:, 0, directions] & ~accepted)
-    accepted = batch.rows.any(accepted)
+    refused = batch.rows.all(rows.present[:, 0, DIRECTIONS]) & ~accepted
     count = np.where(accepted[:, 0], 0, batch.refused + refused[:, 0])
     count = np.where(begun, REFUSED_AZIMUTHS - REFUSED_AT_START, count)
     worth = np.clip(batch.interval / ELEVATION_INTERVAL, 1.0, MOST_A_TIME)
@@ -251,16 +256,10 @@ def _predict(batch: BankBatch, configuration: RangeBankConfiguration) -> Hypothe
     return seed_lines(predicted, measured, measured.heard & ~predicted.known)
 
 
-def _manoeuvring(bank: HypothesisBank, rows: RunRows) -> FloatArray:
-    """Return the probability that the target of each run manoeuvres, if it does not weave.
-
-    Shape (n_runs,).
-    """
-    weight = bank.log_weight.copy()
-    weight[WEAVING::MODES] = -np.inf
-    total = rows.log_sums(weight)
-    weight[STRAIGHT::MODES] = -np.inf
-    return np.asarray(np.exp(rows.log_sums(weight) - total)[:, 0])
+def _manoeuvring(weight: FloatArray, rows: RunRows) -> BoolArray:
+    """Return whether the target of each run rather manoeuvres than moves straight, (n_runs,)."""
+    more = weight[MANOEUVRING::MODES, 0] - weight[STRAIGHT::MODES, 0]
+    return np.asarray(np.add.reduceat(more, rows.starts // MODES) > 0.0)
 
 
 def _with_learnt_errors(batch: BankBatch, factor: FloatArray) -> TmaMeasurement:

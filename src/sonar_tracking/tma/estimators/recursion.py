@@ -63,6 +63,8 @@ def gate_rows(
         Log likelihood of those without.
     """
     outside = rows.present & (rows.innovation**2 > gate**2 * variance)
+    if not outside.any():
+        return rows, np.zeros(outside.shape[:-1])
     if outside.shape[-1] > ELEVATION:
         outside[..., ELEVATION] |= outside[..., AZIMUTH] & rows.present[..., ELEVATION]
     edge = -0.5 * (gate**2 + np.log(2.0 * np.pi * variance))
@@ -132,9 +134,8 @@ def estimate_of(
         As in :class:`TmaEstimate`; none if not given.
     """
     mean, covariance = mixture_moments(bank)
-    lines = KINEMATIC + np.arange(bank.known.shape[-1])
     batch = bank.known.shape[:-1]
-    deviation = np.sqrt(covariance[..., lines, lines])
+    deviation = np.sqrt(covariance.diagonal(axis1=-2, axis2=-1)[..., bank.lines])
     return TmaEstimate(
         stamp=measurement.stamp,
         mean=mean[..., :KINEMATIC],
