@@ -127,14 +127,16 @@ def motion_information(
     doppler = _on_first((relative - rate[:, None] * direction) / distance, since)
     doppler[:, 2:] += direction
     factor = 1.0 - rate / history.sound_speed
-    for source, weight in zip(source_frequency, history.line_information.T, strict=True):
-        own = np.sum(weight * factor**2)
-        if own <= 0.0:
-            continue
-        # What is left of the line when its source frequency has to be found from it, too.
-        common = (weight * factor) @ doppler / own
-        left = doppler - factor[:, None] * common
-        information += (source / history.sound_speed) ** 2 * _weighted(left, weight)
+    weight = np.ascontiguousarray(history.line_information.T)
+    own = (weight * factor**2).sum(axis=1)
+    heard = own > 0.0
+    weight, own = weight[heard], own[heard]
+    # What is left of each line when its source frequency has to be found from it, too.
+    common = ((weight * factor)[:, None] @ doppler) / own[:, None, None]
+    left = doppler - factor[:, None] * common
+    scale = (source_frequency[heard] / history.sound_speed) ** 2
+    for line in scale[:, None, None] * _weighted(left, weight):
+        information += line
     return information
 
 
@@ -144,4 +146,4 @@ def _on_first(by_position: FloatArray, since: FloatArray) -> FloatArray:
 
 
 def _weighted(rows: FloatArray, weight: FloatArray) -> FloatArray:
-    return np.asarray((rows * weight[:, None]).T @ rows)
+    return np.asarray(np.swapaxes(rows * weight[..., None], -1, -2) @ rows)

@@ -153,26 +153,21 @@ def displacement(position: FloatArray, sights: Sequence[Sight], turned: FloatArr
 def _displacements(position: FloatArray, sights: Sequence[Sight]) -> tuple[FloatArray, list[float]]:
     """Return how a position moves with each azimuth, then each elevation, and their tangents."""
     rows, rises, slopes = [], [], []
+    place = position.tolist()
     for sight in sights:
-        offset = position[:2] - sight.position
-        distance = max(float(np.hypot(*offset)), NEAREST)
-        direction = offset / distance
-        estimated = len(position) == 3
-        height = position[2] - sight.z if estimated else sight.height
-        slant = np.hypot(distance, height) if sight.elevated else distance
+        east, north = place[0] - sight.position[0], place[1] - sight.position[1]
+        distance = max(float(np.hypot(east, north)), NEAREST)
+        east, north = east / distance, north / distance
+        height = place[2] - sight.z if len(place) == 3 else sight.height
+        slant = float(np.hypot(distance, height)) if sight.elevated else distance
         # An error across the line of sight: overhead the azimuth itself errs by more.
-        rows.append(_padded(np.array([-direction[1], direction[0]]) / slant, position))
+        rows.append([-north / slant, east / slant, 0.0][: len(place)])
         if sight.elevated:
-            rise = _padded(-direction * height / slant**2, position)
-            rise[2:] = distance / slant**2
-            rises.append(rise)
+            up = distance / slant**2
+            rises.append([-east * height / slant**2, -north * height / slant**2, up][: len(place)])
             slopes.append(abs(height) / distance)
     derivative = np.array(rows + rises)
     values, vectors = np.linalg.eigh(derivative.T @ derivative)
     fixed = values > FIXED * values[-1]
     inverse = (vectors * np.where(fixed, 1.0 / np.where(fixed, values, 1.0), 0.0)) @ vectors.T
     return inverse @ derivative.T, slopes
-
-
-def _padded(row: FloatArray, position: FloatArray) -> FloatArray:
-    return np.concatenate([row, np.zeros(len(position) - len(row))])
