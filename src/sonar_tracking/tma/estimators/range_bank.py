@@ -149,10 +149,11 @@ def update_range_banks(
         )
         alike.setdefault(kind, []).append(index)
     updates: dict[int, RangeBankUpdate] = {}
-    for group in alike.values():
+    for same, group in alike.items():
         own = _update_alike(
             [states[index] for index in group],
             [measurements[index] for index in group],
+            bool(same[-1]),
             configuration,
         )
         updates.update(zip(group, own, strict=True))
@@ -162,12 +163,14 @@ def update_range_banks(
 def _update_alike(
     states: Sequence[RangeBankState | None],
     measurements: Sequence[TmaMeasurement],
+    vertical: bool,
     configuration: RangeBankConfiguration,
 ) -> list[RangeBankUpdate]:
+    """Take measurements in that have the same columns; with or without states of the height."""
     ready, restarted, begun = [], [], []
     for state, measurement in zip(states, measurements, strict=True):
         present = start_range_bank(measurement, configuration) if state is None else state
-        if _has_height(state, measurement):
+        if vertical:
             present = replace(present, bank=with_vertical(present.bank))
         lost = is_lost(present, measurement)
         if lost.any():
