@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.filtering.constant_velocity import process_noise_matrix
+from sonar_tracking.filtering.constant_velocity import in_plane, process_noise_matrix
 from sonar_tracking.filtering.kalman import symmetrised
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 
@@ -179,7 +179,7 @@ def predicted(
     mean[..., :2] += interval * mean[..., 2:MOTION]
     covariance[..., :2, :] += interval * covariance[..., 2:MOTION, :]
     covariance[..., :, :2] += interval * covariance[..., :, 2:MOTION]
-    noise = np.kron(process_noise_matrix(1.0, interval), np.eye(2))
+    noise = in_plane(process_noise_matrix(1.0, interval))
     covariance[..., :MOTION, :MOTION] += strengths.density[:, None, None] * noise
     return AlignedTargets(mean, symmetrised(covariance), after)
 

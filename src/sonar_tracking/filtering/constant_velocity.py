@@ -34,3 +34,21 @@ def process_noise_matrix(spectral_density: float, interval: float) -> FloatArray
     """
     squared, cubed = interval**2, interval**3
     return spectral_density * np.array([[cubed / 3.0, squared / 2.0], [squared / 2.0, interval]])
+
+
+def in_plane(of_one_axis: FloatArray) -> FloatArray:
+    """Return what a matrix of one axis is for both axes of a plane.
+
+    Parameters
+    ----------
+    of_one_axis : ndarray, shape (2, 2)
+        Of [value, rate].
+
+    Returns
+    -------
+    ndarray, shape (4, 4)
+        Of [x, y, rate of x, rate of y], in the same units.
+    """
+    matrix = np.zeros((4, 4))
+    matrix[::2, ::2] = matrix[1::2, 1::2] = of_one_axis
+    return matrix

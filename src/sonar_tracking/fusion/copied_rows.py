@@ -7,7 +7,11 @@ from collections.abc import Mapping
 import numpy as np
 
 from sonar_tracking.alignment.bearing_errors import BearingKey
-from sonar_tracking.filtering.constant_velocity import process_noise_matrix, transition_matrix
+from sonar_tracking.filtering.constant_velocity import (
+    in_plane,
+    process_noise_matrix,
+    transition_matrix,
+)
 from sonar_tracking.filtering.kalman import KalmanState, predict
 from sonar_tracking.fusion.fused_rows import FusedRow
 from sonar_tracking.fusion.fusion_records import ListKey
@@ -79,9 +83,8 @@ def copied_row(
 def moved_state(state: KalmanState, interval: float) -> KalmanState:
     """Return a target an interval (s) after its list: on its course, as far as the sea lets it."""
     if interval > 0.0:
-        transition = np.asarray(np.kron(transition_matrix(interval), np.eye(2)))
-        noise = np.asarray(np.kron(process_noise_matrix(DRIFT, interval), np.eye(2)))
-        return predict(state, transition, noise)
+        noise = in_plane(process_noise_matrix(DRIFT, interval))
+        return predict(state, in_plane(transition_matrix(interval)), noise)
     return state
 
 

@@ -21,7 +21,8 @@ def rotated(state: KalmanState, centre: FloatArray, angle: float, variance: floa
         Anticlockwise, rad and rad^2.
     """
     cosine, sine = np.cos(angle), np.sin(angle)
-    turn = np.kron(np.eye(2), np.array([[cosine, -sine], [sine, cosine]]))
+    turn = np.zeros((4, 4))
+    turn[:2, :2] = turn[2:, 2:] = [[cosine, -sine], [sine, cosine]]
     about = np.concatenate([centre, np.zeros(2)])
     offset = turn @ (state.mean - about)
     change = np.array([-offset[1], offset[0], -offset[3], offset[2]])

@@ -21,6 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sonar_tracking.filtering.constant_velocity import in_plane
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
 
@@ -93,4 +94,4 @@ def process_noise(
     grown = float(np.linalg.eigvalsh(after[velocity, velocity] - moved[velocity, velocity])[-1])
     density = max(acceleration**2, grown / interval)
     along = np.array([[interval**3 / 3.0, interval**2 / 2.0], [interval**2 / 2.0, interval]])
-    return np.asarray(density * np.kron(along, np.eye(2)))
+    return density * in_plane(along)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from sonar_tracking.filtering.constant_velocity import in_plane
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks, TrackHypothesis, TrackSource
@@ -175,6 +176,6 @@ def _predict(
     transition = np.eye(KINEMATIC)
     transition[0, 2] = transition[1, 3] = interval
     along = np.array([[interval**3 / 3.0, interval**2 / 2.0], [interval**2 / 2.0, interval]])
-    noise = acceleration**2 * np.kron(along, np.eye(2))
+    noise = acceleration**2 * in_plane(along)
     covariance = transition @ solution.covariance @ transition.T + noise
     return transition @ solution.mean, covariance
