@@ -125,10 +125,11 @@ def _changes(
 
     Where all are the same both have one entry.
     """
-    times: dict[float, int] = {}
-    place = [times.setdefault(time, len(times)) for time in elapsed.tolist()]
-    changes = np.array([_change(time, configuration) for time in times])
-    return (elapsed[:1], changes) if len(times) == 1 else (elapsed, changes[place])
+    first = elapsed[:1]
+    if (elapsed == first).all():
+        return first, _change(float(first[0]), configuration)[None]
+    times, place = np.unique(elapsed, return_inverse=True)
+    return elapsed, np.array([_change(time, configuration) for time in times.tolist()])[place]
 
 
 @lru_cache(maxsize=1024)
