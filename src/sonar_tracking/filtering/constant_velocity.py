@@ -42,7 +42,7 @@ def in_plane(of_one_axis: FloatArray) -> FloatArray:
     Parameters
     ----------
     of_one_axis : ndarray, shape (2, 2)
-        Of [value, rate].
+        Of [value, rate], such as m and m/s.
 
     Returns
     -------

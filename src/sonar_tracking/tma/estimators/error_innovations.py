@@ -35,7 +35,7 @@ class BankInnovations:
     runs : RunRows
         Hypotheses of each run.
     weight : ndarray, shape (n_hypotheses, 1)
-        Of each hypothesis, after the rows; those of a run sum up to 1.
+        Of each hypothesis, after the rows, pure numbers; those of a run sum up to 1.
     rows : LinearisedRows
         Of each hypothesis, shape (n_hypotheses, 1, 2 + n_lines), linearised at its prediction.
     variance : ndarray, shape (n_hypotheses, 1, 2 + n_lines)
@@ -53,15 +53,15 @@ class BankInnovations:
 
 @dataclass(frozen=True)
 class ErrorInnovations:
-    """What they say of the errors of azimuth and lines; shapes (n_runs, 1 + n_lines).
+    """What they say of the errors of azimuth and lines.
 
     Attributes
     ----------
-    innovation : ndarray
+    innovation : ndarray, shape (n_runs, 1 + n_lines)
         Measured minus predicted, in told standard deviations: a pure number.
-    own_variance : ndarray
+    own_variance : ndarray, shape (n_runs, 1 + n_lines)
         Of the prediction, in told variances: a pure number.
-    telling : ndarray of bool
+    telling : ndarray of bool, shape (n_runs, 1 + n_lines)
         Which rows there are and say something of their errors.
     """
 

@@ -76,7 +76,7 @@ class LinearisedRows:
 
 
 def watched_rows(rows: LinearisedRows) -> IntArray:
-    """Return the places of those whose errors are watched: azimuth and lines, not the elevation."""
+    """Return which rows have errors that are watched, shape (1 + n_lines,): not the elevation."""
     return _watched(rows.variance.shape[-1])
 
 
@@ -159,6 +159,13 @@ def linearise(
     """
     if COMPILED is not None and azimuth is None:
         return _compiled_rows(COMPILED, mean, measurement, known)
+    return _plain_rows(mean, measurement, known, azimuth)
+
+
+def _plain_rows(
+    mean: FloatArray, measurement: TmaMeasurement, known: BoolArray, azimuth: FloatArray | None
+) -> LinearisedRows:
+    """Return the rows, each component with the azimuth given, or with the nearest."""
     distance, direction, relative, delay = _relative(mean, measurement)
     n_lines = known.shape[-1]
     shape = (*mean.shape[:-1], 2 + n_lines)
