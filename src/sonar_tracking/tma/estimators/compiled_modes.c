@@ -138,9 +138,8 @@ static PyObject *mix(PyObject *module, PyObject *arguments)
 
 PyDoc_STRVAR(move_doc,
 "move(mean, covariance, elapsed, transition, noise, densities, shape)\n--\n\n"
-"Move all modes, in place: C-contiguous float64, elapsed, transition and noise of the deviation of\n"
-"each hypothesis or the same for all, densities of the acceleration (straight, manoeuvring), shape\n"
-"= (hypotheses, states).");
+"Move all modes, in place: C-contiguous float64, transition and noise of the deviation of each\n"
+"hypothesis, densities of the acceleration (straight, manoeuvring), shape = (hypotheses, states).");
 
 static PyObject *move(PyObject *module, PyObject *arguments)
 {
@@ -150,23 +149,22 @@ static PyObject *move(PyObject *module, PyObject *arguments)
     if (!PyArg_ParseTuple(arguments, "w*w*y*y*y*(dd)(nn)", &mean, &covariance, &elapsed,
                           &transition, &noise, &densities[0], &densities[1], &hypotheses, &n))
         return NULL;
-    const count real = (count)sizeof(double), own = elapsed.len != real, times = own ? hypotheses : 1;
+    const count real = (count)sizeof(double);
     if (hypotheses < 0 || n < KINEMATIC + DEVIATION || mean.len != hypotheses * MODES * n * real ||
-        covariance.len != hypotheses * MODES * n * n * real || elapsed.len != times * real ||
-        transition.len != times * 4 * real || noise.len != times * 4 * real) {
+        covariance.len != hypotheses * MODES * n * n * real || elapsed.len != hypotheses * real ||
+        transition.len != hypotheses * 4 * real || noise.len != hypotheses * 4 * real) {
         PyErr_SetString(PyExc_ValueError, "The buffers do not have the stated shape.");
     } else {
         Py_BEGIN_ALLOW_THREADS
         for (count i = 0; i < hypotheses; i++) {
             double *state = (double *)mean.buf + i * MODES * n;
             double *spread = (double *)covariance.buf + i * MODES * n * n;
-            const double step = ((const double *)elapsed.buf)[own * i];
+            const double step = ((const double *)elapsed.buf)[i];
             for (count mode = 0; mode < MIXED; mode++)
                 move_straight(state + mode * n, spread + mode * n * n, n - DEVIATION, n, step,
                               densities[mode]);
             move_weaving(state + WEAVING * n, spread + WEAVING * n * n, n, step, densities[0],
-                         (const double *)transition.buf + 4 * own * i,
-                         (const double *)noise.buf + 4 * own * i);
+                         (const double *)transition.buf + 4 * i, (const double *)noise.buf + 4 * i);
         }
         Py_END_ALLOW_THREADS
     }

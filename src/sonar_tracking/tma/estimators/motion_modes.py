@@ -164,9 +164,12 @@ def _move(
     density = straight * straight, manoeuvring * manoeuvring
     if COMPILED is not None:
         shape = len(bank.mean) // MODES, bank.mean.shape[-1]
+        each = shape[0] // len(step)
         parts = step, change[:, DEVIATES], change[:, DEVIATION_NOISE]
-        given = (np.ascontiguousarray(one, dtype=float) for one in parts)
-        COMPILED.move(bank.mean, bank.covariance, *given, density, shape)
+        COMPILED.move(
+            *(bank.mean, bank.covariance, *(one.repeat(each, axis=0) for one in parts)),
+            *(density, shape),
+        )
         return
     mean, covariance = _of_modes(bank)
     states = mean.shape[-1] - DEVIATION
