@@ -53,6 +53,7 @@ compiled = [
         "active.tracks.compiled_clouds",
         "active.tracks.compiled_gates",
         "active.tracks.compiled_modes",
+        "simulation.signals.compiled_waveform",
         "tma.batch.compiled_linear",
         "tma.estimators.compiled_conditioning",
         "tma.estimators.compiled_errors",

@@ -34,6 +34,16 @@ def test_straight_leg_extends_backwards_in_time() -> None:
     np.testing.assert_allclose(state.velocity, [[0, 4]] * 3, atol=1e-12)
 
 
+def test_many_times_on_one_leg_have_the_states_of_each_by_itself() -> None:
+    trajectory = Trajectory((5.0, -7.0), 0.3, 6.0, [Turn(3.0, 2.0, 0.2), Turn(40.0, 0.5, 0.05)])
+    for times in ([-2.0, 0.0, 2.9], [[20.0, 30.0], [25.0, 39.9]], [2.9, 3.1], [3.1, 4.0], []):
+        together = trajectory.state(times)
+        for place, time in np.ndenumerate(times):
+            alone = trajectory.state(time)
+            for name in ("position", "velocity", "azimuth", "turn_rate"):
+                np.testing.assert_array_equal(getattr(together, name)[place], getattr(alone, name))
+
+
 def test_quarter_turn_follows_its_circle() -> None:
     """10 m/s and 0.1 rad/s make a circle of radius 100 m: east to north ends at (100, 100)."""
     trajectory = Trajectory((0.0, 0.0), 0.0, 10.0, [Turn(0.0, np.pi / 2, 0.1)])

@@ -219,6 +219,8 @@ class Trajectory:
             s; before time 0 the first leg is prolonged backwards.
         """
         times = np.asarray(times, dtype=np.float64)
+        if times.size > 1 and (only := self._only_leg(times)) is not None:
+            return self._straight_state(only, times)
         leg = np.maximum(np.searchsorted(self._starts, times, side="right") - 1, 0)
         elapsed = times - self._starts[leg]
         rate = self._rates[leg]
@@ -232,6 +234,26 @@ class Trajectory:
             chord, mean_heading = chord * np.sinc(half_angle / np.pi), _unit(azimuth - half_angle)
         position = self._positions[leg] + chord[..., None] * mean_heading
         return KinematicState(position, self._speed * heading, azimuth, rate)
+
+    def _only_leg(self, times: FloatArray) -> int | None:
+        """Return the straight leg that all times lie in, if there is one."""
+        ends = self._starts.searchsorted((times.min(), times.max()), side="right")
+        first, last = np.maximum(ends - 1, 0).tolist()
+        return first if first == last and self._rates[first] == 0.0 else None
+
+    def _straight_state(self, leg: int, times: FloatArray) -> KinematicState:
+        """Return the states of one straight leg, which has one heading."""
+        azimuth, heading = self._azimuths[leg], _unit(self._azimuths[leg])
+        chord = self._speed * (times - self._starts[leg])
+        position = np.empty((*times.shape, 2))
+        for axis in range(2):  # an inner loop over two numbers would cost far more
+            position[..., axis] = self._positions[leg, axis] + chord * heading[axis]
+        return KinematicState(
+            position=position,
+            velocity=np.broadcast_to(self._speed * heading, position.shape),
+            azimuth=np.broadcast_to(azimuth, times.shape),
+            turn_rate=np.zeros(times.shape),
+        )
 
     def _append_turn(self, turn: Turn, following: float) -> None:
         begin = self.state(turn.time)
@@ -284,9 +306,10 @@ def emission_times(
     delay = np.zeros_like(times) if near is None else times - np.asarray(near)
     for _ in range(NEWTON_STEPS if near is None else NEWTON_STEPS // 2):
         state = target.state(times - delay)
-        separation = state.position - receiver_positions
-        distance = np.hypot(separation[..., 0], separation[..., 1])
-        range_rate = np.sum(separation * state.velocity, axis=-1) / np.maximum(distance, 1e-9)
+        x, y = (state.position[..., axis] - receiver_positions[..., axis] for axis in range(2))
+        distance = np.hypot(x, y)
+        along = x * state.velocity[..., 0] + y * state.velocity[..., 1]
+        range_rate = along / np.maximum(distance, 1e-9)
         delay = delay + (distance - sound_speed * delay) / (sound_speed + range_rate)
     return times - delay
 

@@ -1,10 +1,16 @@
 """The broadband sound of a source can be read at any instant without changing what it is."""
 
 import numpy as np
+import pytest
 
+from sonar_tracking.simulation.signals import broadband_waveform
 from sonar_tracking.simulation.signals.broadband_waveform import BroadbandWaveform
 
 RATE = 1000.0
+
+needs_it = pytest.mark.skipif(
+    broadband_waveform.COMPILED is None, reason="no compiler was there: in numpy alone"
+)
 
 
 def waveform() -> BroadbandWaveform:
@@ -38,3 +44,32 @@ def test_blocks_do_not_change_the_sound() -> None:
     source = waveform()
     parts = np.concatenate([source.at(part) for part in np.array_split(times, 7)])
     np.testing.assert_array_equal(parts, whole)
+
+
+@needs_it
+@pytest.mark.parametrize("shape", [(), (1,), (3,), (7, 5), (64, 3)])
+def test_compiled_and_in_numpy_give_the_same_bits(
+    shape: tuple[int, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Between the points of the grid, on them, and before the beginning of time."""
+    times = np.random.default_rng(len(shape)).uniform(-0.5, 2.0, shape)
+    times = np.where(times < 0.5, np.round(times * RATE) / RATE, times)
+    compiled = waveform().at(times)
+    monkeypatch.setattr(broadband_waveform, "COMPILED", None)
+    plain = waveform().at(times)
+    assert compiled.shape == plain.shape == shape
+    np.testing.assert_array_equal(compiled, plain)
+
+
+@needs_it
+@pytest.mark.parametrize("step", [14.9, 48.1, np.nan, np.inf, -1e300])
+def test_instants_outside_of_the_grid_are_refused(step: float) -> None:
+    assert broadband_waveform.COMPILED is not None
+    grid, table, out = np.zeros(64), np.zeros((5, 32)), np.empty(2)
+    broadband_waveform.COMPILED.interpolate(grid, table, np.array([15.0, 47.9]), out, (0, 4, 32))
+    with pytest.raises(ValueError, match="outside"):
+        broadband_waveform.COMPILED.interpolate(
+            grid, table, np.array([20.0, step]), out, (0, 4, 32)
+        )
+    with pytest.raises(ValueError, match="shape"):
+        broadband_waveform.COMPILED.interpolate(grid, table, np.zeros(3), out, (0, 4, 32))

@@ -2,15 +2,19 @@
 
 White numbers on a regular grid are interpolated by a sinc under a Kaiser window, so that a moving
 source is heard with its exact delay at every element, and with the Doppler that follows from it.
-The spectrum is flat up to 0.85 of half the rate.
+The spectrum is flat up to 0.85 of half the rate. ``compiled_waveform`` interpolates if a compiler
+was there when the package was installed; the bits are those of the coding in numpy.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
+from sonar_tracking.compiled_modules import compiled_module
 from sonar_tracking.records.arrays import FloatArray
+
+COMPILED = compiled_module("simulation.signals.compiled_waveform")
+"""The compiled function, None where there is none."""
 
 _REACH = 16
 """Grid points on either side of an instant that its value is made from."""
@@ -59,19 +63,32 @@ class BroadbandWaveform:
         ndarray, shape (...)
             Linear amplitude, variance 1.
         """
-        steps = times * self._rate
-        index = np.floor(steps).astype(np.int64)
-        phase = np.rint((steps - index) * _PHASES).astype(np.int64)
-        self._provide(int(index.min()) - _REACH, int(index.max()) + _REACH + 1)
-        assert self._grid is not None
-        windows = sliding_window_view(self._grid, 2 * _REACH)[index + 1 - _REACH - self._first]
-        return np.asarray(np.einsum("...k,...k->...", windows, _TABLE[phase]))
+        steps = np.asarray(times * self._rate, order="C")
+        first, last = (int(np.floor(step)) for step in (steps.min(), steps.max()))
+        grid = self._provide(first - _REACH, last + _REACH + 1)
+        if COMPILED is None:
+            return _interpolated(grid, self._first, steps)
+        noise = np.empty_like(steps)
+        COMPILED.interpolate(grid, _TABLE, steps, noise, (self._first, _PHASES, 2 * _REACH))
+        return noise
 
-    def _provide(self, first: int, last: int) -> None:
-        """Have the grid points from first to last; forget earlier ones."""
+    def _provide(self, first: int, last: int) -> FloatArray:
+        """Return the grid points from first to last; forget earlier ones."""
         if self._grid is None:
             self._grid, self._first = np.empty(0), first
         missing = last + 1 - self._first - len(self._grid)
         drawn = self._generator.standard_normal(max(missing, 0))
         self._grid = np.concatenate([self._grid, drawn])[first - self._first :]
         self._first = first
+        return self._grid
+
+
+def _interpolated(grid: FloatArray, first: int, steps: FloatArray) -> FloatArray:
+    """Return the noise at some steps, from a grid whose first point is at step ``first``."""
+    whole = np.floor(steps)
+    begin = whole.astype(np.int64) + 1 - _REACH - first
+    kernel = _TABLE.T[:, np.rint((steps - whole) * _PHASES).astype(np.int64)]
+    noise = grid[begin] * kernel[0]
+    for tap in range(1, 2 * _REACH):
+        noise += grid[begin + tap] * kernel[tap]
+    return noise
