@@ -332,3 +332,26 @@ def test_rows_are_not_changed_by_those_made_of_them() -> None:
     copy = replace(made.best, covariance=made.best.covariance.copy())
     track_row(made, made.best, TrackStatus.CONFIRMED, 30 * SECOND, 0.05)
     np.testing.assert_array_equal(made.best.covariance, copy.covariance)
+
+
+def test_what_falls_silent_is_coasted_and_may_have_stopped() -> None:
+    """Of a ship of 5 m/s, 30 s after its bearings became thirty times as bad as usual."""
+    one = solution(mean=np.array([1000.0, 0.0, 3.0, 4.0]))
+    made = target(one, updated=0, confirmed=True)
+    for second in range(200):
+        deviation = np.radians(1.0 if second < 150 else 30.0)
+        seen = TargetObservation(
+            second * SECOND, "bow", (0.0, 0.0), (0.0, 0.0), (0.0,), float(deviation**2)
+        )
+        made.conclude(seen, (one,))
+    assert 150 <= made.updated / SECOND < 160
+    stamp = made.updated + 30 * SECOND
+    one = replace(one, stamp=stamp)
+    assert made.status(one, stamp, CONFIGURATION) == TrackStatus.COASTED
+    row = track_row(made, one, TrackStatus.COASTED, stamp, 0.01)
+    stopped = np.array([-30.0 * 3.0, -30.0 * 4.0, -3.0, -4.0])
+    added = row.covariance - one.covariance
+    assert np.trace(added[:2, :2]) == pytest.approx(stopped[:2] @ stopped[:2])
+    assert np.trace(added[2:, 2:]) == pytest.approx(stopped[2:] @ stopped[2:])
+    heard = track_row(made, one, TrackStatus.CONFIRMED, stamp, 0.01)
+    assert heard.covariance == pytest.approx(one.covariance)

@@ -15,6 +15,7 @@ from sonar_tracking.tma.estimators.range_bank_state import REFUSED_AZIMUTHS
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
 from sonar_tracking.tma.targets.array_sides import SIDE_PROBABILITY
 from sonar_tracking.tma.targets.baseline_solver import BaselineSolver
+from sonar_tracking.tma.targets.hearing import Hearing
 from sonar_tracking.tma.targets.lasting_residuals import LastingResiduals, direction_residuals
 from sonar_tracking.tma.targets.misaligned_stations import ALIGNED, UsedAlignment
 from sonar_tracking.tma.targets.systematic_errors import (
@@ -79,6 +80,8 @@ class FollowedTarget:
         Azimuths in a row of each station that no hypothesis explains.
     forsaken : bool
         Its bearing tracks went on to something else.
+    hearing : Hearing
+        How good the bearings of its stations are beside usual ones.
     """
 
     solver: TargetSolver | BaselineSolver
@@ -96,6 +99,7 @@ class FollowedTarget:
     doubted: int = 0
     misfits: dict[str, int] = field(default_factory=dict)
     forsaken: bool = False
+    hearing: Hearing = field(default_factory=Hearing)
 
     @property
     def best(self) -> TargetSolution:
@@ -112,11 +116,13 @@ class FollowedTarget:
     ) -> tuple[TargetSolution, ...]:
         """Return the solutions that stand after an observation, from those of the solver.
 
-        An azimuth that no hypothesis accepts is no measurement of this target.
+        An azimuth that no hypothesis accepts is no measurement of this target, nor is one of
+        something silent.
         """
         if not solutions:
             return self.solutions
-        if observation.line_ids or not self.solver.refused:
+        heard = not observation.azimuths or self.hearing.take(observation)
+        if observation.line_ids or (heard and not self.solver.refused):
             self.updated = observation.stamp
         if observation.azimuths:
             elevated = bool(np.isfinite(observation.elevation))

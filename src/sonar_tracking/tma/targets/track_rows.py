@@ -68,6 +68,8 @@ def track_row(
 ) -> TrackRow:
     """Return the row of a solution at the stamp of the list."""
     state, covariance = _predict(solution, stamp, acceleration)
+    if status == TrackStatus.COASTED and target.members:
+        covariance = covariance + _stopped(state, (stamp - target.updated) / NANOSECONDS)
     z, deviation = _height(target, solution, stamp)
     return TrackRow(
         id=target.row_of[solution.side],
@@ -164,6 +166,17 @@ def _height(target: FollowedTarget, solution: TargetSolution, stamp: int) -> tup
     elapsed = np.array((stamp - solution.stamp) / NANOSECONDS)
     mean, covariance = predict_vertical(solution.spatial.mean, solution.spatial.covariance, elapsed)
     return float(mean[-VERTICAL]), float(np.sqrt(covariance[-VERTICAL, -VERTICAL]))
+
+
+def _stopped(state: FloatArray, silent: float) -> FloatArray:
+    """Return the covariance of what a target that is silent for so long, s, may have done.
+
+    What is not heard any more may have stopped its engines: its velocity differs from what it was
+    by as much as that, in whatever direction.
+    """
+    change = float(state[2:] @ state[2:]) / 2.0
+    along = np.array([[silent**2, silent], [silent, 1.0]])
+    return np.asarray(change * np.kron(along, np.eye(2)))
 
 
 def _predict(
