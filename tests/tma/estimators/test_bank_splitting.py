@@ -19,7 +19,7 @@ from sonar_tracking.tma.estimators.hypothesis_bank import (
 from sonar_tracking.tma.estimators.motion_modes import MODES, WEAVING, with_modes
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
-from sonar_tracking.tma.targets.station_association import azimuth_log_likelihoods
+from sonar_tracking.tma.targets.station_association import weigh_azimuths
 
 ELSEWHERE = np.array([6000.0, 0.0])
 
@@ -75,9 +75,10 @@ def test_an_azimuth_from_elsewhere_has_a_likelihood_all_along_the_bearing() -> N
     offset = ranges[:, None] * np.array([np.cos(0.9), np.sin(0.9)]) - ELSEWHERE
     azimuths = np.arctan2(offset[:, 1], offset[:, 0])
     variance = np.full(len(ranges), np.radians(0.5) ** 2)
-    (likely,) = azimuth_log_likelihoods(
+    found = weigh_azimuths(
         [bank], np.zeros(1), np.array([0.01]), ELSEWHERE[None], azimuths[None], variance[None]
     )
+    (likely,) = found.log_likelihood
     assert np.min(likely) > np.log(0.05)
 
 

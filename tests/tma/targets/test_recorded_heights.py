@@ -55,3 +55,21 @@ def test_recorded_whales_are_joined_and_between_bottom_and_surface(label: int) -
     assert len(heights) > 0.4 * len(frames)
     assert np.min(heights) > BOTTOM and np.max(heights) < SURFACE
     assert np.median(deviations) < 120.0
+
+
+@pytest.mark.data
+@pytest.mark.slow
+@pytest.mark.parametrize("label", [2, 3, 6])
+def test_a_recorded_whale_is_one_target_within_five_minutes_of_both_hearing_it(label: int) -> None:
+    """Their azimuths disagree by half a degree, click after click."""
+    frames, speed = whale_frames(label)
+    stage = TmaTrackerStage(TmaTrackerConfiguration(sound_speed=speed), n_stations=2)
+    heard: dict[str, int] = {}
+    for frame in frames:
+        for one in frame.bearings:
+            heard.setdefault(one.sensor.sensor_id, frame.stamp)
+        if len(heard) == 2 and frame.stamp > max(heard.values()) + nanoseconds(300.0):
+            break
+        tracks = stage.update(frame).tracks
+    assert tracks is not None and len(tracks) == 1
+    assert set(tracks.contributor_sensor) == {"EE", "EW"}

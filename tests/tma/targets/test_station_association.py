@@ -15,8 +15,8 @@ from sonar_tracking.tma.targets.station_association import (
     CHANCE_DENSITY_WITH_ELEVATION,
     FREE,
     associate,
-    azimuth_log_likelihoods,
     direction_log_likelihood,
+    weigh_azimuths,
 )
 from tests.tma.estimators.test_hypothesis_bank import random_bank
 
@@ -53,7 +53,7 @@ def likelihood_of(
     measured: FloatArray,
     variances: FloatArray,
 ) -> FloatArray:
-    found = azimuth_log_likelihoods(
+    found = weigh_azimuths(
         [bank],
         np.array([interval]),
         np.array([acceleration]),
@@ -61,7 +61,7 @@ def likelihood_of(
         measured[None],
         variances[None],
     )
-    return np.asarray(found[0])
+    return np.asarray(found.log_likelihood[0])
 
 
 def likelihoods(measured: FloatArray) -> FloatArray:

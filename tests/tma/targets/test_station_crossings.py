@@ -154,8 +154,8 @@ def test_where_a_target_points_to_another_is_tried_and_elsewhere_is_told() -> No
             seen = seen_from("three", (0.0, 3000.0), number, direction)
             other.solutions = other.solver.update(seen)
         look = [(other, seen_from("three", (0.0, 3000.0), 40, direction))]
-        begun, elsewhere = pointed_at([], [target], look, set())
+        begun, elsewhere = pointed_at([], [target], look, set(), 0.0)
         assert [set(one.targets) for one in begun] == ([{target, other}] if is_there else [])
         assert [set(key[0]) for key in elsewhere] == ([] if is_there else [{target, other}])
         known = {(frozenset((target, other)), False)}
-        assert pointed_at([], [target], look, known) == ([], set())
+        assert pointed_at([], [target], look, known, 0.0) == ([], set())

@@ -13,7 +13,8 @@ import numpy as np
 from sonar_tracking.errors import InputError
 from sonar_tracking.tma.targets.baseline_solver import BaselineSolver
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
-from sonar_tracking.tma.targets.solver_likelihoods import log_likelihoods
+from sonar_tracking.tma.targets.lasting_error import NO_ERROR
+from sonar_tracking.tma.targets.solver_likelihoods import weigh
 from sonar_tracking.tma.targets.station_association import CHANCE_DENSITY
 from sonar_tracking.tma.targets.station_pairing import StationPairing
 from sonar_tracking.tma.targets.station_trials import Sighting, Trial
@@ -104,25 +105,29 @@ def _weigh(seen: Sequence[Sighting], trials: Sequence[tuple[Trial, Sighting]]) -
         for trial, (target, observation) in weighed
         if target in trial.alone and trial.alone[target].state is not None
     ]
-    found = log_likelihoods(
+    errors = [trial.error_of(observation.sensor_id) for trial, (_, observation) in weighed]
+    found = weigh(
         [(trial.solver, observation) for trial, (_, observation) in weighed]
         + [(solver, observation) for _, solver, observation in alone]
-        + [(solver, observation) for _, solver, observation in apart]
+        + [(solver, observation) for _, solver, observation in apart],
+        errors + [NO_ERROR] * (len(alone) + len(apart)),
     )
     explained: dict[FollowedTarget | Trial, float] = {}
-    for (target, _, observation), likelihood in zip(alone, found[len(weighed) :], strict=False):
-        explained[target] = likelihood
+    for (target, _, observation), one in zip(alone, found[len(weighed) :], strict=False):
+        explained[target] = one.log_likelihood
         if len(target.members) > 1:
-            target.weigh(observation.sensor_id, likelihood)
-    for (trial, _, _), likelihood in zip(apart, found[len(weighed) + len(alone) :], strict=True):
-        explained[trial] = likelihood
-    for (trial, (target, observation)), likelihood in zip(weighed, found, strict=False):
+            target.weigh(observation.sensor_id, one.log_likelihood)
+    for (trial, _, _), one in zip(apart, found[len(weighed) + len(alone) :], strict=True):
+        explained[trial] = one.log_likelihood
+    for (trial, (target, observation)), error, one in zip(weighed, errors, found, strict=False):
         chance = _chance(observation)
         rival = explained.get(trial if target in trial.alone else target)
         begun = target in trial.alone or bool(target.solutions)
         trial.count(target)
         own = _log_density(rival, chance) if begun and rival is not None else chance
-        trial.evidence += _log_density(likelihood, chance) - own
+        densities = _log_density(one.log_likelihood, chance), _log_density(one.with_error, chance)
+        trial.evidence += error.density(*densities) - own
+        trial.errors[observation.sensor_id] = error.learnt(*densities, one.innovation, one.spread)
 
 
 def _outcome(

@@ -3,13 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from sonar_tracking.tma.estimators.range_bank_state import RangeBankState
 from sonar_tracking.tma.estimators.recursion import elapsed
-from sonar_tracking.tma.targets.station_association import azimuth_log_likelihoods
+from sonar_tracking.tma.targets.lasting_error import NO_ERROR, LastingError
+from sonar_tracking.tma.targets.station_association import weigh_azimuths
 from sonar_tracking.tma.targets.target_solver import TargetSolver, Task
+
+SIDES = 2
+"""Azimuths that one angle of a line array may have."""
+
+SIGN_OF_SIDE = np.array([1.0, -1.0])
+"""One error of a line array's angle turns the azimuth on its right the other way."""
+
+
+class Weighed(NamedTuple):
+    """The azimuths of an observation against a solver.
+
+    Logs of their density, rad^-1, if the sensor has no lasting error, and if it has; -inf = outside
+    the gate of every hypothesis. Innovation in the second case, rad, and its variance, rad^2; the
+    variance is 0 where there is none.
+    """
+
+    log_likelihood: float
+    with_error: float
+    innovation: float
+    spread: float
 
 
 def log_likelihoods(tasks: Sequence[Task]) -> list[float]:
@@ -26,6 +48,19 @@ def log_likelihoods(tasks: Sequence[Task]) -> list[float]:
     list of float
         Log of the density of each, rad^-1; -inf = outside the gate of every hypothesis.
     """
+    return [one.log_likelihood for one in weigh(tasks, [NO_ERROR] * len(tasks))]
+
+
+def weigh(tasks: Sequence[Task], errors: Sequence[LastingError]) -> list[Weighed]:
+    """Return the same, without and with the lasting errors of the sensors.
+
+    Parameters
+    ----------
+    tasks : sequence of Task
+        As there.
+    errors : sequence of LastingError
+        Of the sensor of each observation.
+    """
     if not tasks:
         return []
     states = [_known_state(solver) for solver, _ in tasks]
@@ -33,17 +68,31 @@ def log_likelihoods(tasks: Sequence[Task]) -> list[float]:
     intervals = [
         elapsed(state.stamp, one.stamp) for state, one in zip(states, observations, strict=True)
     ]
-    density = azimuth_log_likelihoods(
+    azimuths = np.array([(*one.azimuths, np.nan)[:2] for one in observations])
+    variance = np.array([one.azimuth_variance for one in observations])
+    shift = np.array([one.mean for one in errors])[:, None] * SIGN_OF_SIDE
+    wider = variance + [one.variance for one in errors]
+    found = weigh_azimuths(
         [state.bank for state in states],
         np.array(intervals),
         np.array([solver.configuration.acceleration for solver, _ in tasks]),
         np.array([one.position for one in observations]),
-        np.array([(*one.azimuths, np.nan)[:2] for one in observations]),
-        np.array([one.azimuth_variance for one in observations])[:, None],
+        np.concatenate([azimuths, azimuths - shift], axis=1),
+        np.stack([variance, variance, wider, wider], axis=1),
         tasks[0][0].configuration.gate,
         np.array([one.propagation_speed for one in observations]),
     )
-    return [float(one) for one in np.logaddexp.reduce(density, axis=1)]
+    plain, shifted = found.log_likelihood[:, :SIDES], found.log_likelihood[:, SIDES:]
+    total = np.logaddexp.reduce(shifted, axis=1)
+    known = np.isfinite(total)[:, None]
+    share = np.exp(np.where(known, shifted - np.where(known, total[:, None], 0.0), -np.inf))
+    columns = (
+        np.logaddexp.reduce(plain, axis=1),
+        total,
+        np.sum(share * SIGN_OF_SIDE * found.innovation[:, SIDES:], axis=1),
+        np.sum(share * found.spread[:, SIDES:], axis=1),
+    )
+    return [Weighed(*one) for one in zip(*(one.tolist() for one in columns), strict=True)]
 
 
 def _known_state(solver: TargetSolver) -> RangeBankState:

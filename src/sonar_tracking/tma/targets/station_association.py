@@ -9,6 +9,7 @@ explains better than chance stays free.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -35,7 +36,25 @@ CHANCE_DENSITY_WITH_ELEVATION = CHANCE_DENSITY * 2.0 / np.pi
 """The same of an azimuth with an elevation: from anywhere above, rad^-2."""
 
 
-def azimuth_log_likelihoods(
+@dataclass(frozen=True)
+class WeighedAzimuths:
+    """Azimuths against targets.
+
+    Attributes
+    ----------
+    log_likelihood : ndarray, shape (n_targets, n_bearings)
+        Of the density per rad; -inf = outside the gate of every hypothesis.
+    innovation, spread : ndarray, shape (n_targets, n_bearings)
+        Measured less expected, rad, and its variance, rad^2: means over the hypotheses, by how
+        well each explains the azimuth; 0 = none does.
+    """
+
+    log_likelihood: FloatArray
+    innovation: FloatArray
+    spread: FloatArray
+
+
+def weigh_azimuths(
     banks: Sequence[HypothesisBank],
     intervals: FloatArray,
     accelerations: FloatArray,
@@ -44,8 +63,8 @@ def azimuth_log_likelihoods(
     variances: FloatArray,
     gate: float = 4.0,
     propagation_speed: FloatArray | float = np.inf,
-) -> FloatArray:
-    """Return the log likelihood of azimuths measured from anywhere, if they are of these targets.
+) -> WeighedAzimuths:
+    """Return how well azimuths measured from anywhere fit, if they are of these targets.
 
     Parameters
     ----------
@@ -66,8 +85,8 @@ def azimuth_log_likelihoods(
 
     Returns
     -------
-    ndarray, shape (n_targets, n_bearings)
-        Of the density per rad; -inf = outside the gate of every hypothesis.
+    WeighedAzimuths
+        Of each target and azimuth.
     """
     rows, bank = join_motions(banks)
     owner = rows.owner
@@ -81,7 +100,15 @@ def azimuth_log_likelihoods(
     innovation = wrap_angle(azimuths[owner] - np.arctan2(offset[:, 1], offset[:, 0])[:, None])
     squared = innovation**2 / spread
     density = -0.5 * (squared + np.log(2.0 * np.pi * spread)) + moved.log_weight
-    return rows.log_sums(np.where(squared <= gate**2, density, -np.inf))
+    admitted = np.where(squared <= gate**2, density, -np.inf)
+    likelihood = rows.log_sums(admitted)
+    known = np.isfinite(likelihood)[owner]
+    share = np.where(known, np.exp(admitted - np.where(known, likelihood[owner], 0.0)), 0.0)
+    return WeighedAzimuths(
+        likelihood,
+        rows.sums(share * np.where(known, innovation, 0.0)),
+        rows.sums(share * np.where(known, spread, 0.0)),
+    )
 
 
 def direction_log_likelihood(

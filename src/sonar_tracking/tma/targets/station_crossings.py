@@ -43,6 +43,7 @@ def pointed_at(
     located: Sequence[FollowedTarget],
     seen: Sequence[Sighting],
     known: Collection[Key],
+    deviation: float,
 ) -> tuple[list[Trial], set[Key]]:
     """Return trials of what a station sees where those under way point to, and what is elsewhere.
 
@@ -56,6 +57,8 @@ def pointed_at(
         What one station observed at one instant, to be taken in next.
     known : collection of Key
         What is tried already, or not to be tried now.
+    deviation : float
+        Of the lasting error of a station's azimuths, rad.
 
     Returns
     -------
@@ -64,7 +67,11 @@ def pointed_at(
     set of Key
         What is elsewhere than where it would have to be.
     """
-    alone = [Trial((one,), one.solver) for one in located if isinstance(one.solver, TargetSolver)]
+    alone = [
+        Trial((one,), one.solver, deviation=deviation)
+        for one in located
+        if isinstance(one.solver, TargetSolver)
+    ]
     candidates = [
         (trial, target, observation)
         for trial in (*(one for one in trials if one.bearings), *alone)
@@ -76,8 +83,7 @@ def pointed_at(
         and _key_of_both(trial, target) not in known
     ]
     found = log_likelihoods([(trial.solver, one) for trial, _, one in candidates])
-    chance = [np.log(CHANCE_DENSITY * len(one.azimuths)) for _, _, one in candidates]
-    gain = np.array(found) - np.array(chance)
+    gain = found - np.log([CHANCE_DENSITY * len(one.azimuths) for _, _, one in candidates])
     begun: dict[Key, Trial] = {}
     elsewhere: set[Key] = set()
     count: dict[FollowedTarget, int] = {}
@@ -90,7 +96,7 @@ def pointed_at(
             elsewhere.add(key)
         elif gain[row] >= np.log(POINTED) and count.get(target, 0) < MOST_OF_A_TARGET:
             count[target] = count.get(target, 0) + 1
-            begun[key] = _extended(trial, target, observation.stamp)
+            begun[key] = _extended(trial, target, observation.stamp, deviation)
     return list(begun.values()), elsewhere
 
 
@@ -151,7 +157,7 @@ def _key_of_both(trial: Trial, added: FollowedTarget) -> Key:
     return frozenset((*trial.targets, added)), trial.agile
 
 
-def _extended(trial: Trial, added: FollowedTarget, stamp: int) -> Trial:
+def _extended(trial: Trial, added: FollowedTarget, stamp: int, deviation: float) -> Trial:
     """Return the trial with a further target."""
     alone = {target: solver.copy() for target, solver in trial.alone.items()}
     alone[added] = TargetSolver(trial.solver.configuration)
@@ -164,4 +170,6 @@ def _extended(trial: Trial, added: FollowedTarget, stamp: int) -> Trial:
         newest=added,
         base=trial if len(trial.targets) > 1 else None,
         begun=stamp,
+        deviation=deviation,
+        errors=dict(trial.errors),
     )

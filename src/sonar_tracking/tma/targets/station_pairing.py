@@ -92,9 +92,12 @@ class StationPairing:
     ----------
     odds : float
         To one, at which a pair is accepted or given up.
+    deviation : float
+        Of the lasting error of a station's azimuths, rad.
     """
 
-    def __init__(self, odds: float) -> None:
+    def __init__(self, odds: float, deviation: float = 0.0) -> None:
+        self._deviation = deviation
         self._threshold = float(np.log(odds))
         self._trials: list[Trial] = []
         self._failed: list[_Failed] = []
@@ -107,7 +110,9 @@ class StationPairing:
         possible = [one for one in others if _may_be_one(one, born)]
         for other in possible:
             if isinstance(other.solver, TargetSolver):
-                self._trials.append(Trial((other, born), other.solver.copy()))
+                self._trials.append(
+                    Trial((other, born), other.solver.copy(), deviation=self._deviation)
+                )
                 if len(possible) <= FEW:
                     self._try_agile(other, born, FIRST_PAUSE)
 
@@ -125,7 +130,14 @@ class StationPairing:
             self._agile = replace(given, acceleration=max(given.acceleration, AGILE))
         alone = {first: first.solver.copy(self._agile), second: TargetSolver(self._agile)}
         solver = first.solver.copy(self._agile)
-        trial = Trial((first, second), solver, pause=pause, alone=alone, agile=True)
+        trial = Trial(
+            (first, second),
+            solver,
+            pause=pause,
+            alone=alone,
+            agile=True,
+            deviation=self._deviation,
+        )
         self._trials.append(trial)
 
     def concerned(self, seen: Sequence[Sighting]) -> list[tuple[Trial, Sighting]]:
@@ -135,7 +147,9 @@ class StationPairing:
         """
         of_target = dict(seen)
         located = [one for one in self._joined if len(one.members) > 1]
-        begun, elsewhere = pointed_at(self._trials, located, seen, self._known(seen))
+        begun, elsewhere = pointed_at(
+            self._trials, located, seen, self._known(seen), self._deviation
+        )
         self._trials += begun
         for key in elsewhere:
             self._pause(key, seen[0][1].stamp)

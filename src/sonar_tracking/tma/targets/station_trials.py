@@ -4,13 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from sonar_tracking.records.time import UNKNOWN_STAMP
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
+from sonar_tracking.tma.targets.lasting_error import NO_ERROR, LastingError
+from sonar_tracking.tma.targets.misaligned_stations import ODDS_AGAINST
 from sonar_tracking.tma.targets.target_records import TargetObservation
 from sonar_tracking.tma.targets.target_solver import TargetSolver
 
 FIRST_PAUSE = 30.0
 """Of a trial that failed, until it is begun again, s."""
+
+ERRS_LASTINGLY = -float(np.log(ODDS_AGAINST))
+"""Log odds that a station does: most arrays are aligned."""
 
 LEAST_BEARINGS = 4
 """Of the newest target, before it is certain that it is the one a trial pointed to."""
@@ -45,6 +52,10 @@ class Trial:
         The trial of all but the newest that it goes on from.
     begun : int
         Stamp of its first bearing, ns.
+    deviation : float
+        Of the lasting error of a station's azimuths, rad.
+    errors : dict of str to LastingError
+        What is known of that of each station.
     """
 
     targets: tuple[FollowedTarget, ...]
@@ -57,6 +68,14 @@ class Trial:
     bearings: int = 0
     base: Trial | None = None
     begun: int = UNKNOWN_STAMP
+    deviation: float = 0.0
+    errors: dict[str, LastingError] = field(default_factory=dict)
+
+    def error_of(self, sensor_id: str) -> LastingError:
+        """Return what is known of the lasting error of a station."""
+        if self.deviation == 0.0:
+            return NO_ERROR
+        return self.errors.get(sensor_id, LastingError(0.0, self.deviation**2, ERRS_LASTINGLY))
 
     def count(self, target: FollowedTarget) -> None:
         """Count a bearing of one of them."""

@@ -64,7 +64,9 @@ class TargetList:
         self._dismissed: set[TrackKey] = set()
         self._targets: list[FollowedTarget] = []
         self._ended: list[TrackRow] = []
-        self._pairing = StationPairing(self.configuration.association_odds)
+        self._pairing = StationPairing(
+            self.configuration.association_odds, self.configuration.systematic_errors.deviation
+        )
         self._alignment = StationAlignment(
             self.configuration.alignment_deviation,
             self.configuration.systematic_errors.deviation,
