@@ -156,13 +156,13 @@ def _scored(
     pictures: Sequence[PositionTracks],
     depth: float,
 ) -> ShipTrack:
-    """Return the confirmed rows, referred to when the sound left, as the truth is."""
+    """Return the rows, confirmed or coasted, referred to when the sound left, as the truth is."""
     ships = {
         nanoseconds(float(time)): (array, ship)
         for array in arrays
         for time, ship in zip(array.times, array.ship, strict=True)
     }
-    times, positions, truths, nees = [], [], [], []
+    times, positions, truths, nees, coasted = [], [], [], [], []
     for picture in pictures:
         array, ship = ships[picture.stamp]
         for row in np.flatnonzero(picture.established):
@@ -174,6 +174,7 @@ def _scored(
             positions.append(position)
             truths.append(ship)
             nees.append(float(normalised_squared(error, covariance)))
+            coasted.append(bool(picture.status[row] == TrackStatus.COASTED))
     return ShipTrack(
         system,
         " and ".join(array.name for array in arrays),
@@ -182,6 +183,7 @@ def _scored(
         _pairs(truths),
         np.array(nees),
         instants=len(pictures),
+        coasted=np.array(coasted, bool),
     )
 
 

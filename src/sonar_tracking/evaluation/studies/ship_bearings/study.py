@@ -67,13 +67,16 @@ LAYOUTS = (
             Column("median_nees", "NEES", ".2f"),
             Column("in_ellipse_percent", "in 95 % ellipse", ".1f"),
             Column("confirmed_percent", "confirmed %", ".1f"),
+            Column("coasted_percent", "coasted %", ".1f"),
+            Column("coasted_in_ellipse_percent", "of them in ellipse", ".1f"),
             Column("antenna_m", "antenna m", ".1f"),
             Column("seconds", "seconds", ".0f"),
         ),
         "Horizontal distance from the ship's GPS at the instant of emission; raw bearings, "
         "outliers and silence left in unless said. NEES: median over that of a consistent "
         "estimator. in 95 % ellipse: share of positions whose ellipse holds the GPS. confirmed: "
-        "confirmed rows of the node over frames; only these count there. antenna: how far "
+        "confirmed rows of the node over frames; all before counts these alone. coasted: rows "
+        "of the node that say that the ship is not heard, over frames. antenna: how far "
         "the GPS is ahead of the noise, which only the GPS can tell; these rows have "
         "seen it, the others have not. All figures are computed from the data.",
     ),
@@ -167,24 +170,38 @@ def ship_bearings(path: Path) -> StudyDefinition:
 
 def _track_row(track: ShipTrack) -> StudyRow:
     first = 0 if track.instants else SETTLING
-    error = _known(np.hypot(*(track.position - track.ship)[first:].T))
-    nees = _known(track.nees[first:])
+    distance = np.hypot(*(track.position - track.ship).T)
+    coasted = np.zeros(len(distance), bool) if track.coasted is None else track.coasted
+    counts = ~coasted & (np.arange(len(distance)) >= first)
+    error, nees = _known(distance[counts]), track.nees[counts]
     if not len(error):
         return StudyRow(track.system, f"array {track.arrays}", {"median_m": np.nan, "seconds": 0.0})
+    instants = track.instants or np.nan
     metrics = {
         "median_m": float(np.median(error)),
         "rmse_m": float(np.sqrt(np.mean(error**2))),
         "percentile_90_m": float(np.percentile(error, 90)),
         "beyond_200_percent": 100.0 * float(np.mean(error > FAR_LIMIT_M)),
-        "median_nees": float(np.median(nees) / MEDIAN_OF_NEES) if len(nees) else np.nan,
-        "in_ellipse_percent": 100.0 * float(np.mean(2.0 * nees < ELLIPSE)) if len(nees) else np.nan,
-        "confirmed_percent": (
-            100.0 * len(track.times) / track.instants if track.instants else np.nan
-        ),
+        "median_nees": _median(nees) / MEDIAN_OF_NEES,
+        "in_ellipse_percent": _in_ellipse(nees),
+        "confirmed_percent": 100.0 * float(np.sum(~coasted)) / instants,
+        "coasted_percent": 100.0 * float(np.sum(coasted)) / instants,
+        "coasted_in_ellipse_percent": _in_ellipse(track.nees[coasted]),
         "antenna_m": track.antenna,
         "seconds": float(len(error)),
     }
     return StudyRow(track.system, f"array {track.arrays}", metrics)
+
+
+def _median(values: FloatArray) -> float:
+    known = _known(values)
+    return float(np.median(known)) if len(known) else np.nan
+
+
+def _in_ellipse(nees: FloatArray) -> float:
+    """Return the share of positions whose 95 % ellipse holds the truth, per cent."""
+    known = _known(nees)
+    return 100.0 * float(np.mean(2.0 * known < ELLIPSE)) if len(known) else np.nan
 
 
 def _pairing_row(result: PairingResult) -> StudyRow:

@@ -18,7 +18,7 @@ from sonar_tracking.evaluation.studies.ship_bearings.data import (
     JoinedBearings,
     join_bearings,
 )
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray
 from sonar_tracking.records.time import nanoseconds
 from sonar_tracking.tma.batch.direction_smoother import (
     DirectionSmootherConfiguration,
@@ -74,6 +74,8 @@ class ShipTrack:
         How far the antenna is ahead of the noise, fitted to the GPS, m; NaN = not fitted.
     instants : int
         At which there could have been a confirmed row; 0 = rows are not confirmed.
+    coasted : ndarray of bool, shape (n,), or None
+        Which positions are predicted since the ship is not heard; None = none.
     """
 
     system: str
@@ -84,6 +86,7 @@ class ShipTrack:
     nees: FloatArray
     antenna: float = np.nan
     instants: int = 0
+    coasted: BoolArray | None = None
 
 
 def locate_ship(arrays: tuple[ArrayBearings, ...]) -> tuple[ShipTrack, ...]:
