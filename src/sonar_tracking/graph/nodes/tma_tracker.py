@@ -41,6 +41,9 @@ from sonar_tracking.tma.targets.station_view import may_be_unset, needs_own_ship
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
 from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
 
+UNSEEN_TURNS = "unseen turns"
+"""Concern: how long a turn of the target of each confirmed track would not show."""
+
 SensorRecord = TypeVar("SensorRecord", BearingTracks, FrequencyLines)
 
 
@@ -80,6 +83,7 @@ class TmaTracker(SonarNode):
             series={ODOMETRY: (own_ship, interpolate_own_ship)},
             needs_series=self._needs_own_ship,
         )
+        self.diagnostics.add(UNSEEN_TURNS, self._unseen_turns)
 
     def process(self, item: JoinedItem, records: Mapping[str, Any]) -> Iterable[Notice]:
         """Feed everything of one stamp and publish the tracks."""
@@ -149,6 +153,10 @@ class TmaTracker(SonarNode):
         self._stage = state
         self._stage.configuration = self._configuration
         self._stage.continue_from(self._configuration.first_id)
+
+    def _unseen_turns(self) -> dict[str, object]:
+        turns = self._stage.unseen_turns()
+        return {f"track {row}": f"{time:.0f} s" for row, time in turns.items()}
 
     def _reconfigure(self, configuration: TmaTrackerConfiguration) -> None:
         self._configuration = self._stage.configuration = configuration

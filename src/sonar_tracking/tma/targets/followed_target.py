@@ -27,6 +27,7 @@ from sonar_tracking.tma.targets.systematic_errors import (
 from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
 from sonar_tracking.tma.targets.target_solver import TargetSolver
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
+from sonar_tracking.tma.targets.unseen_turns import Watches
 
 DOUBTFUL = 2.0
 """A deviation this many times that which confirms a solution ends its confirmation."""
@@ -82,6 +83,8 @@ class FollowedTarget:
         Its bearing tracks went on to something else.
     hearing : Hearing
         How good the bearings of its stations are beside usual ones.
+    watches : Watches
+        What its stations go on to measure.
     """
 
     solver: TargetSolver | BaselineSolver
@@ -100,6 +103,7 @@ class FollowedTarget:
     misfits: dict[str, int] = field(default_factory=dict)
     forsaken: bool = False
     hearing: Hearing = field(default_factory=Hearing)
+    watches: Watches = field(default_factory=Watches)
 
     @property
     def best(self) -> TargetSolution:
@@ -121,6 +125,7 @@ class FollowedTarget:
         """
         if not solutions:
             return self.solutions
+        self.watches.take(observation)
         heard = not observation.azimuths or self.hearing.take(observation)
         if observation.line_ids or (heard and not self.solver.refused):
             self.updated = observation.stamp

@@ -246,6 +246,15 @@ class TargetList:
             target.adopt(state, self._stamp, self.configuration)
         return found
 
+    def unseen_turns(self) -> dict[int, float]:
+        """Return by confirmed row how long a turn of its target would not be seen, s.
+
+        So long a row may be wrong by more than its covariance tells.
+        """
+        sure = [one for one in self._targets if one.confirmed and len(one.solutions) == 1]
+        times = [(one.row_of.get(one.best.side), one.watches.unseen(one.best)) for one in sure]
+        return {row: time for row, time in times if row is not None}
+
     def picture(self) -> PositionTracks:
         """Return the complete picture at the stamp of the last frame; an ended row appears once."""
         rows = []
