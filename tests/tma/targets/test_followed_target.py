@@ -228,7 +228,7 @@ def test_a_target_is_misled_by_five_azimuths_that_it_refuses(count: int, misled:
     assert made.misled == misled
     short, long = CONFIGURATION, replace(CONFIGURATION, coast_duration=300.0)
     assert made.patience(short) == 0.0
-    made.forsake()
+    made.forsake(20 * SECOND)
     assert not made.misled and not made.members
     assert (made.patience(short), made.patience(long)) == (60.0, 300.0)
 

@@ -79,8 +79,8 @@ class FollowedTarget:
         Stamp before which it is not confirmed, since something that was contradicts it, ns.
     misfits : dict of str to int
         Azimuths in a row of each station that no hypothesis explains.
-    forsaken : bool
-        Its bearing tracks went on to something else.
+    forsaken : int
+        Stamp at which its bearing tracks went on to something else, ns; 0 = they did not.
     hearing : Hearing
         How good the bearings of its stations are beside usual ones.
     watches : Watches
@@ -101,7 +101,7 @@ class FollowedTarget:
     residuals: LastingResiduals = field(default_factory=LastingResiduals)
     doubted: int = 0
     misfits: dict[str, int] = field(default_factory=dict)
-    forsaken: bool = False
+    forsaken: int = 0
     hearing: Hearing = field(default_factory=Hearing)
     watches: Watches = field(default_factory=Watches)
 
@@ -221,9 +221,9 @@ class FollowedTarget:
         """Whether its bearings are all of something else by now."""
         return self.solver.refused >= REFUSED_AZIMUTHS
 
-    def forsake(self) -> None:
+    def forsake(self, stamp: int) -> None:
         """Go on without bearing tracks: predicted, for as long as the source may be silent."""
-        self.members, self.misfits, self.forsaken = {}, {}, True
+        self.members, self.misfits, self.forsaken = {}, {}, stamp
         if isinstance(self.solver, TargetSolver):
             self.solver.forgive()
 

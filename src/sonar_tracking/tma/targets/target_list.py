@@ -174,7 +174,8 @@ class TargetList:
 
     def _end_coasted(self) -> None:
         for target in [one for one in self._targets if not one.members]:
-            if self._stamp - target.updated > nanoseconds(target.patience(self.configuration)):
+            alone = self._stamp - max(target.updated, target.forsaken)
+            if alone > nanoseconds(target.patience(self.configuration)):
                 self._end(target)
 
     def _join_stations(self) -> None:
@@ -214,7 +215,7 @@ class TargetList:
         What these were taken for instead ends when they jump again: they may have come back.
         """
         self._doubted = {key: end for key, end in self._doubted.items() if end > self._stamp}
-        waiting = any(one.forsaken for one in self._targets)
+        waiting = any(one.forsaken > 0 for one in self._targets)
         for target in [one for one in self._targets if one.misled]:
             if not target.confirmed and not waiting:
                 continue
@@ -224,7 +225,7 @@ class TargetList:
                     self._doubted[key] = self._stamp + nanoseconds(SILENCE)
             if target.confirmed:
                 notices.append(misled(target))
-                target.forsake()
+                target.forsake(self._stamp)
             else:
                 self._end(target)
 

@@ -68,7 +68,7 @@ def track_row(
 ) -> TrackRow:
     """Return the row of a solution at the stamp of the list."""
     state, covariance = _predict(solution, stamp, acceleration)
-    if status == TrackStatus.COASTED and target.members:
+    if status == TrackStatus.COASTED and (target.members or target.forsaken):
         covariance = covariance + _stopped(state, (stamp - target.updated) / NANOSECONDS)
     z, deviation = _height(target, solution, stamp)
     return TrackRow(
