@@ -243,6 +243,8 @@ def _measurement_of_rows(
     rows: RunRows,
 ) -> TmaMeasurement:
     """Return what was measured of the run of each hypothesis."""
+    if len(measurements) == 1 and _is_of_one_run(measurements[0]):
+        return measurements[0]
     batches = [bank.log_weight.shape[:-1] for bank in banks]
 
     def column(values: Sequence[FloatArray], *shape: int) -> FloatArray:
@@ -275,6 +277,16 @@ def _measurement_of_rows(
         sound_speed=first.sound_speed,
         propagation_speed=first.propagation_speed,
     )
+
+
+def _is_of_one_run(measurement: TmaMeasurement) -> bool:
+    """Return whether no column has a dimension for runs."""
+    single = measurement.azimuth_variance, measurement.elevation, measurement.elevation_variance
+    several = (
+        *(measurement.position, measurement.velocity, measurement.azimuth),
+        *(measurement.frequency, measurement.frequency_deviation),
+    )
+    return all(not one.ndim for one in single) and all(one.ndim == 1 for one in several)
 
 
 def _joined(parts: Sequence[AnyArray], counts: Sequence[int], shape: tuple[int, ...]) -> AnyArray:

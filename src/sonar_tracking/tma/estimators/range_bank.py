@@ -219,8 +219,9 @@ def _advance(
     within, penalty = gate_rows(rows, variance, configuration.gate)
     bank = condition_bank(predicted, within, penalty, slice(WEAVING, None, MODES), in_place=True)
     total = rows_of_run.log_sums(bank.log_weight)
-    bank = replace(bank, log_weight=bank.log_weight - total[rows_of_run.owner])
-    weight = np.exp(bank.log_weight)
+    log_weight = bank.log_weight - total[rows_of_run.owner]
+    bank = HypothesisBank(bank.mean, bank.covariance, log_weight, bank.known)
+    weight = np.exp(log_weight)
     accepted = rows_of_run.any(within.present[:, 0, DIRECTIONS])
     if configuration.learn_errors:
         usable = accepted[:, 0] | (batch.refused == 0), ~changes.reborn
@@ -246,10 +247,12 @@ def _count_refused(
     refused = batch.rows.all(rows.present[:, 0, DIRECTIONS]) & ~accepted
     count = np.where(accepted[:, 0], 0, batch.refused + refused[:, 0])
     count = np.where(begun, REFUSED_AZIMUTHS - REFUSED_AT_START, count)
-    worth = np.clip(batch.interval / ELEVATION_INTERVAL, 1.0, MOST_A_TIME)
     # Where the azimuth is of something else so is the elevation: it contradicts nothing.
     contradicting = refused[:, ROW_ELEVATION] & ~refused[:, 0]
-    contradicted = batch.contradicted + worth * contradicting
+    contradicted = batch.contradicted
+    if contradicting.any():
+        worth = np.clip(batch.interval / ELEVATION_INTERVAL, 1.0, MOST_A_TIME)
+        contradicted = contradicted + worth * contradicting
     return count, np.where(accepted[:, ROW_ELEVATION], 0.0, contradicted)
 
 
