@@ -14,6 +14,10 @@ LOST = nanoseconds(60.0)
 """What a station has not measured for so long it does not go on to measure, ns."""
 
 
+KEPT = nanoseconds(10.0)
+"""How long what was found stands, ns: it changes as slowly as the geometry."""
+
+
 @dataclass(frozen=True)
 class _Last:
     """The last observation of a kind, and the time since the one before, s."""
@@ -28,6 +32,7 @@ class Watches:
 
     azimuths: dict[str, _Last] = field(default_factory=dict)
     lines: dict[str, _Last] = field(default_factory=dict)
+    found: tuple[int, float] | None = None
 
     def take(self, observation: TargetObservation) -> None:
         """Take an observation for what the next ones will be like."""
@@ -38,6 +43,11 @@ class Watches:
 
     def unseen(self, solution: TargetSolution) -> float:
         """Return how long a turn stays unseen, s; inf = nobody looks."""
+        if self.found is None or not 0 <= solution.stamp - self.found[0] < KEPT:
+            self.found = solution.stamp, self._unseen(solution)
+        return self.found[1]
+
+    def _unseen(self, solution: TargetSolution) -> float:
         since = solution.stamp - LOST
         watches = [
             _watch(last, self.lines.get(sensor), since)
