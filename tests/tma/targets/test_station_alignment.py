@@ -11,9 +11,12 @@ from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.simulation.scenarios.bearing_sensor_configuration import (
     BearingSensorConfiguration,
 )
+from sonar_tracking.simulation.scenarios.kinematic_motion import KinematicMotion
+from sonar_tracking.simulation.scenarios.platforms import TurnConfiguration
+from sonar_tracking.simulation.scenarios.target import LineConfiguration, TargetConfiguration
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
 from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
-from tests.tma.passive_scene import DIRECTIONS, FAR, NEAR, running, scene, simulated
+from tests.tma.passive_scene import DIRECTIONS, FAR, NEAR, TURNING, running, scene, simulated
 
 ABOARD = replace(DIRECTIONS, frame_interval=4.0)
 BUOY = BearingSensorConfiguration(
@@ -118,3 +121,40 @@ def test_nothing_is_told_of_misalignments_that_are_not_estimated() -> None:
     stage = TmaTrackerStage(TOLD, n_stations=2)
     for frame, _ in simulated(scene(ABOARD, BUOY, targets=(NEAR,), duration=20.0)):
         assert stage.update(frame).alignments is None
+
+
+def ship(
+    position: tuple[float, float], course_deg: float, speed: float, *turns: tuple[float, ...]
+) -> TargetConfiguration:
+    """Return a ship that turns at times, s, to courses, deg, by so many degrees a second."""
+    motion = KinematicMotion(
+        position=position,
+        course_deg=course_deg,
+        speed=speed,
+        turns=tuple(TurnConfiguration(*one) for one in turns),
+    )
+    lines = (LineConfiguration(150.0), LineConfiguration(260.0))
+    return TargetConfiguration(name="ship", lines=lines, motion=motion)
+
+
+TURNING_SHIPS = (
+    ship((-2458.0, 1552.0), 90.0, 3.9, (527.0, 184.0, 0.8)),
+    ship((1320.0, 1868.0), 183.0, 4.0, (163.0, 273.0, 1.1), (401.0, 321.0, 0.7)),
+    ship((1748.0, 3034.0), 123.0, 4.4, (252.0, 220.0, 0.4), (402.0, 237.0, 0.8)),
+)
+"""One near the line between own ship and the buoy, one that passes close to own ship."""
+
+
+@pytest.mark.slow
+def test_ships_that_turn_near_two_aligned_stations_turn_none() -> None:
+    buoy = replace(BUOY, position=(4000.0, -500.0), frequency_standard_deviation=0.1)
+    stations = (replace(ABOARD, frequency_standard_deviation=0.1), buoy)
+    stage = TmaTrackerStage(SOUGHT, n_stations=2)
+    slow = replace(TURNING, speed=3.0)
+    sea = scene(*stations, own_ship=slow, targets=TURNING_SHIPS, duration=560.0, seed=4)
+    for frame, _ in simulated(sea):
+        update = stage.update(frame)
+        assert not any(MISALIGNED in notice.text for notice in update.notices)
+    known = update.alignments
+    assert known is not None
+    assert np.all(np.abs(known.misalignment) < known.misalignment_standard_deviation)

@@ -312,3 +312,18 @@ def new_solver(configuration: TmaTrackerConfiguration) -> TargetSolver | Baselin
     if configuration.entry.weighs_hypotheses:
         return TargetSolver(configuration)
     return BaselineSolver(configuration)
+
+
+def solver_state(target: FollowedTarget) -> KalmanState | None:
+    """Return x, y, vx, vy of a target by its solver alone; None = it is not one place yet.
+
+    Parameters
+    ----------
+    target : FollowedTarget
+        Whose alignment may have been adopted since.
+    """
+    solver = target.solver
+    if not isinstance(solver, TargetSolver) or solver.state is None or len(target.solutions) != 1:
+        return None
+    mean, covariance = mixture_moments(solver.state.bank)
+    return KalmanState(mean[:KINEMATIC], covariance[:KINEMATIC, :KINEMATIC])

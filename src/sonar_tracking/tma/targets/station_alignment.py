@@ -5,9 +5,11 @@ misalignments of all stations, which takes the azimuths as they are told; what a
 the misalignments adds up (:mod:`sonar_tracking.alignment.shared_alignment`). It begins with what
 each station has heard before they were found to hear the same target, about the solution, but with
 a covariance so wide that this counts for nothing. One target alone tells nothing: where it moves
-otherwise than it is taken to, as animals do, its bearings look as if a station was turned. A
-crossing that is off by the misalignment is a bad place to linearise about: once it is known what is
-kept of the targets is filtered anew.
+otherwise than it is taken to, as animals do, its bearings look as if a station was turned. So what
+two stations find out has to be told by every target without the others; bearings of three must meet
+wherever it goes. Near the line between two stations, and close to one, a filter may go astray; it
+begins anew where the solver is somewhere else. A crossing that is off by the misalignment is a bad
+place to linearise about: once it is known what is kept of the targets is filtered anew.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import reduce
 from typing import NamedTuple
 
 import numpy as np
@@ -31,17 +34,23 @@ from sonar_tracking.alignment.aligned_targets import (
 )
 from sonar_tracking.alignment.bearing_errors import BearingErrors
 from sonar_tracking.alignment.shared_alignment import (
+    AlignmentInformation,
     information_of,
     no_information,
     told_alignment,
 )
 from sonar_tracking.alignment.target_updates import Bearings, innovations, updated_if_expected
+from sonar_tracking.filtering.consistency import normalised_squared
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.time import NANOSECONDS, UNKNOWN_STAMP
-from sonar_tracking.tma.targets.followed_target import FollowedTarget
-from sonar_tracking.tma.targets.misaligned_stations import Misalignments, misalignments
+from sonar_tracking.tma.targets.followed_target import FollowedTarget, solver_state
+from sonar_tracking.tma.targets.misaligned_stations import (
+    Misalignments,
+    UsedAlignment,
+    misalignments,
+)
 from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
 
 REMEMBERED = 400
@@ -55,6 +64,12 @@ VAGUE = 0.2
 
 WITNESSES = 2
 """Targets that must have been followed at once for what they tell to count."""
+
+STATIONS_THAT_MEET = 3
+"""So many bearings of one target meet in a point, or show that a station is turned."""
+
+LOST = 12.5
+"""Squared distance per dimension beyond which a filter and a solver are not at one place."""
 
 GATE = 4.0
 """Standard deviations beyond which an azimuth is of something else."""
@@ -110,8 +125,18 @@ class StationAlignment:
         self._stamp = UNKNOWN_STAMP
         self._logs: dict[FollowedTarget, deque[_Heard]] = {}
 
-    def take(self, seen: Sequence[tuple[FollowedTarget, TargetObservation]]) -> None:
-        """Take in what one station observed of targets at one instant, as told."""
+    def take(
+        self, seen: Sequence[tuple[FollowedTarget, TargetObservation]], used: UsedAlignment
+    ) -> None:
+        """Take in what one station observed of targets at one instant, as told.
+
+        Parameters
+        ----------
+        seen : sequence of FollowedTarget and TargetObservation
+            The targets, whose solvers have taken in the same.
+        used : UsedAlignment
+            How their solvers take stations to be turned.
+        """
         heard = [one for one in seen if one[1].azimuths]
         if not heard or not self._prior:
             return
@@ -128,6 +153,37 @@ class StationAlignment:
             rows = np.array([row for row, _ in followed])
             updated = self._updated(self._aligned.rows(rows), [own for _, own in followed])
             self._aligned = replaced(self._aligned, rows, updated)
+            self._begin_lost_anew(rows.tolist(), used)
+
+    def _begin_lost_anew(self, rows: Sequence[int], used: UsedAlignment) -> None:
+        """Begin filters anew that are not where the solvers are, with stations turned alike.
+
+        Near the line between two stations, and close to one, a filter that is linearised about a
+        misalignment may go astray, and what it tells of the misalignment with it.
+        """
+        turned = used.turned(list(self.stations))
+        mean, covariance = self._aligned.rows(np.array(rows, np.intp)).collapsed()
+        known = np.zeros((len(turned), len(turned)))
+        mean, covariance = told_alignment(mean, covariance, turned, known)
+        for row, own, spread in zip(rows, mean[:, :2], covariance[:, :2, :2], strict=True):
+            target = self._targets[row]
+            solved = solver_state(target)
+            if solved is None or len(target.members) >= STATIONS_THAT_MEET:
+                continue
+            apart = own - solved.mean[:2]
+            if normalised_squared(apart, spread + solved.covariance[:2, :2]) > LOST:
+                log = self._logs[target]
+                vague = self._vague(solved.mean, log)
+                self._aligned = replaced(self._aligned, np.array([row]), vague)
+                log.clear()
+
+    def _vague(self, state: FloatArray, log: Sequence[_Heard]) -> AlignedTargets:
+        """Return a target about x, y, vx, vy, of which so little is known that it counts not."""
+        places = np.array([one.place for one in log])
+        distance = float(np.max(np.hypot(*(state[:2] - places).T)))
+        spread = np.diag(np.repeat([(VAGUE * distance) ** 2, self._speed**2 / 3.0], 2))
+        prior = np.full(len(self.stations), self._prior)
+        return begun(state[None], spread[None], STRENGTHS, prior)
 
     def begin(
         self, first: FollowedTarget, second: FollowedTarget, solution: TargetSolution
@@ -152,11 +208,7 @@ class StationAlignment:
         start = log[0].stamp
         state = state.copy()
         state[:2] -= (stamp - start) / NANOSECONDS * state[2:]
-        places = np.array([one.place for one in log])
-        distance = float(np.max(np.hypot(*(state[:2] - places).T)))
-        spread = np.diag(np.repeat([(VAGUE * distance) ** 2, self._speed**2 / 3.0], 2))
-        prior = np.full(len(self.stations), self._prior)
-        filtered = begun(state[None], spread[None], STRENGTHS, prior)
+        filtered = self._vague(state, log)
         for one in log:
             now = one.stamp
             filtered = predicted(filtered, (now - start) / NANOSECONDS, STRENGTHS)
@@ -193,18 +245,41 @@ class StationAlignment:
         # What targets have told that are no more was found about wrong places, and is not kept.
         self._ended = no_information(len(self.stations))
         for row, (target, state) in enumerate(states.items()):
-            anew = self._filtered(target, state.mean, self._stamp)
-            self._aligned = replaced(self._aligned, np.array([row]), anew)
+            if self._logs[target]:
+                anew = self._filtered(target, state.mean, self._stamp)
+                self._aligned = replaced(self._aligned, np.array([row]), anew)
 
     def _found(self) -> Misalignments:
+        """Return what all targets tell, or all but the one without which most speaks for aligned.
+
+        Two stations show by the motion of a target alone that one is turned, and what a single
+        target tells may be of itself: it does not move as it is taken to. Bearings of three must
+        meet wherever it goes.
+        """
+        nothing = no_information(len(self.stations))
         if self._most_at_once < WITNESSES:
-            return misalignments(no_information(len(self.stations)), self._prior, self._lasting)
-        told = self._ended
-        if self._targets:
-            mean, covariance = self._aligned.collapsed()
-            prior = np.full(len(self.stations), self._prior)
-            told = told.plus(information_of(mean, covariance, prior))
-        return misalignments(told, self._prior, self._lasting)
+            return misalignments(nothing, self._prior, self._lasting)
+        mean, covariance = self._aligned.collapsed()
+        prior = np.full(len(self.stations), self._prior)
+        each = [
+            information_of(mean[row, None], covariance[row, None], prior)
+            for row in range(len(self._targets))
+        ]
+        told = [self._ended, *each]
+        doubtful = [
+            one
+            for target, one in zip(self._targets, each, strict=True)
+            if len(target.members) < STATIONS_THAT_MEET
+        ]
+        without = [[one for one in told if one is not left] for left in doubtful]
+        choices = [
+            misalignments(
+                reduce(AlignmentInformation.plus, some, nothing), self._prior, self._lasting
+            )
+            for some in (told, *without)
+        ]
+        most_aligned = max(choices, key=lambda one: one.aligned)
+        return choices[0] if most_aligned.aligned < 0.5 else most_aligned
 
     def states(self, found: Misalignments, stamp: int) -> dict[FollowedTarget, KalmanState]:
         """Return x, y, vx, vy of the targets at a stamp, ns, as misalignments found make them."""

@@ -269,4 +269,5 @@ class TmaTrackerStage(TargetList):
                 self._pairing.end(target)
                 target.solver = new_solver(self.configuration)
         usable = zip(told, outcomes, strict=True)
-        self._alignment.take([one for one, found in usable if not isinstance(found, Exception)])
+        known = [one for one, found in usable if not isinstance(found, Exception)]
+        self._alignment.take(known, self._used)
