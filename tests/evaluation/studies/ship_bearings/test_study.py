@@ -198,7 +198,7 @@ def test_ellipses_of_the_node_hold_the_real_ship(
     (row,) = ship_rows([(live_track(system, chosen, system != CROSS),)])
     assert least <= row.metrics["in_ellipse_percent"] <= 99.0
     assert row.metrics["confirmed_percent"] + row.metrics["coasted_percent"] > 80.0
-    assert row.metrics["coasted_percent"] < 11.0
+    assert row.metrics["coasted_percent"] < 13.0, "the silence, and a minute after it"
 
 
 @pytest.mark.data
