@@ -38,7 +38,7 @@ def mixed(
 ) -> set[int]:
     """Return the numbers of the bearing tracks that may be of two targets."""
     unresolved = UnresolvedBearings("array", BEAM)
-    unresolved.take(found, targets, np.radians(azimuths_deg), NANOSECONDS)
+    unresolved.take(found, targets, lambda: np.radians(azimuths_deg), NANOSECONDS)
     return {number for _, number in unresolved.keys}
 
 
@@ -60,12 +60,13 @@ def test_a_line_array_resolves_less_near_its_axis_and_takes_both_sides_for_one()
 
 def test_a_target_that_was_not_heard_where_nothing_else_was_near_disturbs_no_bearing() -> None:
     unresolved, (one, silent) = UnresolvedBearings("array", BEAM), (target(1, 11), target(2))
+    far, near = np.radians([0.0, 90.0]), np.radians([0.0, 5.0])
     for time in range(int(SILENT_AFTER) + 2):
-        far = np.radians([0.0, 90.0])
-        unresolved.take([bearing(11, 0.0)], [one, silent], far, (1 + time) * NANOSECONDS)
-    unresolved.take([bearing(11, 0.0)], [one, silent], np.radians([0.0, 5.0]), 99 * NANOSECONDS)
+        heard = [bearing(11, 0.0)]
+        unresolved.take(heard, [one, silent], lambda: far, (1 + time) * NANOSECONDS)
+    unresolved.take(heard, [one, silent], lambda: near, 99 * NANOSECONDS)
     assert not unresolved.keys
-    unresolved.take([bearing(11, 0.0)], [one, target(3)], np.zeros(2), 100 * NANOSECONDS)
+    unresolved.take(heard, [one, target(3)], lambda: np.zeros(2), 100 * NANOSECONDS)
     assert unresolved.keys == {("array", 11)}
 
 

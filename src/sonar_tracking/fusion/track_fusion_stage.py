@@ -282,14 +282,13 @@ class TrackFusionStage(FusedTargets):
     ) -> tuple[list[HeardBearing], tuple[Notice, ...]]:
         """Return the bearings of a station that are of one target each, and what to tell of it."""
         targets = self._filters.targets
-        if len(targets) < 2:
-            return found, ()
         if sensor not in self._unresolved:
             resolution = self.configuration.bearing_resolution
             self._unresolved[sensor] = UnresolvedBearings(sensor, resolution)
         unresolved = self._unresolved[sensor]
-        expected, _ = self._filters.expected(found[0])
-        notices = unresolved.take(found, targets, expected, self._stamp)
+        notices = unresolved.take(
+            found, targets, lambda: self._filters.expected(found[0])[0], self._stamp
+        )
         for target in targets:
             if not unresolved.keys.isdisjoint(target.heard):
                 target.updated = self._stamp / NANOSECONDS

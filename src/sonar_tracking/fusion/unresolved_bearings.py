@@ -12,7 +12,7 @@ one.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -53,7 +53,7 @@ class UnresolvedBearings:
         self,
         found: Sequence[HeardBearing],
         targets: Sequence[FusedTarget],
-        expected: FloatArray,
+        expect: Callable[[], FloatArray],
         stamp: int,
     ) -> tuple[Notice, ...]:
         """Find the bearing tracks, :attr:`keys`, that may be of more than one target now.
@@ -64,8 +64,9 @@ class UnresolvedBearings:
             What the array measured.
         targets : sequence of FusedTarget
             All of known position.
-        expected : ndarray, shape (n_targets,)
-            Their azimuths, as the array would tell them, rad.
+        expect : callable
+            Returns their azimuths, shape (n_targets,), as the array would tell them, rad; it is
+            asked only where some target is not reported.
         stamp : int
             Of the bearings, ns.
 
@@ -82,6 +83,18 @@ class UnresolvedBearings:
             for row in missing
             if _is_certain(targets[row])
         }
+        self.keys = frozenset()
+        if self._alone:
+            self.keys = self._mixed(found, targets, expect(), interval)
+        return self._notices(len(self.keys) < len(found))
+
+    def _mixed(
+        self,
+        found: Sequence[HeardBearing],
+        targets: Sequence[FusedTarget],
+        expected: FloatArray,
+        interval: float,
+    ) -> frozenset[BearingKey]:
         azimuths, axis = np.array([one.azimuths[0] for one in found]), _axis(found)
         near = _near(azimuths, expected, axis, self._resolution)
         beside = _near(expected, expected, axis, self._resolution)
@@ -93,8 +106,7 @@ class UnresolvedBearings:
         free = [row for row, one in enumerate(found) if one.key not in owned]
         explained = _near(azimuths, azimuths[free], axis, self._resolution).sum(axis=1)
         mixed = np.flatnonzero(near[:, may_be_heard].sum(axis=1) > explained)
-        self.keys = frozenset(found[row].key for row in mixed.tolist())
-        return self._notices(bool(len(self.keys) < len(found)))
+        return frozenset(found[row].key for row in mixed.tolist())
 
     def _notices(self, learning: bool) -> tuple[Notice, ...]:
         if learning or not self._learnt:
