@@ -51,7 +51,7 @@ LOADED = (
     "sonar_tracking.passive.subspaces.subspace_stage",
     "sonar_tracking.simulation.sensors.array_simulation",
     "sonar_tracking.simulation.world.world_simulation",
-    "sonar_tracking.tma.targets.tma_tracker_stage",
+    "sonar_tracking.tma.tracker.tma_tracker_stage",
     "scipy.special",
 )
 """What commands and nodes load; nothing of it starts a thread, which would forbid copies."""

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 TOGETHER = {
     "tests/display/": "pictures",  # what draws takes long to import
     "tests/evaluation/offline/test_smoothed_bag.py": "smoothing",
-    "tests/tma/targets/test_track_smoothing.py": "smoothing",
+    "tests/tma/tracker/test_track_smoothing.py": "smoothing",
     "tests/test_docstrings.py": "source",
     "tests/test_layers.py": "source",
     "tests/test_sizes.py": "source",

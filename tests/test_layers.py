@@ -49,6 +49,8 @@ ROOMS = (
     "tma.batch",
     "tma.performance",
     "tma.targets",
+    "tma.stations",
+    "tma.tracker",
     "tma",
     "active.contacts",
     "active.detection",

@@ -20,7 +20,7 @@ from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.scenarios.target import LineConfiguration, TargetConfiguration
 from sonar_tracking.simulation.sensors.bearing_simulation import BearingSimulation, SimulatedFrame
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame, TmaUpdate
-from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
 
 SECOND = 10**9
 LINES = (LineConfiguration(210.0), LineConfiguration(300.0), LineConfiguration(350.0))

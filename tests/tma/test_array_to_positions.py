@@ -11,7 +11,7 @@ from sonar_tracking.simulation.scenarios.platforms import OwnShipConfiguration, 
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.scenarios.target import TargetConfiguration
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame
-from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
 from tests.tma.passive_scene import listed, running
 
 SCENARIO = Scenario(

@@ -19,7 +19,7 @@ from sonar_tracking.simulation.scenarios.target import LineConfiguration
 from sonar_tracking.simulation.sensors.bearing_simulation import SimulatedFrame
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame, TmaUpdate
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
 from tests.tma.passive_scene import (
     ARRAY,
     DIRECTIONS,

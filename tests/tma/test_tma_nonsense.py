@@ -10,7 +10,7 @@ import pytest
 
 from sonar_tracking.records.bearings import AngleKind, TrackStatus
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame
-from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
 from tests.tma.passive_scene import ARRAY, DIRECTIONS, FAR, NEAR, listed, scene, simulated
 
 NONSENSE = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e300, 1e-300, -1e9, 7.0)

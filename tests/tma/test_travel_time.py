@@ -10,7 +10,7 @@ from sonar_tracking.simulation.scenarios.kinematic_motion import KinematicMotion
 from sonar_tracking.tma.estimators.measurement_model import linearise, offset_seen
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
 from tests.tma.passive_scene import DIRECTIONS, NEAR, error_of, fed, listed, scene, simulated
 
 STATE = np.array([4000.0, 3000.0, -8.0, 6.0, 300.0])

@@ -11,7 +11,7 @@ from sonar_tracking.fusion.fused_target import FusedTarget
 from sonar_tracking.fusion.target_filters import TargetFilters
 from sonar_tracking.fusion.track_fusion_configuration import TrackFusionConfiguration
 from sonar_tracking.records.arrays import FloatArray
-from sonar_tracking.tma.targets.station_association import FREE, associate
+from sonar_tracking.tma.stations.station_association import FREE, associate
 
 ANY_SPEED = 10.0
 """Deviation of each component of the velocity of a target of which nothing is known, m/s."""

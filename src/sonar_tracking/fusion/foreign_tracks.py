@@ -27,7 +27,7 @@ from sonar_tracking.records.arrays import BoolArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks, TrackSource
 from sonar_tracking.records.time import seconds
-from sonar_tracking.tma.targets.station_association import FREE, associate
+from sonar_tracking.tma.stations.station_association import FREE, associate
 
 SHARPEST = 0.01
 """No ship knows where a target is to less than this standard deviation, m."""

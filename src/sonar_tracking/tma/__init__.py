@@ -84,8 +84,8 @@ if TYPE_CHECKING:
     from sonar_tracking.tma.targets.target_solver import TargetSolver
     from sonar_tracking.tma.targets.tma_method_registry import TMA_METHODS, TmaMethodEntry
     from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-    from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
-    from sonar_tracking.tma.targets.track_smoothing import SmoothedTracks, smooth_tracks
+    from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
+    from sonar_tracking.tma.tracker.track_smoothing import SmoothedTracks, smooth_tracks
 else:
     __getattr__, __dir__ = lazy_exports(
         __name__,
@@ -121,7 +121,7 @@ else:
             "targets.target_solver": ["TargetSolver"],
             "targets.tma_method_registry": ["TMA_METHODS", "TmaMethodEntry"],
             "targets.tma_tracker_configuration": ["TmaTrackerConfiguration"],
-            "targets.tma_tracker_stage": ["TmaTrackerStage"],
-            "targets.track_smoothing": ["SmoothedTracks", "smooth_tracks"],
+            "tracker.tma_tracker_stage": ["TmaTrackerStage"],
+            "tracker.track_smoothing": ["SmoothedTracks", "smooth_tracks"],
         },
     )

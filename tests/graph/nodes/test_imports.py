@@ -34,7 +34,7 @@ STAGES = {
     "subspace_estimator": "sonar_tracking.passive.subspaces.subspace_stage",
     "bearing_tracker": "sonar_tracking.passive.bearings.bearing_tracker_stage",
     "line_tracker": "sonar_tracking.passive.lines.line_tracker_stage",
-    "tma_tracker": "sonar_tracking.tma.targets.tma_tracker_stage",
+    "tma_tracker": "sonar_tracking.tma.tracker.tma_tracker_stage",
     "hpda_tracker": "sonar_tracking.active.contact_tracker",
     "track_fusion": "sonar_tracking.fusion.track_fusion_stage",
     "own_ship_nmea": "sonar_tracking.bags.nmea.live_own_ship",

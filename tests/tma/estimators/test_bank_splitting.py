@@ -19,7 +19,7 @@ from sonar_tracking.tma.estimators.hypothesis_bank import (
 from sonar_tracking.tma.estimators.motion_modes import MODES, WEAVING, with_modes
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
-from sonar_tracking.tma.targets.station_association import weigh_azimuths
+from sonar_tracking.tma.stations.station_association import weigh_azimuths
 
 ELSEWHERE = np.array([6000.0, 0.0])
 

@@ -16,7 +16,7 @@ from sonar_tracking.simulation.scenarios.bearing_sensor_configuration import (
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame
 from sonar_tracking.tma.targets.station_view import station_view
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
 from tests.tma.passive_scene import NEAR, frames_of, listed, running, scene
 
 PLACES = {"west": (0.0, 0.0), "east": (1500.0, 0.0)}

@@ -14,7 +14,7 @@ from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.simulation.sensors.bearing_simulation import SimulatedFrame
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame, TmaUpdate
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
 from tests.tma.passive_scene import (
     DIRECTIONS,
     NEAR,

@@ -13,7 +13,7 @@ from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
 from tests.tma.direction_reports import reported, seen_from
 from tests.tma.passive_scene import SECOND, listed
 

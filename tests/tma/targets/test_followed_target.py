@@ -17,7 +17,7 @@ from sonar_tracking.tma.targets.systematic_errors import Sight
 from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
 from sonar_tracking.tma.targets.target_solver import TargetSolver
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.targets.track_rows import track_list, track_row
+from sonar_tracking.tma.tracker.track_rows import track_list, track_row
 
 SECOND = 1_000_000_000
 CONFIGURATION = TmaTrackerConfiguration(

@@ -10,7 +10,7 @@ from sonar_tracking.records.bearings import BearingTracks, TrackStatus
 from sonar_tracking.records.time import nanoseconds
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
 from tests.recorded_data import recorded_data
 from tests.tma.direction_reports import reported
 

@@ -13,8 +13,8 @@ from sonar_tracking.evaluation.studies.tma_frequency_fusion.observability_rows i
 )
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import scene_of_legs
 from sonar_tracking.simulation.sensors.tma_scene import TmaRuns, TmaScene, simulate_runs
+from sonar_tracking.tma.stations.solver_likelihoods import log_likelihoods
 from sonar_tracking.tma.targets.array_sides import LEFT, RIGHT, SINGLE
-from sonar_tracking.tma.targets.solver_likelihoods import log_likelihoods
 from sonar_tracking.tma.targets.target_records import MAXIMUM_LINES, TargetObservation
 from sonar_tracking.tma.targets.target_solver import (
     TargetSolver,

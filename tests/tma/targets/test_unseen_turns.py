@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from sonar_tracking.tma.performance.unseen_turn import LONGEST
-from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
 from tests.tma.passive_scene import DIRECTIONS, NEAR, fed, frames_of, listed, running, scene
 
 

@@ -30,7 +30,7 @@ from sonar_tracking.simulation.sensors.bearing_simulation import BearingSimulati
 from sonar_tracking.simulation.sensors.tma_scene import TmaRuns, simulate_runs
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
 
 TARGETS = (1, 3, 6, 12, 24)
 DATA_SECONDS = 60.0

@@ -36,7 +36,7 @@ from sonar_tracking.simulation.sensors.sample_simulation import SampleSimulation
 from sonar_tracking.simulation.sensors.simulated_data import SimulatedSamples
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.sensors.bearing_simulation import BearingSimulation, SimulatedFrame
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame, TmaUpdate
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
 
 TRACKER = "tma_tracker"
 

@@ -34,7 +34,7 @@ from sonar_tracking.simulation.sensors.active_sonar_simulation import ActiveSona
 from sonar_tracking.simulation.sensors.bearing_simulation import BearingSimulation
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
 
 CONTACT_TRACKER, TMA = "hpda_tracker", "tma_tracker"
 ECHOES, POSITIONS = "active/tracks", "passive/tracks"

@@ -30,8 +30,8 @@ from sonar_tracking.records.positions import PositionTracks, TrackSource
 from sonar_tracking.tma.batch.target_smoother import TargetSmootherConfiguration
 from sonar_tracking.tma.targets.observation_log import ObservationLog
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
-from sonar_tracking.tma.targets.track_smoothing import SmoothedTracks, smooth_tracks
+from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.tma.tracker.track_smoothing import SmoothedTracks, smooth_tracks
 
 SUFFIX = "_smoothed"
 TRACKS = "/passive/tracks"

@@ -39,7 +39,7 @@ from sonar_tracking.records.positions import PositionTracks
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame, UnusableBearings
 from sonar_tracking.tma.targets.station_view import may_be_unset, needs_own_ship, with_pose_judged
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
 
 UNSEEN_TURNS = "unseen turns"
 """Concern: how long a turn of the target of each confirmed track would not show."""
@@ -48,7 +48,7 @@ SensorRecord = TypeVar("SensorRecord", BearingTracks, FrequencyLines)
 
 
 class TmaTracker(SonarNode):
-    """Shell around :class:`sonar_tracking.tma.targets.tma_tracker_stage.TmaTrackerStage`.
+    """Shell around :class:`sonar_tracking.tma.tracker.tma_tracker_stage.TmaTrackerStage`.
 
     Bearings and lines of one stamp are one frame, in the order of the topics; every frame with
     bearings, usable or not, gives exactly one list, and the alignment of several stations. Odometry

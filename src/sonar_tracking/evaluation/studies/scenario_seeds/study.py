@@ -41,7 +41,7 @@ from sonar_tracking.tma.batch.target_smoother import TargetSmootherConfiguration
 from sonar_tracking.tma.targets.observation_log import ObservationLog
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.targets.track_smoothing import smooth_tracks
+from sonar_tracking.tma.tracker.track_smoothing import smooth_tracks
 
 QUANTILES = {"low": 10.0, "median": 50.0, "high": 90.0}
 """Over the seeds, %."""

@@ -28,8 +28,8 @@ from sonar_tracking.tma.batch.target_smoother import TargetSmootherConfiguration
 from sonar_tracking.tma.targets.observation_log import ObservationLog
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
-from sonar_tracking.tma.targets.track_smoothing import smooth_tracks
+from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.tma.tracker.track_smoothing import smooth_tracks
 
 NODE, HINDSIGHT = "node: ", "node smoothed: "
 """How the names of the node's tracks begin, and of the same with hindsight."""

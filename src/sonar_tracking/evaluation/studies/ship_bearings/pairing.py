@@ -20,7 +20,7 @@ from sonar_tracking.tma.batch.direction_smoother import MINIMUM_COSINE
 from sonar_tracking.tma.estimators.range_bank import RangeBank
 from sonar_tracking.tma.estimators.recursion import elapsed
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
-from sonar_tracking.tma.targets.station_association import (
+from sonar_tracking.tma.stations.station_association import (
     CHANCE_DENSITY_WITH_ELEVATION,
     FREE,
     associate,

@@ -14,14 +14,14 @@ from sonar_tracking.simulation.scenarios.bearing_sensor_configuration import (
 )
 from sonar_tracking.simulation.scenarios.kinematic_motion import KinematicMotion
 from sonar_tracking.simulation.scenarios.target import TargetConfiguration
+from sonar_tracking.tma.stations.station_crossings import certain_crossings, pointed_at
+from sonar_tracking.tma.stations.station_pairing import StationPairing
+from sonar_tracking.tma.stations.station_trials import LEAST_BEARINGS, Trial
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
-from sonar_tracking.tma.targets.station_crossings import certain_crossings, pointed_at
-from sonar_tracking.tma.targets.station_pairing import StationPairing
-from sonar_tracking.tma.targets.station_trials import LEAST_BEARINGS, Trial
 from sonar_tracking.tma.targets.target_records import TargetObservation
 from sonar_tracking.tma.targets.target_solver import TargetSolver
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
 from tests.tma.passive_scene import SECOND, listed, running, scene, simulated
 
 BUOYS = tuple(

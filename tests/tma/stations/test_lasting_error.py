@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal, norm
 
-from sonar_tracking.tma.targets.lasting_error import NO_ERROR, LastingError
+from sonar_tracking.tma.stations.lasting_error import NO_ERROR, LastingError
 
 DEVIATION, WHITE = 0.5, 1.0
 """Of the constant error and of the independent ones, degrees."""

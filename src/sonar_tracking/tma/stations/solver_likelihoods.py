@@ -9,8 +9,8 @@ import numpy as np
 
 from sonar_tracking.tma.estimators.range_bank_state import RangeBankState
 from sonar_tracking.tma.estimators.recursion import elapsed
-from sonar_tracking.tma.targets.lasting_error import NO_ERROR, LastingError
-from sonar_tracking.tma.targets.station_association import weigh_azimuths
+from sonar_tracking.tma.stations.lasting_error import NO_ERROR, LastingError
+from sonar_tracking.tma.stations.station_association import weigh_azimuths
 from sonar_tracking.tma.targets.target_solver import TargetSolver, Task
 
 SIDES = 2

@@ -17,7 +17,7 @@ from sonar_tracking.simulation.scenarios.bearing_sensor_configuration import (
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame, UnusableBearings
 from sonar_tracking.tma.targets.tma_method_registry import TMA_METHODS
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
 from tests.tma.passive_scene import (
     ARRAY,
     DIRECTIONS,

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from sonar_tracking.records.time import UNKNOWN_STAMP
+from sonar_tracking.tma.stations.lasting_error import NO_ERROR, LastingError
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
-from sonar_tracking.tma.targets.lasting_error import NO_ERROR, LastingError
 from sonar_tracking.tma.targets.misaligned_stations import ODDS_AGAINST
 from sonar_tracking.tma.targets.target_records import TargetObservation
 from sonar_tracking.tma.targets.target_solver import TargetSolver

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from sonar_tracking.tma.stations.solver_likelihoods import log_likelihoods
+from sonar_tracking.tma.stations.station_pairing import StationPairing
+from sonar_tracking.tma.stations.station_trials import Trial
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
-from sonar_tracking.tma.targets.joint_observation import observe_together
-from sonar_tracking.tma.targets.solver_likelihoods import log_likelihoods
-from sonar_tracking.tma.targets.station_pairing import StationPairing
-from sonar_tracking.tma.targets.station_trials import Trial
 from sonar_tracking.tma.targets.target_records import TargetObservation
 from sonar_tracking.tma.targets.target_solver import TargetSolver
+from sonar_tracking.tma.tracker.joint_observation import observe_together
 
 PLACES = {"bow": np.array([0.0, 0.0]), "stern": np.array([3000.0, 0.0])}
 SHIPS = (np.array([1500.0, 3000.0]), np.array([3500.0, 4000.0]))

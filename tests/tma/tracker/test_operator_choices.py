@@ -14,7 +14,7 @@ from sonar_tracking.records.commands import OwnShipLine
 from sonar_tracking.records.positions import PositionTracks, TrackHypothesis
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
 from tests.tma.passive_scene import STRAIGHT, fed, frames_of, listed, running, scene
 
 AT = 30

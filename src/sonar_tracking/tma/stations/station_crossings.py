@@ -25,10 +25,10 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from sonar_tracking.filtering.set_packing import best_packing
+from sonar_tracking.tma.stations.solver_likelihoods import log_likelihoods
+from sonar_tracking.tma.stations.station_association import CHANCE_DENSITY
+from sonar_tracking.tma.stations.station_trials import LEAST_BEARINGS, Key, Sighting, Trial
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
-from sonar_tracking.tma.targets.solver_likelihoods import log_likelihoods
-from sonar_tracking.tma.targets.station_association import CHANCE_DENSITY
-from sonar_tracking.tma.targets.station_trials import LEAST_BEARINGS, Key, Sighting, Trial
 from sonar_tracking.tma.targets.target_solver import TargetSolver
 
 POINTED = 10.0

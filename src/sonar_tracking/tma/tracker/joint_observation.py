@@ -11,13 +11,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from sonar_tracking.errors import InputError
+from sonar_tracking.tma.stations.lasting_error import NO_ERROR
+from sonar_tracking.tma.stations.solver_likelihoods import weigh
+from sonar_tracking.tma.stations.station_association import CHANCE_DENSITY
+from sonar_tracking.tma.stations.station_pairing import StationPairing
+from sonar_tracking.tma.stations.station_trials import Sighting, Trial
 from sonar_tracking.tma.targets.baseline_solver import BaselineSolver
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
-from sonar_tracking.tma.targets.lasting_error import NO_ERROR
-from sonar_tracking.tma.targets.solver_likelihoods import weigh
-from sonar_tracking.tma.targets.station_association import CHANCE_DENSITY
-from sonar_tracking.tma.targets.station_pairing import StationPairing
-from sonar_tracking.tma.targets.station_trials import Sighting, Trial
 from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
 from sonar_tracking.tma.targets.target_solver import (
     Problem,

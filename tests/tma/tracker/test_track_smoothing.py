@@ -14,7 +14,7 @@ from sonar_tracking.records.positions import PositionTracks, TrackSource
 from sonar_tracking.tma.batch.target_smoother import TargetSmootherConfiguration
 from sonar_tracking.tma.targets.observation_log import ObservationLog, Observations
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.targets.track_smoothing import SmoothedTracks, smooth_tracks
+from sonar_tracking.tma.tracker.track_smoothing import SmoothedTracks, smooth_tracks
 from tests.tma.offline_runs import offline_tma_run as run
 
 pytestmark = pytest.mark.slow

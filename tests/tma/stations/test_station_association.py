@@ -10,7 +10,7 @@ from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank, predict_bank
 from sonar_tracking.tma.estimators.range_bank import RangeBank
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
-from sonar_tracking.tma.targets.station_association import (
+from sonar_tracking.tma.stations.station_association import (
     CHANCE_DENSITY,
     CHANCE_DENSITY_WITH_ELEVATION,
     FREE,

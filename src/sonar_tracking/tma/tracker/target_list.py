@@ -12,16 +12,16 @@ from sonar_tracking.errors import InputError, Notice
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks
 from sonar_tracking.records.time import UNKNOWN_STAMP, common_watermark, nanoseconds
+from sonar_tracking.tma.stations.station_alignment import StationAlignment
+from sonar_tracking.tma.stations.station_pairing import Pair, StationPairing
 from sonar_tracking.tma.targets.array_sides import LEFT, RIGHT
 from sonar_tracking.tma.targets.followed_target import SILENCE, FollowedTarget, new_solver
 from sonar_tracking.tma.targets.misaligned_stations import ALIGNED, Misalignments, UsedAlignment
-from sonar_tracking.tma.targets.station_alignment import StationAlignment
-from sonar_tracking.tma.targets.station_pairing import Pair, StationPairing
 from sonar_tracking.tma.targets.station_view import StationRecord
-from sonar_tracking.tma.targets.target_notices import misled
 from sonar_tracking.tma.targets.target_records import TargetSolution
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.targets.track_rows import TrackRow, track_list, track_row
+from sonar_tracking.tma.tracker.target_notices import misled
+from sonar_tracking.tma.tracker.track_rows import TrackRow, track_list, track_row
 
 TrackKey = tuple[str, int]
 """Station and its bearing track."""

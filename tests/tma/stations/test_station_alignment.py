@@ -15,7 +15,7 @@ from sonar_tracking.simulation.scenarios.kinematic_motion import KinematicMotion
 from sonar_tracking.simulation.scenarios.platforms import TurnConfiguration
 from sonar_tracking.simulation.scenarios.target import LineConfiguration, TargetConfiguration
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.targets.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
 from tests.tma.passive_scene import DIRECTIONS, FAR, NEAR, TURNING, running, scene, simulated
 
 ABOARD = replace(DIRECTIONS, frame_interval=4.0)

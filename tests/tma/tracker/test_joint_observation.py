@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from sonar_tracking.errors import InputError
+from sonar_tracking.tma.stations.station_pairing import StationPairing
 from sonar_tracking.tma.targets.followed_target import FollowedTarget, new_solver
-from sonar_tracking.tma.targets.joint_observation import observe_together
-from sonar_tracking.tma.targets.station_pairing import StationPairing
 from sonar_tracking.tma.targets.target_records import TargetObservation
 from sonar_tracking.tma.targets.target_solver import TargetSolver
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
+from sonar_tracking.tma.tracker.joint_observation import observe_together
 
 AHEAD = TargetObservation(0, "bow", (0.0, 0.0), (6.0, 0.0), (0.6,), 1e-4)
 

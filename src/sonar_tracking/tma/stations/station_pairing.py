@@ -26,16 +26,16 @@ import numpy as np
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.time import nanoseconds
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
-from sonar_tracking.tma.targets.followed_target import FollowedTarget
-from sonar_tracking.tma.targets.station_association import CHANCE_DENSITY, FREE, associate
-from sonar_tracking.tma.targets.station_crossings import certain_crossings, pointed_at
-from sonar_tracking.tma.targets.station_trials import (
+from sonar_tracking.tma.stations.station_association import CHANCE_DENSITY, FREE, associate
+from sonar_tracking.tma.stations.station_crossings import certain_crossings, pointed_at
+from sonar_tracking.tma.stations.station_trials import (
     FIRST_PAUSE,
     LEAST_BEARINGS,
     Key,
     Sighting,
     Trial,
 )
+from sonar_tracking.tma.targets.followed_target import FollowedTarget
 from sonar_tracking.tma.targets.target_solver import TargetSolver
 
 AGILE = 0.05

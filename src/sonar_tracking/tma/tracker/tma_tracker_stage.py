@@ -27,7 +27,6 @@ from sonar_tracking.tma.targets.bearing_observations import (
     with_lines,
 )
 from sonar_tracking.tma.targets.followed_target import new_solver
-from sonar_tracking.tma.targets.joint_observation import observe_together
 from sonar_tracking.tma.targets.line_attribution import LineAttribution
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame, TmaUpdate
 from sonar_tracking.tma.targets.station_view import (
@@ -36,13 +35,14 @@ from sonar_tracking.tma.targets.station_view import (
     station_view,
     track_angles,
 )
-from sonar_tracking.tma.targets.target_list import TargetList, TrackKey
-from sonar_tracking.tma.targets.target_notices import turned, unconfirmed
 from sonar_tracking.tma.targets.target_records import TargetObservation
 from sonar_tracking.tma.targets.tma_tracker_configuration import (
     TmaTrackerConfiguration,
     check_tma_tracker,
 )
+from sonar_tracking.tma.tracker.joint_observation import observe_together
+from sonar_tracking.tma.tracker.target_list import TargetList, TrackKey
+from sonar_tracking.tma.tracker.target_notices import turned, unconfirmed
 
 
 class TmaTrackerStage(TargetList):
