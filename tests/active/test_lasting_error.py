@@ -10,6 +10,7 @@ import pytest
 from sonar_tracking.active.contact_tracker import make_contact_tracker
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.active.lasting_error import CLEAR_SHARE, LastingErrorMonitor
+from sonar_tracking.errors import Severity
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
 
@@ -62,6 +63,7 @@ def test_errors_that_last_stay_in_the_covariances() -> None:
         updates, truth = tracked(0.2, 1.0, seed)
         (notice,) = (n for n in updates[-1].notices if n.culprit == "lasting error")
         assert "covariances" in notice.text
+        assert notice.severity is Severity.WARN  # of what is well nothing is shown
         tracks = updates[-1].tracks
         for state, covariance in zip(tracks.state, tracks.covariance, strict=True):
             nearest = truth[np.argmin(np.hypot(*(truth - state)[:, :2].T))]

@@ -152,7 +152,7 @@ class LastingErrorMonitor:
             "lasts, and is part of the covariances of the tracks. Check the deviations of the "
             "contacts, if targets are small and the heading is good."
         )
-        return (Notice(Severity.OK, "lasting error", text),)
+        return (Notice(Severity.WARN, "lasting error", text),)
 
 
 def monitors_after(
@@ -203,7 +203,7 @@ def monitors_after(
     )
     after = _followed(monitors, third, keys[goes_on], scenes)
     return [
-        replace(monitor, start=start, claimed=_claimed_error(ping) or monitor.claimed)
+        replace(monitor, start=start, claimed=claimed_error(ping) or monitor.claimed)
         for monitor, start, ping in zip(after, starts, pings, strict=True)
     ]
 
@@ -274,7 +274,8 @@ def _among(ids: IntArray, others: IntArray) -> BoolArray:
     return np.asarray(np.append(others, -1)[others.searchsorted(ids)] == ids)
 
 
-def _claimed_error(contacts: Contacts) -> ClaimedError | None:
+def claimed_error(contacts: Contacts) -> ClaimedError | None:
+    """Return how far the contacts of a ping may be off, as it says; None = it has none."""
     if not len(contacts.range):
         return None
     return ClaimedError(

@@ -206,6 +206,30 @@ def test_single_bad_contacts_are_left_out_and_said(tracker: Tracker) -> None:
     tracker.probe.wait_sentence(f"{NODE}: contacts", "2 of 8 contacts", "negative amplitude")
 
 
+def test_tracks_that_contacts_do_not_tell_apart_are_named(tracker: Tracker) -> None:
+    """Two targets 70 m apart, 36 m of a contact's deviation across the line of sight."""
+    start, probe = tracker.new_run(), tracker.probe
+    for number in range(2 * SETTLED):
+        good = ping(start, number)
+        tracker.send(
+            replace(
+                good,
+                range=np.append(good.range, good.range[-1]),
+                azimuth=np.append(good.azimuth, good.azimuth[-1] + 0.02),
+                amplitude=np.append(good.amplitude, 15.0),
+            )
+        )
+    shown = position_tracks_from_message(tracker.outputs[-1])
+    first, second = sorted(shown.id[shown.established].tolist())
+    probe.diagnostics.clear()
+    probe.tick(start + 2 * SETTLED * INTERVAL)
+    probe.wait(lambda: probe.values(f"{NODE}: unresolved tracks"), "status")
+    assert probe.values(f"{NODE}: unresolved tracks") == {
+        f"track {first}": f"beside {second}",
+        f"track {second}": f"beside {first}",
+    }
+
+
 def test_duplicates_and_late_pings_change_nothing(tracker: Tracker) -> None:
     start = tracker.new_run()
     numbers = [number for number in range(SETTLED + 2) if number != SETTLED - 2]

@@ -25,6 +25,8 @@ from sonar_tracking.active.contacts.sensor_location import (
     needs_own_ship,
     with_pose_judged,
 )
+from sonar_tracking.active.lasting_error import ClaimedError, claimed_error
+from sonar_tracking.active.unresolved_tracks import unresolved_tracks
 from sonar_tracking.errors import InputError, Notice
 from sonar_tracking.graph.catalogue.active_nodes import HPDA_TRACKER
 from sonar_tracking.graph.catalogue.topics import (
@@ -44,6 +46,9 @@ from sonar_tracking.message_reading.own_ship_reading import OwnShipReader
 from sonar_tracking.own_ship_interpolation import interpolate_own_ship, motion_in_map
 from sonar_tracking.records.commands import CommandKind, OperatorCommand
 from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
+from sonar_tracking.records.positions import PositionTracks
+
+UNRESOLVED = "unresolved tracks"
 
 
 class HpdaTracker(SonarNode):
@@ -70,6 +75,9 @@ class HpdaTracker(SonarNode):
             series={ODOMETRY: (own_ship, interpolate_own_ship)},
             needs_series=self._needs_own_ship,
         )
+        self._picture: PositionTracks | None = None
+        self._claimed: ClaimedError | None = None
+        self.diagnostics.add(UNRESOLVED, self._unresolved)
 
     def process(self, item: JoinedItem, records: Mapping[str, Any]) -> Iterable[Notice]:
         """Feed one ping and publish tracks and thresholds."""
@@ -80,7 +88,9 @@ class HpdaTracker(SonarNode):
         )
         self.report_state(CONTACTS, notice)
         contacts = located(contacts, motion, self._mounting)
-        update = self._tracker.update(with_defaults(contacts, self._defaults))
+        contacts = with_defaults(contacts, self._defaults)
+        self._claimed = claimed_error(contacts) or self._claimed
+        update = self._tracker.update(contacts)
         self._publish(update)
         return update.notices
 
@@ -110,6 +120,7 @@ class HpdaTracker(SonarNode):
 
     def reset(self) -> None:
         """Forget all tracks; identifiers go on."""
+        self._picture = None
         first_id = self._tracker.next_id
         self._tracker = make_contact_tracker(replace(self._configuration, first_id=first_id))
 
@@ -129,7 +140,14 @@ class HpdaTracker(SonarNode):
     def _needs_own_ship(self, contacts: Contacts) -> bool:
         return needs_own_ship(contacts) or (contacts.unset_pose and self.expects(ODOMETRY))
 
+    def _unresolved(self) -> dict[str, object]:
+        if self._picture is None or self._claimed is None:
+            return {}
+        beside = unresolved_tracks(self._picture, self._claimed)
+        return {f"track {one}": f"beside {', '.join(map(str, two))}" for one, two in beside.items()}
+
     def _publish(self, update: ContactTrackerUpdate) -> None:
+        self._picture = update.tracks
         self._thresholds.publish(thresholds_to_message(update.thresholds))
         self._tracks.publish(position_tracks_to_message(update.tracks))
 
