@@ -13,6 +13,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from sonar_tracking.one_thread import ONE_THREAD
+from tests.left_open import pytest_runtest_teardown  # noqa: F401  (hook)
 from tests.sharing_out import (  # noqa: F401  (hooks)
     pytest_testnodedown,
     pytest_xdist_make_scheduler,

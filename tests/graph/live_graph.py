@@ -30,6 +30,7 @@ from sonar_tracking.graph.catalogue.transport_profile import choose_transport
 from sonar_tracking.graph.message_writing.field_writing import message_class, time_from_stamp
 from sonar_tracking.graph.node_base import quality_of_service
 from sonar_tracking.message_reading.field_reading import stamp_from_time
+from tests.left_open import closed, opened
 from tests.process_source import CopiedProcess
 from tests.ros_domain import ros_domain
 
@@ -142,9 +143,11 @@ class Probe:
         self.node.create_subscription(
             Progress, PROGRESS_TOPIC, self.progress.append, quality_of_service.PROGRESS
         )
+        opened(self.close)
 
     def close(self) -> None:
         """Leave the graph."""
+        closed(self.close)
         self._executor.shutdown()
         self.node.destroy_node()
         rclpy.shutdown(context=self._context)

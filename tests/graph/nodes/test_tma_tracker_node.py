@@ -279,7 +279,9 @@ def test_it_says_how_long_a_turn_of_a_confirmed_target_would_not_show(tmp_path: 
         for number in range(3):
             tracker.send(tracker.bearings(number), tracker.lines(number))
         (row,) = tracker.wait_lists(2)[-1].id.tolist()
-        tracker.tick(EPOCH + 3 * SECOND)
+        probe.diagnostics.clear()
+        probe.tick(EPOCH + 3 * SECOND)
+        probe.wait(lambda: probe.values(f"{NODE}: unseen turns"), "status")
         told = probe.values(f"{NODE}: unseen turns")
         assert list(told) == [f"track {row}"]
         assert 0 < float(told[f"track {row}"].removesuffix(" s")) <= LONGEST
