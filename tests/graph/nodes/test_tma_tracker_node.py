@@ -5,7 +5,6 @@ from __future__ import annotations
 import array
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -31,7 +30,6 @@ from sonar_tracking.records.lines import FrequencyLines
 from sonar_tracking.records.own_ship import OwnShipState
 from sonar_tracking.records.positions import PositionTracks
 from sonar_tracking.records.time import END_OF_DATA
-from sonar_tracking.tma.performance.unseen_turn import LONGEST
 from tests.graph.live_graph import NodeProcess, Probe, node_process, stamps
 from tests.tma.passive_scene import DIRECTIONS, SECOND, one_value, scene, simulated, without_pose
 
@@ -266,26 +264,6 @@ def test_identifiers_are_not_reused_after_a_reset(tracker: Tracker) -> None:
         tracker.send(tracker.bearings(number), tracker.lines(number))
     tracks, _ = tracker.wait_lists(2)
     assert before.isdisjoint(tracks.id)
-
-
-def test_it_says_how_long_a_turn_of_a_confirmed_target_would_not_show(tmp_path: Path) -> None:
-    anything = {"confirm_observability": 0.0, "confirm_relative_deviation": 100.0}
-    parameters = {"use_sim_time": True, "line_topics": "[passive/frequency_lines]", **anything}
-    probe = Probe()
-    process = node_process(f"sonar_tracking.graph.nodes.{NODE}", tmp_path / "log.txt", **parameters)
-    with process as running:
-        tracker = Tracker(running, probe)
-        probe.wait_matched(NODE, "/passive/bearing_tracks", "/passive/frequency_lines")
-        for number in range(3):
-            tracker.send(tracker.bearings(number), tracker.lines(number))
-        (row,) = tracker.wait_lists(2)[-1].id.tolist()
-        probe.diagnostics.clear()
-        probe.tick(EPOCH + 3 * SECOND)
-        probe.wait(lambda: probe.values(f"{NODE}: unseen turns"), "status")
-        told = probe.values(f"{NODE}: unseen turns")
-        assert list(told) == [f"track {row}"]
-        assert 0 < float(told[f"track {row}"].removesuffix(" s")) <= LONGEST
-    probe.close()
 
 
 def replace_lines(lines: FrequencyLines) -> FrequencyLines:

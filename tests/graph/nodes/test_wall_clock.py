@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import replace
@@ -97,6 +98,16 @@ class HalfHour:
             name: publisher.get_subscription_count() for name, publisher in self.publishers.items()
         }
         return counts == listeners
+
+    def are_heard(self) -> bool:
+        """Return whether every node knows all that read it: what it sends before that is lost."""
+        readers = Counter((producer, topic) for producer, _, topic in EDGES if producer != "probe")
+        for producer, topic in readers:
+            readers[producer, topic] += topic.lstrip("/") in self.heard
+        return all(
+            int(self.probe.matched(producer).get(topic, 0)) == count
+            for (producer, topic), count in readers.items()
+        )
 
     def feed(self) -> None:
         """Publish everything, no faster than the nodes take it."""
@@ -195,7 +206,8 @@ def half_hour(tmp_path_factory: pytest.TempPathFactory) -> Iterator[HalfHour]:
         }
         half_hour = HalfHour(probe, processes)
         for _, consumer, topic in EDGES:
-            probe.wait_matched(consumer, topic)
+            probe.wait_matched(consumer, topic, "/flow/done")
+        probe.wait(half_hour.are_heard, "every node matched with all that read it")
         for name in ("tma_tracker", "hpda_tracker"):
             probe.wait_matched(name, "/own_ship/odometry")
         probe.wait(half_hour.is_matched, "every node matched with the probe")
