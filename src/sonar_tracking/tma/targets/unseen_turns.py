@@ -61,7 +61,8 @@ def _take(known: dict[str, _Last], observation: TargetObservation) -> None:
     before = known.get(observation.sensor_id)
     interval = LEAST_STEP
     if before is not None:
-        interval = (observation.stamp - before.observation.stamp) / NANOSECONDS
+        passed = observation.stamp - before.observation.stamp
+        interval = passed / NANOSECONDS if passed > 0 else before.interval
     known[observation.sensor_id] = _Last(observation, interval)
 
 
