@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -41,6 +43,31 @@ def interpolate_own_ship(
         ),
         yaw_rate=between(before.yaw_rate, after.yaw_rate),
     )
+
+
+def motion_at(
+    states: Sequence[OwnShipState], stamps: Sequence[int], stamp: int
+) -> KinematicState | None:
+    """Return own ship at an instant between two of its states; None outside of them.
+
+    Parameters
+    ----------
+    states : sequence of OwnShipState
+        In order of time.
+    stamps : sequence of int
+        Theirs, ns.
+    stamp : int
+        ns.
+    """
+    place = bisect_right(stamps, stamp) - 1
+    if place < 0 or (place + 1 == len(stamps) and stamps[place] != stamp):
+        return None
+    before = states[place]
+    if before.stamp == stamp:
+        return motion_in_map(before)
+    after = states[place + 1]
+    fraction = (stamp - before.stamp) / (after.stamp - before.stamp)
+    return motion_in_map(interpolate_own_ship(before, after, fraction))
 
 
 def motion_in_map(state: OwnShipState) -> KinematicState:

@@ -20,13 +20,13 @@ from sonar_tracking.bags.importers.import_contacts import (
 )
 from sonar_tracking.bags.storage.bag_records import (
     CONTACTS_TYPE,
-    ODOMETRY_TYPE,
     position_tracks_of,
 )
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.bags.storage.writer import BagWriter
 from sonar_tracking.display.bag_contents import bag_contents
 from sonar_tracking.evaluation.metrics.score_bag import score_bag
+from sonar_tracking.message_reading.own_ship_reading import ODOMETRY_TYPE
 from tests.system.command_line import refused, report_of, run_command
 
 N_PINGS = 40

@@ -11,6 +11,7 @@ import numpy as np
 
 from sonar_tracking.active.contacts.contact_positions import position_covariance
 from sonar_tracking.active.lasting_error import ClaimedError
+from sonar_tracking.filtering.consistency import normalised_squared
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 from sonar_tracking.records.positions import PositionTracks, TrackSource
 
@@ -46,15 +47,11 @@ def unresolved_tracks(tracks: PositionTracks, claimed: ClaimedError) -> dict[int
     )
     first, second = _neighbours(shown.state[:, 0], TOLD_APART * _largest_deviation(predicted))
     moves = shown.source != TrackSource.STATIC
-    x, y = (shown.state[first, :2] - shown.state[second, :2]).T
-    spread = 0.5 * (predicted[first] + predicted[second])
-    xx, xy, yy = spread[:, 0, 0], spread[:, 0, 1], spread[:, 1, 1]
-    squared = (yy * x**2 - 2.0 * xy * x * y + xx * y**2) / (xx * yy - xy**2)
+    apart = shown.state[first, :2] - shown.state[second, :2]
+    squared = 2.0 * normalised_squared(apart, 0.5 * (predicted[first] + predicted[second]))
     near = (squared < TOLD_APART**2) & (moves[first] | moves[second])
     beside: dict[int, list[int]] = {}
-    for one, other in zip(
-        shown.id[first[near]].tolist(), shown.id[second[near]].tolist(), strict=True
-    ):
+    for one, other in shown.id[np.stack([first[near], second[near]], axis=1)].tolist():
         beside.setdefault(one, []).append(other)
         beside.setdefault(other, []).append(one)
     return {number: tuple(sorted(others)) for number, others in sorted(beside.items())}

@@ -16,7 +16,6 @@ from sonar_tracking.bags.storage.bag_records import (
     CONTACTS_TYPE,
     FREQUENCY_LINES_TYPE,
     IMAGE_TYPE,
-    ODOMETRY_TYPE,
     POSITION_TRACKS_TYPE,
     SAMPLES_TYPE,
     SNAPSHOTS_TYPE,
@@ -39,6 +38,7 @@ from sonar_tracking.display.recorded_waterfalls import RecordedWaterfalls
 from sonar_tracking.display.stacked_dots_record import TrackDots
 from sonar_tracking.display.thinned_lists import Thinned
 from sonar_tracking.display.track_history import TrackHistory, track_histories
+from sonar_tracking.message_reading.own_ship_reading import ODOMETRY_TYPE
 from sonar_tracking.records.bearings import BearingTracks
 from sonar_tracking.records.contacts import Contacts
 from sonar_tracking.records.lines import FrequencyLines

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 from typing import Any
@@ -13,8 +12,7 @@ from sonar_tracking.active.contacts.sensor_location import (
     with_pose_judged,
 )
 from sonar_tracking.errors import InputError
-from sonar_tracking.motion import KinematicState
-from sonar_tracking.own_ship_interpolation import interpolate_own_ship, motion_in_map
+from sonar_tracking.own_ship_interpolation import motion_at
 from sonar_tracking.records.contacts import Contacts
 from sonar_tracking.records.own_ship import OwnShipState
 
@@ -41,7 +39,7 @@ def located_pings(
     placed = []
     stamps = [state.stamp for state in own_ship]
     for ping in sorted(pings, key=lambda ping: ping.stamp):
-        own = _at(own_ship, stamps, ping.stamp)
+        own = motion_at(own_ship, stamps, ping.stamp)
         told, _ = with_pose_judged(ping, own, mounting, odometry=bool(stamps))
         try:
             placed.append(located(told, own, mounting))
@@ -62,18 +60,3 @@ def recorded_mounting(parameters: Mapping[str, Any]) -> MountingConfiguration:
     return MountingConfiguration(
         **{name: float(value) for name, value in parameters.items() if name in names}
     )
-
-
-def _at(
-    own_ship: Sequence[OwnShipState], stamps: Sequence[int], stamp: int
-) -> KinematicState | None:
-    """Return own ship at an instant between two states; None outside."""
-    index = bisect_right(stamps, stamp) - 1
-    if index < 0 or (index + 1 == len(stamps) and stamps[index] != stamp):
-        return None
-    before = own_ship[index]
-    if before.stamp == stamp:
-        return motion_in_map(before)
-    after = own_ship[index + 1]
-    fraction = (stamp - before.stamp) / (after.stamp - before.stamp)
-    return motion_in_map(interpolate_own_ship(before, after, fraction))

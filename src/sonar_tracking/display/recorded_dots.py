@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from sonar_tracking.bags.storage.bag_records import ODOMETRY_TYPE, topics_of_type
+from sonar_tracking.bags.storage.bag_records import topics_of_type
 from sonar_tracking.bags.storage.reader import Bag
 from sonar_tracking.display.page.hearing_log import HearingLog
 from sonar_tracking.display.page.outermost_topic import outermost_topic
@@ -16,6 +16,7 @@ from sonar_tracking.display.page.page_configuration import PageConfiguration
 from sonar_tracking.display.page.solution_dots import solution_dots
 from sonar_tracking.display.page.track_frames import StationPlaces
 from sonar_tracking.display.stacked_dots_record import TrackDots
+from sonar_tracking.message_reading.own_ship_reading import ODOMETRY_TYPE
 from sonar_tracking.records.bearings import BearingTracks
 from sonar_tracking.records.lines import FrequencyLines
 from sonar_tracking.records.own_ship import OwnShipState

@@ -19,6 +19,8 @@ from sonar_tracking.records.own_ship import OwnShipState
 from sonar_tracking.records.time import nanoseconds, seconds
 from sonar_tracking.sensor_pose import is_no_turn
 
+ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
+
 BASELINE = nanoseconds(10.0)
 """Positions this far apart in time tell the velocity, ns: errors of a metre are 0.1 m/s then."""
 

@@ -25,12 +25,12 @@ from sonar_tracking.bags.exporters.track_lines import TrackLines
 from sonar_tracking.bags.storage.bag_datum import bag_datum
 from sonar_tracking.bags.storage.bag_records import (
     BEARING_TRACKS_TYPE,
-    ODOMETRY_TYPE,
     POSITION_TRACKS_TYPE,
     records_in_order,
 )
 from sonar_tracking.bags.storage.reader import Bag, read_bag
 from sonar_tracking.errors import ConfigurationError, unknown_name_text
+from sonar_tracking.message_reading.own_ship_reading import ODOMETRY_TYPE
 from sonar_tracking.records.datum import ADVICE, Datum, datum_if_told
 
 CHARTS = {"geojson": write_geojson, "kml": write_kml}

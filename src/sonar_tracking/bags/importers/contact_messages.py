@@ -10,6 +10,7 @@ import numpy as np
 
 from sonar_tracking.bags.contents.message_definitions import installed_typestore
 from sonar_tracking.message_reading.contact_reading import CONTACT_REALS, DEVIATIONS
+from sonar_tracking.message_reading.own_ship_reading import ODOMETRY_TYPE
 from sonar_tracking.message_reading.position_reading import STATE_NAMES
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import TrackStatus
@@ -25,7 +26,6 @@ from sonar_tracking.records.positions import (
 from sonar_tracking.records.time import NANOSECONDS
 
 CONTACTS_TYPE = "sonar_tracking_msgs/msg/Contacts"
-ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
 TRACKS_TYPE = "sonar_tracking_msgs/msg/Tracks"
 OWN_SHIP_FRAME = "own_ship/base_link"
 

@@ -34,7 +34,6 @@ from sonar_tracking.bags.importers.bearing_messages import (
 from sonar_tracking.bags.importers.bearing_pictures import SensorBearings, bearing_pictures
 from sonar_tracking.bags.importers.bearings_of_sensor import BearingSensor, bearings_of_sensor
 from sonar_tracking.bags.importers.contact_messages import (
-    ODOMETRY_TYPE,
     TRACKS_TYPE,
     odometry_cdr,
     truth_tracks_cdr,
@@ -53,6 +52,7 @@ from sonar_tracking.bags.positions.true_tracks import true_tracks_at
 from sonar_tracking.bags.storage.bag_records import BEARING_TRACKS_TYPE, FREQUENCY_LINES_TYPE
 from sonar_tracking.bags.storage.writer import new_bag
 from sonar_tracking.errors import ConfigurationError, shown
+from sonar_tracking.message_reading.own_ship_reading import ODOMETRY_TYPE
 from sonar_tracking.records.bearings import Sensor
 from sonar_tracking.records.datum import Datum
 from sonar_tracking.records.own_ship import OWN_SHIP_FRAMES

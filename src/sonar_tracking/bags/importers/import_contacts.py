@@ -20,7 +20,6 @@ from sonar_tracking.bags.contents.recording_information import RecordingInformat
 from sonar_tracking.bags.importers.contact_file import ContactLines, read_contact_lines
 from sonar_tracking.bags.importers.contact_messages import (
     CONTACTS_TYPE,
-    ODOMETRY_TYPE,
     TRACKS_TYPE,
     contacts_cdr,
     odometry_cdr,
@@ -40,6 +39,7 @@ from sonar_tracking.bags.positions.true_tracks import true_tracks_at
 from sonar_tracking.bags.storage.writer import new_bag
 from sonar_tracking.configuration import parameter
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.message_reading.own_ship_reading import ODOMETRY_TYPE
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 from sonar_tracking.records.contacts import Contacts

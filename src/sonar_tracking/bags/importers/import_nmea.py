@@ -16,7 +16,6 @@ import numpy as np
 from sonar_tracking.bags.contents.metadata import OfferedQuality
 from sonar_tracking.bags.contents.recording_information import RecordingInformation
 from sonar_tracking.bags.importers.contact_messages import (
-    ODOMETRY_TYPE,
     TRACKS_TYPE,
     odometry_cdr,
     truth_tracks_cdr,
@@ -36,6 +35,7 @@ from sonar_tracking.bags.positions.own_ship_track import (
 from sonar_tracking.bags.positions.true_tracks import TrueTargets
 from sonar_tracking.bags.storage.writer import new_bag
 from sonar_tracking.errors import ConfigurationError
+from sonar_tracking.message_reading.own_ship_reading import ODOMETRY_TYPE
 from sonar_tracking.records.arrays import IntArray
 from sonar_tracking.records.datum import Datum
 from sonar_tracking.records.positions import TruthTracks

@@ -37,8 +37,9 @@ from sonar_tracking.bags.positions.map_origin import MapOrigin
 from sonar_tracking.bags.positions.nmea_log import NmeaLogs
 from sonar_tracking.bags.positions.position_files import read_own_ship
 from sonar_tracking.bags.positions.surveyed_positions import SurveyedPositions
-from sonar_tracking.bags.storage.bag_records import ODOMETRY_TYPE, SAMPLES_TYPE
+from sonar_tracking.bags.storage.bag_records import SAMPLES_TYPE
 from sonar_tracking.configuration import from_mapping
+from sonar_tracking.message_reading.own_ship_reading import ODOMETRY_TYPE
 from sonar_tracking.passive.lines.band_demodulator_configuration import (
     BandDemodulatorConfiguration,
 )

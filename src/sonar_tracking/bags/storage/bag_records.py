@@ -22,7 +22,7 @@ from sonar_tracking.message_reading.contact_reading import (
     thresholds_from_message,
 )
 from sonar_tracking.message_reading.line_reading import frequency_lines_from_message
-from sonar_tracking.message_reading.own_ship_reading import OwnShipReader
+from sonar_tracking.message_reading.own_ship_reading import ODOMETRY_TYPE, OwnShipReader
 from sonar_tracking.message_reading.position_reading import position_tracks_from_message
 from sonar_tracking.message_reading.sample_reading import (
     lofar_rows_from_message,
@@ -40,7 +40,6 @@ BEARING_TRACKS_TYPE = "sonar_tracking_msgs/msg/BearingTracks"
 POSITION_TRACKS_TYPE = "sonar_tracking_msgs/msg/Tracks"
 CONTACTS_TYPE = "sonar_tracking_msgs/msg/Contacts"
 FREQUENCY_LINES_TYPE = "sonar_tracking_msgs/msg/FrequencyLines"
-ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
 IMAGE_TYPE = "sensor_msgs/msg/Image"
 SUBSPACES_TYPE = "sonar_tracking_msgs/msg/SubspaceEstimates"
 THRESHOLDS_TYPE = "sonar_tracking_msgs/msg/DetectionThreshold"

@@ -19,7 +19,6 @@ from sonar_tracking.display.page.page_commands import command_frame
 from sonar_tracking.display.page.page_configuration import PageConfiguration
 from sonar_tracking.display.page.page_frames import Frame, text_frame
 from sonar_tracking.display.page.place_frames import datum_frame
-from sonar_tracking.display.page.shown_types import ODOMETRY_TYPE
 from sonar_tracking.display.page.track_frames import (
     StationPlaces,
     alignment_frame,
@@ -43,7 +42,7 @@ from sonar_tracking.message_reading.contact_reading import (
 )
 from sonar_tracking.message_reading.field_reading import type_name
 from sonar_tracking.message_reading.line_reading import frequency_lines_from_message
-from sonar_tracking.message_reading.own_ship_reading import OwnShipReader
+from sonar_tracking.message_reading.own_ship_reading import ODOMETRY_TYPE, OwnShipReader
 from sonar_tracking.message_reading.position_reading import position_tracks_from_message
 from sonar_tracking.message_reading.sample_reading import samples_from_message
 from sonar_tracking.records.datum import Datum, datum_if_told

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
+from sonar_tracking.message_reading.own_ship_reading import ODOMETRY_TYPE
+
 COMMAND_TYPE = "sonar_tracking_msgs/msg/OperatorCommand"
 
 SHOWN_TYPES = (

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from bisect import bisect_left
-
 from sonar_tracking.motion import KinematicState
-from sonar_tracking.own_ship_interpolation import interpolate_own_ship, motion_in_map
+from sonar_tracking.own_ship_interpolation import motion_at
 from sonar_tracking.records.own_ship import OwnShipState
 from sonar_tracking.records.positions import TruthTracks
 from sonar_tracking.records.time import seconds
@@ -54,13 +52,4 @@ class KnownWorld:
         stamp : int
             ns.
         """
-        stamps, states = self._stamps.get(place, []), self._ships.get(place, [])
-        after = bisect_left(stamps, stamp)
-        if after == len(stamps):
-            return None
-        if stamps[after] == stamp:
-            return motion_in_map(states[after])
-        if after == 0:
-            return None
-        fraction = (stamp - stamps[after - 1]) / (stamps[after] - stamps[after - 1])
-        return motion_in_map(interpolate_own_ship(states[after - 1], states[after], fraction))
+        return motion_at(self._ships.get(place, ()), self._stamps.get(place, ()), stamp)

@@ -14,7 +14,6 @@ from sonar_tracking.evaluation.offline.known_world import KnownWorld
 from sonar_tracking.evaluation.offline.offline_bearing_chain import stage_configuration
 from sonar_tracking.evaluation.offline.place_tracks import (
     ECHOES,
-    POSITIONS,
     PlaceTracks,
     belonging,
     below,
@@ -32,15 +31,6 @@ from sonar_tracking.records.contacts import Contacts
 from sonar_tracking.records.positions import TruthTracks
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame
-
-__all__ = [
-    "ECHOES",
-    "POSITIONS",
-    "FusedMoment",
-    "fused_moments",
-    "make_track_fusion",
-    "run_offline_fusion_chain",
-]
 
 FUSION, OWN_LIST = "track_fusion", "own_tracks"
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from bisect import bisect_left
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
@@ -10,7 +9,6 @@ from typing import Any, TypeVar
 from sonar_tracking.bags.storage.bag_records import (
     BEARING_TRACKS_TYPE,
     FREQUENCY_LINES_TYPE,
-    ODOMETRY_TYPE,
     directions_of,
     frequency_lines_of,
     own_ship_of,
@@ -21,8 +19,9 @@ from sonar_tracking.configuration import Value
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.evaluation.offline.offline_bearing_chain import stage_configuration
 from sonar_tracking.evaluation.offline.offline_tma_chain import TRACKER
+from sonar_tracking.message_reading.own_ship_reading import ODOMETRY_TYPE
 from sonar_tracking.motion import KinematicState
-from sonar_tracking.own_ship_interpolation import interpolate_own_ship, motion_in_map
+from sonar_tracking.own_ship_interpolation import motion_at
 from sonar_tracking.records.bearings import BearingTracks
 from sonar_tracking.records.lines import FrequencyLines
 from sonar_tracking.records.own_ship import OwnShipState
@@ -90,7 +89,7 @@ def recorded_frames(bag: Bag, rejected: list[str]) -> RecordedFrames:
             lines.setdefault(heard.stamp, []).append(heard)
     frames = []
     for stamp in sorted({*bearings, *lines}):
-        motion = _motion(own_ship, stamps, stamp)
+        motion = motion_at(own_ship, stamps, stamp)
         there = bool(own_ship)
         frames.append(
             PassiveFrame(
@@ -129,18 +128,6 @@ def _own_ship(bag: Bag, rejected: list[str]) -> list[OwnShipState]:
         for state in own_ship_of(bag, topic, rejected):
             states[state.stamp] = state
     return [states[stamp] for stamp in sorted(states)]
-
-
-def _motion(own_ship: list[OwnShipState], stamps: list[int], stamp: int) -> KinematicState | None:
-    """Return own ship's motion at a stamp; None outside of what is known."""
-    after = bisect_left(stamps, stamp)
-    if after == len(stamps) or (after == 0 and stamps[0] != stamp):
-        return None
-    if stamps[after] == stamp:
-        return motion_in_map(own_ship[after])
-    before = own_ship[after - 1]
-    fraction = (stamp - before.stamp) / (stamps[after] - before.stamp)
-    return motion_in_map(interpolate_own_ship(before, own_ship[after], fraction))
 
 
 def _placed(

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.filtering.constant_velocity import in_plane
+from sonar_tracking.filtering.constant_velocity import in_plane, process_noise_matrix
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
 
@@ -93,5 +93,4 @@ def process_noise(
     velocity = slice(2, KINEMATIC)
     grown = float(np.linalg.eigvalsh(after[velocity, velocity] - moved[velocity, velocity])[-1])
     density = max(acceleration**2, grown / interval)
-    along = np.array([[interval**3 / 3.0, interval**2 / 2.0], [interval**2 / 2.0, interval]])
-    return density * in_plane(along)
+    return in_plane(process_noise_matrix(density, interval))

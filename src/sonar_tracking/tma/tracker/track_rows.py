@@ -8,12 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from sonar_tracking.filtering.constant_velocity import in_plane
+from sonar_tracking.filtering.constant_velocity import (
+    in_plane,
+    process_noise_matrix,
+    transition_matrix,
+)
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks, TrackHypothesis, TrackSource
 from sonar_tracking.records.time import NANOSECONDS
-from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, VERTICAL
+from sonar_tracking.tma.estimators.sensor_frame import VERTICAL
 from sonar_tracking.tma.estimators.vertical_prediction import predict_vertical
 from sonar_tracking.tma.targets.array_sides import LEFT, RIGHT, SINGLE
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
@@ -186,9 +190,7 @@ def _predict(
     interval = (stamp - solution.stamp) / NANOSECONDS
     if interval <= 0.0:
         return solution.mean, solution.covariance
-    transition = np.eye(KINEMATIC)
-    transition[0, 2] = transition[1, 3] = interval
-    along = np.array([[interval**3 / 3.0, interval**2 / 2.0], [interval**2 / 2.0, interval]])
-    noise = acceleration**2 * in_plane(along)
+    transition = in_plane(transition_matrix(interval))
+    noise = in_plane(process_noise_matrix(acceleration**2, interval))
     covariance = transition @ solution.covariance @ transition.T + noise
     return transition @ solution.mean, covariance

@@ -8,12 +8,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from sonar_tracking.evaluation.offline.offline_fusion_chain import (
-    ECHOES,
-    POSITIONS,
     FusedMoment,
     fused_moments,
     make_track_fusion,
 )
+from sonar_tracking.evaluation.offline.place_tracks import ECHOES, POSITIONS
 from sonar_tracking.evaluation.studies.track_fusion.central_filter import CentralFilter
 from sonar_tracking.evaluation.studies.track_fusion.conditions import CONDITIONS, Condition
 from sonar_tracking.evaluation.studies.track_fusion.held_rows import NEAR, HeldRows
