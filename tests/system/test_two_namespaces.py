@@ -91,7 +91,10 @@ def test_two_graphs_run_side_by_side_and_do_not_hear_each_other(tmp_path: Path) 
             stack.enter_context(process(node, log))
         probe.wait(lambda: len(here) >= 3 and len(there) >= 3, "tracks of both ships")
         ships = {f"{ship}/own_ship/base_link" for ship in ("ship_a", "ship_b")}
-        probe.wait(lambda: children(transforms) == ships, "frames of both ships in one tree")
+        probe.wait(
+            lambda: children(transforms) == ships,
+            lambda: f"frames of both ships in one tree, but of {sorted(children(transforms))}",
+        )
         for ship in ("ship_a", "ship_b"):
             (publisher,) = probe.node.get_publishers_info_by_topic(f"/{ship}/active/contacts")
             readers = probe.node.get_subscriptions_info_by_topic(f"/{ship}/active/contacts")
