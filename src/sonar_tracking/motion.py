@@ -11,6 +11,7 @@ Sound takes time: what is received at t left the target at the emission time t_e
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -206,6 +207,7 @@ class Trajectory:
         self._positions = np.array([position], dtype=np.float64)
         self._azimuths = np.array([azimuth], dtype=np.float64)
         self._rates = np.array([0.0])
+        self._look_up()
         for index, turn in enumerate(turns):
             following = turns[index + 1].time if index + 1 < len(turns) else np.inf
             self._append_turn(turn, following)
@@ -219,6 +221,10 @@ class Trajectory:
             s; before time 0 the first leg is prolonged backwards.
         """
         times = np.asarray(times, dtype=np.float64)
+        if times.ndim == 0:
+            leg_at = max(bisect_right(self._begins, float(times)) - 1, 0)
+            if self._rates[leg_at] == 0.0:
+                return self._straight_state_at(leg_at, times)
         if times.size > 1 and (only := self._only_leg(times)) is not None:
             return self._straight_state(only, times)
         leg = np.maximum(np.searchsorted(self._starts, times, side="right") - 1, 0)
@@ -240,6 +246,13 @@ class Trajectory:
         ends = self._starts.searchsorted((times.min(), times.max()), side="right")
         first, last = np.maximum(ends - 1, 0).tolist()
         return first if first == last and self._rates[first] == 0.0 else None
+
+    def _straight_state_at(self, leg: int, time: FloatArray) -> KinematicState:
+        """Return the state of a straight leg at one instant."""
+        heading = self._headings[leg]
+        position = self._positions[leg] + self._speed * (time - self._starts[leg]) * heading
+        velocity, rate = self._speed * heading, np.float64(0.0)
+        return KinematicState(position, velocity, self._azimuths[leg], rate)
 
     def _straight_state(self, leg: int, times: FloatArray) -> KinematicState:
         """Return the states of one straight leg, which has one heading."""
@@ -269,6 +282,12 @@ class Trajectory:
         self._positions = np.vstack([self._positions, begin.position])
         self._azimuths = np.append(self._azimuths, begin.azimuth)
         self._rates = np.append(self._rates, rate)
+        self._look_up()
+
+    def _look_up(self) -> None:
+        """Keep what an instant is looked up in: beginnings of the legs and their headings."""
+        self._begins = self._starts.tolist()
+        self._headings = _unit(self._azimuths)
 
 
 def emission_times(

@@ -232,9 +232,9 @@ def _nodes_of(scenario: Scenario, namespace: str) -> NodeParameters:
 
 def _follow_bearing_sensors(scenario: Scenario, told: PlaceTracks) -> None:
     places = [sensor.namespace for sensor in scenario.bearing_sensors]
-    for frame in iter(BearingSimulation(scenario).next_frame, None):
-        for report in frame.reports:
-            place, stamp = places[report.station], frame.start_stamp
+    for reports in iter(BearingSimulation(scenario).next_reports, ()):
+        for report in reports:
+            place, stamp = places[report.station], report.truth.stamp
             if report.bearings is not None:
                 told.bearings.add(below(place, BEARINGS), stamp, report.bearings)
             if report.lines is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -60,6 +60,10 @@ class OwnShipConfiguration:
 
     def trajectory(self) -> Trajectory:
         """Return the motion of own ship."""
+        return self._trajectory
+
+    @cached_property
+    def _trajectory(self) -> Trajectory:
         return make_trajectory(self.position, self.course_deg, self.speed, self.turns)
 
 

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sonar_tracking.motion import KinematicState, Path
+from sonar_tracking.records.arrays import FloatArray, IndexArray
 
 CHUNK = 1024
 """Seconds of acceleration drawn at a time."""
@@ -43,12 +44,19 @@ class WanderingPath:
             s; before time 0 there is no acceleration.
         """
         times = np.asarray(times, dtype=np.float64)
-        while np.max(times, initial=0.0) >= len(self._acceleration):
+        while times.max(initial=0.0) >= len(self._acceleration):
             self._extend()
         base = self._path.state(times)
-        since = np.maximum(times, 0.0)
-        second = np.floor(since).astype(int)
-        rest = (since - second)[..., None]
+        second: IndexArray | int
+        rest: FloatArray | float
+        if times.ndim:
+            since = np.maximum(times, 0.0)
+            second = np.floor(since).astype(int)
+            rest = (since - second)[..., None]
+        else:  # one instant without arrays of one number, which would take most of the time
+            moment = max(float(times), 0.0)
+            second = int(moment)
+            rest = moment - second
         acceleration = self._acceleration[second]
         velocity = self._velocity[second] + rest * acceleration
         position = self._position[second] + rest * 0.5 * (self._velocity[second] + velocity)

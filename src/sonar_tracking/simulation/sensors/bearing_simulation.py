@@ -90,16 +90,17 @@ class BearingSimulation:
         self._end = scenario.stamp(scenario.start + scenario.duration)
         streams = (RANDOM_STREAM,) if scenario.array_given else ()
         seeds = np.random.SeedSequence(scenario.seed, spawn_key=streams).spawn(len(sensors))
+        self._frames = [sensor.number_of_frames(scenario.duration) for sensor in sensors]
         self._stations = [
             BearingStation(
                 sensor,
                 sensor.trajectory(scenario.platforms),
                 scenario.targets,
                 np.random.default_rng(seed),
+                scenario.start + np.arange(count) * sensor.frame_interval,
             )
-            for sensor, seed in zip(sensors, seeds, strict=True)
+            for sensor, seed, count in zip(sensors, seeds, self._frames, strict=True)
         ]
-        self._frames = [sensor.number_of_frames(scenario.duration) for sensor in sensors]
         self._next = [0] * len(sensors)
 
     def next_frame(self) -> SimulatedFrame | None:
@@ -107,19 +108,27 @@ class BearingSimulation:
         stamp = self._earliest()
         if stamp == END_OF_DATA:
             return None
-        reports = []
-        time = 0.0
-        for station in range(len(self._stations)):
-            if self._stamp_of(station) == stamp:
-                time = self._time_of(station)
-                reports.append(self._report(station, time))
+        time = next(
+            self._time_of(station)
+            for station in reversed(range(len(self._stations)))
+            if self._stamp_of(station) == stamp
+        )
+        reports = self.next_reports()
         return SimulatedFrame(
             start_stamp=stamp,
             due_stamp=max(min(stamp + self._step, self._end), stamp + 1),
             own_ship=own_ship_at(self._scenario, time),
             truth_tracks=true_tracks(self._scenario, time, self._earliest()),
-            reports=tuple(reports),
+            reports=reports,
         )
+
+    def next_reports(self) -> tuple[StationReport, ...]:
+        """Return what the stations tell in the next frame, one at least; none after the last."""
+        stamp = self._earliest()
+        if stamp == END_OF_DATA:
+            return ()
+        due = [one for one in range(len(self._stations)) if self._stamp_of(one) == stamp]
+        return tuple(self._report(station, stamp) for station in due)
 
     def _earliest(self) -> int:
         return min(self._stamp_of(station) for station in range(len(self._stations)))
@@ -134,12 +143,12 @@ class BearingSimulation:
             return END_OF_DATA
         return self._scenario.stamp(self._time_of(station))
 
-    def _report(self, station: int, time: float) -> StationReport:
-        stamp = self._scenario.stamp(time)
+    def _report(self, station: int, stamp: int) -> StationReport:
+        frame = self._next[station]
         self._next[station] += 1
         next_stamp = self._stamp_of(station)
         made = self._stations[station]
-        truth = made.truth(time, stamp, next_stamp)
-        measured = made.measure(time, truth, last=next_stamp == END_OF_DATA)
+        truth = made.truth(frame, stamp, next_stamp)
+        measured = made.measure(frame, truth, last=next_stamp == END_OF_DATA)
         bearings, lines = measured if measured is not None else (None, None)
         return StationReport(station, bearings, lines, truth)

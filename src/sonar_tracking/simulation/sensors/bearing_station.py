@@ -28,13 +28,14 @@ from sonar_tracking.simulation.scenarios.bearing_sensor_configuration import (
 from sonar_tracking.simulation.scenarios.kinematic_motion import KinematicMotion
 from sonar_tracking.simulation.scenarios.platforms import OWN_SHIP, Receiver
 from sonar_tracking.simulation.scenarios.target import TargetConfiguration
+from sonar_tracking.simulation.sensors.arrivals_ahead import ArrivalsAhead
 
 AT_ONCE = 1e15
 """Sound speed that leaves no travel time, m/s."""
 
 
 class BearingStation:
-    """Measures the targets at the instants it is asked for, in their order.
+    """Measures the targets, frame by frame in their order.
 
     Parameters
     ----------
@@ -46,6 +47,8 @@ class BearingStation:
         What it listens to.
     generator : numpy.random.Generator
         Its randomness.
+    times : ndarray, shape (n_frames,)
+        Of its frames, s.
     """
 
     def __init__(
@@ -54,6 +57,7 @@ class BearingStation:
         trajectory: Trajectory,
         targets: Sequence[TargetConfiguration],
         generator: np.random.Generator,
+        times: FloatArray,
     ) -> None:
         self._configuration = configuration
         self._trajectory = trajectory
@@ -62,22 +66,25 @@ class BearingStation:
         self._track_of: dict[int, int] = {}
         self._tracks_started = 0
         delayed = configuration.propagation != INSTANTANEOUS
-        self._receiver = Receiver(
+        receiver = Receiver(
             trajectory=trajectory,
             mounting_yaw=configuration.mounting_yaw,
             sound_speed=configuration.sound_speed if delayed else AT_ONCE,
             ambiguous=configuration.ambiguous,
         )
+        self._times = times
+        self._arrivals = ArrivalsAhead(self._targets, receiver, times)
 
-    def truth(self, time: float, stamp: int, next_stamp: int) -> BearingTracks:
+    def truth(self, frame: int, stamp: int, next_stamp: int) -> BearingTracks:
         """Return the true angles of the targets present, identified by their numbers from 1."""
+        time = float(self._times[frame])
         rows = [n for n, target in enumerate(self._targets) if target.is_heard(time)]
-        angles, rates = self._angles(rows, time)
+        angles, rates = self._arrivals.at(frame, rows)
         count = len(rows)
         return self._tracks(
             stamp,
             next_stamp,
-            time,
+            self._sensor(time),
             ids=[row + 1 for row in rows],
             status=np.full(count, TrackStatus.CONFIRMED),
             angles=angles,
@@ -87,16 +94,16 @@ class BearingStation:
         )
 
     def measure(
-        self, time: float, truth: BearingTracks, last: bool
+        self, frame: int, truth: BearingTracks, last: bool
     ) -> tuple[BearingTracks, FrequencyLines] | None:
         """Return bearings and lines with their errors, or None where the frame is missing.
 
         Parameters
         ----------
-        time : float
-            Of the frame, s.
+        frame : int
+            Its number, from 0.
         truth : BearingTracks
-            At that time.
+            In it.
         last : bool
             The last frame is never missing: it tells that the data end.
         """
@@ -115,25 +122,13 @@ class BearingStation:
         angles = np.where(wild, limit * (2.0 * uniform[1, present] - 1.0), angles)
         # A cone is told with the axis, which is where the misalignment stands then.
         told = _folded(angles) if station.ambiguous else wrap_angle(angles - station.misalignment)
-        bearings = self._bearings(time, truth, present, told)
+        bearings = self._bearings(truth, present, told)
         of_lines = normal[n_targets:].reshape(2, n_lines)
-        lines = self._lines(time, truth, of_lines, uniform[:, n_targets:])
+        lines = self._lines(float(self._times[frame]), truth, of_lines, uniform[:, n_targets:])
         return bearings, lines
 
-    def _angles(self, rows: list[int], time: float) -> tuple[FloatArray, FloatArray]:
-        """Return true angles and rates, cones or azimuths in ``map``."""
-        angles, rates = np.empty(len(rows)), np.empty(len(rows))
-        for index, row in enumerate(rows):
-            angle, rate = self._targets[row].motion.arrival(np.array([time]), self._receiver)
-            angles[index], rates[index] = angle[0], rate[0]
-        if self._configuration.ambiguous:
-            return angles, rates
-        state = self._trajectory.state(time)
-        axis = state.azimuth + self._configuration.mounting_yaw
-        return wrap_angle(axis + 0.5 * np.pi - angles), state.turn_rate - rates
-
     def _bearings(
-        self, time: float, truth: BearingTracks, present: list[int], angles: FloatArray
+        self, truth: BearingTracks, present: list[int], angles: FloatArray
     ) -> BearingTracks:
         ended = [self._track_of.pop(row) for row in sorted(self._track_of) if row not in present]
         for row in present:
@@ -144,7 +139,7 @@ class BearingStation:
         return self._tracks(
             truth.stamp,
             truth.next_stamp,
-            time,
+            truth.sensor,
             ids=[self._track_of[row] for row in present] + ended,
             status=np.repeat(
                 [TrackStatus.CONFIRMED, TrackStatus.TERMINATED], [len(present), len(ended)]
@@ -159,7 +154,7 @@ class BearingStation:
         self,
         stamp: int,
         next_stamp: int,
-        time: float,
+        sensor: Sensor,
         ids: list[int],
         status: IntArray,
         angles: FloatArray,
@@ -186,7 +181,7 @@ class BearingStation:
             existence_probability=np.ones(count),
             ambiguous=np.full(count, ambiguous),
             next_stamp=next_stamp,
-            sensor=self._sensor(time),
+            sensor=sensor,
             angle_kind=AngleKind.CONE if ambiguous else AngleKind.AZIMUTH,
         )
 
@@ -230,7 +225,7 @@ class BearingStation:
             signal_to_noise_ratio=np.full(count, np.nan),
             integration_time=np.full(count, station.frame_interval),
             next_stamp=truth.next_stamp,
-            sensor=self._sensor(time),
+            sensor=truth.sensor,
         )
 
     def _from_broadside(self, angle: float, state: KinematicState) -> float:
