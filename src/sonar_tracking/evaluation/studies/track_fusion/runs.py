@@ -13,7 +13,11 @@ from sonar_tracking.evaluation.offline.offline_fusion_chain import (
     make_track_fusion,
 )
 from sonar_tracking.evaluation.offline.place_tracks import ECHOES, POSITIONS
-from sonar_tracking.evaluation.studies.track_fusion.central_filter import CentralFilter
+from sonar_tracking.evaluation.studies.track_fusion.central_filter import (
+    CentralFilters,
+    ToldMoment,
+    told_moment,
+)
 from sonar_tracking.evaluation.studies.track_fusion.conditions import CONDITIONS, Condition
 from sonar_tracking.evaluation.studies.track_fusion.held_rows import NEAR, HeldRows
 from sonar_tracking.evaluation.studies.track_fusion.list_rules import RULES
@@ -87,13 +91,45 @@ class FusionRun:
         self.claimed[system].append(float(np.trace(spread[:2, :2])))
 
 
+@dataclass(frozen=True)
+class _FollowedRun:
+    """A run as it was fused.
+
+    Attributes
+    ----------
+    run : FusionRun
+        What was counted so far.
+    moments : list of ToldMoment
+        What the filters that are told whose all is take in, stamp by stamp.
+    counted : list of dict of int to ndarray, shape (4,)
+        True states of the ships that count at each of these stamps, x, y, vx, vy, m and m/s.
+    """
+
+    run: FusionRun
+    moments: list[ToldMoment]
+    counted: list[dict[int, FloatArray]]
+
+
 def fusion_runs(task: FusionTask) -> tuple[FusionRun, ...]:
     """Simulate runs, fuse them in every way, and score them."""
-    return tuple(fusion_run(task.condition, seed) for seed in task.seeds)
+    configuration = make_track_fusion(
+        CONDITIONS[task.condition].scenario(task.seeds[0])
+    ).configuration
+    followed = [_followed_run(task.condition, seed) for seed in task.seeds]
+    for system, exact in ((CENTRAL, False), (BOUND, True)):
+        filters = CentralFilters(configuration, len(followed), exact)
+        for place, moments in enumerate(zip(*(one.moments for one in followed), strict=True)):
+            filters.update(moments)
+            for number, one in enumerate(followed):
+                true = one.counted[place]
+                states = filters.states(number) if true else {}
+                for ship in set(true) & set(states):
+                    one.run.count(system, true[ship], *states[ship])
+    return tuple(one.run for one in followed)
 
 
-def fusion_run(name: str, seed: np.random.SeedSequence) -> FusionRun:
-    """Simulate one run, fuse it in every way, and score it.
+def _followed_run(name: str, seed: np.random.SeedSequence) -> _FollowedRun:
+    """Simulate one run, fuse it, and score it but for the filters that are told whose all is.
 
     Parameters
     ----------
@@ -105,18 +141,18 @@ def fusion_run(name: str, seed: np.random.SeedSequence) -> FusionRun:
     condition = CONDITIONS[name]
     scenario = condition.scenario(seed)
     stage = make_track_fusion(scenario)
-    central = CentralFilter(stage.configuration)
-    bound = CentralFilter(stage.configuration, exact=True)
     run = FusionRun(name)
+    followed = _FollowedRun(run, [], [])
     held = HeldRows()
+    arrays: dict[str, int] = {}
     latest: PositionTracks | None = None
     for moment in fused_moments(scenario):
         heard = _without_lost(moment, condition, seconds(moment.frame.stamp - scenario.epoch))
         if not (heard.frame.active or heard.frame.bearings):
             continue
         update = stage.update(heard.frame)
-        central.update(heard)
-        bound.update(heard)
+        followed.moments.append(told_moment(heard, arrays, stage.configuration))
+        followed.counted.append({})
         latest = heard.frame.passive.get(POSITIONS, latest)
         time = seconds(moment.frame.stamp - scenario.epoch)
         if moment.contacts is None:
@@ -124,10 +160,7 @@ def fusion_run(name: str, seed: np.random.SeedSequence) -> FusionRun:
         seen = _count_fused(run, update.tracks, heard.truth, time, held)
         if time >= SETTLED:
             true = _true_states(heard.truth)
-            for system, filters in ((CENTRAL, central), (BOUND, bound)):
-                states = filters.states()
-                for ship in seen & set(states):
-                    run.count(system, true[ship], *states[ship])
+            followed.counted[-1].update((ship, true[ship]) for ship in seen)
             _count_lists(run, heard, latest)
     run.names, run.doubled = sum(len(own) - 1 for own in held.names.values()), held.doubled
     known = update.alignments
@@ -135,7 +168,7 @@ def fusion_run(name: str, seed: np.random.SeedSequence) -> FusionRun:
     turned = np.radians(condition.misalignment_deg)
     run.alignment_error = float(known.misalignment[place] - turned)
     run.alignment_deviation = float(known.misalignment_standard_deviation[place])
-    return run
+    return followed
 
 
 def _without_lost(moment: FusedMoment, condition: Condition, time: float) -> FusedMoment:
