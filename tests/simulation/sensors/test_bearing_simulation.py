@@ -16,7 +16,11 @@ from sonar_tracking.simulation.scenarios.bearing_sensor_configuration import (
     check_bearing_sensors,
 )
 from sonar_tracking.simulation.scenarios.kinematic_motion import KinematicMotion
-from sonar_tracking.simulation.scenarios.platforms import OwnShipConfiguration, TurnConfiguration
+from sonar_tracking.simulation.scenarios.platforms import (
+    OwnShipConfiguration,
+    Receiver,
+    TurnConfiguration,
+)
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.scenarios.scenario_mapping import (
     scenario_from_mapping,
@@ -158,6 +162,45 @@ def test_stations_run_at_their_own_pace_and_draw_their_own_numbers() -> None:
     assert measured(world, 1)[0][0].sensor.position == (0.0, 9e3, 0.0)
 
 
+def test_frames_looked_ahead_have_the_angles_of_each_by_itself() -> None:
+    buoy = replace(EXACT, sensor_id="buoy", platform="fixed", angle_kind="azimuth")
+    motion = KinematicMotion(position=(900.0, -400.0), speed=4.0, acceleration=0.05)
+    turns = (TurnConfiguration(50.0, 0.0, 1.0), TurnConfiguration(170.0, 200.0, 2.0))
+    world = scene(
+        *(EXACT, replace(buoy, namespace="buoy")),
+        own_ship=OwnShipConfiguration(course_deg=90.0, speed=6.0, turns=turns),
+        targets=(TARGET, replace(TARGET, motion=motion)),
+        duration=300.0,
+    )
+    for station, sensor in enumerate(world.bearing_sensors):
+        receiver = Receiver(
+            sensor.trajectory(world.platforms),
+            sensor.mounting_yaw,
+            sensor.sound_speed,
+            sensor.ambiguous,
+        )
+        for frame, (_, _, truth) in enumerate(measured(world, station)):
+            now = np.array([frame * sensor.frame_interval])
+            alone = [target.motion.arrival(now, receiver) for target in world.targets]
+            angle, rate = np.array(alone)[..., 0].T
+            if not sensor.ambiguous:
+                ship = receiver.trajectory.state(now[0])
+                angle = wrap_angle(ship.azimuth + sensor.mounting_yaw + 0.5 * np.pi - angle)
+                rate = ship.turn_rate - rate
+            assert truth.arrival_angle.tolist() == angle.tolist()
+            assert truth.arrival_angle_rate.tolist() == rate.tolist()
+
+
+def test_reports_without_the_world_are_those_of_the_frames() -> None:
+    world = scene(EXACT, replace(EXACT, sensor_id="buoy", namespace="buoy", frame_interval=2.5))
+    simulation = BearingSimulation(world)
+    for frame in iter(BearingSimulation(world).next_frame, None):
+        reports = simulation.next_reports()
+        assert [one.station for one in reports] == [one.station for one in frame.reports]
+        assert [one.truth.stamp for one in reports] == [frame.start_stamp] * len(reports)
+    assert simulation.next_reports() == ()
+
+
 def test_lines_may_be_left_without_a_track() -> None:
     station = replace(EXACT, attribute_lines=False)
     bearings, lines, _ = measured(scene(station))[0]
@@ -178,6 +221,12 @@ def test_a_wandering_target_has_the_stated_acceleration_and_is_the_same_again() 
     assert again.trajectory.state(1234.5).position == pytest.approx(
         motion.trajectory.state(1234.5).position, abs=0.0
     )
+    instants = np.array([-3.0, 0.0, 7.0, 1023.9, 1234.5])
+    together = motion.trajectory.state(instants)
+    for place, instant in enumerate(instants):
+        alone = motion.trajectory.state(instant)
+        assert alone.position.tolist() == together.position[place].tolist()
+        assert alone.velocity.tolist() == together.velocity[place].tolist()
 
 
 def test_instant_turns_of_own_ship_are_nearly_so() -> None:

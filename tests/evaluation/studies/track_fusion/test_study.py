@@ -5,7 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from sonar_tracking.evaluation.offline.offline_fusion_chain import fused_moments
 from sonar_tracking.evaluation.studies.track_fusion import conditions
+from sonar_tracking.evaluation.studies.track_fusion.central_filter import (
+    CentralFilters,
+    told_moment,
+)
 from sonar_tracking.evaluation.studies.track_fusion.conditions import CONDITIONS
 from sonar_tracking.evaluation.studies.track_fusion.list_rules import (
     covariance_intersection,
@@ -21,6 +26,7 @@ from sonar_tracking.evaluation.studies.track_fusion.runs import (
 )
 from sonar_tracking.evaluation.studies.track_fusion.study import metrics, rows, tasks
 from sonar_tracking.filtering.kalman import KalmanState
+from sonar_tracking.fusion.track_fusion_configuration import TrackFusionConfiguration
 
 
 def test_rules_by_hand() -> None:
@@ -35,6 +41,30 @@ def test_rules_by_hand() -> None:
 def test_every_condition_has_its_tasks() -> None:
     names = {task.argument.condition for task in tasks(3, seed=1)}
     assert names == set(CONDITIONS)
+
+
+def test_filters_of_several_runs_at_once_are_those_of_each_by_itself(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(conditions, "DURATION", 60.0)
+    configuration, runs = TrackFusionConfiguration(), []
+    for seed in np.random.SeedSequence(2).spawn(2):
+        moments, arrays = fused_moments(CONDITIONS["two stations"].scenario(seed)), {}
+        runs.append([told_moment(one, arrays, configuration) for one in moments])
+        assert arrays == {"array": 0, "buoy": 1}
+    for exact in (False, True):
+        together = CentralFilters(configuration, 2, exact)
+        alone = [CentralFilters(configuration, 1, exact) for _ in runs]
+        for moments in zip(*runs, strict=True):
+            together.update(moments)
+            for own, moment in zip(alone, moments, strict=True):
+                own.update([moment])
+        for number, own in enumerate(alone):
+            found = together.states(number)
+            assert found.keys() == own.states(0).keys() and len(found) == 4
+            for ship, (mean, covariance) in own.states(0).items():
+                assert mean.tolist() == found[ship][0].tolist()
+                assert covariance.tolist() == found[ship][1].tolist()
 
 
 @pytest.mark.slow

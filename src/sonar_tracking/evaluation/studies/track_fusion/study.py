@@ -36,7 +36,7 @@ from sonar_tracking.evaluation.studies.track_fusion.runs import (
     fusion_runs,
 )
 
-RUNS_PER_TASK = 5
+RUNS_PER_TASK = 10
 
 STYLES = {
     FUSED: Style("#D55E00", "o"),
