@@ -251,8 +251,8 @@ class Trajectory:
         """Return the state of a straight leg at one instant."""
         heading = self._headings[leg]
         position = self._positions[leg] + self._speed * (time - self._starts[leg]) * heading
-        velocity, rate = self._speed * heading, np.float64(0.0)
-        return KinematicState(position, velocity, self._azimuths[leg], rate)
+        velocity = self._speed * heading
+        return KinematicState(position, velocity, self._azimuths[leg], self._rates[leg])
 
     def _straight_state(self, leg: int, times: FloatArray) -> KinematicState:
         """Return the states of one straight leg, which has one heading."""

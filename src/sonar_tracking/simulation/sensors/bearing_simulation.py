@@ -97,7 +97,7 @@ class BearingSimulation:
                 sensor.trajectory(scenario.platforms),
                 scenario.targets,
                 np.random.default_rng(seed),
-                scenario.start + np.arange(count) * sensor.frame_interval,
+                scenario.start + np.arange(count, dtype=np.float64) * sensor.frame_interval,
             )
             for sensor, seed, count in zip(sensors, seeds, self._frames, strict=True)
         ]

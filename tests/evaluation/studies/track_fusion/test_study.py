@@ -49,8 +49,9 @@ def test_filters_of_several_runs_at_once_are_those_of_each_by_itself(
     monkeypatch.setattr(conditions, "DURATION", 60.0)
     configuration, runs = TrackFusionConfiguration(), []
     for seed in np.random.SeedSequence(2).spawn(2):
-        moments, arrays = fused_moments(CONDITIONS["two stations"].scenario(seed)), {}
-        runs.append([told_moment(one, arrays, configuration) for one in moments])
+        arrays: dict[str, int] = {}
+        scenario = CONDITIONS["two stations"].scenario(seed)
+        runs.append([told_moment(one, arrays, configuration) for one in fused_moments(scenario)])
         assert arrays == {"array": 0, "buoy": 1}
     for exact in (False, True):
         together = CentralFilters(configuration, 2, exact)
