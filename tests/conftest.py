@@ -13,6 +13,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from sonar_tracking.one_thread import ONE_THREAD
+from tests.hanging import pytest_configure  # noqa: F401  (hook)
 from tests.left_open import pytest_runtest_teardown  # noqa: F401  (hook)
 from tests.sharing_out import (  # noqa: F401  (hooks)
     pytest_testnodedown,
@@ -37,6 +38,8 @@ settings.load_profile("busy_machine")
 MARKS = {
     "tests/system/": pytest.mark.system,
     "tests/docs/test_tutorials.py": pytest.mark.system,
+    "tests/display/page/test_axes_in_browser.py": pytest.mark.slow,
+    "tests/display/page/test_operating_in_browser.py": pytest.mark.slow,
     "tests/display/page/test_page_in_browser.py": pytest.mark.slow,
     "tests/display/page/test_waterfalls_in_browser.py": pytest.mark.slow,
     "tests/docs/test_build.py": pytest.mark.slow,
