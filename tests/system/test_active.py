@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,13 +15,14 @@ from tests.system.command_line import digests, report_of, run_command
 
 TRACKS = "/active/tracks"
 OUTPUTS = (TRACKS, "/active/threshold")
-PINGS = 120
+PINGS = 40
+DURATION = 10.0 * PINGS
 
 
 def test_the_active_scenario_runs_and_replays_identically(tmp_path: Path) -> None:
     bag = tmp_path / "bag"
     done = run_command(
-        tmp_path, "run", "active", "--rate", "max", "--record", bag,
+        tmp_path, "run", "active", "--duration", DURATION, "--rate", "max", "--record", bag,
         "--json", tmp_path / "run.json",
     )  # fmt: skip
     assert done.returncode == 0, done.stdout
@@ -36,7 +38,7 @@ def test_the_active_scenario_runs_and_replays_identically(tmp_path: Path) -> Non
     assert all(replayed["comparison"][name].startswith("identical: ") for name in OUTPUTS)
     assert digests(replayed) == {name: digests(live)[name] for name in digests(replayed)}
 
-    offline = run_offline_active_chain(load_scenario("active"))
+    offline = run_offline_active_chain(replace(load_scenario("active"), duration=DURATION))
     recorded = list(position_tracks_of(read_bag(bag), TRACKS))
     for found, update in zip(recorded, offline.updates, strict=True):
         assert found.stamp == update.tracks.stamp
