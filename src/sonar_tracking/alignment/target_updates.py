@@ -81,18 +81,39 @@ class Bearings:
         derivative : ndarray, shape (n, ..., d)
             Of the prediction, rad/m, rad s/m and pure numbers.
         """
-        offset = mean[..., :2] - self.station
-        delay = self.lag + np.hypot(offset[..., 0], offset[..., 1]) / self.propagation_speed
-        seen = offset - delay[..., None] * mean[..., 2:MOTION]
-        square = np.maximum(np.sum(seen**2, axis=-1), NEAREST**2)
-        across = np.stack([-seen[..., 1], seen[..., 0]], axis=-1) / square[..., None]
+        expected, derivative = self.expected(mean)
+        return self.innovation(expected), derivative
+
+    def innovation(self, expected: FloatArray) -> FloatArray:
+        """Return by how much azimuths differ from those expected, shape (n, ...), rad."""
+        azimuth = self.azimuth.reshape(-1, *(1,) * (expected.ndim - 1))
+        return np.asarray(wrap_angle(azimuth - expected))
+
+    def expected(self, mean: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the azimuths of targets as their data will tell, and their derivatives.
+
+        Parameters
+        ----------
+        mean : ndarray, shape (n, ..., d)
+            m, m/s and rad.
+
+        Returns
+        -------
+        azimuth : ndarray, shape (n, ...)
+            rad.
+        derivative : ndarray, shape (n, ..., d)
+            By the state, rad/m, rad s/m and pure numbers.
+        """
+        east, north, speed_east, speed_north = (mean[..., axis] for axis in range(MOTION))
+        east, north = east - self.station[0], north - self.station[1]
+        delay = self.lag + np.hypot(east, north) / self.propagation_speed
+        east, north = east - delay * speed_east, north - delay * speed_north
+        square = np.maximum(east * east + north * north, NEAREST**2)
         derivative = np.zeros(mean.shape)
-        derivative[..., :2] = across
-        derivative[..., 2:MOTION] = -delay[..., None] * across
+        for axis, across in enumerate((-north / square, east / square)):
+            derivative[..., axis], derivative[..., 2 + axis] = across, -delay * across
         derivative[..., MOTION + self.array] = -1.0
-        azimuth = self.azimuth.reshape(-1, *(1,) * (mean.ndim - 2))
-        expected = np.arctan2(seen[..., 1], seen[..., 0]) - mean[..., MOTION + self.array]
-        return np.asarray(wrap_angle(azimuth - expected)), derivative
+        return np.arctan2(north, east) - mean[..., MOTION + self.array], derivative
 
 
 def expected_azimuths(
@@ -198,33 +219,60 @@ def updated_by_bearings(
     log_likelihood : ndarray, shape (n,)
         Log of the density, 1/rad.
     """
-    near, log_density = _one_side(targets, bearings)
+    sight = _line_of_sight(targets, bearings)
+    innovation = bearings.innovation(sight.expected)
+    mean, log_density = sight.updated(targets.mean, innovation)
     mirrored = bearings.mirrored
     if mirrored is None:
-        return _weighed(near, log_density)
-    other, log_other = _one_side(targets, mirrored)
+        return _weighed(replace(targets, mean=mean, covariance=sight.covariance), log_density)
+    # Both sides have the same gain, and leave the same covariance.
+    innovation = mirrored.innovation(sight.expected)
+    mean_of_other, log_other = sight.updated(targets.mean, innovation)
     total = np.logaddexp(log_density, log_other)
     share = np.exp(log_other - total)[..., None]
-    apart = other.mean - near.mean
-    mean = near.mean + share * apart
-    within = near.covariance + share[..., None] * (other.covariance - near.covariance)
+    apart = mean_of_other - mean
     between = (share * (1.0 - share))[..., None] * apart[..., None] * apart[..., None, :]
-    return _weighed(replace(near, mean=mean, covariance=within + between), total)
+    covariance = sight.covariance + between
+    return _weighed(replace(targets, mean=mean + share * apart, covariance=covariance), total)
 
 
-def _one_side(targets: AlignedTargets, bearings: Bearings) -> tuple[AlignedTargets, FloatArray]:
-    """Return targets updated by the bearings of one side, and log densities in each mode."""
-    innovation, derivative = bearings.linearised(targets.mean)
+@dataclass(frozen=True)
+class _LineOfSight:
+    """What a bearing does to targets whatever it is, by target and mode.
+
+    Attributes
+    ----------
+    expected, spread : ndarray, shape (n, n_modes)
+        Azimuths as the data will tell, rad, and variances of the innovations, rad^2.
+    gain : ndarray, shape (n, n_modes, d)
+        m/rad, m/s/rad and pure numbers.
+    covariance : ndarray, shape (n, n_modes, d, d)
+        Of the updated targets, in their units squared.
+    """
+
+    expected: FloatArray
+    spread: FloatArray
+    gain: FloatArray
+    covariance: FloatArray
+
+    def updated(self, mean: FloatArray, innovation: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return means updated by innovations, shape (n, n_modes), rad, and log densities."""
+        square = innovation**2 / self.spread
+        log_density = -0.5 * (square + np.log(2.0 * np.pi * self.spread))
+        return mean + self.gain * innovation[..., None], log_density
+
+
+def _line_of_sight(targets: AlignedTargets, bearings: Bearings) -> _LineOfSight:
+    """Return what bearings do to targets whatever they are."""
+    expected, derivative = bearings.expected(targets.mean)
     noise = bearings.variance[:, None]
     cross = np.einsum("nmij,nmj->nmi", targets.covariance, derivative)
     spread = np.einsum("nmi,nmi->nm", derivative, cross) + noise
     gain = cross / spread[..., None]
-    mean = targets.mean + gain * innovation[..., None]
     remaining = np.eye(targets.mean.shape[-1]) - gain[..., None] * derivative[..., None, :]
     covariance = remaining @ targets.covariance @ remaining.swapaxes(-1, -2)
     covariance += noise[..., None, None] * gain[..., None] * gain[..., None, :]
-    log_density = -0.5 * (innovation**2 / spread + np.log(2.0 * np.pi * spread))
-    return replace(targets, mean=mean, covariance=covariance), log_density
+    return _LineOfSight(expected, spread, gain, covariance)
 
 
 def updated_by_positions(

@@ -44,7 +44,7 @@ from sonar_tracking.fusion.lone_bearings import (
     predicted_bearings,
     unheard,
 )
-from sonar_tracking.fusion.sided_bearings import sided_bearings
+from sonar_tracking.fusion.sided_bearings import expected_bearings, sided_bearings
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 
 GATE = 4.0
@@ -162,7 +162,8 @@ class BearingTrials:
         tried = [self.trials[row] for row in rows]
         own = [by_key[one.key] for one in tried]
         targets = self.targets.rows(rows)
-        bearings = sided_bearings(own, targets, propagation_speed)
+        expected, _ = expected_bearings(own, targets, propagation_speed)
+        bearings = sided_bearings(own, expected, propagation_speed)
         together = log_likelihood(targets, bearings, [others[one.target] for one in tried])
         lone, apart = heard(self._lone.rows(rows), bearings.azimuth, bearings.variance)
         self._lone.mean[rows], self._lone.covariance[rows] = lone.mean, lone.covariance

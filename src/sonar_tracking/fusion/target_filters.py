@@ -29,7 +29,6 @@ from sonar_tracking.alignment.shared_alignment import (
 from sonar_tracking.alignment.target_updates import (
     Bearings,
     expected_azimuths,
-    innovations,
     updated_by_bearings,
     updated_by_positions,
     updated_if_expected,
@@ -40,7 +39,7 @@ from sonar_tracking.fusion.exchanges import ECHOES, Exchange, Exchanges
 from sonar_tracking.fusion.fused_target import FusedTarget
 from sonar_tracking.fusion.fusion_records import HeardBearing
 from sonar_tracking.fusion.lone_bearings import guarded
-from sonar_tracking.fusion.sided_bearings import sided_bearings
+from sonar_tracking.fusion.sided_bearings import expected_bearings, sided_bearings
 from sonar_tracking.records.alignments import ArrayAlignments
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
 
@@ -200,17 +199,20 @@ class TargetFilters:
         """
         rows = self._rows(targets)
         aligned = self._aligned.rows(rows)
-        bearings = sided_bearings(found, aligned, self._speed)
-        expected = self._learn(found, bearings, aligned)
+        expected, spread = expected_bearings(found, aligned, self._speed)
+        bearings = sided_bearings(found, expected, self._speed)
+        as_expected = self._learn(found, bearings, bearings.innovation(expected), spread)
         updated, likelihood = updated_by_bearings(aligned, bearings)
-        own = np.flatnonzero(expected)
+        own = np.flatnonzero(as_expected)
         self._aligned = replaced(self._aligned, rows[own], updated.rows(own))
         trials, owner = self._trials_of([targets[row] for row in own.tolist()])
         if trials.size:
             self.trials.take_known(trials, bearings.rows(own[owner]))
 
         def taking(copies: AlignedTargets, own: IndexArray) -> tuple[AlignedTargets, FloatArray]:
-            sided = sided_bearings([found[place] for place in own], copies, self._speed)
+            told = [found[place] for place in own]
+            azimuth, _ = expected_bearings(told, copies, self._speed)
+            sided = sided_bearings(told, azimuth, self._speed)
             taken, density = updated_if_expected(copies, sided, GATE)
             return taken, guarded(density)
 
@@ -225,13 +227,16 @@ class TargetFilters:
         return [replace(one, variance=scale * one.variance) for one in found]
 
     def _learn(
-        self, found: Sequence[HeardBearing], bearings: Bearings, aligned: AlignedTargets
+        self,
+        found: Sequence[HeardBearing],
+        bearings: Bearings,
+        innovation: FloatArray,
+        spread: FloatArray,
     ) -> BoolArray:
         """Learn how large the errors of an array are, and return which bearings are expected.
 
         A bearing that is not is weighed, but drags no target along: it may be of something else.
         """
-        innovation, spread = innovations(aligned, bearings)
         errors = self._errors[bearings.array]
         told = bearings.variance / errors.scale
         errors.learn([one.key for one in found], innovation, spread, told)

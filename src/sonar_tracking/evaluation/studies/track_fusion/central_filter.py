@@ -28,7 +28,6 @@ from sonar_tracking.alignment.shared_alignment import (
 )
 from sonar_tracking.alignment.target_updates import (
     expected_azimuths,
-    innovations,
     updated_by_bearings,
     updated_by_positions,
 )
@@ -36,7 +35,7 @@ from sonar_tracking.evaluation.offline.offline_fusion_chain import FusedMoment
 from sonar_tracking.evaluation.studies.track_fusion.conditions import ACCELERATION
 from sonar_tracking.fusion.bearing_trials import GATE
 from sonar_tracking.fusion.fusion_records import HeardBearing
-from sonar_tracking.fusion.sided_bearings import sided_bearings
+from sonar_tracking.fusion.sided_bearings import expected_bearings, sided_bearings
 from sonar_tracking.fusion.station_bearings import station_bearings
 from sonar_tracking.fusion.target_filters import SMALLEST_VARIANCE
 from sonar_tracking.fusion.track_fusion_configuration import TrackFusionConfiguration
@@ -233,8 +232,10 @@ class CentralFilters:
             return
         rows = np.array([row for row, _ in pairs])
         aligned = self._aligned.rows(rows)
-        bearings = sided_bearings(self._told([one for _, one in pairs], rows), aligned, self._speed)
-        innovation, spread = innovations(aligned, bearings)
+        told = self._told([one for _, one in pairs], rows)
+        expected, spread = expected_bearings(told, aligned, self._speed)
+        bearings = sided_bearings(told, expected, self._speed)
+        innovation = bearings.innovation(expected)
         updated, _ = updated_by_bearings(aligned, bearings)
         near = np.flatnonzero(innovation**2 <= GATE**2 * (spread + bearings.variance))
         self._aligned = replaced(self._aligned, rows[near], updated.rows(near))
