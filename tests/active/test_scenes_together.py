@@ -16,8 +16,8 @@ from sonar_tracking.active.multi_target_tracker import (
     integrated_tracker,
     update_together,
 )
+from sonar_tracking.active.shared_pings import SharedPings
 from sonar_tracking.active.tracks.scene_rows import joined_tables
-from sonar_tracking.active.tracks.shared_places import SharedPlaces
 from sonar_tracking.errors import InputError
 from sonar_tracking.evaluation.studies.multi_target_clutter.scene import (
     SceneOptions,
@@ -124,25 +124,25 @@ def test_contacts_placed_for_another_tracker_give_the_same_tracks() -> None:
     told = replace(CONFIGURATION, motion="turning", detection_probability=0.9)
     kinds = [trackers(each, len(runs)) for each in (CONFIGURATION, told)]
     alone = [trackers(each, len(runs)) for each in (CONFIGURATION, told)]
-    places = SharedPlaces()
+    shared = SharedPings()
     for pings in zip(*runs, strict=True):
         for together, by_themselves in zip(kinds, alone, strict=True):
-            updates = update_together(together, pings, places)
+            updates = update_together(together, pings, shared)
             for one, other in zip(updates, update_together(by_themselves, pings), strict=True):
                 assert_same(one, other)
 
 
 def test_only_pings_that_differ_are_placed_anew() -> None:
-    places, (early, late, *_) = SharedPlaces(), scenes()[0]
-    first = places.place([early, late], 0.0)
-    assert places.place([early, late], 0.0) is first
+    shared, (early, late, *_) = SharedPings(), scenes()[0]
+    first = shared.place([early, late], 0.0)
+    assert shared.place([early, late], 0.0) is first
     wider = replace(late, range_standard_deviation=300.0)
-    again = places.place([early, wider], 0.0)
+    again = shared.place([early, wider], 0.0)
     both = joined_tables([place_contacts(early, 0.0), place_contacts(wider, 0.0)])
     for field in fields(both):
         assert np.array_equal(getattr(again, field.name), getattr(both, field.name))
-    assert places.place([early, late], 0.0) is first
+    assert shared.place([early, late], 0.0) is first
     slow = replace(early, sensor_velocity=(1.0, 0.0))
     expected = place_contacts(slow, 1500.0)
-    assert np.array_equal(places.place([slow], 1500.0).position, expected.position)
-    assert np.array_equal(places.place([late], 0.0).distance, place_contacts(late, 0.0).distance)
+    assert np.array_equal(shared.place([slow], 1500.0).position, expected.position)
+    assert np.array_equal(shared.place([late], 0.0).distance, place_contacts(late, 0.0).distance)

@@ -36,11 +36,11 @@ from sonar_tracking.active.contacts.contact_tracker_configuration import (
 from sonar_tracking.active.detection.detection_levels import mean_probability
 from sonar_tracking.active.ping_update import TrackingMethod, predict_scenes, update_scenes
 from sonar_tracking.active.scene_memory import SceneMemory
+from sonar_tracking.active.shared_pings import SharedPings
 from sonar_tracking.active.tracks.acceleration_levels import AccelerationLevels
 from sonar_tracking.active.tracks.contact_track_list import thresholds_without_gates
 from sonar_tracking.active.tracks.motion_model import MotionModel
 from sonar_tracking.active.tracks.motion_modes import MotionModes
-from sonar_tracking.active.tracks.shared_places import SharedPlaces
 from sonar_tracking.active.tracks.track_management import (
     ListedTracks,
     list_tracks,
@@ -166,7 +166,7 @@ class MultiTargetTracker:
 def update_together(
     trackers: Sequence[MultiTargetTracker],
     pings: Sequence[Contacts],
-    places: SharedPlaces | None = None,
+    shared: SharedPings | None = None,
 ) -> list[ContactTrackerUpdate]:
     """Return the tracks of several independent scenes after one ping, as each tracker would.
 
@@ -176,7 +176,7 @@ def update_together(
         One a scene, all of the same method and configuration.
     pings : sequence of Contacts
         One a scene.
-    places : SharedPlaces, optional
+    shared : SharedPings, optional
         Of other trackers that are given the same pings, too.
 
     Raises
@@ -184,7 +184,7 @@ def update_together(
     InputError
         If a ping cannot be used; all states are then unchanged.
     """
-    return update_scenes(trackers[0].method, [each._scene for each in trackers], pings, places)
+    return update_scenes(trackers[0].method, [each._scene for each in trackers], pings, shared)
 
 
 def motion_model(configuration: ContactTrackerConfiguration, rule: AssociationRule) -> MotionModel:

@@ -13,6 +13,7 @@ from sonar_tracking.active.contacts.contact_positions import PlacedContacts
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.active.detection.detection_model import DetectionModel, amplitude_ratios
 from sonar_tracking.active.particle_tracks import GatedClouds, ParticleTracks, pair_densities
+from sonar_tracking.active.shared_pings import SharedPings
 from sonar_tracking.active.tracks.contact_gating import (
     GatePairs,
     SensorGeometry,
@@ -26,7 +27,6 @@ from sonar_tracking.active.tracks.motion_model import MotionModel
 from sonar_tracking.active.tracks.pair_search import find_pairs
 from sonar_tracking.active.tracks.pair_updates import PairUpdates, update_pairs
 from sonar_tracking.active.tracks.scene_rows import SceneRows, joined
-from sonar_tracking.active.tracks.shared_places import SharedPlaces
 from sonar_tracking.active.tracks.track_bank import TrackBank
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.contacts import Contacts
@@ -126,7 +126,7 @@ def place_ping(
     models: Sequence[DetectionModel],
     sound_speed: float,
     reaches: Sequence[float],
-    places: SharedPlaces | None = None,
+    shared: SharedPings,
 ) -> PlacedPing:
     """Bring the contacts of a ping into ``map``.
 
@@ -140,14 +140,13 @@ def place_ping(
         m/s; 0 = the ping takes no time.
     reaches : sequence of float
         Beyond which a track is out of range, m.
-    places : SharedPlaces, optional
+    shared : SharedPings
         Of trackers that are given the same pings.
     """
-    places = SharedPlaces() if places is None else places
     return PlacedPing(
         stamp=pings[0].stamp,
         next_stamp=pings[0].next_stamp,
-        placed=places.place(pings, sound_speed),
+        placed=shared.place(pings, sound_speed),
         amplitudes=joined([_amplitudes(contacts) for contacts in pings]),
         contact_rows=SceneRows(tuple(len(contacts.range) for contacts in pings)),
         models=models,

@@ -24,11 +24,11 @@ from sonar_tracking.active.particle_tracks import (
 )
 from sonar_tracking.active.ping_gating import PingGating, PlacedPing, gate_ping, place_ping
 from sonar_tracking.active.scene_memory import AdmittedPing, SceneMemory
+from sonar_tracking.active.shared_pings import SharedPings
 from sonar_tracking.active.tracks.measured_positions import measured_positions
 from sonar_tracking.active.tracks.motion_model import MotionModel
 from sonar_tracking.active.tracks.pair_updates import mix_updates
 from sonar_tracking.active.tracks.scene_rows import SceneRows, joined, joined_tables
-from sonar_tracking.active.tracks.shared_places import SharedPlaces
 from sonar_tracking.active.tracks.track_bank import (
     TrackBank,
     new_target_modes,
@@ -74,7 +74,7 @@ def update_scenes(
     method: TrackingMethod,
     scenes: Sequence[SceneMemory],
     pings: Sequence[Contacts],
-    places: SharedPlaces | None = None,
+    shared: SharedPings | None = None,
 ) -> list[ContactTrackerUpdate]:
     """Return the tracks of several scenes after one ping.
 
@@ -88,7 +88,7 @@ def update_scenes(
         What is remembered of each; changed.
     pings : sequence of Contacts
         One a scene.
-    places : SharedPlaces, optional
+    shared : SharedPings, optional
         Of trackers that are given the same pings.
 
     Raises
@@ -96,16 +96,17 @@ def update_scenes(
     InputError
         If a ping cannot be used; nothing is then changed.
     """
-    configuration = method.configuration
+    configuration, shared = method.configuration, shared or SharedPings()
     admitted = [
-        scene.admit(contacts, configuration) for scene, contacts in zip(scenes, pings, strict=True)
+        scene.admit(contacts, configuration, shared)
+        for scene, contacts in zip(scenes, pings, strict=True)
     ]
     if len(scenes) == 1 or _alike(scenes, admitted):
-        return _update_at_once(method, scenes, admitted, places)
+        return _update_at_once(method, scenes, admitted, shared)
     return [
         update
         for scene, ping in zip(scenes, admitted, strict=True)
-        for update in _update_at_once(method, [scene], [ping])
+        for update in _update_at_once(method, [scene], [ping], shared)
     ]
 
 
@@ -148,7 +149,7 @@ def _update_at_once(
     method: TrackingMethod,
     scenes: Sequence[SceneMemory],
     admitted: Sequence[AdmittedPing],
-    places: SharedPlaces | None = None,
+    shared: SharedPings,
 ) -> list[ContactTrackerUpdate]:
     configuration = method.configuration
     known = [scene.learn(ping) for scene, ping in zip(scenes, admitted, strict=True)]
@@ -157,7 +158,7 @@ def _update_at_once(
         [each.model for each in known],
         configuration.sound_speed,
         [each.reach for each in known],
-        places,
+        shared,
     )
     tracks = SceneRows(tuple(len(scene.bank) for scene in scenes))
     predicted = predict_scenes(method, scenes, ping.stamp)

@@ -8,7 +8,6 @@ import numpy as np
 
 from sonar_tracking.active.contacts.contact_checks import (
     PingOrigin,
-    check_ping,
     origin_of,
     sensor_jump,
 )
@@ -19,9 +18,10 @@ from sonar_tracking.active.detection.detection_levels import (
     prior_weights,
     scene_weights,
 )
-from sonar_tracking.active.detection.detection_model import DetectionModel, make_detection_model
+from sonar_tracking.active.detection.detection_model import DetectionModel
 from sonar_tracking.active.lasting_error import LastingErrorMonitor
 from sonar_tracking.active.particle_tracks import ParticleTracks
+from sonar_tracking.active.shared_pings import SharedPings
 from sonar_tracking.active.tracks.contact_track_list import ContactTrackRows, shown_tracks
 from sonar_tracking.active.tracks.gate_thresholds import check_thresholds
 from sonar_tracking.active.tracks.track_bank import TrackBank, empty_bank
@@ -100,16 +100,27 @@ class SceneMemory:
         self.last: PingOrigin | None = None
         self.ended: list[ContactTrackRows] = []
 
-    def admit(self, contacts: Contacts, configuration: ContactTrackerConfiguration) -> AdmittedPing:
+    def admit(
+        self, contacts: Contacts, configuration: ContactTrackerConfiguration, shared: SharedPings
+    ) -> AdmittedPing:
         """Check a ping and find out what is known of it.
+
+        Parameters
+        ----------
+        contacts : Contacts
+            As received.
+        configuration : ContactTrackerConfiguration
+            Fills in what the ping does not carry.
+        shared : SharedPings
+            Of trackers that are given the same pings.
 
         Raises
         ------
         InputError
             If it cannot be used.
         """
-        contacts, notices = check_ping(contacts, self.last)
-        model, guesses = make_detection_model(contacts, configuration)
+        contacts, notices = shared.check(contacts, self.last)
+        model, guesses = shared.model(contacts, configuration)
         check_thresholds(model, configuration)
         return AdmittedPing(contacts, model, (*notices, *guesses))
 

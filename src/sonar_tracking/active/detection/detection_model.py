@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -207,8 +208,39 @@ def amplitude_ratios(
     return ratios
 
 
+class DetectionDefaults(NamedTuple):
+    """What fills in what a ping does not carry: some of :class:`ContactTrackerConfiguration`.
+
+    Attributes
+    ----------
+    maximum_range, clutter_density, detection_probability : float
+        m, 1/m^2, a probability; 0 = unknown.
+    signal_to_noise_ratio_db : float
+        dB; 0 = unknown.
+    outlier_share : float
+        Of false contacts as strong as targets.
+    """
+
+    maximum_range: float
+    clutter_density: float
+    detection_probability: float
+    signal_to_noise_ratio_db: float
+    outlier_share: float
+
+    @classmethod
+    def of(cls, configuration: ContactTrackerConfiguration) -> DetectionDefaults:
+        """Return those of a tracker."""
+        return cls(
+            configuration.maximum_range,
+            configuration.clutter_density,
+            configuration.detection_probability,
+            configuration.signal_to_noise_ratio_db,
+            configuration.outlier_share,
+        )
+
+
 def make_detection_model(
-    contacts: Contacts, configuration: ContactTrackerConfiguration
+    contacts: Contacts, defaults: DetectionDefaults | ContactTrackerConfiguration
 ) -> tuple[DetectionModel, tuple[Notice, ...]]:
     """Return what is known of a ping, and what had to be guessed.
 
@@ -216,32 +248,32 @@ def make_detection_model(
     ----------
     contacts : Contacts
         The ping.
-    configuration : ContactTrackerConfiguration
-        Fills in what the ping does not carry.
+    defaults : DetectionDefaults or ContactTrackerConfiguration
+        Fill in what the ping does not carry.
     """
     cell_size = contacts.range_resolution * contacts.azimuth_resolution
     per_cell = math.isfinite(cell_size * contacts.false_alarm_probability)
-    maximum_range = _known(contacts.maximum_range, configuration.maximum_range or np.inf)
+    maximum_range = _known(contacts.maximum_range, defaults.maximum_range or np.inf)
     minimum_range = _known(contacts.minimum_range, 0.0)
     sector = _known(contacts.azimuth_width, 2.0 * np.pi)
     density = contacts.clutter_density
     notices: tuple[Notice, ...] = ()
     if not math.isfinite(density) and not per_cell:
-        density = configuration.clutter_density
+        density = defaults.clutter_density
         density = density or _counted_density(contacts, minimum_range, maximum_range, sector)
     if density <= 0.0:
         text = "The clutter density is zero; the smallest one that makes sense is used instead."
         notices = (Notice(Severity.WARN, "clutter_density", text),)
-    told = _known(contacts.detection_probability, configuration.detection_probability or np.nan)
+    told = _known(contacts.detection_probability, defaults.detection_probability or np.nan)
     ratio = contacts.signal_to_noise_ratio_linear
-    if configuration.signal_to_noise_ratio_db and not math.isfinite(ratio):
-        ratio = float(linear_from_decibel(configuration.signal_to_noise_ratio_db))
+    if defaults.signal_to_noise_ratio_db and not math.isfinite(ratio):
+        ratio = float(linear_from_decibel(defaults.signal_to_noise_ratio_db))
     model = DetectionModel(
         told_detection_probability=told,
         detection_probability=min(0.999, max(0.01, _known(told, TYPICAL))),
         signal_to_noise_ratio_linear=_known(ratio, TYPICAL_RATIO),
         averaged=not math.isfinite(ratio),
-        outlier_share=configuration.outlier_share,
+        outlier_share=defaults.outlier_share,
         threshold=_threshold(contacts),
         false_alarm_probability=contacts.false_alarm_probability,
         cell_size=cell_size,

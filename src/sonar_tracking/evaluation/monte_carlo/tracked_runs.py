@@ -11,7 +11,7 @@ import numpy as np
 from sonar_tracking.active.contact_tracker import ContactTracker, make_contact_tracker
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.active.multi_target_tracker import MultiTargetTracker, update_together
-from sonar_tracking.active.tracks.shared_places import SharedPlaces
+from sonar_tracking.active.shared_pings import SharedPings
 from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
 
 
@@ -58,11 +58,11 @@ def track_runs(
         [tracker for tracker in kind if isinstance(tracker, MultiTargetTracker)] for kind in kinds
     ]
     of_pings: list[list[list[ContactTrackerUpdate]]] = [[] for _ in kinds]
-    places = SharedPlaces()
+    shared = SharedPings()
     for contacts in zip(*runs, strict=True):
         for trackers, found in zip(together, of_pings, strict=True):
             if trackers:
-                found.append(update_together(trackers, contacts, places))
+                found.append(update_together(trackers, contacts, shared))
     return [
         TrackedRuns(tuple(zip(*found, strict=True)) if found else _one_by_one(kind, runs), each)
         for kind, found, each in zip(kinds, of_pings, seconds, strict=True)

@@ -1,0 +1,111 @@
+"""What is found out of pings once for several trackers that are given the same ones."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from sonar_tracking.active.contacts.contact_checks import PingOrigin, check_ping
+from sonar_tracking.active.contacts.contact_positions import PlacedContacts, place_contacts
+from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.detection.detection_model import (
+    DetectionDefaults,
+    DetectionModel,
+    make_detection_model,
+)
+from sonar_tracking.active.tracks.scene_rows import joined_tables
+from sonar_tracking.errors import Notice
+from sonar_tracking.records.contacts import Contacts
+
+CheckedPing = tuple[Contacts, tuple[Notice, ...]]
+"""Usable contacts, and what was wrong with the others."""
+
+KnownPing = tuple[DetectionModel, tuple[Notice, ...]]
+"""What is known of a ping, and what had to be guessed."""
+
+
+class SharedPings:
+    """Remembers which contacts of the newest pings can be used, and where they were reflected.
+
+    What a tracker believes of a ping may differ from what the first one did: its contacts are then
+    placed anew, those of the other scenes are not.
+    """
+
+    def __init__(self) -> None:
+        self._known: tuple[int, float] | None = None
+        self._pings: tuple[Contacts, ...] = ()
+        self._each: list[PlacedContacts] = []
+        self._joined: PlacedContacts | None = None
+        self._stamp = 0
+        self._received: dict[int, Contacts] = {}
+        self._checked: dict[tuple[int, PingOrigin | None], CheckedPing] = {}
+        self._models: dict[tuple[int, DetectionDefaults], KnownPing] = {}
+
+    def check(self, contacts: Contacts, last: PingOrigin | None) -> CheckedPing:
+        """Return the usable contacts of a ping and what was wrong with the others.
+
+        Parameters
+        ----------
+        contacts : Contacts
+            As received.
+        last : PingOrigin or None
+            The ping before; None at the first.
+
+        Raises
+        ------
+        InputError
+            If the ping as a whole cannot be used.
+        """
+        key = (self._number(contacts), last)
+        if key not in self._checked:
+            self._checked[key] = check_ping(contacts, last)
+        return self._checked[key]
+
+    def model(self, contacts: Contacts, configuration: ContactTrackerConfiguration) -> KnownPing:
+        """Return what is known of a ping, and what had to be guessed.
+
+        Parameters
+        ----------
+        contacts : Contacts
+            Usable.
+        configuration : ContactTrackerConfiguration
+            Fills in what the ping does not carry.
+        """
+        defaults = DetectionDefaults.of(configuration)
+        key = (self._number(contacts), defaults)
+        if key not in self._models:
+            self._models[key] = make_detection_model(contacts, defaults)
+        return self._models[key]
+
+    def _number(self, contacts: Contacts) -> int:
+        """Return the number of a ping that is kept, so that it is no other's; forget older ones."""
+        if contacts.stamp != self._stamp:
+            self._stamp = contacts.stamp
+            for known in (self._received, self._checked, self._models):
+                known.clear()
+        self._received[id(contacts)] = contacts
+        return id(contacts)
+
+    def place(self, pings: Sequence[Contacts], sound_speed: float) -> PlacedContacts:
+        """Return where the contacts of all scenes were reflected, one scene after the other.
+
+        Parameters
+        ----------
+        pings : sequence of Contacts
+            One a scene, with one stamp.
+        sound_speed : float
+            m/s; 0 = the ping takes no time.
+        """
+        if self._known != (pings[0].stamp, sound_speed) or len(self._pings) != len(pings):
+            self._known, self._pings = (pings[0].stamp, sound_speed), tuple(pings)
+            self._each = [place_contacts(contacts, sound_speed) for contacts in pings]
+            self._joined = joined_tables(self._each)
+            return self._joined
+        same = [one is other for one, other in zip(self._pings, pings, strict=True)]
+        if all(same) and self._joined is not None:
+            return self._joined
+        return joined_tables(
+            [
+                placed if known else place_contacts(contacts, sound_speed)
+                for placed, known, contacts in zip(self._each, same, pings, strict=True)
+            ]
+        )
