@@ -46,7 +46,7 @@ def followed(sensor: str, ship: int, frames: int = 5) -> FollowedTarget:
 
 
 def take_in(pairing: StationPairing, target: FollowedTarget, seen: TargetObservation) -> None:
-    (outcome,) = observe_together([(target, seen)], pairing)
+    ((outcome,),) = observe_together([([(target, seen)], pairing)])
     assert isinstance(outcome, tuple)
     target.solutions = outcome
 

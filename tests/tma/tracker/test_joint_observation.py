@@ -13,7 +13,7 @@ from sonar_tracking.tma.targets.followed_target import FollowedTarget, new_solve
 from sonar_tracking.tma.targets.target_records import TargetObservation
 from sonar_tracking.tma.targets.target_solver import TargetSolver
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.tracker.joint_observation import observe_together
+from sonar_tracking.tma.tracker.joint_observation import Outcome, observe_together
 
 AHEAD = TargetObservation(0, "bow", (0.0, 0.0), (6.0, 0.0), (0.6,), 1e-4)
 
@@ -37,6 +37,14 @@ def another(second: int) -> TargetObservation:
                    velocity=(0.0, 0.0), azimuths=(2.6,))  # fmt: skip
 
 
+def observed_by(
+    seen: list[tuple[FollowedTarget, TargetObservation]], pairing: StationPairing
+) -> list[Outcome]:
+    """Return the outcomes in one scene."""
+    (outcomes,) = observe_together([(seen, pairing)])
+    return outcomes
+
+
 def alone(*members: str) -> FollowedTarget:
     return FollowedTarget(TargetSolver(), dict.fromkeys(members or ("bow",), 1), 0, 0, 1)
 
@@ -49,9 +57,9 @@ def test_what_is_taken_in_together_is_to_the_last_bit_what_each_takes_in_alone()
         seen = [(target, at(second, index)) for index, target in enumerate(together)]
         if second == 6:
             # Another station splits the hypotheses of the first target.
-            observe_together([(together[0], another(6))], pairing)
+            observed_by([(together[0], another(6))], pairing)
             single[0].update(another(6))
-        outcomes = observe_together(seen, pairing)
+        outcomes = observed_by(seen, pairing)
         for index, outcome in enumerate(outcomes):
             expected = single[index].update(at(second, index))
             assert isinstance(outcome, tuple)
@@ -64,10 +72,29 @@ def test_what_is_taken_in_together_is_to_the_last_bit_what_each_takes_in_alone()
                 assert found.observability == other.observability
 
 
+def test_scenes_together_are_to_the_last_bit_what_each_is_by_itself() -> None:
+    rows = ([0, 2, 4], [1], [3, 1, 0, 2])
+    together, apart = ([[alone() for _ in own] for own in rows] for _ in range(2))
+    pairings = [[StationPairing(100.0) for _ in rows] for _ in range(2)]
+    for second in range(10):
+        scenes = [
+            ([(one, at(second, row)) for one, row in zip(targets, own, strict=True)], pairing)
+            for targets, own, pairing in zip(together, rows, pairings[0], strict=True)
+        ]
+        found = observe_together(scenes)
+        for own, targets, pairing, outcomes in zip(rows, apart, pairings[1], found, strict=True):
+            seen = [(one, at(second, row)) for one, row in zip(targets, own, strict=True)]
+            for outcome, other in zip(outcomes, observed_by(seen, pairing), strict=True):
+                assert isinstance(outcome, tuple) and isinstance(other, tuple)
+                for one, expected in zip(outcome, other, strict=True):
+                    np.testing.assert_array_equal(one.mean, expected.mean)
+                    np.testing.assert_array_equal(one.covariance, expected.covariance)
+
+
 def test_an_observation_that_is_refused_concerns_its_own_target_only() -> None:
     good, bad = alone(), alone()
     pairing = StationPairing(100.0)
-    first, second = observe_together(
+    first, second = observed_by(
         [(bad, replace(AHEAD, azimuth_variance=-1.0)), (good, AHEAD)], pairing
     )
     assert isinstance(first, InputError)
@@ -86,13 +113,13 @@ def test_azimuths_that_nothing_explains_are_counted_where_there_are_several_stat
     elsewhere = replace(AHEAD, azimuths=(-2.0,))
     for second, expected in ((4, 1), (5, 2)):
         seen = replace(elsewhere, stamp=second * 10**9)
-        observe_together([(joined, seen), (lone, seen)], pairing)
+        observed_by([(joined, seen), (lone, seen)], pairing)
         assert joined.misfits == {"bow": expected}
     silent = replace(AHEAD, stamp=6 * 10**9, azimuths=(), line_ids=(1,), frequencies=(300.0,),
                      frequency_deviations=(1.0,))  # fmt: skip
-    observe_together([(joined, silent)], pairing)
+    observed_by([(joined, silent)], pairing)
     assert joined.misfits == {"bow": 2}, "without an azimuth nothing is judged"
-    observe_together([(joined, replace(AHEAD, stamp=7 * 10**9))], pairing)
+    observed_by([(joined, replace(AHEAD, stamp=7 * 10**9))], pairing)
     assert joined.misfits == {"bow": 0}
     assert lone.misfits == {}
 
@@ -102,9 +129,9 @@ def test_a_station_that_sees_both_targets_of_a_trial_tells_them_apart() -> None:
     pairing = StationPairing(1.0)
     old.solutions = old.solver.update(AHEAD)
     pairing.begin(new, [old])
-    (outcome,) = observe_together([(new, another(1))], pairing)
+    (outcome,) = observed_by([(new, another(1))], pairing)
     assert isinstance(outcome, tuple)
-    observe_together([(old, replace(AHEAD, stamp=2 * 10**9)), (new, another(2))], pairing)
+    observed_by([(old, replace(AHEAD, stamp=2 * 10**9)), (new, another(2))], pairing)
     assert pairing.decide(10**9) == ()
 
 
@@ -113,7 +140,7 @@ def test_methods_without_a_bank_take_their_observations_in_one_by_one(method: st
     solver = new_solver(TmaTrackerConfiguration(method=method))
     beside, banked = FollowedTarget(solver, {"bow": 1}, 0, 0, 1), alone()
     seen = replace(AHEAD, stamp=1)
-    outcomes = observe_together([(beside, seen), (banked, seen)], StationPairing(100.0))
+    outcomes = observed_by([(beside, seen), (banked, seen)], StationPairing(100.0))
     assert [len(one) for one in outcomes if isinstance(one, tuple)] == [1, 1]
 
 
@@ -123,6 +150,6 @@ def test_a_refusal_is_told_of_its_own_target_where_trials_take_part_too() -> Non
     old.solutions = old.solver.update(AHEAD)
     pairing.begin(new, [old])
     refused = replace(another(1), azimuth_variance=-1.0)
-    first, second = observe_together([(bad, refused), (new, another(1))], pairing)
+    first, second = observed_by([(bad, refused), (new, another(1))], pairing)
     assert isinstance(first, InputError)
     assert isinstance(second, tuple)

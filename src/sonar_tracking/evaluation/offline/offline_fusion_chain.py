@@ -6,7 +6,7 @@ compared with, bit for bit. Ships that exchange what they have found each have a
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from sonar_tracking.configuration import parameter
@@ -20,6 +20,7 @@ from sonar_tracking.evaluation.offline.place_tracks import (
     node_at,
     nodes_asked_for,
     place_tracks,
+    place_tracks_together,
     topics_of,
 )
 from sonar_tracking.fusion.foreign_lists import ForeignLists
@@ -82,8 +83,29 @@ def fused_moments(scenario: Scenario, place: str = "") -> Iterator[FusedMoment]:
     ConfigurationError
         If the scenario or the parameters cannot be used.
     """
-    world = KnownWorld(scenario)
-    yield from _moments(scenario, place, world, place_tracks(scenario, world))
+    yield from fused_moments_together([scenario], place)[0]
+
+
+def fused_moments_together(
+    scenarios: Sequence[Scenario], place: str = ""
+) -> list[Iterator[FusedMoment]]:
+    """Return what the trackers find for the fusion of a place in several runs, stamp by stamp.
+
+    Parameters
+    ----------
+    scenarios : sequence of Scenario
+        With the same nodes and places.
+    place : str
+        Namespace of the fusion; empty = own ship's.
+
+    Raises
+    ------
+    ConfigurationError
+        If a scenario or the parameters cannot be used.
+    """
+    worlds = [KnownWorld(scenario) for scenario in scenarios]
+    runs = zip(scenarios, worlds, place_tracks_together(scenarios, worlds), strict=True)
+    return [_moments(scenario, place, world, told) for scenario, world, told in runs]
 
 
 def make_track_fusion(scenario: Scenario, place: str = "") -> TrackFusionStage:

@@ -7,7 +7,7 @@ the nodes, fed with the same data.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
@@ -34,7 +34,7 @@ from sonar_tracking.simulation.sensors.active_sonar_simulation import ActiveSona
 from sonar_tracking.simulation.sensors.bearing_simulation import BearingSimulation
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage, update_together
 
 CONTACT_TRACKER, TMA = "hpda_tracker", "tma_tracker"
 ECHOES, POSITIONS = "active/tracks", "passive/tracks"
@@ -193,6 +193,34 @@ def place_tracks(scenario: Scenario, world: KnownWorld) -> PlaceTracks:
     ConfigurationError
         If the scenario or the parameters cannot be used.
     """
+    return place_tracks_together([scenario], [world])[0]
+
+
+def place_tracks_together(
+    scenarios: Sequence[Scenario], worlds: Sequence[KnownWorld]
+) -> list[PlaceTracks]:
+    """Simulate the sensors of all places in several runs, and follow what they receive.
+
+    Parameters
+    ----------
+    scenarios : sequence of Scenario
+        With the same nodes and places.
+    worlds : sequence of KnownWorld
+        What odometry tells in each.
+
+    Raises
+    ------
+    ConfigurationError
+        If a scenario or the parameters cannot be used.
+    """
+    told = [_without_positions(scenario) for scenario in scenarios]
+    for namespace in nodes_asked_for(scenarios[0], TMA):
+        _find_positions(scenarios, namespace, worlds, told)
+    return told
+
+
+def _without_positions(scenario: Scenario) -> PlaceTracks:
+    """Return what all trackers tell but those of target motion analysis."""
     topics = topics_of(scenario)
     told = PlaceTracks(
         contacts=ToldByTopic(topics.active, {}),
@@ -208,8 +236,6 @@ def place_tracks(scenario: Scenario, world: KnownWorld) -> PlaceTracks:
             _follow_array(place, namespace, told)
         if place.active_sonar is not None:
             _follow_sonar(place, namespace, told)
-    for namespace in nodes_asked_for(scenario, TMA):
-        _find_positions(scenario, namespace, world, told)
     return told
 
 
@@ -265,16 +291,25 @@ def _follow_sonar(place: Scenario, namespace: str, told: PlaceTracks) -> None:
 
 
 def _find_positions(
-    scenario: Scenario, namespace: str, world: KnownWorld, told: PlaceTracks
+    scenarios: Sequence[Scenario],
+    namespace: str,
+    worlds: Sequence[KnownWorld],
+    every: Sequence[PlaceTracks],
 ) -> None:
-    places, name = nodes_asked_for(scenario, TMA), node_at(namespace, TMA)
+    """Let the trackers of a place find positions, those of all runs at once."""
+    places, name = nodes_asked_for(scenarios[0], TMA), node_at(namespace, TMA)
     configuration = stage_configuration(
-        TmaTrackerConfiguration, scenario.nodes[name], f"{scenario.name}: nodes.{name}"
+        TmaTrackerConfiguration, scenarios[0].nodes[name], f"{scenarios[0].name}: nodes.{name}"
     )
-    stage = TmaTrackerStage(configuration, len(belonging(told.bearings.topics, namespace, places)))
-    for stamp in sorted({*told.bearings.at, *told.lines.at}):
-        frame = told.passive_frame(namespace, places, stamp, world.ship(namespace, stamp))
-        if frame.bearings or frame.lines:
-            tracks = stage.update(frame).tracks
-            if tracks is not None:
-                told.passive.add(below(namespace, POSITIONS), stamp, tracks)
+    topics = belonging(every[0].bearings.topics, namespace, places)
+    stages = [TmaTrackerStage(configuration, len(topics)) for _ in scenarios]
+    for stamp in sorted({one for told in every for one in (*told.bearings.at, *told.lines.at)}):
+        frames = [
+            told.passive_frame(namespace, places, stamp, world.ship(namespace, stamp))
+            for told, world in zip(every, worlds, strict=True)
+        ]
+        heard = [run for run, frame in enumerate(frames) if frame.bearings or frame.lines]
+        updates = update_together([stages[run] for run in heard], [frames[run] for run in heard])
+        for run, update in zip(heard, updates, strict=True):
+            if update.tracks is not None:
+                every[run].passive.add(below(namespace, POSITIONS), stamp, update.tracks)

@@ -7,6 +7,7 @@ how well the target does alone.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -33,40 +34,64 @@ Outcome = tuple[TargetSolution, ...] | Problem
 """The solutions that stand, or why the observation could not be used."""
 
 
-def observe_together(seen: Sequence[Sighting], pairing: StationPairing) -> list[Outcome]:
-    """Let targets take in what one station observed of each at one instant.
+Scene = tuple[Sequence[Sighting], StationPairing]
+"""What one station observed of different targets at one instant, and the trials of their pairs."""
+
+
+def observe_together(scenes: Sequence[Scene]) -> list[list[Outcome]]:
+    """Let targets take in what one station observed of each at one instant, in several scenes.
 
     Parameters
     ----------
-    seen : sequence of Sighting
-        Of different targets.
-    pairing : StationPairing
-        Whose trials are weighed and take it in, too.
+    scenes : sequence of Scene
+        Independent of each other. Trials are weighed and take it in, too.
 
     Returns
     -------
-    list of Outcome
-        Of each target.
+    list of list of Outcome
+        Of each target of each scene.
     """
-    trials = _expected(pairing.concerned(seen))
-    _weigh(seen, trials)
+    trials = [_expected(pairing.concerned(seen)) for seen, pairing in scenes]
+    tasks: list[Task] = []
+    ends = [0]
+    for (seen, _), tried in zip(scenes, trials, strict=True):
+        _weigh(seen, tried)
+        tasks += _tasks(seen, tried)
+        ends.append(len(tasks))
+    problems = update_solvers(tasks)
+    return [
+        _outcomes(seen, tried, problems[begin:end])
+        for (seen, _), tried, (begin, end) in zip(scenes, trials, pairwise(ends), strict=True)
+    ]
+
+
+def _tasks(seen: Sequence[Sighting], trials: Sequence[tuple[Trial, Sighting]]) -> list[Task]:
+    """Return what the solvers of trials, of their targets alone, and of the targets take in."""
     tasks: list[Task] = [(trial.solver, observation) for trial, (_, observation) in trials]
-    own_of_trials: list[Task] = [
+    tasks += [
         (trial.alone[target], observation)
         for trial, (target, observation) in trials
         if target in trial.alone
     ]
-    tasks += own_of_trials
     tasks += [
         (target.solver, observation)
         for target, observation in seen
         if not isinstance(target.solver, BaselineSolver)
     ]
-    problems = update_solvers(tasks)
+    return tasks
+
+
+def _outcomes(
+    seen: Sequence[Sighting],
+    trials: Sequence[tuple[Trial, Sighting]],
+    problems: Sequence[Problem | None],
+) -> list[Outcome]:
+    """Return what the targets of a scene made of it, and end what the trials cannot go on with."""
     for (trial, _), problem in zip(trials, problems, strict=False):
         if problem is not None:
             trial.evidence = -np.inf
-    own = iter(problems[len(trials) + len(own_of_trials) :])
+    n_solvers = sum(not isinstance(target.solver, BaselineSolver) for target, _ in seen)
+    own = iter(problems[len(problems) - n_solvers :])
     return [
         _outcome(
             target, observation, None if isinstance(target.solver, BaselineSolver) else next(own)

@@ -8,7 +8,7 @@ left out with a notice, and the targets are predicted.
 
 from __future__ import annotations
 
-from itertools import groupby
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -40,7 +40,8 @@ from sonar_tracking.tma.targets.tma_tracker_configuration import (
     TmaTrackerConfiguration,
     check_tma_tracker,
 )
-from sonar_tracking.tma.tracker.joint_observation import observe_together
+from sonar_tracking.tma.tracker.frame_reading import FrameReading, Observed, SeenTarget
+from sonar_tracking.tma.tracker.joint_observation import Outcome, observe_together
 from sonar_tracking.tma.tracker.target_list import TargetList, TrackKey
 from sonar_tracking.tma.tracker.target_notices import turned, unconfirmed
 
@@ -121,26 +122,32 @@ class TmaTrackerStage(TargetList):
         InputError
             If the frame is not later; nothing has changed then.
         """
+        return update_together([self], [frame])[0]
+
+    def _check_order(self, frame: PassiveFrame) -> None:
         if frame.stamp <= self._stamp:
             raise InputError(
                 f"The frame at {frame.stamp} ns is not later than the one before it, at "
                 f"{self._stamp} ns; send frames in order."
             )
+
+    def _read(self, frame: PassiveFrame) -> FrameReading:
+        """Return what a frame tells of each target, station by station."""
         self._stamp = frame.stamp
-        notices: list[Notice] = []
-        observed: dict[TrackKey, TargetObservation] = {}
-        born: set[TrackKey] = set()
+        read = FrameReading()
         for unusable in frame.unusable:
             station = self._stations.setdefault(
                 unusable.sensor_id, StationRecord(UNKNOWN_STAMP, {})
             )
             station.next_stamp = unusable.next_stamp
         for bearings in frame.bearings:
-            self._read_bearings(bearings, frame.own_ship, observed, born, notices)
+            self._read_bearings(bearings, frame.own_ship, read.observed, read.born, read.notices)
         for lines in frame.lines:
-            self._read_lines(lines, frame.own_ship, observed, notices)
-        for _, seen in groupby(observed.items(), key=lambda one: one[0][0]):
-            self._observe(list(seen), born, notices)
+            self._read_lines(lines, frame.own_ship, read.observed, read.notices)
+        return read
+
+    def _finish(self, frame: PassiveFrame, notices: list[Notice]) -> TmaUpdate:
+        """Decide what follows from a frame once all targets have taken it in."""
         self._join_stations()
         self._release_misfits()
         self._forsake_misled(notices)
@@ -238,36 +245,75 @@ class TmaTrackerStage(TargetList):
     def _is_own_ships(self, sensor: str, frequency: float) -> bool:
         return any(one.holds(float(frequency), sensor) for one in self._own_ship_lines)
 
-    def _observe(
-        self,
-        observed: list[tuple[TrackKey, TargetObservation]],
-        born: set[TrackKey],
-        notices: list[Notice],
-    ) -> None:
-        """Let the targets take in what one station observed."""
+    def _seen(self, observed: Observed, born: set[TrackKey]) -> list[SeenTarget]:
+        """Return the targets of what one station observed, new ones begun."""
         seen = [(key, one) for key, one in observed if one.azimuths or one.line_ids]
         for key, _ in seen:
             if key in born:
                 self._begin(key)
-        told = [(self._target_of[key], one) for key, one in seen]
-        targets = [(target, self._used.corrected(one)) for target, one in told]
-        outcomes = observe_together(targets, self._pairing)
-        for (key, _), (target, observation), outcome in zip(seen, targets, outcomes, strict=True):
+        return [
+            SeenTarget(key, self._target_of[key], one, self._used.corrected(one))
+            for key, one in seen
+        ]
+
+    def _conclude(
+        self, seen: Sequence[SeenTarget], outcomes: Sequence[Outcome], notices: list[Notice]
+    ) -> None:
+        """Go on with what the targets made of what one station observed."""
+        for one, outcome in zip(seen, outcomes, strict=True):
+            target = one.target
             try:
                 if isinstance(outcome, Exception):
                     raise outcome
                 confirmed = target.confirmed
-                target.compare(observation, outcome, self.configuration)
+                target.compare(one.corrected, outcome, self.configuration)
                 self._replace(target, outcome)
                 target.judge(self.configuration)
                 if confirmed and not target.confirmed:
                     notices.append(unconfirmed(target))
             except InputError as error:
-                notices.append(left_out(key[0], str(error).rstrip(".")))
+                notices.append(left_out(one.key[0], str(error).rstrip(".")))
             except np.linalg.LinAlgError:
-                notices.append(left_out(key[0], f"track {key[1]} became numerically impossible"))
+                text = f"track {one.key[1]} became numerically impossible"
+                notices.append(left_out(one.key[0], text))
                 self._pairing.end(target)
                 target.solver = new_solver(self.configuration)
-        usable = zip(told, outcomes, strict=True)
-        known = [one for one, found in usable if not isinstance(found, Exception)]
+        usable = zip(seen, outcomes, strict=True)
+        known = [
+            (one.target, one.told) for one, found in usable if not isinstance(found, Exception)
+        ]
         self._alignment.take(known, self._used)
+
+
+def update_together(
+    stages: Sequence[TmaTrackerStage], frames: Sequence[PassiveFrame]
+) -> list[TmaUpdate]:
+    """Let several independent stages take a frame each in, as each of them would.
+
+    Parameters
+    ----------
+    stages : sequence of TmaTrackerStage
+        Those of one and the same configuration object are computed at once.
+    frames : sequence of PassiveFrame
+        One a stage, later than the one before.
+
+    Raises
+    ------
+    InputError
+        If a frame is not later; nothing has changed then.
+    """
+    for stage, frame in zip(stages, frames, strict=True):
+        stage._check_order(frame)
+    readings = [stage._read(frame) for stage, frame in zip(stages, frames, strict=True)]
+    of_stations = [reading.stations() for reading in readings]
+    for number in range(max(map(len, of_stations), default=0)):
+        own = [row for row, observed in enumerate(of_stations) if number < len(observed)]
+        seen = [stages[row]._seen(of_stations[row][number], readings[row].born) for row in own]
+        scenes = [
+            ([(one.target, one.corrected) for one in each], stages[row]._pairing)
+            for row, each in zip(own, seen, strict=True)
+        ]
+        for row, each, outcomes in zip(own, seen, observe_together(scenes), strict=True):
+            stages[row]._conclude(each, outcomes, readings[row].notices)
+    finished = zip(stages, frames, readings, strict=True)
+    return [stage._finish(frame, reading.notices) for stage, frame, reading in finished]

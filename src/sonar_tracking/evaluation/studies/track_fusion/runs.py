@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from sonar_tracking.evaluation.offline.offline_fusion_chain import (
     FusedMoment,
-    fused_moments,
+    fused_moments_together,
     make_track_fusion,
 )
 from sonar_tracking.evaluation.offline.place_tracks import ECHOES, POSITIONS
@@ -26,6 +27,7 @@ from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import established
 from sonar_tracking.records.positions import PositionTracks, TruthTracks
 from sonar_tracking.records.time import seconds
+from sonar_tracking.simulation.scenarios.scenario import Scenario
 
 FUSED, CENTRAL, BOUND = "track_fusion", "central filter, told whose all is", "bound"
 ECHOES_ALONE, BEARINGS_ALONE = "echoes alone", "bearings alone"
@@ -112,10 +114,11 @@ class _FollowedRun:
 
 def fusion_runs(task: FusionTask) -> tuple[FusionRun, ...]:
     """Simulate runs, fuse them in every way, and score them."""
-    configuration = make_track_fusion(
-        CONDITIONS[task.condition].scenario(task.seeds[0])
-    ).configuration
-    followed = [_followed_run(task.condition, seed) for seed in task.seeds]
+    condition = CONDITIONS[task.condition]
+    scenarios = [condition.scenario(seed) for seed in task.seeds]
+    every = zip(scenarios, fused_moments_together(scenarios), strict=True)
+    followed = [_followed_run(task.condition, *each) for each in every]
+    configuration = make_track_fusion(scenarios[0]).configuration
     for system, exact in ((CENTRAL, False), (BOUND, True)):
         filters = CentralFilters(configuration, len(followed), exact)
         for place, moments in enumerate(zip(*(one.moments for one in followed), strict=True)):
@@ -128,25 +131,26 @@ def fusion_runs(task: FusionTask) -> tuple[FusionRun, ...]:
     return tuple(one.run for one in followed)
 
 
-def _followed_run(name: str, seed: np.random.SeedSequence) -> _FollowedRun:
-    """Simulate one run, fuse it, and score it but for the filters that are told whose all is.
+def _followed_run(name: str, scenario: Scenario, moments: Iterable[FusedMoment]) -> _FollowedRun:
+    """Fuse a run, and score it but for the filters that are told whose all is.
 
     Parameters
     ----------
     name : str
         Of the condition.
-    seed : numpy.random.SeedSequence
+    scenario : Scenario
         Of the run.
+    moments : iterable of FusedMoment
+        What its trackers found.
     """
     condition = CONDITIONS[name]
-    scenario = condition.scenario(seed)
     stage = make_track_fusion(scenario)
     run = FusionRun(name)
     followed = _FollowedRun(run, [], [])
     held = HeldRows()
     arrays: dict[str, int] = {}
     latest: PositionTracks | None = None
-    for moment in fused_moments(scenario):
+    for moment in moments:
         heard = _without_lost(moment, condition, seconds(moment.frame.stamp - scenario.epoch))
         if not (heard.frame.active or heard.frame.bearings):
             continue
