@@ -109,14 +109,14 @@ def fused(seed: int, others: int, resolution_deg: float) -> list[FusionUpdate]:
 
 @pytest.mark.slow
 def test_ships_that_are_merged_turn_no_array() -> None:
-    errors, deviations, believed = [], [], []
+    errors, deviations = [], []
     for seed in range(4):
         known = fused(seed, 2, 12.0)[-1].alignments
         errors.append(np.degrees(known.misalignment[0]))
         deviations.append(np.degrees(known.misalignment_standard_deviation[0]))
-        believed.append(np.degrees(fused(seed, 2, 0.0)[-1].alignments.misalignment[0]))
     assert np.max(np.abs(errors)) < 0.4 and np.max(deviations) < 0.3
-    assert np.max(np.abs(believed)) > 1.0
+    believed = (fused(seed, 2, 0.0)[-1].alignments.misalignment[0] for seed in range(4))
+    assert any(np.degrees(abs(turned)) > 1.0 for turned in believed)
 
 
 @pytest.mark.slow
