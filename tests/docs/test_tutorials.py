@@ -53,7 +53,7 @@ NOT_RUN_PAGES = {
 
 
 FROM_NOTHING = "docs/tutorials/record_and_replay.md"
-"""Page whose first run and replay are typed into a shell; all others are copies, which load less."""
+"""Page whose first run and replay are typed into a shell; others are copies, which load less."""
 
 
 def is_run(line: str) -> bool:
