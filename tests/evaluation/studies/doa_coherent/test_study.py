@@ -30,18 +30,21 @@ from sonar_tracking.evaluation.studies.doa_coherent.scenes import (
 )
 from sonar_tracking.evaluation.studies.doa_coherent.study import BOUND
 from sonar_tracking.evaluation.studies.doa_fusion.figures import draw_run
+from sonar_tracking.evaluation.studies.study_catalogue import STUDIES
 from sonar_tracking.geometry import steering_vectors
-from tests.evaluation.kept_results import KeptStudy, run_and_keep
+from tests.evaluation.kept_results import SEED, KeptStudy
 
 WAVENUMBER = 2.0 * np.pi / 0.075
-RUNS = 20
+NAME, RUNS = "doa-coherent", 20
 DRAWN = {"figure_3_close_coherent", "figure_4_crossing_incoherent"}
 """Pictures that are drawn, of a run in which RYU fails and of one in which it does not."""
 
 
 @pytest.fixture(scope="module")
 def kept() -> KeptStudy:
-    return run_and_keep("doa-coherent", RUNS)
+    tasks = STUDIES[NAME].tasks(RUNS, SEED)
+    results = [task.function(task.argument) for task in tasks]
+    return KeptStudy(Study(NAME, RUNS, SEED, 1.0, STUDIES[NAME].rows(results)), tasks, results)
 
 
 @pytest.fixture(scope="module")
@@ -174,5 +177,5 @@ def test_published_figures_stand_beside(study: Study) -> None:
     assert not study.row(JOINT, Condition(CROSSING, COHERENT).name).published
 
 
-def test_numbers_do_not_depend_on_the_number_of_workers(kept: KeptStudy) -> None:
+def test_a_worker_by_itself_gives_the_same_numbers(kept: KeptStudy) -> None:
     kept.assert_same_alone([2])
