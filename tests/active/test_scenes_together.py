@@ -7,6 +7,7 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
+from sonar_tracking.active.contacts.contact_checks import origin_of
 from sonar_tracking.active.contacts.contact_positions import place_contacts
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.active.multi_target_tracker import (
@@ -130,6 +131,19 @@ def test_contacts_placed_for_another_tracker_give_the_same_tracks() -> None:
             updates = update_together(together, pings, shared)
             for one, other in zip(updates, update_together(by_themselves, pings), strict=True):
                 assert_same(one, other)
+
+
+def test_a_ping_is_checked_and_described_once_for_trackers_that_fill_in_the_same() -> None:
+    shared, (early, late, *_) = SharedPings(), scenes()[0]
+    assert shared.check(early, None) is shared.check(early, None)
+    with pytest.raises(InputError, match="not later"):
+        shared.check(early, origin_of(late))
+    known = shared.model(early, CONFIGURATION)
+    assert shared.model(early, replace(CONFIGURATION, motion="turning")) is known
+    other, _ = shared.model(early, replace(CONFIGURATION, outlier_share=0.3))
+    assert (known[0].outlier_share, other.outlier_share) == (CONFIGURATION.outlier_share, 0.3)
+    assert shared.check(late, origin_of(early))[0] is late
+    assert shared.model(early, CONFIGURATION) is not known, "older pings are forgotten"
 
 
 def test_only_pings_that_differ_are_placed_anew() -> None:
