@@ -232,7 +232,8 @@ def separate_banks(
         )
         refused = batch.refused[runs].reshape(shape[:-1])
         contradicted = batch.contradicted[runs].reshape(shape[:-1])
-        parts.append(RangeBankState(stamp, bank, windows, errors, refused, contradicted))
+        left = refused, contradicted, state.beginning
+        parts.append(RangeBankState(stamp, bank, windows, errors, *left))
     return parts
 
 

@@ -7,12 +7,15 @@ its target.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any, TypeVar, cast
 
 import numpy as np
 
-from sonar_tracking.records.arrays import BoolArray, FloatArray
+from sonar_tracking.records.arrays import BoolArray
 from sonar_tracking.tma.estimators.hypothesis_bank import SOURCE_FREQUENCY_SPREAD, HypothesisBank
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
+
+AnyArray = TypeVar("AnyArray", bound=np.ndarray[Any, Any])
 
 NEVER, FULL, COVARIANCE, SOURCE_FREQUENCY = "never", "full", "covariance", "source_frequency"
 
@@ -41,13 +44,22 @@ def restart_bank(
     if policy == COVARIANCE:
         lines = np.arange(KINEMATIC, bank.mean.shape[-1])
         diffuse[..., lines, lines] = (SOURCE_FREQUENCY_SPREAD * bank.mean[..., KINEMATIC:]) ** 2
-        return replace(bank, covariance=_choose(which, diffuse, bank.covariance))
-    covariance = _choose(which, diffuse, bank.covariance)
-    mean = _choose(which, fresh.mean, bank.mean)
-    weight = _choose(which, fresh.log_weight, bank.log_weight)
+        return replace(bank, covariance=choose(which, diffuse, bank.covariance))
+    covariance = choose(which, diffuse, bank.covariance)
+    mean = choose(which, fresh.mean, bank.mean)
+    weight = choose(which, fresh.log_weight, bank.log_weight)
     return HypothesisBank(mean, covariance, weight, known)
 
 
-def _choose(which: BoolArray, one: FloatArray, other: FloatArray) -> FloatArray:
+def choose(which: BoolArray, one: AnyArray, other: AnyArray) -> AnyArray:
+    """Return the values of one for some runs, of shape (...), and those of another for the rest.
+
+    Parameters
+    ----------
+    which : ndarray of bool, shape (...)
+        Runs that have those of the first.
+    one, other : ndarray, shape (..., any further dimensions)
+        In any unit.
+    """
     shape = which.shape + (1,) * (other.ndim - which.ndim)
-    return np.where(which.reshape(shape), one, other)
+    return cast(AnyArray, np.where(which.reshape(shape), one, other))

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from sonar_tracking.tma.estimators.bank_batch import (
     join_banks,
     separate_banks,
 )
+from sonar_tracking.tma.estimators.bank_replay import judge_beginning
 from sonar_tracking.tma.estimators.error_innovations import BankInnovations, error_innovations
 from sonar_tracking.tma.estimators.error_models import (
     ErrorEvidence,
@@ -170,6 +172,7 @@ def _update_alike(
     ready, restarted, begun = [], [], []
     for state, measurement in zip(states, measurements, strict=True):
         present = start_range_bank(measurement, configuration) if state is None else state
+        present = judge_beginning(present, measurement.stamp, partial(_believe, configuration))
         if vertical:
             present = replace(present, bank=with_vertical(present.bank))
         lost = is_lost(present, measurement)
@@ -182,13 +185,25 @@ def _update_alike(
     after, changes = _advance(batch, np.concatenate(begun), configuration)
     done = separate_banks(ready, after, measurements[0].stamp)
     updates, run = [], 0
-    for state, lost in zip(done, restarted, strict=True):
+    for state, lost, measurement in zip(done, restarted, measurements, strict=True):
+        beginning = None if state.beginning is None else state.beginning.after(measurement)
+        state = replace(state, beginning=beginning)
         own = slice(run, run + lost.size)
         reborn = changes.reborn[own].reshape(state.bank.known.shape)
         manoeuvre = changes.manoeuvre[own].reshape(lost.shape)
         updates.append(RangeBankUpdate(state, reborn, manoeuvre, lost))
         run += lost.size
     return updates
+
+
+def _believe(
+    configuration: RangeBankConfiguration,
+    state: RangeBankState | None,
+    measurement: TmaMeasurement,
+) -> RangeBankState:
+    """Return a state after a measurement whose errors are known."""
+    believing = replace(configuration, learn_errors=False)
+    return update_range_banks([state], [measurement], believing)[0].state
 
 
 def _has_height(state: RangeBankState | None, measurement: TmaMeasurement) -> bool:

@@ -7,8 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
+from sonar_tracking.tma.estimators.bank_beginning import Beginning, nothing_measured
 from sonar_tracking.tma.estimators.bank_restart import FULL, restart_bank
-from sonar_tracking.tma.estimators.error_models import ErrorEvidence, no_evidence
+from sonar_tracking.tma.estimators.error_models import (
+    ErrorEvidence,
+    no_evidence,
+    variance_factor,
+)
 from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank, start_bank
 from sonar_tracking.tma.estimators.innovation_monitor import (
     Changes,
@@ -55,6 +60,8 @@ class RangeBankState:
         Azimuths in a row that no hypothesis accepted.
     contradicted : ndarray, shape (...)
         The same of elevations, rare ones counted as several; a pure number.
+    beginning : Beginning or None
+        What was measured so far; None = that much, or from so many places, that it is as it is.
     """
 
     stamp: int
@@ -63,6 +70,7 @@ class RangeBankState:
     errors: ErrorEvidence
     refused: IntArray
     contradicted: FloatArray
+    beginning: Beginning | None = None
 
     @property
     def manoeuvring(self) -> FloatArray:
@@ -85,6 +93,7 @@ def start_range_bank(
         no_evidence(batch, measurement.n_lines),
         np.zeros(batch, dtype=np.int64),
         np.zeros(batch),
+        nothing_measured(batch, measurement.n_lines) if configuration.learn_errors else None,
     )
 
 
@@ -135,6 +144,9 @@ def restart_lost(
         fresh = replace(fresh, bank=with_vertical(fresh.bank))
     if fresh.bank.log_weight.shape != state.bank.log_weight.shape:
         return fresh  # a single run whose array now has another number of sides
+    beginning = state.beginning
+    if beginning is not None:
+        beginning = beginning.restarted(lost, variance_factor(state.errors, measurement.stamp))
     everything = Changes(np.zeros(state.bank.known.shape, dtype=bool), lost)
     return RangeBankState(
         state.stamp,
@@ -143,4 +155,5 @@ def restart_lost(
         state.errors,
         np.where(lost, 0, state.refused),
         np.where(lost, 0.0, state.contradicted),
+        beginning,
     )

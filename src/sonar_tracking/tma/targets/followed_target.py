@@ -208,7 +208,7 @@ class FollowedTarget:
             change = turned.turned(list(self.sights))
             for component in mean:
                 component[:2] += displacement(component[:2], sights, change)
-        solver.state = replace(solver.state, bank=replace(bank, mean=mean))
+        solver.state = replace(solver.state, bank=replace(bank, mean=mean), beginning=None)
         self.residuals = LastingResiduals()
 
     def _recent(self) -> int:

@@ -118,8 +118,10 @@ def with_columns(state: RangeBankState, count: int, freed: tuple[int, ...]) -> R
         covariance[:, :, KINEMATIC + column] = 0.0
         known[column] = False
         lines[column] = 0.0
+    beginning = state.beginning
     return replace(
         state,
+        beginning=None if beginning is None else beginning.with_lines(count, freed),
         bank=replace(bank, mean=mean, covariance=covariance, known=known),
         windows=InnovationWindows(lines, windows.azimuth),
         errors=with_lines(state.errors, count, freed),

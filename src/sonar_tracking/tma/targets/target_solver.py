@@ -146,7 +146,7 @@ class TargetSolver:
         if self.state is not None and len(sides) == 2 and side in sides:
             self._progress.sides = (side,)
             bank = side_of(self.state.bank, sides.index(side), 2)
-            self.state = replace(self.state, bank=bank)
+            self.state = replace(self.state, bank=bank, beginning=None)
 
     def expect(self, observation: TargetObservation, splits: Splits | None = None) -> None:
         """Prepare for the first azimuths of another station, which cut across the hypotheses.
@@ -218,11 +218,11 @@ class TargetSolver:
 
     def _take_up_errors(self, sensor_id: str) -> None:
         """Go on with what is known of the errors of the station that measures."""
-        progress, state = self._progress, self.state
+        state, known = self.state, self._progress.errors_of
         assert state is not None
-        if sensor_id != progress.last_sensor:
-            own = progress.errors_of.get(sensor_id) or no_evidence((), 0)
-            self.state = replace(state, errors=with_azimuth_evidence(state.errors, own))
+        if sensor_id != self._progress.last_sensor:
+            own = with_azimuth_evidence(state.errors, known.get(sensor_id) or no_evidence((), 0))
+            self.state = replace(state, errors=own, beginning=None)
 
     def _decide_side(self, observation: TargetObservation) -> None:
         progress, state = self._progress, self.state
@@ -242,7 +242,7 @@ class TargetSolver:
         if np.max(halves) > SIDE_PROBABILITY:
             winner = int(np.argmax(halves))
             progress.sides = (progress.sides[winner],)
-            self.state = replace(state, bank=side_of(state.bank, winner, 2))
+            self.state = replace(state, bank=side_of(state.bank, winner, 2), beginning=None)
 
     def _solution(self, state: RangeBankState, index: int, probability: float) -> TargetSolution:
         sides = self._progress.sides
