@@ -1,5 +1,7 @@
 """Protects what a bank learns of errors: no motion for an error, the same bits compiled or not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,9 +10,13 @@ from sonar_tracking.tma.estimators.bank_batch import RunRows
 from sonar_tracking.tma.estimators.error_innovations import (
     BankInnovations,
     ErrorInnovations,
+    as_of_first_side,
     without_common_doppler,
 )
+from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank
 from sonar_tracking.tma.estimators.measurement_model import LinearisedRows
+from sonar_tracking.tma.estimators.recursion import rows_of
+from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 
 
 def test_motion_that_all_lines_show_is_no_error_of_theirs() -> None:
@@ -71,3 +77,25 @@ def test_compiled_averages_give_the_bits_of_numpy(
     for name in ("innovation", "own_variance", "telling"):
         np.testing.assert_array_equal(getattr(compiled, name), getattr(plain, name), name)
     assert compiled.telling.any()
+
+
+def test_an_error_of_a_line_arrays_angle_looks_alike_on_both_of_its_sides() -> None:
+    """Own ship at the origin, the array along x: sides are mirror images about it."""
+    state = np.array([[[3000.0, 4000.0, 0.0, 0.0]], [[3000.0, -4000.0, 0.0, 0.0]]])
+    angle = np.arctan2(4.0, 3.0) + 0.01
+    measurement = TmaMeasurement(
+        stamp=1,
+        position=np.zeros(2),
+        velocity=np.zeros(2),
+        azimuth=np.array([angle, -angle]),
+        azimuth_variance=np.array(1e-4),
+    )
+    rows = rows_of(
+        HypothesisBank(state, np.zeros((2, 1, 4, 4)), np.zeros((2, 1)), np.zeros((2, 0), bool)),
+        measurement,
+    )
+    assert rows.innovation[:, 0, 0] == pytest.approx([0.01, -0.01])
+    sided = as_of_first_side(rows, state, measurement)
+    assert sided.innovation[:, 0, 0] == pytest.approx([0.01, 0.01])
+    single = replace(measurement, azimuth=measurement.azimuth[:1])
+    assert as_of_first_side(rows, state, single) is rows

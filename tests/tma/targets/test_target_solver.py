@@ -13,6 +13,7 @@ from sonar_tracking.evaluation.studies.tma_frequency_fusion.observability_rows i
 )
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import scene_of_legs
 from sonar_tracking.simulation.sensors.tma_scene import TmaRuns, TmaScene, simulate_runs
+from sonar_tracking.tma.estimators.error_models import variance_factor
 from sonar_tracking.tma.stations.solver_likelihoods import log_likelihoods
 from sonar_tracking.tma.targets.array_sides import LEFT, RIGHT, SINGLE
 from sonar_tracking.tma.targets.target_records import MAXIMUM_LINES, TargetObservation
@@ -292,3 +293,38 @@ def test_likelihoods_found_together_are_those_found_alone() -> None:
     tasks = [(solver, bearing_frame(1, azimuths)) for azimuths in ((0.6, -0.6), (0.61,))]
     alone = [log_likelihoods([task])[0] for task in tasks]
     assert log_likelihoods(tasks) == pytest.approx(alone)
+
+
+@pytest.mark.slow
+def test_a_target_told_wrong_begins_anew_unless_trials_or_stations_depend_on_it() -> None:
+    runs = one_run(scene_of_legs(TURNING, 1.0))
+    told = replace(runs, scene=replace(runs.scene, azimuth_deviation=float(np.radians(0.125))))
+    observations = list(islice(target_observations(told, 0), 50))
+    solver, compared, joined = TargetSolver(), TargetSolver(begins_anew=False), TargetSolver()
+    for index, observation in enumerate(observations):
+        solver.update(observation)
+        compared.update(observation)
+        joined.update(observation)
+        if index == 10:
+            joined.update(replace(observation, sensor_id="buoy", position=(0.0, 3000.0)))
+    assert solver.state is not None and solver.state.beginning is not None
+    assert solver.state.beginning.believed[0] > 3.0
+    assert len(solver.state.beginning.believed) == 1 + solver.state.bank.known.size
+    for other in (compared, joined):
+        assert other.state is not None and other.state.beginning is None
+
+
+@pytest.mark.slow
+def test_bearings_of_a_line_array_told_four_times_too_good_are_found_out_on_both_sides() -> None:
+    """Errors of its angle turn the azimuths of its sides opposite ways: they must not cancel."""
+    runs = one_run(scene_of_legs(TURNING, 1.0))
+    told = replace(runs, scene=replace(runs.scene, azimuth_deviation=float(np.radians(0.125))))
+    solver = TargetSolver()
+    for index, observation in enumerate(target_observations(told, 0, array=True)):
+        solutions = solver.update(observation)
+        if index == 40:
+            assert solver.state is not None and len(solutions) == 2
+            assert 8.0 < variance_factor(solver.state.errors, observation.stamp + 10**9)[0] < 32.0
+    (solution,) = solutions
+    error = solution.mean - runs.truth[0, -1]
+    assert error @ np.linalg.solve(solution.covariance, error) < 20.0

@@ -18,7 +18,7 @@ from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 CHECKED_AFTER = (20, 40, 80, 160)
 """Numbers of measurements after which what was believed is compared with what has been learnt."""
 
-MISJUDGED = 2.5
+MISJUDGED = 3.0
 """Variances that turn out to be larger than believed by this factor are no detail."""
 
 

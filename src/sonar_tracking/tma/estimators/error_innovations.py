@@ -7,14 +7,16 @@ installed, gives the same bits.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from sonar_tracking.compiled_modules import compiled_module
+from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import BoolArray, FloatArray
 from sonar_tracking.tma.estimators.bank_batch import RunRows
 from sonar_tracking.tma.estimators.measurement_model import LinearisedRows, watched_rows
+from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 
 COMPILED = compiled_module("tma.estimators.compiled_innovations")
 
@@ -68,6 +70,33 @@ class ErrorInnovations:
     innovation: FloatArray
     own_variance: FloatArray
     telling: BoolArray
+
+
+def as_of_first_side(
+    rows: LinearisedRows, state: FloatArray, measurement: TmaMeasurement
+) -> LinearisedRows:
+    """Return rows in which one error of a line array's angle looks alike on both of its sides.
+
+    It turns the azimuth on the second side the other way: averaged over hypotheses of both the
+    innovations would be nothing, however large the error.
+
+    Parameters
+    ----------
+    rows : LinearisedRows
+        Of each hypothesis, shape (n_hypotheses, 1, 2 + n_lines).
+    state : ndarray, shape (n_hypotheses, 1, at least 2)
+        x, y, ... predicted, m.
+    measurement : TmaMeasurement
+        With one azimuth or two.
+    """
+    if measurement.azimuth.shape[-1] == 1:
+        return rows
+    offset = state[:, 0, :2] - measurement.position
+    expected = np.arctan2(offset[:, 1], offset[:, 0])
+    apart = np.abs(wrap_angle(measurement.azimuth - expected[:, None]))
+    innovation = rows.innovation.copy()
+    innovation[apart[:, 1] < apart[:, 0], 0, 0] *= -1.0
+    return replace(rows, innovation=innovation)
 
 
 def error_innovations(

@@ -25,7 +25,11 @@ from sonar_tracking.tma.estimators.bank_batch import (
     separate_banks,
 )
 from sonar_tracking.tma.estimators.bank_replay import judge_beginning
-from sonar_tracking.tma.estimators.error_innovations import BankInnovations, error_innovations
+from sonar_tracking.tma.estimators.error_innovations import (
+    BankInnovations,
+    as_of_first_side,
+    error_innovations,
+)
 from sonar_tracking.tma.estimators.error_models import (
     ErrorEvidence,
     learn_errors,
@@ -240,7 +244,8 @@ def _advance(
     accepted = rows_of_run.any(within.present[:, 0, DIRECTIONS])
     if configuration.learn_errors:
         usable = accepted[:, 0] | (batch.refused == 0), ~changes.reborn
-        errors = _learn(batch, factor, weight, rows, variance, usable)
+        sided = as_of_first_side(rows, predicted.mean, measured)
+        errors = _learn(batch, factor, weight, sided, variance, usable)
     manoeuvring = _manoeuvring(weight, rows_of_run)
     began = manoeuvring & ~_manoeuvring(np.exp(batch.bank.log_weight), rows_of_run)
     refused, contradicted = _count_refused(batch, rows, accepted, begun)

@@ -160,7 +160,7 @@ def _key_of_both(trial: Trial, added: FollowedTarget) -> Key:
 def _extended(trial: Trial, added: FollowedTarget, stamp: int, deviation: float) -> Trial:
     """Return the trial with a further target."""
     alone = {target: solver.copy() for target, solver in trial.alone.items()}
-    alone[added] = TargetSolver(trial.solver.configuration)
+    alone[added] = TargetSolver(trial.solver.configuration, begins_anew=False)
     return Trial(
         targets=tuple(sorted((*trial.targets, added), key=lambda one: one.initiated)),
         solver=trial.solver.copy(),

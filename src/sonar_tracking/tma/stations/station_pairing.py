@@ -128,7 +128,8 @@ class StationPairing:
         if self._agile is None:
             given = first.solver.configuration
             self._agile = replace(given, acceleration=max(given.acceleration, AGILE))
-        alone = {first: first.solver.copy(self._agile), second: TargetSolver(self._agile)}
+        other = TargetSolver(self._agile, begins_anew=False)
+        alone = {first: first.solver.copy(self._agile), second: other}
         solver = first.solver.copy(self._agile)
         trial = Trial(
             (first, second),

@@ -307,10 +307,15 @@ def _with_errors(
     return replace(solution, covariance=covariance, spatial=spatial)
 
 
-def new_solver(configuration: TmaTrackerConfiguration) -> TargetSolver | BaselineSolver:
-    """Return a solver of the method that is configured."""
+def new_solver(
+    configuration: TmaTrackerConfiguration, n_stations: int = 1
+) -> TargetSolver | BaselineSolver:
+    """Return a solver of the method that is configured, where so many stations report.
+
+    One of several stations does not begin anew: it is compared with trials, which cannot either.
+    """
     if configuration.entry.weighs_hypotheses:
-        return TargetSolver(configuration)
+        return TargetSolver(configuration, begins_anew=n_stations == 1)
     return BaselineSolver(configuration)
 
 

@@ -81,6 +81,8 @@ class TargetSolver:
     ----------
     configuration : RangeBankConfiguration
         Of the filter.
+    begins_anew : bool
+        Whether it may, after errors that were much larger than told; not one compared with trials.
 
     Attributes
     ----------
@@ -90,10 +92,12 @@ class TargetSolver:
         Of the filter; None = there was no azimuth yet.
     """
 
-    def __init__(self, configuration: RangeBankConfiguration | None = None) -> None:
+    def __init__(
+        self, configuration: RangeBankConfiguration | None = None, begins_anew: bool = True
+    ) -> None:
         self.configuration = configuration or RangeBankConfiguration()
         self.state: RangeBankState | None = None
-        self._progress = _Progress()
+        self._progress, self._begins_anew = _Progress(), begins_anew
         self._log: MeasurementLog
 
     def update(self, observation: TargetObservation) -> tuple[TargetSolution, ...]:
@@ -170,14 +174,10 @@ class TargetSolver:
 
     def copy(self, configuration: RangeBankConfiguration | None = None) -> TargetSolver:
         """Return a solver that goes on from here independently, with other parameters if given."""
-        copied = TargetSolver(configuration or self.configuration)
-        progress = self._progress
+        copied = TargetSolver(configuration or self.configuration, self._begins_anew)
         copied.state = self.state
-        copied._progress = replace(
-            progress,
-            last_stamp_of=dict(progress.last_stamp_of),
-            errors_of=dict(progress.errors_of),
-        )
+        stamps, errors = dict(self._progress.last_stamp_of), dict(self._progress.errors_of)
+        copied._progress = replace(self._progress, last_stamp_of=stamps, errors_of=errors)
         if self.state is not None:
             copied._log = self._log.copy()
         return copied
@@ -278,7 +278,7 @@ class TargetSolver:
         self, observation: TargetObservation, measurement: TmaMeasurement, done: RangeBankUpdate
     ) -> None:
         new = self.state is None
-        self.state = done.state
+        self.state = done.state if self._begins_anew else replace(done.state, beginning=None)
         if new or bool(done.restarted):
             self._begin(observation)
             parameters = self.configuration

@@ -134,7 +134,7 @@ class TargetList:
 
     def _begin(self, key: TrackKey) -> None:
         target = FollowedTarget(
-            solver=new_solver(self.configuration),
+            solver=new_solver(self.configuration, self._n_stations),
             members={key[0]: key[1]},
             initiated=self._stamp,
             updated=self._stamp,

@@ -277,7 +277,7 @@ class TmaTrackerStage(TargetList):
                 text = f"track {one.key[1]} became numerically impossible"
                 notices.append(left_out(one.key[0], text))
                 self._pairing.end(target)
-                target.solver = new_solver(self.configuration)
+                target.solver = new_solver(self.configuration, self._n_stations)
         usable = zip(seen, outcomes, strict=True)
         known = [
             (one.target, one.told) for one, found in usable if not isinstance(found, Exception)
