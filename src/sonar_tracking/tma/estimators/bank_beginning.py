@@ -15,7 +15,7 @@ import numpy as np
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 
-CHECKED_AFTER = (20, 40, 80, 160)
+CHECKED_AFTER = (20, 40, 80)
 """Numbers of measurements after which what was believed is compared with what has been learnt."""
 
 MISJUDGED = 3.0
