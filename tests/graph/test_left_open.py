@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 FAILS = """
 from tests.left_open import opened, closed
 
@@ -27,6 +29,7 @@ def test_of_another_file() -> None:
 """
 
 
+@pytest.mark.slow
 def test_what_a_failed_test_leaves_open_is_closed_after_its_file(tmp_path: Path) -> None:
     (tmp_path / "conftest.py").write_text("from tests.left_open import pytest_runtest_teardown\n")
     (tmp_path / "test_first.py").write_text(FAILS)

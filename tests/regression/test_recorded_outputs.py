@@ -21,8 +21,9 @@ TOLERANCE = 1e-5
 otherwise."""
 
 LONG = {
-    *("appearing_targets", "batch_estimates", "cross_fix", "crossing_targets", "range_bank"),
-    *("fused_line", "stacked_lines", "stacked_lines_restarted", "summed_lines", "tonals"),
+    *("appearing_targets", "batch_estimates", "coloured_noise", "cross_fix", "crossing_targets"),
+    *("range_bank", "fused_line", "stacked_lines", "stacked_lines_restarted", "summed_lines"),
+    "tonals",
 }
 """Cases of more than half a second."""
 
