@@ -60,9 +60,10 @@ def test_every_ship_has_one_row_under_one_name(
 
 
 @pytest.mark.slow
-def test_the_misalignment_is_found_within_what_is_claimed() -> None:
+@pytest.mark.parametrize("degrees", [0.0, 1.0, -3.0])
+def test_the_misalignment_is_found_within_what_is_claimed(degrees: float) -> None:
     scores = []
-    for seed, degrees in enumerate((0.0, 1.0, -3.0, 1.0, -3.0, 0.0, 1.0, -3.0)):
+    for seed in range(8):
         scene = Ships(FOUR, misalignment=np.radians(degrees), seed=seed)
         known = run(scene, 300.0)[-1][1].alignments
         assert known.sensor_id == (ARRAY,)
@@ -73,10 +74,11 @@ def test_the_misalignment_is_found_within_what_is_claimed() -> None:
 
 
 @pytest.mark.slow
-def test_the_covariance_is_honest_and_bearings_help() -> None:
-    """Half or twice the covariance is seen in the NEES of four runs."""
+@pytest.mark.parametrize("degrees", [0.0, 1.0])
+def test_the_covariance_is_honest_and_bearings_help(degrees: float) -> None:
+    """Half or twice the covariance is seen in the NEES of four runs, 1.1 as that of eight is."""
     squares, nees, alone = [], [], []
-    for seed, degrees in enumerate((0.0, 1.0, 1.0, 0.0)):
+    for seed in range(4):
         scene = Ships(FOUR, np.radians(degrees), acceleration=2.5e-3, seed=seed)
         for moment, update in run(scene)[50::5]:
             error, covariance = errors(moment, update)
