@@ -11,6 +11,7 @@ from sonar_tracking.evaluation.metrics.position_truth import truth_as_tracks
 from sonar_tracking.evaluation.offline.offline_tma_chain import OfflineTmaRun, passive_frame
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks, TrackSource
+from sonar_tracking.records.time import seconds
 from sonar_tracking.tma.batch.target_smoother import TargetSmootherConfiguration
 from sonar_tracking.tma.targets.observation_log import ObservationLog, Observations
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
@@ -100,3 +101,65 @@ def test_rows_of_others_and_rows_that_are_unknown_are_left_out() -> None:
     )
     assert [len(picture) for picture in out.pictures[-2:]] == [n_rows - 1, n_rows - 1]
     assert seen == [(number + 1, out.n_tracks) for number in range(out.n_tracks)]
+
+
+def rows_of_the_first_confirmed(pictures: list[PositionTracks]) -> dict[int, int]:
+    """Return the rows of the target that is confirmed first, by stamp, from then on."""
+    first = next(picture for picture in pictures if picture.established.any())
+    identifier = first.id[picture_row(first)]
+    return {
+        picture.stamp: int(np.flatnonzero(picture.id == identifier)[0])
+        for picture in pictures
+        if picture.stamp >= first.stamp and identifier in picture.id
+    }
+
+
+def picture_row(picture: PositionTracks) -> int:
+    return int(np.flatnonzero(picture.established)[0])
+
+
+def with_status(picture: PositionTracks, row: int, status: TrackStatus) -> PositionTracks:
+    codes = picture.status.copy()
+    codes[row] = status
+    return replace(picture, status=codes)
+
+
+def test_what_was_measured_while_a_row_was_coasted_is_of_something_else() -> None:
+    pictures, clean = run("tma").tracks, smoothed("tma").pictures
+    rows = rows_of_the_first_confirmed(pictures)
+    silence = set(list(rows)[60:120])
+    told = [
+        with_status(one, rows[one.stamp], TrackStatus.COASTED) if one.stamp in silence else one
+        for one in pictures
+    ]
+    log = {key: dict(along) for key, along in observed(run("tma")).items()}
+    for along in log.values():
+        for stamp in silence & along.keys():
+            turned = tuple(each + 0.3 for each in along[stamp].azimuths)
+            along[stamp] = replace(along[stamp], azimuths=turned)
+    out = smooth_tracks(told, log, TRACKER, SMOOTHER).pictures
+    for one, other in zip(out, clean, strict=True):
+        if one.stamp not in silence:
+            continue
+        row = rows[one.stamp]
+        assert one.status[row] == TrackStatus.COASTED
+        apart = one.state[row, :2] - other.state[row, :2]
+        assert apart @ np.linalg.solve(one.covariance[row, :2, :2], apart) < 4.0
+    # In the middle it may have stopped half of the silence ago.
+    middle = next(one for one in out if one.stamp == sorted(silence)[30])
+    claimed, state = (part[rows[middle.stamp]] for part in (middle.covariance, middle.state))
+    waited = seconds(sorted(silence)[30] - sorted(silence)[0])
+    assert np.trace(claimed[:2, :2]) > 0.8 * waited**2 * float(state[2:] @ state[2:])
+
+
+def test_a_row_that_lost_its_confirmation_stays_without() -> None:
+    pictures = run("tma").tracks
+    rows = rows_of_the_first_confirmed(pictures)
+    doubted = set(list(rows)[60:120])
+    told = [
+        with_status(one, rows[one.stamp], TrackStatus.TENTATIVE) if one.stamp in doubted else one
+        for one in pictures
+    ]
+    for one in smooth_tracks(told, observed(run("tma")), TRACKER, SMOOTHER).pictures:
+        if one.stamp in doubted:
+            assert one.status[rows[one.stamp]] == TrackStatus.TENTATIVE

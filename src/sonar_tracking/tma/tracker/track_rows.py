@@ -73,7 +73,7 @@ def track_row(
     """Return the row of a solution at the stamp of the list."""
     state, covariance = _predict(solution, stamp, acceleration)
     if status == TrackStatus.COASTED and (target.members or target.forsaken):
-        covariance = covariance + _stopped(state, (stamp - target.updated) / NANOSECONDS)
+        covariance = covariance + stopped(state, (stamp - target.updated) / NANOSECONDS)
     z, deviation = _height(target, solution, stamp)
     return TrackRow(
         id=target.row_of[solution.side],
@@ -172,11 +172,23 @@ def _height(target: FollowedTarget, solution: TargetSolution, stamp: int) -> tup
     return float(mean[-VERTICAL]), float(np.sqrt(covariance[-VERTICAL, -VERTICAL]))
 
 
-def _stopped(state: FloatArray, silent: float) -> FloatArray:
-    """Return the covariance of what a target that is silent for so long, s, may have done.
+def stopped(state: FloatArray, silent: float) -> FloatArray:
+    """Return the covariance of what a target that is silent for so long may have done.
 
     What is not heard any more may have stopped its engines: its velocity differs from what it was
     by as much as that, in whatever direction.
+
+    Parameters
+    ----------
+    state : ndarray, shape (4,)
+        x, y, vx, vy, m and m/s.
+    silent : float
+        s.
+
+    Returns
+    -------
+    ndarray, shape (4, 4)
+        In units of the state squared.
     """
     change = float(state[2:] @ state[2:]) / 2.0
     along = np.array([[silent**2, silent], [silent, 1.0]])

@@ -21,9 +21,11 @@ from sonar_tracking.records.time import seconds
 from sonar_tracking.tma.batch.target_history import TargetHistory
 from sonar_tracking.tma.batch.target_smoother import TargetSmootherConfiguration, smooth_target
 from sonar_tracking.tma.batch.track_smoother import TrackPath, smooth_path
+from sonar_tracking.tma.targets.hearing import Hearing
 from sonar_tracking.tma.targets.observation_log import Observations, TrackKey
 from sonar_tracking.tma.targets.target_records import MAXIMUM_LINES, TargetObservation
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
+from sonar_tracking.tma.tracker.track_rows import stopped
 
 FEWEST_HEARD = 10
 """A line heard in fewer frames says less than it costs."""
@@ -58,6 +60,7 @@ class _Recorded:
     path: TrackPath
     stamps: list[int]
     members: list[frozenset[TrackKey]]
+    status: CodeArray
 
 
 def smooth_tracks(
@@ -87,30 +90,34 @@ def smooth_tracks(
     states = [picture.state.copy() for picture in kept]
     covariances = [picture.covariance.copy() for picture in kept]
     statuses = [picture.status.copy() for picture in kept]
-    silent, failed = [], []
+    unmeasured, failed = [], []
     for number, (identifier, track) in enumerate(recorded.items()):
         history = _history(track, observations, tracker)
         start = _start(track, smoother)
-        ever = any(kept[index].established[row] for index, row in track.places)
+        established = np.flatnonzero(track.status != TrackStatus.TENTATIVE)
+        ever = bool(established.size)
         # A side that was never confirmed is as uncertain as the list says.
         path = _smoothed(track, start, history, smoother) if history and ever else None
         if history is None:
-            silent.append(identifier)
+            unmeasured.append(identifier)
         elif ever and path is None:
             failed.append(identifier)
         # What the list says of itself has the size of the target in it.
         size = np.zeros((4, 4)) if path is None else _size(tracker)
         path = path or start
         known = _known(path, history, tracker)
+        silent = _silent(track, history)
         for place, (index, row) in enumerate(track.places):
-            states[index][row] = path.mean[place]
-            covariances[index][row] = path.covariance[place] + size
-            if ever and known[place] and statuses[index][row] == TrackStatus.TENTATIVE:
+            state = path.mean[place]
+            states[index][row] = state
+            covariances[index][row] = path.covariance[place] + size + stopped(state, silent[place])
+            # What contradicted a position that was confirmed does so with hindsight, too.
+            if ever and known[place] and place < established[0]:
                 statuses[index][row] = TrackStatus.CONFIRMED
         done(number + 1, len(recorded))
     columns = zip(kept, states, covariances, statuses, strict=True)
     smoothed = tuple(_picture(*each) for each in columns)
-    return SmoothedTracks(smoothed, len(recorded), tuple(silent), tuple(failed))
+    return SmoothedTracks(smoothed, len(recorded), tuple(unmeasured), tuple(failed))
 
 
 def _picture(
@@ -150,7 +157,8 @@ def _recorded_tracks(pictures: Sequence[PositionTracks]) -> dict[int, _Recorded]
             np.array([pictures[index].covariance[row] for index, row in own]),
         )
         heard = [frozenset(members.get(place, ())) for place in own]
-        recorded[identifier] = _Recorded(own, path, stamps, heard)
+        status = np.array([pictures[index].status[row] for index, row in own])
+        recorded[identifier] = _Recorded(own, path, stamps, heard, status)
     return recorded
 
 
@@ -165,7 +173,7 @@ def _history(
     empty: list[tuple[int, TargetObservation | None]] = [
         (stamp, None) for stamp in track.stamps if stamp not in stamps
     ]
-    instants = sorted([*((one.stamp, one) for one in chosen), *empty], key=lambda each: each[0])
+    instants = sorted([*_heard(track, chosen), *empty], key=lambda each: each[0])
     sensors = {one.sensor_id: index for index, one in reversed(list(enumerate(chosen)))}
     number = {
         sensor: index for index, sensor in enumerate(sorted(sensors, key=sensors.__getitem__))
@@ -206,6 +214,39 @@ def _history(
         propagation_speed=tracker.propagation_speed,
         bending=tracker.systematic_errors.bending,
     )
+
+
+def _heard(
+    track: _Recorded, chosen: Sequence[TargetObservation]
+) -> list[tuple[int, TargetObservation | None]]:
+    """Return what was observed and when, ns; nothing where the target was not heard.
+
+    The list says where what was observed was of something else, and its row coasted.
+    """
+    coasted = track.status == TrackStatus.COASTED
+    elsewhere = {stamp for stamp, silent in zip(track.stamps, coasted, strict=True) if silent}
+    hearing = Hearing()
+    instants: list[tuple[int, TargetObservation | None]] = []
+    for one in sorted(chosen, key=lambda one: one.stamp):
+        heard = not one.azimuths or (hearing.take(one) and one.stamp not in elsewhere)
+        instants.append((one.stamp, one if heard else None))
+    return instants
+
+
+def _silent(track: _Recorded, history: TargetHistory | None) -> FloatArray:
+    """Return how long before or after each coasted row its target was heard, s, shape (n,).
+
+    Of rows that are not coasted, and where nothing was measured, that is 0.
+    """
+    times = track.path.times
+    if history is None:
+        return np.zeros(len(times))
+    heard = history.times[np.isfinite(history.deviations()).any(axis=1)]
+    after = np.searchsorted(heard, times)
+    before = times - heard[np.maximum(after - 1, 0)]
+    until = np.where(after < len(heard), heard[np.minimum(after, len(heard) - 1)] - times, np.inf)
+    apart = np.minimum(np.abs(before), until)
+    return np.where(track.status == TrackStatus.COASTED, apart, 0.0)
 
 
 def _chosen(track: _Recorded, observations: Observations) -> list[TargetObservation]:
