@@ -1,5 +1,6 @@
 """Protects smoothing of a recorded list: whose measurements count, what rows say afterwards."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -103,7 +104,7 @@ def test_rows_of_others_and_rows_that_are_unknown_are_left_out() -> None:
     assert seen == [(number + 1, out.n_tracks) for number in range(out.n_tracks)]
 
 
-def rows_of_the_first_confirmed(pictures: list[PositionTracks]) -> dict[int, int]:
+def rows_of_the_first_confirmed(pictures: Sequence[PositionTracks]) -> dict[int, int]:
     """Return the rows of the target that is confirmed first, by stamp, from then on."""
     first = next(picture for picture in pictures if picture.established.any())
     identifier = first.id[picture_row(first)]
