@@ -164,3 +164,14 @@ def test_a_row_that_lost_its_confirmation_stays_without() -> None:
     for one in smooth_tracks(told, observed(run("tma")), TRACKER, SMOOTHER).pictures:
         if one.stamp in doubted:
             assert one.status[rows[one.stamp]] == TrackStatus.TENTATIVE
+
+
+def test_a_row_that_ends_before_it_was_confirmed_was_never_confirmed() -> None:
+    pictures = list(run("tma").tracks)
+    rows = rows_of_the_first_confirmed(pictures)
+    first = next(index for index, one in enumerate(pictures) if one.stamp in rows)
+    identifier = pictures[first].id[rows[pictures[first].stamp]]
+    told = pictures[: first + 1]
+    told[-1] = with_status(told[-1], rows[told[-1].stamp], TrackStatus.TERMINATED)
+    for one in smooth_tracks(told, observed(run("tma")), TRACKER, SMOOTHER).pictures[:-1]:
+        assert np.all(one.status[one.id == identifier] == TrackStatus.TENTATIVE)

@@ -15,7 +15,7 @@ import numpy as np
 
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.records.arrays import BoolArray, CodeArray, FloatArray
-from sonar_tracking.records.bearings import TrackStatus
+from sonar_tracking.records.bearings import TrackStatus, established
 from sonar_tracking.records.positions import PositionTracks, TrackSource
 from sonar_tracking.records.time import seconds
 from sonar_tracking.tma.batch.target_history import TargetHistory
@@ -94,8 +94,8 @@ def smooth_tracks(
     for number, (identifier, track) in enumerate(recorded.items()):
         history = _history(track, observations, tracker)
         start = _start(track, smoother)
-        established = np.flatnonzero(track.status != TrackStatus.TENTATIVE)
-        ever = bool(established.size)
+        confirmed = np.flatnonzero(established(track.status))
+        ever = bool(confirmed.size)
         # A side that was never confirmed is as uncertain as the list says.
         path = _smoothed(track, start, history, smoother) if history and ever else None
         if history is None:
@@ -112,7 +112,7 @@ def smooth_tracks(
             states[index][row] = state
             covariances[index][row] = path.covariance[place] + size + stopped(state, silent[place])
             # What contradicted a position that was confirmed does so with hindsight, too.
-            if ever and known[place] and place < established[0]:
+            if ever and known[place] and place < confirmed[0]:
                 statuses[index][row] = TrackStatus.CONFIRMED
         done(number + 1, len(recorded))
     columns = zip(kept, states, covariances, statuses, strict=True)
