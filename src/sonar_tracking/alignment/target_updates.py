@@ -170,11 +170,15 @@ def innovations(targets: AlignedTargets, bearings: Bearings) -> tuple[FloatArray
     station, array = bearings.station, bearings.array
     speed, lag = bearings.propagation_speed, bearings.lag
     expected, variance = expected_azimuths(mean, covariance, station, array, speed, lag)
-    return np.asarray(wrap_angle(bearings.azimuth - expected)), variance
+    return bearings.innovation(expected), variance
 
 
 def updated_if_expected(
-    targets: AlignedTargets, bearings: Bearings, gate: float
+    targets: AlignedTargets,
+    bearings: Bearings,
+    innovation: FloatArray,
+    spread: FloatArray,
+    gate: float,
 ) -> tuple[AlignedTargets, FloatArray]:
     """Return targets with one bearing each, where that is not too far from what is expected.
 
@@ -184,6 +188,8 @@ def updated_if_expected(
         Predicted to the instant of the bearings.
     bearings : Bearings
         One a target.
+    innovation, spread : ndarray, shape (n,)
+        As of :func:`innovations`, rad and rad^2.
     gate : float
         Standard deviations beyond which a bearing leaves its target as it is.
 
@@ -194,7 +200,6 @@ def updated_if_expected(
     log_likelihood : ndarray, shape (n,)
         Log of the density, 1/rad.
     """
-    innovation, spread = innovations(targets, bearings)
     near = np.flatnonzero(innovation**2 <= gate**2 * (spread + bearings.variance))
     updated, likelihood = updated_by_bearings(targets, bearings)
     return replaced(targets, near, updated.rows(near)), likelihood

@@ -211,9 +211,10 @@ class TargetFilters:
 
         def taking(copies: AlignedTargets, own: IndexArray) -> tuple[AlignedTargets, FloatArray]:
             told = [found[place] for place in own]
-            azimuth, _ = expected_bearings(told, copies, self._speed)
+            azimuth, variance = expected_bearings(told, copies, self._speed)
             sided = sided_bearings(told, azimuth, self._speed)
-            taken, density = updated_if_expected(copies, sided, GATE)
+            innovation = sided.innovation(azimuth)
+            taken, density = updated_if_expected(copies, sided, innovation, variance, GATE)
             return taken, guarded(density)
 
         self.exchanges.take(targets, found[0].key[0], guarded(likelihood), taking)

@@ -324,7 +324,7 @@ class StationAlignment:
         innovation, predicted_variance = innovations(targets, bearings)
         errors = self._errors[station]
         scaled = replace(bearings, variance=errors.scale * told)
-        updated, _ = updated_if_expected(targets, scaled, GATE)
+        updated, _ = updated_if_expected(targets, scaled, innovation, predicted_variance, GATE)
         if learns:
             keys = [(first.sensor_id, one.track) for one in heard]
             errors.learn(keys, innovation, predicted_variance, told)

@@ -28,8 +28,8 @@ from sonar_tracking.alignment.shared_alignment import (
 )
 from sonar_tracking.alignment.target_updates import (
     expected_azimuths,
-    updated_by_bearings,
     updated_by_positions,
+    updated_if_expected,
 )
 from sonar_tracking.evaluation.offline.offline_fusion_chain import FusedMoment
 from sonar_tracking.evaluation.studies.track_fusion.conditions import ACCELERATION
@@ -236,9 +236,8 @@ class CentralFilters:
         expected, spread = expected_bearings(told, aligned, self._speed)
         bearings = sided_bearings(told, expected, self._speed)
         innovation = bearings.innovation(expected)
-        updated, _ = updated_by_bearings(aligned, bearings)
-        near = np.flatnonzero(innovation**2 <= GATE**2 * (spread + bearings.variance))
-        self._aligned = replaced(self._aligned, rows[near], updated.rows(near))
+        updated, _ = updated_if_expected(aligned, bearings, innovation, spread, GATE)
+        self._aligned = replaced(self._aligned, rows, updated)
 
     def _told(self, found: list[HeardBearing], rows: IndexArray) -> list[HeardBearing]:
         """Return the bearings, or where the ships are expected to be heard."""
