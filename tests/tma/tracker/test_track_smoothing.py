@@ -175,3 +175,13 @@ def test_a_row_that_ends_before_it_was_confirmed_was_never_confirmed() -> None:
     told[-1] = with_status(told[-1], rows[told[-1].stamp], TrackStatus.TERMINATED)
     for one in smooth_tracks(told, observed(run("tma")), TRACKER, SMOOTHER).pictures[:-1]:
         assert np.all(one.status[one.id == identifier] == TrackStatus.TENTATIVE)
+
+
+def test_tracks_that_were_coasted_all_the_time_are_smoothed_from_the_list_alone() -> None:
+    coasted = [
+        replace(one, status=np.full(len(one), TrackStatus.COASTED, np.uint8))
+        for one in run("cross_fix").tracks[:60]
+    ]
+    out = smooth_tracks(coasted, observed(run("cross_fix")), TRACKER, SMOOTHER)
+    assert len(out.without_measurements) == out.n_tracks > 0
+    assert all(np.isfinite(picture.covariance).all() for picture in out.pictures)

@@ -197,7 +197,7 @@ def _history(
             column = columns.get((one.sensor_id, line))
             if column is not None:
                 frequency[index, column], deviation[index, column] = value, spread
-    return TargetHistory(
+    history = TargetHistory(
         times=np.array([seconds(stamp - track.stamps[0]) for stamp, _ in instants]),
         station=station,
         position=place[:, :2],
@@ -214,6 +214,12 @@ def _history(
         propagation_speed=tracker.propagation_speed,
         bending=tracker.systematic_errors.bending,
     )
+    return history if _measured(history).any() else None
+
+
+def _measured(history: TargetHistory) -> BoolArray:
+    """Return at which instants something was measured, shape (n,)."""
+    return np.asarray(np.isfinite(history.deviations()).any(axis=1))
 
 
 def _heard(
@@ -241,7 +247,7 @@ def _silent(track: _Recorded, history: TargetHistory | None) -> FloatArray:
     times = track.path.times
     if history is None:
         return np.zeros(len(times))
-    heard = history.times[np.isfinite(history.deviations()).any(axis=1)]
+    heard = history.times[_measured(history)]
     after = np.searchsorted(heard, times)
     before = times - heard[np.maximum(after - 1, 0)]
     until = np.where(after < len(heard), heard[np.minimum(after, len(heard) - 1)] - times, np.inf)
@@ -317,7 +323,7 @@ def _known(
     """Return where a position is known as well as a confirmation takes, shape (n,)."""
     if history is None:
         return np.zeros(len(path.times), bool)
-    heard = np.isfinite(history.deviations()).any(axis=1)
+    heard = _measured(history)
     nearest = np.searchsorted(history.times[heard], path.times, side="right") - 1
     place = history.position[heard][np.maximum(nearest, 0)]
     distance = np.hypot(*(path.mean[:, :2] - place).T)
