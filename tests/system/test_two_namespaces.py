@@ -92,9 +92,11 @@ def test_two_graphs_run_side_by_side_and_do_not_hear_each_other(tmp_path: Path) 
         probe.wait(lambda: len(here) >= 3 and len(there) >= 3, "tracks of both ships")
         ships = {f"{ship}/own_ship/base_link" for ship in ("ship_a", "ship_b")}
         probe.wait(
-            lambda: children(transforms) == ships,
+            lambda: children(transforms) >= ships,
             lambda: f"frames of both ships in one tree, but of {sorted(children(transforms))}",
         )
+        # A sonar heard before its ship's odometry was found is in the map until it is aboard.
+        assert children(transforms) <= ships | {"ship_a/sonar", "ship_b/sonar"}
         for ship in ("ship_a", "ship_b"):
             (publisher,) = probe.node.get_publishers_info_by_topic(f"/{ship}/active/contacts")
             readers = probe.node.get_subscriptions_info_by_topic(f"/{ship}/active/contacts")
