@@ -24,9 +24,13 @@ from sonar_tracking.tma.stations.station_association import weigh_azimuths
 ELSEWHERE = np.array([6000.0, 0.0])
 
 PAIRS = RangeBankConfiguration(
-    manoeuvre_interval=5.0, manoeuvre_duration=1.0, weave_speed=0.0, weave_probability=0.0
+    manoeuvre_interval=5.0,
+    manoeuvre_duration=1.0,
+    weave_speed=0.0,
+    weave_probability=0.0,
+    wander_probability=0.0,
 )
-"""Targets do not weave."""
+"""Targets neither weave nor wander."""
 
 
 def started() -> HypothesisBank:
@@ -84,10 +88,10 @@ def test_an_azimuth_from_elsewhere_has_a_likelihood_all_along_the_bearing() -> N
 
 def test_the_unlikely_are_forgotten_and_the_weights_sum_to_one() -> None:
     bank = started()
-    weights = np.log(np.array([0.5, 0.2, 0.1, 0.2, 1e-12, 1e-12, *[1e-12] * 12]))
+    weights = np.log(np.array([0.5, 0.2, 0.1, *[1e-12] * 2, 0.2, *[1e-12] * 18]))
     kept = without_unlikely(HypothesisBank(bank.mean, bank.covariance, weights, bank.known))
-    assert len(kept.log_weight) == 6, "all modes of a hypothesis stay"
-    assert np.exp(kept.log_weight) == pytest.approx([0.5, 0.2, 0.1, 0.2, 1e-12, 1e-12])
+    assert len(kept.log_weight) == 8, "all modes of a hypothesis stay"
+    assert np.exp(kept.log_weight) == pytest.approx([0.5, 0.2, 0.1, 0, 0, 0.2, 0, 0], abs=1e-11)
     assert without_unlikely(bank) is bank
 
 
@@ -147,7 +151,7 @@ def test_an_unlikely_component_need_not_be_narrow(share: float, cut: bool) -> No
     both = wide_bank(50.0)
     covariance = both.covariance.copy()
     covariance[1, 0, 0] = 200.0**2
-    weight = np.log([1.0 / (1.0 + share), share / (1.0 + share), 1e-20])
+    weight = np.log([1.0 / (1.0 + share), share / (1.0 + share), 1e-20, 1e-20])
     bank = split_bank(HypothesisBank(both.mean, covariance, weight, both.known), np.zeros(2))
     assert (len(bank.log_weight) > MODES) == cut
 
@@ -155,7 +159,7 @@ def test_an_unlikely_component_need_not_be_narrow(share: float, cut: bool) -> No
 @pytest.mark.parametrize(("share", "kept"), [(2e-6, 3), (0.5e-6, 2)])
 def test_a_millionth_of_the_best_does_not_matter(share: float, kept: int) -> None:
     bank = wide_bank(50.0, 3)
-    weight = np.log([0.5, *[1e-20] * 2, 0.5, *[1e-20] * 4, 0.5 * share])
+    weight = np.log([0.5, *[1e-20] * 3, 0.5, *[1e-20] * 6, 0.5 * share])
     assert len(without_unlikely(replace(bank, log_weight=weight)).log_weight) == kept * MODES
 
 

@@ -10,7 +10,9 @@ import pytest
 from sonar_tracking.tma.estimators import motion_modes
 from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank, mixture_moments
 from sonar_tracking.tma.estimators.motion_modes import (
+    MIXED,
     MODES,
+    WANDERING,
     WEAVING,
     mix_modes,
     predict_modes,
@@ -18,21 +20,34 @@ from sonar_tracking.tma.estimators.motion_modes import (
 )
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 
-WEAVES = 0.2
+WEAVES, WANDERS = 0.2, 0.25
+"""Probabilities; that it wanders, of a target that does not weave."""
+
+LASTING = slice(MIXED, None)
+"""What does not interact."""
 
 
 def targets(interval: float, duration: float) -> RangeBankConfiguration:
     return RangeBankConfiguration(
-        manoeuvre_interval=interval, manoeuvre_duration=duration, weave_probability=WEAVES
+        manoeuvre_interval=interval,
+        manoeuvre_duration=duration,
+        weave_probability=WEAVES,
+        wander_probability=WANDERS,
     )
 
 
-def three(weights: tuple[float, float, float]) -> HypothesisBank:
+def four(*weights: float) -> HypothesisBank:
     """Return the modes of one hypothesis, each a batch entry of its own, a deviation after them."""
     mean = np.zeros((MODES, 1, 8))
-    mean[:, 0, :4] = [[0.0, 0.0, 1.0, 0.0], [30.0, 0.0, 2.0, 1.0], [-10.0, 5.0, 1.0, 1.0]]
+    mean[:, 0, :4] = [
+        [0.0, 0.0, 1.0, 0.0],
+        [30.0, 0.0, 2.0, 1.0],
+        [20.0, -5.0, 1.0, 2.0],
+        [-10.0, 5.0, 1.0, 1.0],
+    ]
     covariance = np.zeros((MODES, 1, 8, 8))
-    for mode, spread in enumerate(([4.0, 4.0, 0.1, 0.1], [90.0, 90.0, 2.0, 2.0], [8.0] * 4)):
+    spreads = [4.0, 4.0, 0.1, 0.1], [90.0, 90.0, 2.0, 2.0], [9.0, 9.0, 1.0, 1.0], [8.0] * 4
+    for mode, spread in enumerate(spreads):
         covariance[mode, 0, :4, :4] = np.diag(spread)
     covariance[WEAVING, 0, 4:, 4:] = np.diag([1.0, 1.0, 0.1, 0.1])
     return HypothesisBank(
@@ -49,22 +64,22 @@ def whole(bank: HypothesisBank, modes: slice = slice(None)) -> HypothesisBank:
 
 
 @pytest.mark.parametrize("elapsed", [0.0, 1.0, 30.0, 1e6])
-def test_mixing_leaves_the_moments_of_what_does_not_weave_as_they_are(elapsed: float) -> None:
-    before = three((0.6, 0.1, 0.3))
+def test_mixing_leaves_the_moments_of_what_turns_as_they_are(elapsed: float) -> None:
+    before = four(0.5, 0.1, 0.1, 0.3)
     after = mix_modes(before, np.full(MODES, elapsed), targets(1000.0, 50.0))
-    mixed = slice(WEAVING)
+    mixed = slice(MIXED)
     moments = zip(
         mixture_moments(whole(before, mixed)), mixture_moments(whole(after, mixed)), strict=True
     )
     for one, other in moments:
         assert other == pytest.approx(one)
     assert np.exp(after.log_weight).sum() == pytest.approx(1.0)
-    assert after.mean[WEAVING] == pytest.approx(before.mean[WEAVING])
-    assert after.covariance[WEAVING] == pytest.approx(before.covariance[WEAVING])
+    assert after.mean[LASTING] == pytest.approx(before.mean[LASTING])
+    assert after.covariance[LASTING] == pytest.approx(before.covariance[LASTING])
 
 
 def test_without_time_nothing_changes() -> None:
-    before = three((0.6, 0.1, 0.3))
+    before = four(0.5, 0.1, 0.1, 0.3)
     after = predict_modes(before, np.zeros(MODES), targets(1000.0, 50.0))
     assert after.mean == pytest.approx(before.mean)
     assert after.covariance == pytest.approx(before.covariance)
@@ -72,20 +87,20 @@ def test_without_time_nothing_changes() -> None:
 
 
 def test_after_long_the_modes_are_as_likely_as_they_last() -> None:
-    after = mix_modes(three((0.6, 0.1, 0.3)), np.full(MODES, 1e6), targets(300.0, 100.0))
-    assert np.exp(after.log_weight[:, 0]) == pytest.approx([0.6, 0.2, WEAVES])
+    after = mix_modes(four(0.5, 0.1, 0.1, 0.3), np.full(MODES, 1e6), targets(300.0, 100.0))
+    assert np.exp(after.log_weight[:, 0]) == pytest.approx([0.45, 0.15, 0.2, WEAVES])
     assert after.mean[0] == pytest.approx(after.mean[1])
     single = HypothesisBank(
         np.zeros((2, 4)), np.ones((2, 4, 4)), np.log([0.5, 0.5]), np.zeros(0, bool)
     )
     started = with_modes(single, targets(300.0, 100.0))
-    assert np.exp(started.log_weight) == pytest.approx([0.3, 0.1, 0.1] * 2)
+    assert np.exp(started.log_weight) == pytest.approx([0.225, 0.075, 0.1, 0.1] * 2)
     assert started.mean[::MODES] == pytest.approx(started.mean[1::MODES])
 
 
 def test_many_short_steps_are_one_long_one() -> None:
     """But for targets that turn before they begin to weave, within the same step."""
-    before, configuration = three((0.55, 0.05, 0.4)), targets(1000.0, 50.0)
+    before, configuration = four(0.45, 0.05, 0.1, 0.4), targets(1000.0, 50.0)
     often = before
     for _ in range(40):
         often = mix_modes(often, np.full(MODES, 0.5), configuration)
@@ -93,14 +108,16 @@ def test_many_short_steps_are_one_long_one() -> None:
     assert often.log_weight == pytest.approx(once.log_weight)
 
 
-def test_what_speaks_for_weaving_adds_up() -> None:
+@pytest.mark.parametrize("mode", [WANDERING, WEAVING])
+def test_what_speaks_for_wandering_or_weaving_adds_up(mode: int) -> None:
     """A little every second, ten times less than what a turn would have to have for itself."""
-    bank, configuration = three((0.79, 0.01, 0.2)), targets(30_000.0, 100.0)
+    bank, configuration = four(0.59, 0.01, 0.2, 0.2), targets(30_000.0, 100.0)
+    spoken = 0.05 * (np.arange(MODES) == mode)
     for _ in range(100):
         bank = mix_modes(bank, np.ones(MODES), configuration)
-        weight = bank.log_weight + 0.05 * np.array([[0.0], [0.0], [1.0]])
+        weight = bank.log_weight + spoken[:, None]
         bank = replace(bank, log_weight=weight - np.logaddexp.reduce(weight, axis=0))
-    assert np.exp(bank.log_weight[WEAVING, 0]) > 0.95
+    assert np.exp(bank.log_weight[mode, 0]) > 0.93
 
 
 @pytest.mark.skipif(motion_modes.COMPILED is None, reason="no compiler was there")

@@ -1,8 +1,8 @@
 /* Modes of a bank that change into each other and move: motion_modes.py and weaving.py, compiled.
  *
  * All operations are those written there in their order, and none is contracted: both give the same
- * bits. The modes of a hypothesis are neighbours: straight, manoeuvring, weaving. The last four
- * states of each are the deviation of a target that weaves and its rate.
+ * bits. The modes of a hypothesis are neighbours: straight, manoeuvring, wandering, weaving. The
+ * last four states of each are the deviation of a target that weaves and its rate.
  */
 
 #define PY_SSIZE_T_CLEAN
@@ -12,7 +12,7 @@
 
 typedef Py_ssize_t count;
 
-enum { MODES = 3, MIXED = 2, WEAVING = 2, DEVIATION = 4, KINEMATIC = 4 };
+enum { MODES = 4, MIXED = 2, WEAVING = 3, DEVIATION = 4, KINEMATIC = 4 };
 
 /* The first two modes of one hypothesis take over from each other; room for (2 n + 1) n numbers */
 static void mix_one(double *mean, double *covariance, const double *other, count n, double *room)
@@ -139,15 +139,16 @@ static PyObject *mix(PyObject *module, PyObject *arguments)
 PyDoc_STRVAR(move_doc,
 "move(mean, covariance, elapsed, transition, noise, densities, shape)\n--\n\n"
 "Move all modes, in place: C-contiguous float64, transition and noise of the deviation of each\n"
-"hypothesis, densities of the acceleration (straight, manoeuvring), shape = (hypotheses, states).");
+"hypothesis, densities of the acceleration (straight, manoeuvring, wandering), shape = (hypotheses, states).");
 
 static PyObject *move(PyObject *module, PyObject *arguments)
 {
     Py_buffer mean, covariance, elapsed, transition, noise;
-    double densities[MIXED];
+    double densities[WEAVING];
     count hypotheses, n;
-    if (!PyArg_ParseTuple(arguments, "w*w*y*y*y*(dd)(nn)", &mean, &covariance, &elapsed,
-                          &transition, &noise, &densities[0], &densities[1], &hypotheses, &n))
+    if (!PyArg_ParseTuple(arguments, "w*w*y*y*y*(ddd)(nn)", &mean, &covariance, &elapsed,
+                          &transition, &noise, &densities[0], &densities[1], &densities[2],
+                          &hypotheses, &n))
         return NULL;
     const count real = (count)sizeof(double);
     if (hypotheses < 0 || n < KINEMATIC + DEVIATION || mean.len != hypotheses * MODES * n * real ||
@@ -160,7 +161,7 @@ static PyObject *move(PyObject *module, PyObject *arguments)
             double *state = (double *)mean.buf + i * MODES * n;
             double *spread = (double *)covariance.buf + i * MODES * n * n;
             const double step = ((const double *)elapsed.buf)[i];
-            for (count mode = 0; mode < MIXED; mode++)
+            for (count mode = 0; mode < WEAVING; mode++)
                 move_straight(state + mode * n, spread + mode * n * n, n - DEVIATION, n, step,
                               densities[mode]);
             move_weaving(state + WEAVING * n, spread + WEAVING * n * n, n, step, densities[0],

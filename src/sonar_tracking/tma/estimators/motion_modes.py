@@ -42,15 +42,15 @@ from sonar_tracking.tma.estimators.weaving import (
 
 COMPILED = compiled_module("tma.estimators.compiled_modes")
 
-MODES = 3
-"""Of motion: straight, manoeuvring, weaving."""
+MODES = 4
+"""Of motion: straight, manoeuvring, wandering, weaving."""
 
-STRAIGHT, MANOEUVRING, WEAVING = 0, 1, 2
+STRAIGHT, MANOEUVRING, WANDERING, WEAVING = 0, 1, 2, 3
 
 MIXED = 2
 """The first two interact."""
 
-TRANSITION, EXCHANGE, DEVIATES, DEVIATION_NOISE = (slice(at, at + 4) for at in (0, 4, 8, 12))
+TRANSITION, DEVIATES, DEVIATION_NOISE, EXCHANGE = *(slice(at, at + 4) for at in (0, 4, 8)), slice(12, None)
 """Places in what a time does to a hypothesis."""
 
 
@@ -65,10 +65,10 @@ def with_modes(bank: HypothesisBank, configuration: RangeBankConfiguration) -> H
         How often targets manoeuvre and weave.
     """
     interval, duration = configuration.manoeuvre_interval, configuration.manoeuvre_duration
-    weaving = configuration.weave_probability
+    lasting = configuration.lasting_shares
     share = np.array([interval, duration]) / (interval + duration)
     with np.errstate(divide="ignore"):
-        share = np.log(np.append((1.0 - weaving) * share, weaving))
+        share = np.log(np.append((1.0 - lasting.sum()) * share, lasting))
     states = [(0, 0)] * (bank.mean.ndim - 1) + [(0, DEVIATION)]
     mean = np.repeat(np.pad(bank.mean, states), MODES, axis=-2)
     covariance = np.pad(bank.covariance, [*states[:-1], (0, DEVIATION), (0, DEVIATION)])
@@ -144,9 +144,9 @@ def _change(elapsed: float, configuration: RangeBankConfiguration) -> FloatArray
     change = np.concatenate(
         [
             _log_transition(time, interval, duration).ravel(),
-            _log_exchange(time, configuration).ravel(),
             deviation_transition(time, configuration.weave).ravel(),
             deviation_noise(time, configuration.weave).ravel(),
+            _log_exchange(time, configuration).ravel(),
         ]
     )
     change.setflags(write=False)
@@ -160,8 +160,7 @@ def _move(
     configuration: RangeBankConfiguration,
 ) -> None:
     """Move each mode for so many seconds, shape (n_hypotheses,) or (1,), in place."""
-    straight, manoeuvring = configuration.acceleration, configuration.manoeuvre_acceleration
-    density = straight * straight, manoeuvring * manoeuvring
+    density = tuple(each * each for each in configuration.accelerations)
     if COMPILED is not None:
         shape = len(bank.mean) // MODES, bank.mean.shape[-1]
         each = shape[0] // len(step)
@@ -173,7 +172,7 @@ def _move(
         return
     mean, covariance = _of_modes(bank)
     states = mean.shape[-1] - DEVIATION
-    turning = mean[:, :MIXED, :states], covariance[:, :MIXED, :states, :states]
+    turning = mean[:, :WEAVING, :states], covariance[:, :WEAVING, :states, :states]
     move_straight(*turning, step[:, None], np.array(density))
     weaving = mean[:, WEAVING], covariance[:, WEAVING]
     move_straight(*weaving, step, np.array(density[STRAIGHT]))
@@ -187,7 +186,7 @@ def _mixed(bank: HypothesisBank, change: FloatArray) -> HypothesisBank:
     after = np.logaddexp(joint[:, 0], joint[:, 1])
     # Share of what comes from the other mode in each.
     other = np.exp(joint[:, ::-1].diagonal(axis1=1, axis2=2) - after)
-    weight = _exchanged(after, before[:, WEAVING], change[:, EXCHANGE])
+    weight = _exchanged(after, before[:, MIXED:], change[:, EXCHANGE])
     bank = HypothesisBank(
         np.array(bank.mean, dtype=float, order="C"),
         np.array(bank.covariance, dtype=float, order="C"),
@@ -221,25 +220,25 @@ def _of_modes(bank: HypothesisBank) -> tuple[FloatArray, FloatArray]:
     return bank.mean.reshape(-1, MODES, size), covariance
 
 
-def _exchanged(mixed: FloatArray, weaving: FloatArray, logs: FloatArray) -> FloatArray:
-    """Return the log weights of all modes after targets have begun, or ceased, to weave."""
-    begins, ceases, stays, goes_on = logs.T
+def _exchanged(mixed: FloatArray, lasting: FloatArray, logs: FloatArray) -> FloatArray:
+    """Return the log weights of all modes after targets have changed how they move at all."""
+    begins, stays = logs[:, 1:], logs[:, :1]
     weight = np.empty((len(mixed), MODES))
     total = np.logaddexp(mixed[:, 0], mixed[:, 1])
-    left = np.logaddexp(total + stays, weaving + ceases) - total
+    every = np.logaddexp.reduce(np.column_stack([total, lasting]), axis=1)
+    left = np.logaddexp(total + stays[:, 0], every + begins[:, 0]) - total
     np.add(mixed, left[:, None], out=weight[:, :MIXED])
-    np.logaddexp(weaving + goes_on, total + begins, out=weight[:, WEAVING])
+    np.logaddexp(lasting + stays, every[:, None] + begins[:, 1:], out=weight[:, MIXED:])
     return weight
 
 
 def _log_exchange(elapsed: FloatArray, configuration: RangeBankConfiguration) -> FloatArray:
-    """Return the logs of the probabilities to begin and to cease to weave, and not to, (n, 4)."""
-    share = configuration.weave_probability
+    """Return the logs of the probabilities not to change, and of what it then does, (n, 4)."""
+    lasting = configuration.lasting_shares
+    share = np.concatenate([[1.0 - lasting.sum()], lasting])
     settled = -np.expm1(-elapsed / configuration.manoeuvre_interval)
     with np.errstate(divide="ignore"):
-        begins, ceases = np.log(settled * share), np.log(settled * (1.0 - share))
-        stays, goes_on = np.log1p(-settled * share), np.log1p(-settled * (1.0 - share))
-    return np.stack([begins, ceases, stays, goes_on], axis=-1)
+        return np.column_stack([np.log1p(-settled), np.log(settled[:, None] * share)])
 
 
 def _log_transition(elapsed: FloatArray, interval: float, duration: float) -> FloatArray:

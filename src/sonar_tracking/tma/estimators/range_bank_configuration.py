@@ -53,7 +53,16 @@ class RangeBankConfiguration:
     weave_period: float = parameter(
         130.0, "And how long a turn to port and one to starboard take", unit="s", minimum=1.0
     )
-    weave_probability: float = parameter(0.1, "That a target weaves", minimum=0.0, maximum=0.99)
+    weave_probability: float = parameter(0.3, "That a target weaves", minimum=0.0, maximum=0.99)
+    wander_acceleration: float = parameter(
+        0.035,
+        "Process noise of targets whose velocity wanders (small boats, gliders)",
+        unit="m/s^2",
+        minimum=0.0,
+    )
+    wander_probability: float = parameter(
+        0.04, "That the velocity of a target that does not weave wanders", minimum=0.0, maximum=0.99
+    )
     learn_errors: bool = parameter(
         True,
         "Learn from the data how large and how lasting the errors of bearings and lines are; "
@@ -64,6 +73,17 @@ class RangeBankConfiguration:
     def weave(self) -> Weave:
         """How targets weave."""
         return Weave(self.weave_speed, self.weave_period)
+
+    @property
+    def accelerations(self) -> tuple[float, float, float]:
+        """Process noise of what moves straight, manoeuvres and wanders, m/s^2."""
+        return self.acceleration, self.manoeuvre_acceleration, self.wander_acceleration
+
+    @property
+    def lasting_shares(self) -> FloatArray:
+        """Probability that a target wanders, and that it weaves, shape (2,)."""
+        weaving = self.weave_probability
+        return np.array([(1.0 - weaving) * self.wander_probability, weaving])
 
     def range_edges(self) -> FloatArray:
         """Return the bounds of the range intervals, shape (n_ranges + 1,), m."""

@@ -21,9 +21,13 @@ NO_TURNS = 1e9
 """Mean time between the manoeuvres of a target that never does, s."""
 
 BELIEVING = RangeBankConfiguration(
-    manoeuvre_interval=NO_TURNS, manoeuvre_acceleration=0.01, weave_speed=0.0, learn_errors=False
+    manoeuvre_interval=NO_TURNS,
+    manoeuvre_acceleration=0.01,
+    weave_speed=0.0,
+    wander_acceleration=0.01,
+    learn_errors=False,
 )
-"""Takes every error to be as told, and the target to go straight: both modes are the same."""
+"""Takes every error to be as told, and the target to go straight: all modes are the same."""
 
 
 @dataclass(frozen=True)

@@ -61,14 +61,32 @@ def _wandering(name: str, time_constant: float) -> Condition:
     )
 
 
+def _accelerating(density: float) -> RangeBankConfiguration:
+    """Return what is told of a target that has random accelerations all the time, m/s^2."""
+    return replace(
+        BELIEVING,
+        acceleration=density,
+        manoeuvre_acceleration=density,
+        wander_acceleration=density,
+    )
+
+
+def _unsteady(name: str, acceleration: float) -> Condition:
+    """Return a target whose velocity wanders: random accelerations, m/s^2, new each second."""
+    scene = replace(scenario(name), acceleration=acceleration)
+    told = _accelerating(acceleration)
+    return Condition(f"accelerations of {acceleration:g} m/s\u00b2, {name}", scene, told=told)
+
+
 def _weaving(name: str, angle_deg: float) -> Condition:
     """Return a target whose velocity changes at random as much as that of the zig-zag does."""
     scene = scenario(name)
     change = 2.0 * np.hypot(*scene.target[2:]) * np.sin(np.radians(0.5 * angle_deg))
     density = float(change / np.sqrt(80.0))
-    told = replace(BELIEVING, acceleration=density, manoeuvre_acceleration=density)
     weave = ZigZag(angle_deg)
-    return Condition(f"zig-zag by {angle_deg:g} deg, {name}", scene, weave, told=told)
+    return Condition(
+        f"zig-zag by {angle_deg:g} deg, {name}", scene, weave, told=_accelerating(density)
+    )
 
 
 def _in_step() -> Condition:
@@ -94,6 +112,8 @@ def _turn(own_ship_turns: bool, rate_deg: float, lines: int) -> Condition:
         manoeuvre_acceleration=lateral * (90.0 / abs(rate_deg)) ** 0.5,
         manoeuvre_interval=float(scene.times.size),
         manoeuvre_duration=90.0 / abs(rate_deg),
+        weave_probability=0.0,
+        wander_probability=0.0,
     )
     name = f"turn to {side} at {abs(rate_deg):g} deg/s, {tonals}{straight}"
     return Condition(name, scene, told=told, settled=TURN_START)
@@ -127,6 +147,7 @@ CONDITIONS = {
         _turn(False, -1.0, 1),
         _far("S1"),
         _far("S3"),
+        *(_unsteady(name, size) for name in ("S1", "S3") for size in (0.02, 0.05)),
     )
 }
 """By name, in the order of the tables."""

@@ -39,6 +39,7 @@ CONFIGURATION = RangeBankConfiguration(
     acceleration=0.03,
     manoeuvre_acceleration=0.1,
     weave_probability=0.0,
+    wander_probability=0.0,
     learn_errors=False,
 )
 """A ship that keeps turning, seen from the sea floor; what lasts of the errors is added afterwards,
