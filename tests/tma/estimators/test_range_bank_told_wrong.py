@@ -15,7 +15,7 @@ from sonar_tracking.evaluation.studies.tma_frequency_fusion.histories import (
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import scenario
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.simulation.sensors.tma_scene import TmaRuns, TmaScene, simulate_runs
-from sonar_tracking.tma.estimators.motion_modes import MODES, WEAVING
+from sonar_tracking.tma.estimators.motion_modes import MODES, WANDERING, WEAVING
 from sonar_tracking.tma.estimators.range_bank import RangeBank
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from tests.tma.runs_together import follow_together
@@ -154,3 +154,24 @@ def test_a_straight_target_is_not_taken_to_weave() -> None:
     assert bank.state is not None
     weaving = np.exp(bank.state.bank.log_weight[:, WEAVING::MODES]).sum(axis=1)
     assert np.mean(weaving) < 0.1 * RangeBankConfiguration().weave_probability
+
+
+def test_a_velocity_that_wanders_has_a_covariance_that_says_so() -> None:
+    """By 0.05 m/s^2, five times what a straight course has, new each second."""
+    runs = runs_of(replace(scenario("S3"), acceleration=0.05), 12)
+    found = history_of(RangeBank(), runs)
+    never = RangeBankConfiguration(wander_probability=0.0, weave_probability=0.0)
+    believed = history_of(RangeBank(never), runs)
+    assert settled_nees(found) < 2.0 < settled_nees(believed)
+    assert last_range_rmse(found) < 1.2 * last_range_rmse(believed)
+
+
+def test_a_straight_target_is_not_taken_to_wander() -> None:
+    """Of the precise lines of S3 every change of the velocity would show."""
+    runs = runs_of(replace(scenario("S3"), acceleration=0.0), 12)
+    bank = RangeBank()
+    for measurement in runs.frames():
+        bank.update(measurement)
+    assert bank.state is not None
+    wandering = np.exp(bank.state.bank.log_weight[:, WANDERING::MODES]).sum(axis=1)
+    assert np.mean(wandering) < 0.1 * RangeBankConfiguration().wander_probability

@@ -64,7 +64,9 @@ def begin_weave(covariance: FloatArray, weave: Weave) -> None:
     weave : Weave
         The deviation.
     """
-    _add(covariance, np.diag(weave.stationary))
+    for axis in (0, 1):
+        for place, variance in zip((axis - DEVIATION, axis - 2), weave.stationary, strict=True):
+            covariance[..., place, place] += variance
 
 
 def move_deviation(
