@@ -57,6 +57,8 @@ class Weave:
 def begin_weave(covariance: FloatArray, weave: Weave) -> None:
     """Let components whose deviation is nothing so far have one, in place.
 
+    The target is where it was: what deviates is its mean course.
+
     Parameters
     ----------
     covariance : ndarray, shape (..., 8 + n_lines, 8 + n_lines)
