@@ -45,7 +45,7 @@ LASTING, TIME_CONSTANT, WHITE, _LINE, _AZIMUTH = np.array(
         (0.0, 1.0, 1.0, 1000.0, 1000.0),
         *[(0.0, 1.0, 2.0**power, 1.0, 1.0) for power in (-6, -4, -3, -2, -1)],
         *[(0.0, 1.0, 2.0**power, 10.0, 10.0) for power in (1, 2, 3, 4, 5)],
-        *[(1.0, tau, 0.03, 3.0, 3.0) for tau in (3.0, 10.0, 30.0, 100.0)],
+        *[(1.0, tau, 0.03, 3.0, 0.1) for tau in (3.0, 10.0, 30.0, 100.0)],
         *[(4.0, tau, 0.4, 3.0, 0.0) for tau in (3.0, 10.0, 30.0, 100.0)],
         *[(c, tau, 1.0, 3.0, 0.0) for c in (1.0, 4.0, 16.0) for tau in (10.0, 30.0, 100.0, 300.0)],
     ]
@@ -54,7 +54,9 @@ LASTING, TIME_CONSTANT, WHITE, _LINE, _AZIMUTH = np.array(
 a line and for an azimuth. Where the range is still wrong the predicted azimuth drifts away for
 minutes, with the white errors of the bearings upon it: models of azimuths have no such part that
 lasts beside a white one, lest the drift pass for an error. Errors smaller than told are taken to be
-as told; without their models small ones would pass for lasting ones."""
+as told; without their models small ones would pass for lasting ones, which are therefore less
+probable at first: a filter that is told too large deviations lags behind, and lasting ones show it
+as well."""
 
 N_MODELS = len(WHITE)
 

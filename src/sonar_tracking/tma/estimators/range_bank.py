@@ -317,9 +317,10 @@ def _learn(
     found = error_innovations(
         BankInnovations(runs, weight, rows, variance, frequency), factor, usable
     )
-    return learn_errors(
-        batch.errors, found.innovation, found.own_variance, found.telling, told.stamp
-    )
+    # A filter that believes in large errors is vague itself. Taken at its word it would explain any
+    # innovation, and no evidence against such errors were left: its variance has grown with them.
+    own_variance = found.own_variance / np.maximum(factor, 1.0)
+    return learn_errors(batch.errors, found.innovation, own_variance, found.telling, told.stamp)
 
 
 def _watch(

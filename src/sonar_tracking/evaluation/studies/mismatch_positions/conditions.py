@@ -51,6 +51,12 @@ def _understated(name: str, factor: float) -> Condition:
     )
 
 
+def _overstated(name: str, factor: float) -> Condition:
+    return Condition(
+        f"bearing deviation told {factor:g} times, {name}", scenario(name), claimed_azimuth=factor
+    )
+
+
 def _wandering(name: str, time_constant: float) -> Condition:
     told = np.hypot(PRECISE, WANDER * lasting_factor(time_constant)) / PRECISE
     return Condition(
@@ -147,6 +153,9 @@ CONDITIONS = {
         _turn(False, -1.0, 1),
         _far("S1"),
         _far("S3"),
+        _overstated("S1", 2.0),
+        _overstated("S3", 2.0),
+        _overstated("S1", 4.0),
         *(_unsteady(name, size) for name in ("S1", "S3") for size in (0.02, 0.05)),
     )
 }
