@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from sonar_tracking.tma.estimators import measurement_model
-from sonar_tracking.tma.estimators.measurement_model import linearise, offset_seen, range_rate
+from sonar_tracking.tma.estimators.measurement_model import linearise, range_rate
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
+from sonar_tracking.tma.estimators.travel_time import offset_seen
 
 
 def measurement(azimuth: float = 0.3, frequency: float = 300.0) -> TmaMeasurement:

@@ -18,8 +18,8 @@ import numpy as np
 
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IntArray
-from sonar_tracking.tma.estimators.measurement_model import offset_seen
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
+from sonar_tracking.tma.estimators.travel_time import doppler, offset_seen, refer_to_now
 
 AZIMUTH, ELEVATION, LINES = 0, 1, 2
 """Rows of an instant: lines are the last ones."""
@@ -184,19 +184,13 @@ def rows_at(history: TargetHistory, path: FloatArray) -> HistoryRows:
             derivative[instants, ELEVATION, columns[own]] = 1.0
 
     if n_lines:
-        rate = np.sum(direction * relative, axis=1)
-        speed = history.sound_speed
-        if np.isfinite(history.propagation_speed):
-            # Sound is left behind by its source: exact, as in the filters.
-            speed = speed + np.sum(direction * path[:, 2:KINEMATIC], axis=1)
-        factor = 1.0 - rate / speed
+        speeds = history.sound_speed, history.propagation_speed
+        factor, gradient = doppler(path[:, 2:KINEMATIC], relative, direction, distance, speeds)
         source = path[:, history.lines]
         residual[:, LINES:] = history.frequency - source * factor[:, None]
-        across = (relative - rate[:, None] * direction) / distance[:, None]
-        gradient = np.concatenate([across, direction], axis=1) / -history.sound_speed
         derivative[:, LINES:, :KINEMATIC] = source[:, :, None] * gradient[:, None, :]
         derivative[:, LINES + np.arange(n_lines), history.lines] = factor[:, None]
-    derivative[:, :, 2:KINEMATIC] -= derivative[:, :, :2] * delay[:, None, None]
+    refer_to_now(derivative, path[:, 2:KINEMATIC], direction, delay, history.propagation_speed)
     present = np.isfinite(residual) & np.isfinite(history.deviations())
     return HistoryRows(
         np.where(present, residual, 0.0), np.where(present[..., None], derivative, 0.0), present

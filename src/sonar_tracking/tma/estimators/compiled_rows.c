@@ -96,12 +96,19 @@ static void line_rows(const sizes *of, const constants *with, const seen *one, d
     const double east = at[ALONG_EAST * step], north = at[ALONG_NORTH * step];
     const double rate = x * east + y * north;
     double speed = with->sound_speed;
-    if (isfinite(with->propagation_speed))
-        speed = speed + (x * one->mean[2] + y * one->mean[3]);
-    const double factor = 1.0 - rate / speed, slower = -with->sound_speed;
-    const double gradient[KINEMATIC] = {(east - rate * x) / distance / slower,
-                                        (north - rate * y) / distance / slower, x / slower,
-                                        y / slower};
+    double gradient[KINEMATIC] = {(east - rate * x) / distance, (north - rate * y) / distance, x, y};
+    if (isfinite(with->propagation_speed)) {
+        const double vx = one->mean[2], vy = one->mean[3], own = x * vx + y * vy;
+        speed = speed + own;
+        const double share = rate / speed;
+        gradient[0] -= share * ((vx - own * x) / distance);
+        gradient[1] -= share * ((vy - own * y) / distance);
+        gradient[2] -= share * x;
+        gradient[3] -= share * y;
+    }
+    const double factor = 1.0 - rate / speed;
+    for (count i = 0; i < KINEMATIC; i++)
+        gradient[i] = gradient[i] / -speed;
     for (count line = 0; line < of->lines; line++) {
         const count row = FIRST_LINE + line;
         const double source = one->mean[KINEMATIC + line];
@@ -139,8 +146,15 @@ static void linearise_one(const sizes *of, const constants *with, const seen *on
     variance[ELEVATION] = *one->elevation_variance;
     present[AZIMUTH] = present[ELEVATION] = 1;
     line_rows(of, with, one, innovation, derivative, variance, present, size);
+    const double vx = one->mean[2], vy = one->mean[3];
+    const double speed = with->propagation_speed + (x * vx + y * vy);
     for (count row = 0; row < rows; row++) {
         double *own = derivative + row * size;
+        if (isfinite(with->propagation_speed)) {
+            const double moved = (own[0] * vx + own[1] * vy) / speed;
+            own[0] -= moved * x;
+            own[1] -= moved * y;
+        }
         for (count i = 0; i < 2; i++)
             own[2 + i] -= own[i] * delay;
         if (present[row] && isfinite(innovation[row]) && isfinite(variance[row]))

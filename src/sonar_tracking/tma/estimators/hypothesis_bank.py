@@ -107,6 +107,12 @@ def start_bank(
         direction
     ) + across[..., None, None] * _outer(normal)
     covariance[..., 2, 2] = covariance[..., 3, 3] = maximum_speed**2 / 3.0
+    # It was seen where it was a travel time ago: by now its velocity has carried it on.
+    delay = distance / measurement.propagation_speed
+    for axis in range(2):
+        carried = delay * covariance[..., 2 + axis, 2 + axis]
+        covariance[..., axis, axis] += delay * carried
+        covariance[..., axis, 2 + axis] = covariance[..., 2 + axis, axis] = carried
     weight = np.full(azimuth.shape, -np.log(n_components))
     known = np.zeros((*azimuth.shape[:-1], n_lines), dtype=bool)
     return HypothesisBank(mean, covariance, weight, known)

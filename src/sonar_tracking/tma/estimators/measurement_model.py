@@ -36,6 +36,7 @@ from sonar_tracking.tma.estimators.sensor_frame import (
     VERTICAL,
     TmaMeasurement,
 )
+from sonar_tracking.tma.estimators.travel_time import doppler, offset_seen, refer_to_now
 
 COMPILED = compiled_module("tma.estimators.compiled_rows")
 
@@ -132,8 +133,7 @@ def doppler_factor(mean: FloatArray, measurement: TmaMeasurement) -> FloatArray:
     ndarray, shape (..., n_components)
         Pure numbers.
     """
-    _, direction, relative, _ = _relative(mean, measurement)
-    return _factor(mean, direction, relative, measurement)
+    return _doppler(mean, measurement, *_relative(mean, measurement)[:3])[0]
 
 
 def linearise(
@@ -194,19 +194,16 @@ def _plain_rows(
         derivative[..., 1, place], derivative[..., 1, place + 1] = rise, -delay * rise
     variance[..., 1] = measurement.elevation_variance[..., None]
     if n_lines:
-        rate = np.sum(direction * relative, axis=-1)
-        factor = _factor(mean, direction, relative, measurement)
+        factor, gradient = _doppler(mean, measurement, distance, direction, relative)
         source = mean[..., KINEMATIC:place]
         innovation[..., 2:] = measurement.frequency[..., None, :] - source * factor[..., None]
-        across = (relative - rate[..., None] * direction) / distance[..., None]
-        gradient = np.concatenate([across, direction], axis=-1) / -measurement.sound_speed
         derivative[..., 2:, :KINEMATIC] = source[..., None] * gradient[..., None, :]
         lines = np.arange(n_lines)
         derivative[..., 2 + lines, KINEMATIC + lines] = factor[..., None]
         variance[..., 2:] = measurement.frequency_deviation[..., None, :] ** 2
         present[..., 2:] = known[..., None, :]
-    earlier = derivative[..., :2] * delay[..., None, None]
-    derivative[..., 2:KINEMATIC] -= earlier
+    velocity = mean[..., 2:KINEMATIC]
+    refer_to_now(derivative, velocity, direction, delay, measurement.propagation_speed)
     present[..., :2] = True
     present &= np.isfinite(innovation) & np.isfinite(variance)
     return keep_rows(LinearisedRows(innovation, derivative, variance, present), present)
@@ -273,34 +270,6 @@ def keep_rows(rows: LinearisedRows, keep: BoolArray) -> LinearisedRows:
     )
 
 
-def offset_seen(
-    mean: FloatArray, position: FloatArray, propagation_speed: FloatArray | float
-) -> tuple[FloatArray, FloatArray]:
-    """Return where a target seems to be, from a sensor, and how long ago it was there.
-
-    Parameters
-    ----------
-    mean : ndarray, shape (..., at least 4)
-        States x, y, vx, vy, m and m/s.
-    position : ndarray, shape (..., 2) or (2,)
-        Of the sensor, m.
-    propagation_speed : float or ndarray, shape (...)
-        m/s; inf = seen at once.
-
-    Returns
-    -------
-    offset : ndarray, shape (..., 2)
-        m.
-    delay : ndarray, shape (...)
-        s.
-    """
-    now = mean[..., :2] - position
-    delay = np.hypot(now[..., 0], now[..., 1]) / propagation_speed
-    then = now - delay[..., None] * mean[..., 2:KINEMATIC]
-    delay = np.hypot(then[..., 0], then[..., 1]) / propagation_speed
-    return now - delay[..., None] * mean[..., 2:KINEMATIC], delay
-
-
 def _nearest(azimuth: FloatArray, expected: FloatArray) -> FloatArray:
     """Return the azimuth that is nearest to what each component expects."""
     if azimuth.shape[-1] == 1:
@@ -311,18 +280,16 @@ def _nearest(azimuth: FloatArray, expected: FloatArray) -> FloatArray:
     return np.asarray(np.take_along_axis(candidates, nearest, axis=-1)[..., 0])
 
 
-def _factor(
-    mean: FloatArray, direction: FloatArray, relative: FloatArray, measurement: TmaMeasurement
-) -> FloatArray:
-    """Return the Doppler factor: with travel time exactly, sound being left behind by its source.
-
-    To first order in v / c both are the same; lines good to 1e-5 tell them apart.
-    """
-    speed = measurement.sound_speed
-    rate = np.sum(direction * relative, axis=-1)
-    if np.isfinite(measurement.propagation_speed):
-        speed = speed + np.sum(direction * mean[..., 2:KINEMATIC], axis=-1)
-    return np.asarray(1.0 - rate / speed)
+def _doppler(
+    mean: FloatArray,
+    measurement: TmaMeasurement,
+    distance: FloatArray,
+    direction: FloatArray,
+    relative: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the Doppler factor and its derivatives by where it is seen and by the velocity."""
+    speeds = measurement.sound_speed, measurement.propagation_speed
+    return doppler(mean[..., 2:KINEMATIC], relative, direction, distance, speeds)
 
 
 def _relative(

@@ -1,16 +1,16 @@
-"""A target moves straight, manoeuvres, or weaves: three modes of each range hypothesis.
+"""A target moves straight, manoeuvres, wanders, or weaves: four modes of each range hypothesis.
 
 The first two differ in their process noise, and interact. Before each prediction each takes over
 from the other what may have changed into it meanwhile (Markov chain in continuous time, so that
 irregular frames are no matter). Nothing need be decided: while the data do not tell a turn from a
 straight path the estimate's covariance holds both, and a turn that is none costs next to nothing.
 
-A target that weaves (:mod:`~sonar_tracking.tma.estimators.weaving`) does so all the time: that mode
-has a past of its own and only takes over probability, so that what speaks for or against it adds up
-over all that was measured. One that goes straight is soon known to, one that weaves seems to turn
-again and again, which is less probable.
+A target that weaves (:mod:`~sonar_tracking.tma.estimators.weaving`) does so all the time, and so
+does one whose velocity wanders: these modes have pasts of their own and only take over probability,
+so that what speaks for or against them adds up over all that was measured. One that goes straight
+is soon known to, one that weaves seems to turn again and again, which is less probable.
 
-The modes of a hypothesis are neighbours in the bank: straight, manoeuvring, weaving.
+The modes of a hypothesis are neighbours in the bank: straight, manoeuvring, wandering, weaving.
 ``compiled_modes``, which is there if a compiler was when the package was installed, gives the bits
 of what is here in numpy.
 
@@ -50,19 +50,22 @@ STRAIGHT, MANOEUVRING, WANDERING, WEAVING = 0, 1, 2, 3
 MIXED = 2
 """The first two interact."""
 
-TRANSITION, DEVIATES, DEVIATION_NOISE, EXCHANGE = *(slice(at, at + 4) for at in (0, 4, 8)), slice(12, None)
+TRANSITION, DEVIATES, DEVIATION_NOISE, EXCHANGE = (
+    *(slice(at, at + 4) for at in (0, 4, 8)),
+    slice(12, None),
+)
 """Places in what a time does to a hypothesis."""
 
 
 def with_modes(bank: HypothesisBank, configuration: RangeBankConfiguration) -> HypothesisBank:
-    """Return a bank in which each component has become three, the deviation added to its states.
+    """Return a bank in which each component has become four, the deviation added to its states.
 
     Parameters
     ----------
     bank : HypothesisBank
         Without modes.
     configuration : RangeBankConfiguration
-        How often targets manoeuvre and weave.
+        How often targets manoeuvre, wander and weave.
     """
     interval, duration = configuration.manoeuvre_interval, configuration.manoeuvre_duration
     lasting = configuration.lasting_shares
@@ -90,7 +93,7 @@ def predict_modes(
     elapsed : ndarray, shape (n_components,)
         Time since the last measurement of each component, s.
     configuration : RangeBankConfiguration
-        How targets move, and how often they manoeuvre and weave.
+        How targets move, and how often they manoeuvre, wander and weave.
     """
     step, change = _changes(elapsed[::MODES], configuration)
     bank = _mixed(bank, change)
@@ -113,7 +116,7 @@ def mix_modes(
     elapsed : ndarray, shape (n_components,)
         Time since the last measurement of each component, s.
     configuration : RangeBankConfiguration
-        How often targets manoeuvre and weave.
+        How often targets manoeuvre, wander and weave.
     """
     return _mixed(bank, _changes(elapsed[::MODES], configuration)[1])
 
@@ -136,8 +139,8 @@ def _changes(
 def _change(elapsed: float, configuration: RangeBankConfiguration) -> FloatArray:
     """Return what a time, s, does to a hypothesis: most frames follow each other alike.
 
-    Logs of the transition between the first two modes (4 numbers), and of what begins and ceases
-    to weave, and what does not (4); transition and noise of the deviation (4 each).
+    Logs of the transition between the first two modes (4 numbers), transition and noise of the
+    deviation (4 each), logs of what stays as it is, and of what changes into which mode (4).
     """
     time = np.array([elapsed])
     interval, duration = configuration.manoeuvre_interval, configuration.manoeuvre_duration
@@ -233,7 +236,7 @@ def _exchanged(mixed: FloatArray, lasting: FloatArray, logs: FloatArray) -> Floa
 
 
 def _log_exchange(elapsed: FloatArray, configuration: RangeBankConfiguration) -> FloatArray:
-    """Return the logs of the probabilities not to change, and of what it then does, (n, 4)."""
+    """Return the logs of the probabilities to stay, to turn, to wander and to weave, (n, 4)."""
     lasting = configuration.lasting_shares
     share = np.concatenate([[1.0 - lasting.sum()], lasting])
     settled = -np.expm1(-elapsed / configuration.manoeuvre_interval)

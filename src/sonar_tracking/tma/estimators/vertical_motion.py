@@ -24,8 +24,9 @@ import numpy as np
 
 from sonar_tracking.records.arrays import BoolArray
 from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank
-from sonar_tracking.tma.estimators.measurement_model import MINIMUM_RANGE, offset_seen
+from sonar_tracking.tma.estimators.measurement_model import MINIMUM_RANGE
 from sonar_tracking.tma.estimators.sensor_frame import VERTICAL, TmaMeasurement
+from sonar_tracking.tma.estimators.travel_time import offset_seen
 from sonar_tracking.tma.estimators.vertical_prediction import VERTICAL_SPEED
 
 STEEPEST = 20.0

@@ -22,9 +22,9 @@ from sonar_tracking.tma.estimators.hypothesis_bank import (
     innovation_covariance,
     predict_bank,
 )
-from sonar_tracking.tma.estimators.measurement_model import offset_seen
 from sonar_tracking.tma.estimators.recursion import rows_of
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
+from sonar_tracking.tma.estimators.travel_time import offset_seen
 
 FREE = -1
 """In place of a target: none."""

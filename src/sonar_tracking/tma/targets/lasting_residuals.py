@@ -24,7 +24,7 @@ import numpy as np
 
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.time import NANOSECONDS
-from sonar_tracking.tma.estimators.measurement_model import offset_seen
+from sonar_tracking.tma.estimators.travel_time import offset_seen
 from sonar_tracking.tma.targets.array_sides import RIGHT
 from sonar_tracking.tma.targets.systematic_errors import NEAREST, SystematicErrors
 from sonar_tracking.tma.targets.target_records import TargetObservation, TargetSolution
