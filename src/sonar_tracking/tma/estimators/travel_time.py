@@ -74,18 +74,17 @@ def doppler(
     gradient : ndarray, shape (..., 4)
         By where the target is seen and by its velocity, 1/m and s/m.
     """
-    speed: FloatArray | float = speeds[0]
     rate = np.sum(direction * relative, axis=-1)
     across = (relative - rate[..., None] * direction) / distance[..., None]
     gradient = np.concatenate([across, direction], axis=-1)
     if np.isfinite(speeds[1]):
         own = np.sum(direction * velocity, axis=-1)
-        speed = speed + own
+        speed = speeds[0] + own
         beside = (velocity - own[..., None] * direction) / distance[..., None]
         share = rate / speed
         gradient -= share[..., None] * np.concatenate([beside, direction], axis=-1)
         return np.asarray(1.0 - share), gradient / -speed[..., None]
-    return np.asarray(1.0 - rate / speed), gradient / -speed
+    return np.asarray(1.0 - rate / speeds[0]), gradient / -speeds[0]
 
 
 def refer_to_now(
