@@ -16,6 +16,7 @@ DURATIONS = {"tma": 720.0, "cross_fix": 320.0}
 
 
 @cache
-def offline_tma_run(name: str) -> OfflineTmaRun:
-    """Return what the chain takes and gives in a scenario."""
-    return run_offline_tma_chain(replace(load_scenario(name), duration=DURATIONS[name]))
+def offline_tma_run(name: str, seed: int | None = None) -> OfflineTmaRun:
+    """Return what the chain takes and gives in a scenario, with its own seed or another."""
+    scenario = replace(load_scenario(name), duration=DURATIONS[name])
+    return run_offline_tma_chain(scenario if seed is None else replace(scenario, seed=seed))
