@@ -45,8 +45,10 @@ FEW = 4
 """Where a new target may be one with so many others at most, agile ones are tried at once; a trial
 is begun again when there are fewer."""
 
-LATER_PAUSES = 2.0
-"""How much longer each further pause of a trial that failed is."""
+LATER_PAUSES, LONGEST_PAUSE = 2.0, 300.0
+"""How much longer each further pause of a trial that failed is, and the longest of them, s: targets
+that stations see with errors that last fall behind again and again before they are found to be one.
+"""
 
 UNDECIDED = 60.0
 """A further station is tried anew if so long nothing was decided, s: the others may point to it
@@ -83,6 +85,11 @@ class Pair:
     first: FollowedTarget
     second: FollowedTarget
     solver: TargetSolver
+
+
+def _after(pause: float) -> float:
+    """Return how long a trial pauses the next time, s."""
+    return min(LATER_PAUSES * pause, LONGEST_PAUSE)
 
 
 class StationPairing:
@@ -172,7 +179,7 @@ class StationPairing:
     def _pause(self, key: Key, stamp: int) -> None:
         """Do not try targets together for some time, longer each time."""
         before = self._pauses.get(key)
-        length = FIRST_PAUSE if before is None else LATER_PAUSES * before.length
+        length = FIRST_PAUSE if before is None else _after(before.length)
         self._pauses[key] = _Pause(stamp + nanoseconds(length), length)
 
     def end(self, target: FollowedTarget) -> None:
@@ -238,7 +245,7 @@ class StationPairing:
             first, second = failed.trial.targets
             if self._pairs_with(second) < FEW:
                 self._failed.remove(failed)
-                self._try_agile(first, second, LATER_PAUSES * failed.trial.pause)
+                self._try_agile(first, second, _after(failed.trial.pause))
         for trial in [one for one in self._trials if self._fell_behind(one)]:
             self._trials.remove(trial)
             own = set(trial.targets)
