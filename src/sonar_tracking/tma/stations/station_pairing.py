@@ -12,7 +12,7 @@ Bearings that cross where no target is (ghosts) fall behind as the stations or t
 The motion that is allowed is that of the target's class: of a ship, and, in a trial of its own, of
 something agile, as animals and divers are. That is compared with solvers alone that allow for it
 too. Where many pairs are possible agile targets are tried only later: a pair whose trials have all
-fallen behind is tried again, from what is known of the older target then, after ever longer pauses.
+fallen behind is tried again, from what is known of the older target then, after longer pauses.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ FEW = 4
 """Where a new target may be one with so many others at most, agile ones are tried at once; a trial
 is begun again when there are fewer."""
 
-LATER_PAUSES, LONGEST_PAUSE = 2.0, 300.0
+LATER_PAUSES, LONGEST_PAUSE = 2.0, 180.0
 """How much longer each further pause of a trial that failed is, and the longest of them, s: targets
 that stations see with errors that last fall behind again and again before they are found to be one.
 """
