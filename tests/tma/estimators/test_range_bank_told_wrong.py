@@ -75,6 +75,17 @@ def test_bearings_four_times_as_bad_as_told_cost_little() -> None:
     assert np.max(np.abs(learnt.error[:, -1, 0])) < 5.0 * last_range_rmse(known)
 
 
+def test_bearings_twice_as_good_as_told_have_no_errors_that_last() -> None:
+    """A filter that is told too large errors lags behind, as one does whose errors last."""
+    scene = scenario("S3")
+    runs = simulate_runs(scene, [np.random.SeedSequence((1, number)) for number in range(20)])
+    told = replace(runs, scene=replace(scene, azimuth_deviation=2.0 * scene.azimuth_deviation))
+    learnt = history_of(RangeBank(), told)
+    believing = history_of(RangeBank(RangeBankConfiguration(learn_errors=False)), told)
+    assert last_range_rmse(learnt) < 1.5 * last_range_rmse(believing)
+    assert settled_nees(learnt) < 1.5
+
+
 def test_lines_that_wander_are_no_turns() -> None:
     runs = runs_of(replace(scenario("S1"), frequency_deviation=0.05))
     shape = runs.frequency.shape
