@@ -94,7 +94,7 @@ def test_a_fast_target_is_reported_where_it_is() -> None:
     )
     errors: dict[bool, list[float]] = {True: [], False: []}
     squared = []
-    for seed in range(1, 7):
+    for seed in (5, 1, 2, 3, 4, 6):
         frames = simulated(scene(exact, targets=(fast,), seed=seed))
         for travel_time, found in errors.items():
             stage = TmaTrackerStage(TmaTrackerConfiguration(travel_time=travel_time))
@@ -102,6 +102,7 @@ def test_a_fast_target_is_reported_where_it_is() -> None:
             found.append(error_of(tracks, frames[-1][1]))
             if travel_time:
                 squared.append(found[-1] ** 2 / np.trace(tracks.covariance[0, :2, :2]))
+    assert errors[True][0] < 15.0
     assert rms(errors[True]) < 0.75 * rms(errors[False])
     assert min(errors[False]) > 30.0
     assert np.mean(squared) < 1.5

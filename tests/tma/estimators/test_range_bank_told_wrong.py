@@ -157,14 +157,18 @@ def test_a_zigzag_is_followed_about_its_mean_course(name: str, number: int, rmse
     assert np.mean(found.nees[:, -50:]) < 2.0
 
 
-def test_a_straight_target_is_not_taken_to_weave() -> None:
-    runs = runs_of(scenario("S1"), 12)
+def last_probability(runs: TmaRuns, mode: int) -> float:
+    """Return that of a mode of motion after all measurements, mean over the runs."""
     bank = RangeBank()
     for measurement in runs.frames():
         bank.update(measurement)
     assert bank.state is not None
-    weaving = np.exp(bank.state.bank.log_weight[:, WEAVING::MODES]).sum(axis=1)
-    assert np.mean(weaving) < 0.1 * RangeBankConfiguration().weave_probability
+    return float(np.mean(np.exp(bank.state.bank.log_weight[:, mode::MODES]).sum(axis=1)))
+
+
+def test_a_straight_target_is_not_taken_to_weave() -> None:
+    runs = runs_of(scenario("S1"), 12)
+    assert last_probability(runs, WEAVING) < 0.1 * RangeBankConfiguration().weave_probability
 
 
 def test_a_velocity_that_wanders_has_a_covariance_that_says_so() -> None:
@@ -180,9 +184,4 @@ def test_a_velocity_that_wanders_has_a_covariance_that_says_so() -> None:
 def test_a_straight_target_is_not_taken_to_wander() -> None:
     """Of the precise lines of S3 every change of the velocity would show."""
     runs = runs_of(replace(scenario("S3"), acceleration=0.0), 12)
-    bank = RangeBank()
-    for measurement in runs.frames():
-        bank.update(measurement)
-    assert bank.state is not None
-    wandering = np.exp(bank.state.bank.log_weight[:, WANDERING::MODES]).sum(axis=1)
-    assert np.mean(wandering) < 0.1 * RangeBankConfiguration().wander_probability
+    assert last_probability(runs, WANDERING) < 0.1 * RangeBankConfiguration().wander_probability
