@@ -34,6 +34,24 @@ def test_an_elevation_gives_the_range_its_error_too() -> None:
     assert unused == pytest.approx(np.diag([0.0, 10.0**2]))
 
 
+@pytest.mark.parametrize("distance", [900.0, 9000.0, 9200.0, 40000.0])
+def test_a_range_that_a_flat_elevation_gives_errs_by_all_the_more(distance: float) -> None:
+    """Of a ship 9 km away and 900 m above, 0.01 rad are 900 m: never is such a range exact."""
+    seen = sight(0.0, 0.0, height=900.0, elevated=True)
+    covariance = systematic_covariance(np.array([distance, 0.0]), [seen], ERRORS)
+    along = (distance**2 + 900.0**2) / 900.0 * DEVIATION
+    assert np.sqrt(covariance[0, 0]) == pytest.approx(along)
+
+
+def test_a_station_that_moves_finds_the_range_without_flat_elevations() -> None:
+    first = sight(0.0, 0.0, height=300.0, elevated=True)
+    assert not first.after(None).moved and not first.after(first).moved
+    moving = sight(5.0, 0.0, height=300.0, elevated=True).after(first)
+    assert moving.moved and moving.after(moving).moved
+    covariance = systematic_covariance(np.array([4000.0, 0.0]), [moving], ERRORS)
+    assert np.sqrt(covariance[0, 0]) < 10.0
+
+
 def test_two_stations_at_right_angles_fix_both_axes() -> None:
     stations = [sight(0.0, 0.0), sight(1000.0, -2000.0)]
     covariance = systematic_covariance(np.array([1000.0, 0.0]), stations, ERRORS)

@@ -131,13 +131,15 @@ class FollowedTarget:
             self.updated = observation.stamp
         if observation.azimuths:
             elevated = bool(np.isfinite(observation.elevation))
-            self.sights[observation.sensor_id] = Sight(
+            seen = Sight(
                 observation.position,
                 observation.sensor_z,
                 observation.height,
                 elevated,
                 observation.stamp,
             )
+            before = self.sights.get(observation.sensor_id)
+            self.sights[observation.sensor_id] = seen.after(before)
             known = observation.height_deviation == 0.0
             self.assumed_z = observation.sensor_z + observation.height if known else np.nan
 

@@ -18,13 +18,14 @@ beside its own. A position that is compared with another, of an antenna say, is 
 target what is heard comes from: its variance is added, too. Where the stations do not fix a
 direction at one instant, since there is but one and it measures azimuths alone, the range comes
 from motion: a constant error turns the whole scene about the station, and only what is across the
-line of sight counts.
+line of sight counts. An elevation that a single station at rest measures fixes the range however
+flat it is: nothing else does.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -32,6 +33,9 @@ from sonar_tracking.records.arrays import FloatArray
 
 FIXED = 0.01
 """A direction in which the stations tell less than this part of the best one is not fixed."""
+
+FIXED_ALONE = 1e-8
+"""The same for a single station at rest that measures elevations: what it does not tell at all."""
 
 NEAREST = 1.0
 """Stations are taken to be at least so far away, m."""
@@ -53,6 +57,8 @@ class Sight:
         Whether it measures elevations, too.
     stamp : int
         Of its last direction, ns.
+    moved : bool
+        Whether it has moved since the first one, so that motion may tell the range.
     """
 
     position: tuple[float, float]
@@ -60,6 +66,14 @@ class Sight:
     height: float
     elevated: bool
     stamp: int
+    moved: bool = False
+
+    def after(self, before: Sight | None) -> Sight:
+        """Return the same, following on what the station told before, if anything."""
+        if before is None:
+            return self
+        away = np.hypot(*np.subtract(self.position, before.position))
+        return replace(self, moved=before.moved or bool(away > NEAREST))
 
 
 @dataclass(frozen=True)
@@ -168,6 +182,8 @@ def _displacements(position: FloatArray, sights: Sequence[Sight]) -> tuple[Float
             slopes.append(abs(height) / distance)
     derivative = np.array(rows + rises)
     values, vectors = np.linalg.eigh(derivative.T @ derivative)
-    fixed = values > FIXED * values[-1]
+    alone_at_rest = len(sights) == 1 and not sights[0].moved
+    least = FIXED_ALONE if alone_at_rest and rises else FIXED
+    fixed = values > least * values[-1]
     inverse = (vectors * np.where(fixed, 1.0 / np.where(fixed, values, 1.0), 0.0)) @ vectors.T
     return inverse @ derivative.T, slopes
