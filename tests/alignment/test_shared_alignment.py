@@ -7,6 +7,7 @@ import pytest
 
 from sonar_tracking.alignment.aligned_targets import (
     MOTION,
+    AlignedTargets,
     MotionStrengths,
     begun,
     joined,
@@ -14,7 +15,9 @@ from sonar_tracking.alignment.aligned_targets import (
     with_array,
 )
 from sonar_tracking.alignment.shared_alignment import (
+    AlignmentInformation,
     information_of,
+    log_agreement,
     no_information,
     shared_alignment,
 )
@@ -101,6 +104,22 @@ def test_what_an_ended_target_told_stays() -> None:
     np.testing.assert_allclose(left.mean[0], both.mean[0], rtol=1e-9)
 
 
+def test_sources_agree_as_much_as_the_integral_of_their_product_says() -> None:
+    angles, step = np.linspace(-0.4, 0.4, 20001, retstep=True)
+    first = step * np.exp(-0.5 * angles**2 / PRIOR) / np.sqrt(2.0 * np.pi * PRIOR)
+
+    def told(turned: float, deviation: float) -> tuple[AlignmentInformation, FloatArray]:
+        weight = np.array([1.0 / deviation**2])
+        likelihood = np.exp(weight * (turned * angles - 0.5 * angles**2))
+        return AlignmentInformation(weight[None], weight * turned), likelihood
+
+    (one, likely), (other, also_likely) = told(0.03, 0.02), told(-0.02, 0.01)
+    both = np.sum(first * likely * also_likely)
+    by_hand = np.log(both / (np.sum(first * likely) * np.sum(first * also_likely)))
+    assert log_agreement(one, other, PRIOR) == pytest.approx(by_hand, rel=1e-6)
+    assert log_agreement(one, no_information(1), PRIOR) == pytest.approx(0.0, abs=1e-12)
+
+
 def test_an_array_that_nobody_has_heard_of_changes_nothing() -> None:
     targets = begun(STATES, SPREAD, STRAIGHT, PRIOR)
     azimuth = np.arctan2(STATES[:, 1], STATES[:, 0]) + 0.01
@@ -141,24 +160,40 @@ def test_the_mode_follows_what_targets_do() -> None:
     assert targets.mode[0, 0] > 0.9 and targets.mode[1, 1] > 0.9
 
 
+def near_axis(azimuth_deg: float, deviation_deg: float) -> AlignedTargets:
+    """Return a ship 5 km along the axis of an array, known across it to a deviation."""
+    state = np.array([[5000.0, 5000.0 * np.tan(np.radians(azimuth_deg)), 0.0, 0.0]])
+    across = (5000.0 * np.radians(deviation_deg)) ** 2
+    return begun(state, np.diag([900.0, across, 1.0, 1.0])[None], STRAIGHT, np.array([1e-12]))
+
+
 def test_near_the_axis_of_an_array_either_side_may_be_meant() -> None:
-    """A ship 1 degree off the axis, known to 3 degrees: both sides count, by their likelihoods."""
-    state = np.array([[5000.0, 5000.0 * np.tan(np.radians(1.0)), 0.0, 0.0]])
-    spread = np.diag([900.0, (5000.0 * np.radians(3.0)) ** 2, 1.0, 1.0])[None]
-    tiny = np.array([1e-12])
-    target = begun(state, spread, STRAIGHT, tiny)
-    variance = np.array([np.radians(0.5) ** 2])
+    """A ship 1 degree off the axis, known to 3 degrees: it is on the axis, give or take 2.
+
+    The gain is 3^2 / (3^2 + 0.5^2 + 2^2).
+    """
+    variance = np.radians([0.5]) ** 2
     near, other = np.radians([2.0]), np.radians([-2.0])
     heard = Bearings(near, variance, np.zeros(2), array=0, other_side=other)
-    both, _ = updated_by_bearings(target, heard)
-    alone, _ = updated_by_bearings(target, Bearings(near, variance, np.zeros(2), array=0))
-    total = np.radians(3.0) ** 2 + variance[0]
-    share = 1.0 / (1.0 + np.exp(-(np.radians(3.0) ** 2 - np.radians(1.0) ** 2) / (2.0 * total)))
-    gain = np.radians(3.0) ** 2 / total
-    by_hand = np.radians(1.0) + gain * (share * np.radians(1.0) - (1.0 - share) * np.radians(3.0))
-    azimuth = np.arctan2(both.mean[0, 0, 1], both.mean[0, 0, 0])
-    assert azimuth == pytest.approx(by_hand, rel=0.02)
-    assert both.covariance[0, 0, 1, 1] > 5.0 * alone.covariance[0, 0, 1, 1]
+    both, _ = updated_by_bearings(near_axis(1.0, 3.0), heard)
+    azimuth = np.degrees(np.arctan2(both.mean[0, 0, 1], both.mean[0, 0, 0]))
+    gain = 9.0 / 13.25
+    assert azimuth == pytest.approx(1.0 - gain, rel=0.02)
+    left = np.degrees(np.sqrt(both.covariance[0, 0, 1, 1]) / 5000.0)
+    assert left == pytest.approx(3.0 * np.sqrt(1.0 - gain), rel=0.02)
+
+
+def test_many_bearings_of_either_side_make_no_side_certain() -> None:
+    """Half the angle between the sides is an error that lasts: a hundred bearings are as one."""
+    target = near_axis(0.5, 3.0)
+    for number in range(100):
+        gap = np.radians(2.0 + 0.3 * np.cos(number))
+        variance = np.radians([0.3]) ** 2
+        heard = Bearings(np.array([gap]), variance, np.zeros(2), array=0, other_side=-gap[None])
+        target, _ = updated_by_bearings(target, heard)
+    azimuth = np.degrees(np.arctan2(target.mean[0, 0, 1], target.mean[0, 0, 0]))
+    left = np.degrees(np.sqrt(target.covariance[0, 0, 1, 1]) / 5000.0)
+    assert left > 1.0 and abs(2.0 - azimuth) < 2.0 * left and abs(-2.0 - azimuth) < 2.0 * left
 
 
 def test_away_from_the_axis_the_other_side_does_not_count() -> None:

@@ -115,8 +115,17 @@ def test_ships_that_are_merged_turn_no_array() -> None:
         errors.append(np.degrees(known.misalignment[0]))
         deviations.append(np.degrees(known.misalignment_standard_deviation[0]))
     assert np.max(np.abs(errors)) < 0.4 and np.max(deviations) < 0.3
-    believed = (fused(seed, 2, 0.0)[-1].alignments.misalignment[0] for seed in range(4))
+    believed = (fused(seed, 0, 0.0)[-1].alignments.misalignment[0] for seed in range(4))
     assert any(np.degrees(abs(turned)) > 1.0 for turned in believed)
+
+
+@pytest.mark.slow
+def test_a_merged_bearing_that_no_other_ship_agrees_with_is_not_believed() -> None:
+    """Without being told what the array resolves: what the third ship tells of it decides."""
+    for seed in (0, 1, 3, 4):
+        known = fused(seed, 1, 0.0)[-1].alignments
+        assert abs(np.degrees(known.misalignment[0])) < 0.6
+        assert np.degrees(known.misalignment_standard_deviation[0]) < 0.3
 
 
 @pytest.mark.slow

@@ -72,6 +72,47 @@ def information_of(
     return AlignmentInformation(np.sum(gained, axis=0), vector)
 
 
+def log_agreement(
+    one: AlignmentInformation, other: AlignmentInformation, prior: FloatArray
+) -> float:
+    """Return how much likelier two independent sources are together than each for itself.
+
+    That is the log of the integral of p(b | one) p(b | other) / p(b) over the misalignments b.
+
+    Parameters
+    ----------
+    one, other : AlignmentInformation
+        What each tells.
+    prior : ndarray, shape (n_arrays,)
+        Variances of the misalignments before any measurement, rad^2.
+    """
+    first = np.diag(1.0 / prior)
+    return _log_weight(one.plus(other), first) - _log_weight(one, first) - _log_weight(other, first)
+
+
+def _log_weight(told: AlignmentInformation, prior: FloatArray) -> float:
+    """Return the log of the integral of the likelihood told, with its maximum at none left out."""
+    known = told.matrix + prior
+    volume = float(np.linalg.slogdet(prior)[1] - np.linalg.slogdet(known)[1])
+    return 0.5 * (volume + float(told.vector @ np.linalg.solve(known, told.vector)))
+
+
+@dataclass(frozen=True)
+class ToldOfArrays:
+    """What all targets but one tell of the misalignments.
+
+    Attributes
+    ----------
+    others : AlignmentInformation
+        What they tell together.
+    agreement : float
+        With what that one tells, as of :func:`log_agreement`.
+    """
+
+    others: AlignmentInformation
+    agreement: float
+
+
 @dataclass(frozen=True)
 class SharedAlignment:
     """The misalignments, and the targets as seen with them.

@@ -14,13 +14,17 @@ import numpy as np
 from sonar_tracking.alignment.aligned_targets import MOTION, AlignedTargets, replaced
 from sonar_tracking.filtering.kalman import symmetrised
 from sonar_tracking.motion import wrap_angle
-from sonar_tracking.records.arrays import FloatArray, IndexArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
 
 NEAREST = 1.0
 """A target is taken to be at least so far from a station, m."""
 
 LEAST_SHARE = 1e-300
 """Of a mode: none is ever quite impossible."""
+
+
+LEAST_DOUBT = 1e-3
+"""About the side of a line array: with less, the likelier side is believed."""
 
 
 @dataclass(frozen=True)
@@ -231,14 +235,40 @@ def updated_by_bearings(
     if mirrored is None:
         return _weighed(replace(targets, mean=mean, covariance=sight.covariance), log_density)
     # Both sides have the same gain, and leave the same covariance.
-    innovation = mirrored.innovation(sight.expected)
-    mean_of_other, log_other = sight.updated(targets.mean, innovation)
+    mean_of_other, log_other = sight.updated(targets.mean, mirrored.innovation(sight.expected))
     total = np.logaddexp(log_density, log_other)
-    share = np.exp(log_other - total)[..., None]
-    apart = mean_of_other - mean
-    between = (share * (1.0 - share))[..., None] * apart[..., None] * apart[..., None, :]
-    covariance = sight.covariance + between
-    return _weighed(replace(targets, mean=mean + share * apart, covariance=covariance), total)
+    share = np.exp(log_other - total)
+    mean = np.where((share > 0.5)[..., None], mean_of_other, mean)
+    updated = replace(targets, mean=mean, covariance=sight.covariance)
+    either = (share > LEAST_DOUBT) & (share < 1.0 - LEAST_DOUBT)
+    if np.any(either):
+        half = 0.5 * wrap_angle(mirrored.azimuth - bearings.azimuth)[:, None]
+        updated = _near_the_axis(targets, bearings, half, either, updated)
+    return _weighed(updated, total)
+
+
+def _near_the_axis(
+    targets: AlignedTargets,
+    bearings: Bearings,
+    half: FloatArray,
+    either: BoolArray,
+    otherwise: AlignedTargets,
+) -> AlignedTargets:
+    """Return targets with a bearing of the axis, where either side may be meant.
+
+    Its deviation is half the angle between the sides (shape (n, 1)). That error lasts as long as
+    the target is there: a target that is known better than that already stays as it is.
+    """
+    axis = _line_of_sight(targets, bearings, half**2)
+    mean, _ = axis.updated(targets.mean, wrap_angle(bearings.innovation(axis.expected) + half))
+    vague = axis.spread - bearings.variance[:, None] >= 2.0 * half**2
+    mean = np.where(vague[..., None], mean, targets.mean)
+    covariance = np.where(vague[..., None, None], axis.covariance, targets.covariance)
+    return replace(
+        otherwise,
+        mean=np.where(either[..., None], mean, otherwise.mean),
+        covariance=np.where(either[..., None, None], covariance, otherwise.covariance),
+    )
 
 
 @dataclass(frozen=True)
@@ -267,10 +297,12 @@ class _LineOfSight:
         return mean + self.gain * innovation[..., None], log_density
 
 
-def _line_of_sight(targets: AlignedTargets, bearings: Bearings) -> _LineOfSight:
-    """Return what bearings do to targets whatever they are."""
+def _line_of_sight(
+    targets: AlignedTargets, bearings: Bearings, doubt: FloatArray | float = 0.0
+) -> _LineOfSight:
+    """Return what bearings do to targets whatever they are, with a variance more of doubt."""
     expected, derivative = bearings.expected(targets.mean)
-    noise = bearings.variance[:, None]
+    noise = bearings.variance[:, None] + doubt
     cross = np.einsum("nmij,nmj->nmi", targets.covariance, derivative)
     spread = np.einsum("nmi,nmi->nm", derivative, cross) + noise
     gain = cross / spread[..., None]

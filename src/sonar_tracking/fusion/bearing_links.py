@@ -106,7 +106,7 @@ class BearingLinks:
             By the filters of the targets, logs of densities, 1/rad.
         """
         rows = np.array([self._links[one.key].row for one in found], np.intp)
-        lone, apart = heard(self._lone.rows(rows), bearings.azimuth, bearings.variance)
+        lone, apart = heard(self._lone.rows(rows), bearings)
         mean, covariance = self._lone.mean.copy(), self._lone.covariance.copy()
         mean[rows], covariance[rows] = lone.mean, lone.covariance
         self._lone = replace(self._lone, mean=mean, covariance=covariance)

@@ -5,7 +5,8 @@ of a line array, that which is nearer. The evidence that both are one is
 
     log p(bearings | target) - log p(bearings | anywhere, with a rate of their own),
 
-summed innovation by innovation. A trial wins once it beats chance, divided among all targets there
+summed innovation by innovation, and what both tell of the misalignments has to agree with what all
+other targets tell of them. A trial wins once it beats chance, divided among all targets there
 are, and every choice of pairs of that station without it (:mod:`.joint_decisions`)
 by the stated odds.
 """
@@ -13,13 +14,12 @@ by the stated odds.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from sonar_tracking.alignment.aligned_targets import (
-    MOTION,
     AlignedTargets,
     MotionStrengths,
     joined,
@@ -28,7 +28,7 @@ from sonar_tracking.alignment.aligned_targets import (
     with_array,
 )
 from sonar_tracking.alignment.bearing_errors import BearingKey
-from sonar_tracking.alignment.shared_alignment import AlignmentInformation, told_alignment
+from sonar_tracking.alignment.shared_alignment import ToldOfArrays, information_of, log_agreement
 from sonar_tracking.alignment.target_updates import (
     Bearings,
     updated_by_bearings,
@@ -61,13 +61,21 @@ class Trial:
         The target.
     key : BearingKey
         The bearing track.
-    evidence : float
-        That they are one; log.
+    innovations : float
+        Evidence of the bearings as they were expected, logs of odds.
+    agreement : float
+        Evidence of what other targets tell of the misalignments, log of odds.
     """
 
     target: FusedTarget
     key: BearingKey
-    evidence: float = 0.0
+    innovations: float = 0.0
+    agreement: float = 0.0
+
+    @property
+    def evidence(self) -> float:
+        """That they are one; log of odds."""
+        return self.innovations + self.agreement
 
 
 class BearingTrials:
@@ -141,7 +149,8 @@ class BearingTrials:
     def take_tried(
         self,
         found: Sequence[HeardBearing],
-        others: dict[FusedTarget, AlignmentInformation],
+        told: Mapping[FusedTarget, ToldOfArrays],
+        prior: FloatArray,
         propagation_speed: float,
     ) -> None:
         """Let trials take in the bearings that are tried, and weigh them.
@@ -150,8 +159,10 @@ class BearingTrials:
         ----------
         found : sequence of HeardBearing
             What one station measured at one instant.
-        others : dict of FusedTarget to AlignmentInformation
-            What all other targets tell of the misalignments.
+        told : mapping of FusedTarget to ToldOfArrays
+            What each target without its trials, and what all others tell of the misalignments.
+        prior : ndarray, shape (n_arrays,)
+            Variances of the misalignments before any measurement, rad^2.
         propagation_speed : float
             Of sound, m/s.
         """
@@ -164,14 +175,17 @@ class BearingTrials:
         targets = self.targets.rows(rows)
         expected, _ = expected_bearings(own, targets, propagation_speed)
         bearings = sided_bearings(own, expected, propagation_speed)
-        together = log_likelihood(targets, bearings, [others[one.target] for one in tried])
-        lone, apart = heard(self._lone.rows(rows), bearings.azimuth, bearings.variance)
+        lone, apart = heard(self._lone.rows(rows), bearings)
         self._lone.mean[rows], self._lone.covariance[rows] = lone.mean, lone.covariance
-        gained = guarded(together) - guarded(apart)
-        for trial, gain in zip(tried, gained, strict=True):
-            trial.evidence += float(gain)
-        updated, _ = updated_by_bearings(targets, bearings)
+        updated, together = updated_by_bearings(targets, bearings)
         self.targets = replaced(self.targets, rows, updated)
+        gained = guarded(together) - guarded(apart)
+        mean, covariance = updated.collapsed()
+        for place, (trial, gain) in enumerate(zip(tried, gained.tolist(), strict=True)):
+            trial.innovations += gain
+            known = told[trial.target]
+            tells = information_of(mean[place, None], covariance[place, None], prior)
+            trial.agreement = log_agreement(tells, known.others, prior) - known.agreement
 
     def winners(self, odds: float, n_targets: int) -> list[int]:
         """Return the rows of the trials that have won."""
@@ -212,44 +226,3 @@ class BearingTrials:
         if ended:
             self.keep([row for row, behind in enumerate(lost) if not behind])
         return ended
-
-
-def log_likelihood(
-    targets: AlignedTargets,
-    bearings: Bearings,
-    others: Sequence[AlignmentInformation],
-) -> FloatArray:
-    """Return how likely bearings are, with what other targets tell of the misalignments.
-
-    Parameters
-    ----------
-    targets : AlignedTargets
-        Predicted to the instant of the bearings.
-    bearings : Bearings
-        One a target.
-    others : sequence of AlignmentInformation
-        For each target, what all others tell of the misalignments.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        Logs of densities, 1/rad.
-    """
-    mean, covariance = targets.collapsed()
-    own = np.linalg.inv(covariance[:, MOTION:, MOTION:])
-    vector = np.einsum("nij,nj->ni", own, mean[:, MOTION:])
-    common = np.linalg.inv(own + np.array([one.matrix for one in others]))
-    total = vector + np.array([one.vector for one in others])
-    misalignment = np.einsum("nij,nj->ni", common, total)
-    mean, covariance = told_alignment(mean, covariance, misalignment, common)
-    near = _log_density(mean, covariance, bearings)
-    mirrored = bearings.mirrored
-    return (
-        near if mirrored is None else np.logaddexp(near, _log_density(mean, covariance, mirrored))
-    )
-
-
-def _log_density(mean: FloatArray, covariance: FloatArray, bearings: Bearings) -> FloatArray:
-    innovation, derivative = bearings.linearised(mean)
-    spread = np.einsum("ni,nij,nj->n", derivative, covariance, derivative) + bearings.variance
-    return np.asarray(-0.5 * (innovation**2 / spread + np.log(2.0 * np.pi * spread)))

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sonar_tracking.alignment.target_updates import Bearings
 from sonar_tracking.filtering.constant_velocity import process_noise_matrix, transition_matrix
-from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 
 RATE_DEVIATION = float(np.radians(0.15))
@@ -73,17 +73,15 @@ def predicted_bearings(bearings: LoneBearings, interval: float) -> LoneBearings:
     return LoneBearings(bearings.mean @ transition.T, covariance)
 
 
-def heard(
-    bearings: LoneBearings, azimuth: FloatArray, variance: FloatArray
-) -> tuple[LoneBearings, FloatArray]:
+def heard(bearings: LoneBearings, measured: Bearings) -> tuple[LoneBearings, FloatArray]:
     """Return bearing tracks with one bearing more each, and how likely it was.
 
     Parameters
     ----------
     bearings : LoneBearings
         Predicted to the instant of the bearings.
-    azimuth, variance : ndarray, shape (n,)
-        rad and rad^2.
+    measured : Bearings
+        One a bearing track. Of two sides the nearer one is taken in, and both are likely.
 
     Returns
     -------
@@ -93,18 +91,28 @@ def heard(
         Log of the density, 1/rad.
     """
     new = np.isnan(bearings.mean[:, 0])
-    innovation = np.where(new, 0.0, wrap_angle(azimuth - bearings.mean[:, 0]))
-    spread = bearings.covariance[:, 0, 0] + variance
+    variance = measured.variance
+    innovation = np.where(new, 0.0, measured.innovation(bearings.mean[:, 0]))
+    spread = np.where(new, 1.0, bearings.covariance[:, 0, 0] + variance)
+    density = _log_density(innovation, spread)
+    mirrored = measured.mirrored
+    if mirrored is not None:
+        other = np.where(new, 0.0, mirrored.innovation(bearings.mean[:, 0]))
+        density = np.logaddexp(density, _log_density(other, spread))
+        innovation = np.where(np.abs(other) < np.abs(innovation), other, innovation)
     gain = bearings.covariance[:, :, 0] / spread[:, None]
     mean = bearings.mean + gain * innovation[:, None]
     reduction = gain[:, :, None] * gain[:, None, :] * spread[:, None, None]
     covariance = bearings.covariance - reduction
-    mean[new] = np.stack([azimuth[new], np.zeros(np.sum(new))], axis=-1)
+    mean[new] = np.stack([measured.azimuth[new], np.zeros(np.sum(new))], axis=-1)
     covariance[new] = 0.0
     covariance[new, 0, 0] = variance[new]
     covariance[new, 1, 1] = RATE_DEVIATION**2
-    density = -0.5 * (innovation**2 / spread + np.log(2.0 * np.pi * spread))
     return LoneBearings(mean, covariance), np.where(new, np.log(ANYWHERE), density)
+
+
+def _log_density(innovation: FloatArray, spread: FloatArray) -> FloatArray:
+    return np.asarray(-0.5 * (innovation**2 / spread + np.log(2.0 * np.pi * spread)))
 
 
 def guarded(log_density: FloatArray, anywhere: float = ANYWHERE) -> FloatArray:

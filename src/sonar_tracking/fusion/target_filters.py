@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import reduce
 
 import numpy as np
 
@@ -22,7 +23,9 @@ from sonar_tracking.alignment.bearing_errors import BearingErrors
 from sonar_tracking.alignment.shared_alignment import (
     AlignmentInformation,
     SharedAlignment,
+    ToldOfArrays,
     information_of,
+    log_agreement,
     no_information,
     shared_alignment,
 )
@@ -246,7 +249,7 @@ class TargetFilters:
     def try_bearings(self, found: Sequence[HeardBearing]) -> None:
         """Let the trials of bearing tracks of one station take in what it measured."""
         if self.trials.trials:
-            self.trials.take_tried(found, self._others(), self._speed)
+            self.trials.take_tried(found, self._told(), self.prior, self._speed)
 
     def begin_trials(self, trials: Sequence[Trial]) -> None:
         """Try whether bearing tracks are of targets."""
@@ -318,19 +321,19 @@ class TargetFilters:
         seen, (station, array) = self.picture(), (heard.station, heard.array)
         return expected_azimuths(seen.mean, seen.covariance, station, array, self._speed, heard.lag)
 
-    def _others(self) -> dict[FusedTarget, AlignmentInformation]:
-        """Return for each target what all others tell of the misalignments."""
+    def _told(self) -> dict[FusedTarget, ToldOfArrays]:
+        """Return for each target what it and all others tell of the misalignments."""
         mean, covariance = self._aligned.collapsed()
         each = [
             information_of(mean[row, None], covariance[row, None], self.prior)
             for row in range(len(self.targets))
         ]
-        matrix = self._ended.matrix + sum(one.matrix for one in each)
-        vector = self._ended.vector + sum(one.vector for one in each)
-        return {
-            target: AlignmentInformation(matrix - one.matrix, vector - one.vector)
-            for target, one in zip(self.targets, each, strict=True)
-        }
+        told = {}
+        for row, target in enumerate(self.targets):
+            others = reduce(AlignmentInformation.plus, each[:row] + each[row + 1 :], self._ended)
+            agreement = log_agreement(each[row], others, self.prior)
+            told[target] = ToldOfArrays(others, agreement)
+        return told
 
     def _rows(self, targets: Sequence[FusedTarget]) -> IndexArray:
         place = {target: row for row, target in enumerate(self.targets)}
