@@ -65,6 +65,12 @@ def test_two_stations_that_were_joined_both_count_from_the_beginning() -> None:
     after = score_position_tracks(truth("cross_fix"), smoothed("cross_fix").pictures)
     assert after.rmse_m < 0.8 * before.rmse_m and after.identities.held_share > 0.95
     assert 0.1 < after.nees_per_dimension < 1.6
+    # What the moored station had alone until then is no target of its own; the sides of the line
+    # array are open until then.
+    alone = [len(one) for one in run("cross_fix").tracks]
+    together = [len(one) for one in smoothed("cross_fix").pictures]
+    n_targets = len(truth("cross_fix")[0])
+    assert np.max(alone) == 3 * n_targets and np.max(together) == 2 * n_targets
 
 
 def test_rows_say_what_they_are_and_keep_the_rest() -> None:

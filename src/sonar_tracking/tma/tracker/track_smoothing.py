@@ -3,7 +3,7 @@
 A row of the list says which bearing tracks it was made of. All that was measured along them, before
 and after, goes into :func:`~sonar_tracking.tma.batch.target_smoother.smooth_target`, which starts
 from where the tracker had the target. A station that joined a target, and stayed, saw it before,
-too.
+too: the row it had until then is left out.
 """
 
 from __future__ import annotations
@@ -22,9 +22,10 @@ from sonar_tracking.tma.batch.target_history import TargetHistory
 from sonar_tracking.tma.batch.target_smoother import TargetSmootherConfiguration, smooth_target
 from sonar_tracking.tma.batch.track_smoother import TrackPath, smooth_path
 from sonar_tracking.tma.targets.hearing import Hearing
-from sonar_tracking.tma.targets.observation_log import Observations, TrackKey
+from sonar_tracking.tma.targets.observation_log import Observations
 from sonar_tracking.tma.targets.target_records import MAXIMUM_LINES, TargetObservation
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
+from sonar_tracking.tma.tracker.recorded_rows import RecordedRows, joined_later, recorded_rows
 from sonar_tracking.tma.tracker.track_rows import stopped
 
 FEWEST_HEARD = 10
@@ -38,7 +39,8 @@ class SmoothedTracks:
     Attributes
     ----------
     pictures : tuple of PositionTracks
-        One for each that was given, of source SMOOTHED; rows of other sources are left out.
+        One for each that was given, of source SMOOTHED; rows of other sources are left out, and
+        those that turned out to be of another row's target.
     n_tracks : int
         Rows by identifier.
     without_measurements, failed : tuple of int
@@ -50,17 +52,6 @@ class SmoothedTracks:
     n_tracks: int
     without_measurements: tuple[int, ...]
     failed: tuple[int, ...]
-
-
-@dataclass(frozen=True)
-class _Recorded:
-    """One row of a list over time: where it is in which picture, and what it was made of."""
-
-    places: list[tuple[int, int]]
-    path: TrackPath
-    stamps: list[int]
-    members: list[frozenset[TrackKey]]
-    status: CodeArray
 
 
 def smooth_tracks(
@@ -86,7 +77,7 @@ def smooth_tracks(
         Called with the number of tracks that are done, and that of all of them.
     """
     kept = [picture.selected(_usable(picture)) for picture in pictures]
-    recorded = _recorded_tracks(kept)
+    recorded = recorded_rows(kept)
     states = [picture.state.copy() for picture in kept]
     covariances = [picture.covariance.copy() for picture in kept]
     statuses = [picture.status.copy() for picture in kept]
@@ -117,7 +108,12 @@ def smooth_tracks(
         done(number + 1, len(recorded))
     columns = zip(kept, states, covariances, statuses, strict=True)
     smoothed = tuple(_picture(*each) for each in columns)
-    return SmoothedTracks(smoothed, len(recorded), tuple(unmeasured), tuple(failed))
+    other = joined_later(recorded)
+    left = tuple(
+        picture.selected(np.array([(index, row) not in other for row in range(len(picture))], bool))
+        for index, picture in enumerate(smoothed)
+    )
+    return SmoothedTracks(left, len(recorded), tuple(unmeasured), tuple(failed))
 
 
 def _picture(
@@ -133,37 +129,8 @@ def _usable(picture: PositionTracks) -> BoolArray:
     return np.asarray(known & (picture.source == TrackSource.TMA))
 
 
-def _recorded_tracks(pictures: Sequence[PositionTracks]) -> dict[int, _Recorded]:
-    """Return every row by its identifier."""
-    places: dict[int, list[tuple[int, int]]] = {}
-    members: dict[tuple[int, int], set[TrackKey]] = {}
-    for index, picture in enumerate(pictures):
-        for row, identifier in enumerate(picture.id.tolist()):
-            places.setdefault(identifier, []).append((index, row))
-        columns = zip(
-            picture.contributor_track.tolist(),
-            picture.contributor_sensor,
-            picture.contributor_id.tolist(),
-            strict=True,
-        )
-        for row, sensor, number in columns:
-            members.setdefault((index, row), set()).add((sensor, number))
-    recorded = {}
-    for identifier, own in places.items():
-        stamps = [pictures[index].stamp for index, _ in own]
-        path = TrackPath(
-            np.array([seconds(stamp - stamps[0]) for stamp in stamps]),
-            np.array([pictures[index].state[row] for index, row in own]),
-            np.array([pictures[index].covariance[row] for index, row in own]),
-        )
-        heard = [frozenset(members.get(place, ())) for place in own]
-        status = np.array([pictures[index].status[row] for index, row in own])
-        recorded[identifier] = _Recorded(own, path, stamps, heard, status)
-    return recorded
-
-
 def _history(
-    track: _Recorded, observations: Observations, tracker: TmaTrackerConfiguration
+    track: RecordedRows, observations: Observations, tracker: TmaTrackerConfiguration
 ) -> TargetHistory | None:
     """Return what was measured of a track, an empty instant where a picture has no measurement."""
     chosen = _chosen(track, observations)
@@ -223,7 +190,7 @@ def _measured(history: TargetHistory) -> BoolArray:
 
 
 def _heard(
-    track: _Recorded, chosen: Sequence[TargetObservation]
+    track: RecordedRows, chosen: Sequence[TargetObservation]
 ) -> list[tuple[int, TargetObservation | None]]:
     """Return what was observed and when, ns; nothing where the target was not heard.
 
@@ -239,7 +206,7 @@ def _heard(
     return instants
 
 
-def _silent(track: _Recorded, history: TargetHistory | None) -> FloatArray:
+def _silent(track: RecordedRows, history: TargetHistory | None) -> FloatArray:
     """Return how long before or after each coasted row its target was heard, s, shape (n,).
 
     Of rows that are not coasted, and where nothing was measured, that is 0.
@@ -255,7 +222,7 @@ def _silent(track: _Recorded, history: TargetHistory | None) -> FloatArray:
     return np.where(track.status == TrackStatus.COASTED, apart, 0.0)
 
 
-def _chosen(track: _Recorded, observations: Observations) -> list[TargetObservation]:
+def _chosen(track: RecordedRows, observations: Observations) -> list[TargetObservation]:
     """Return what was observed along the bearing tracks of a row while they were its own."""
     keys = sorted(set().union(*track.members))
     chosen = []
@@ -282,7 +249,7 @@ def _lines(chosen: Sequence[TargetObservation]) -> list[tuple[str, int]]:
     return sorted(often, key=lambda line: (-count[line], line))[:MAXIMUM_LINES]
 
 
-def _start(track: _Recorded, smoother: TargetSmootherConfiguration) -> TrackPath:
+def _start(track: RecordedRows, smoother: TargetSmootherConfiguration) -> TrackPath:
     """Return the path as the list alone tells it."""
     try:
         return smooth_path(track.path, smoother.acceleration)
@@ -291,7 +258,7 @@ def _start(track: _Recorded, smoother: TargetSmootherConfiguration) -> TrackPath
 
 
 def _smoothed(
-    track: _Recorded,
+    track: RecordedRows,
     start: TrackPath,
     history: TargetHistory,
     smoother: TargetSmootherConfiguration,
