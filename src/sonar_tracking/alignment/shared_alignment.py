@@ -42,6 +42,10 @@ class AlignmentInformation:
         """Return what two independent sources tell together."""
         return AlignmentInformation(self.matrix + other.matrix, self.vector + other.vector)
 
+    def without(self, other: AlignmentInformation) -> AlignmentInformation:
+        """Return what is left if one of the sources is taken away."""
+        return AlignmentInformation(self.matrix - other.matrix, self.vector - other.vector)
+
     def with_array(self) -> AlignmentInformation:
         """Return the same beside one array more, of which nothing is known yet."""
         return AlignmentInformation(np.pad(self.matrix, (0, 1)), np.pad(self.vector, (0, 1)))

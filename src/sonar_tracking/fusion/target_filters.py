@@ -328,11 +328,11 @@ class TargetFilters:
             information_of(mean[row, None], covariance[row, None], self.prior)
             for row in range(len(self.targets))
         ]
+        together = reduce(AlignmentInformation.plus, each, self._ended)
         told = {}
-        for row, target in enumerate(self.targets):
-            others = reduce(AlignmentInformation.plus, each[:row] + each[row + 1 :], self._ended)
-            agreement = log_agreement(each[row], others, self.prior)
-            told[target] = ToldOfArrays(others, agreement)
+        for target, own in zip(self.targets, each, strict=True):
+            others = together.without(own)
+            told[target] = ToldOfArrays(others, log_agreement(own, others, self.prior))
         return told
 
     def _rows(self, targets: Sequence[FusedTarget]) -> IndexArray:
