@@ -49,7 +49,6 @@ from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
 SMALLEST_VARIANCE = 1e-12
 """Of a misalignment that is taken to be none, rad^2."""
 
-
 WILD_POSITION = 1e-8
 """Density of a measured position that is of something else: anywhere within 10 km, 1/m^2."""
 
