@@ -14,6 +14,7 @@ from sonar_tracking.alignment.aligned_targets import (
     predicted,
     with_array,
 )
+from sonar_tracking.alignment.measured_bearings import Bearings
 from sonar_tracking.alignment.shared_alignment import (
     AlignmentInformation,
     information_of,
@@ -21,11 +22,7 @@ from sonar_tracking.alignment.shared_alignment import (
     no_information,
     shared_alignment,
 )
-from sonar_tracking.alignment.target_updates import (
-    Bearings,
-    updated_by_bearings,
-    updated_by_positions,
-)
+from sonar_tracking.alignment.target_updates import updated_by_bearings, updated_by_positions
 from sonar_tracking.filtering.kalman import KalmanState, predict, update
 from sonar_tracking.records.arrays import FloatArray
 

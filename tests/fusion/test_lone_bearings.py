@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sonar_tracking.alignment.target_updates import Bearings
+from sonar_tracking.alignment.measured_bearings import Bearings
 from sonar_tracking.fusion.lone_bearings import heard, predicted_bearings, unheard
 
 

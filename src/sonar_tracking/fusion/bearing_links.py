@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sonar_tracking.alignment.bearing_errors import BearingKey
-from sonar_tracking.alignment.target_updates import Bearings
+from sonar_tracking.alignment.measured_bearings import Bearings
 from sonar_tracking.fusion.fused_target import FusedTarget
 from sonar_tracking.fusion.fusion_records import HeardBearing
 from sonar_tracking.fusion.lone_bearings import (

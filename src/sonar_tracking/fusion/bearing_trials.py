@@ -28,12 +28,9 @@ from sonar_tracking.alignment.aligned_targets import (
     with_array,
 )
 from sonar_tracking.alignment.bearing_errors import BearingKey
+from sonar_tracking.alignment.measured_bearings import Bearings
 from sonar_tracking.alignment.shared_alignment import ToldOfArrays, information_of, log_agreement
-from sonar_tracking.alignment.target_updates import (
-    Bearings,
-    updated_by_bearings,
-    updated_by_positions,
-)
+from sonar_tracking.alignment.target_updates import updated_by_bearings, updated_by_positions
 from sonar_tracking.fusion.fused_target import FusedTarget
 from sonar_tracking.fusion.fusion_records import HeardBearing
 from sonar_tracking.fusion.joint_decisions import spoken_for, sure_pairs

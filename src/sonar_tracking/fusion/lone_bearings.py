@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.alignment.target_updates import Bearings
+from sonar_tracking.alignment.measured_bearings import Bearings
 from sonar_tracking.filtering.constant_velocity import process_noise_matrix, transition_matrix
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 

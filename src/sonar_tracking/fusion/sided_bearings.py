@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from sonar_tracking.alignment.aligned_targets import AlignedTargets
-from sonar_tracking.alignment.target_updates import Bearings, expected_azimuths
+from sonar_tracking.alignment.measured_bearings import Bearings
+from sonar_tracking.alignment.target_updates import expected_azimuths
 from sonar_tracking.fusion.fusion_records import HeardBearing
 from sonar_tracking.records.arrays import FloatArray
 

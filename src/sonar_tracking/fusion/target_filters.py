@@ -20,6 +20,7 @@ from sonar_tracking.alignment.aligned_targets import (
     with_arrays,
 )
 from sonar_tracking.alignment.bearing_errors import BearingErrors
+from sonar_tracking.alignment.measured_bearings import Bearings
 from sonar_tracking.alignment.shared_alignment import (
     AlignmentInformation,
     SharedAlignment,
@@ -30,7 +31,6 @@ from sonar_tracking.alignment.shared_alignment import (
     shared_alignment,
 )
 from sonar_tracking.alignment.target_updates import (
-    Bearings,
     expected_azimuths,
     updated_by_bearings,
     updated_by_positions,

@@ -33,13 +33,14 @@ from sonar_tracking.alignment.aligned_targets import (
     with_array,
 )
 from sonar_tracking.alignment.bearing_errors import BearingErrors
+from sonar_tracking.alignment.measured_bearings import Bearings
 from sonar_tracking.alignment.shared_alignment import (
     AlignmentInformation,
     information_of,
     no_information,
     told_alignment,
 )
-from sonar_tracking.alignment.target_updates import Bearings, innovations, updated_if_expected
+from sonar_tracking.alignment.target_updates import innovations, updated_if_expected
 from sonar_tracking.filtering.consistency import normalised_squared
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.motion import wrap_angle
