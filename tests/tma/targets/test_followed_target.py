@@ -343,6 +343,7 @@ def test_what_falls_silent_is_coasted_and_may_have_stopped() -> None:
         seen = TargetObservation(
             second * SECOND, "bow", (0.0, 0.0), (0.0, 0.0), (0.0,), float(deviation**2)
         )
+        made.hearing.take(seen)
         made.conclude(seen, (one,))
     assert 150 <= made.updated / SECOND < 160
     stamp = made.updated + 30 * SECOND

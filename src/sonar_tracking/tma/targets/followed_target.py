@@ -126,7 +126,7 @@ class FollowedTarget:
         if not solutions:
             return self.solutions
         self.watches.take(observation)
-        heard = not observation.azimuths or self.hearing.take(observation)
+        heard = not observation.azimuths or self.hearing.hears(observation.sensor_id)
         if observation.line_ids or (heard and not self.solver.refused):
             self.updated = observation.stamp
         if observation.azimuths:
@@ -211,6 +211,12 @@ class FollowedTarget:
             for component in mean:
                 component[:2] += displacement(component[:2], sights, change)
         solver.state = replace(solver.state, bank=replace(bank, mean=mean), beginning=None)
+        self.residuals = LastingResiduals()
+
+    def go_back(self, solver: TargetSolver, solutions: tuple[TargetSolution, ...]) -> None:
+        """Go on from what was known when it was confirmed: what came since was of nothing."""
+        self.solver, self.solutions, self.confirmed = solver, solutions, True
+        self.updated, self.doubted, self.misfits = solutions[0].stamp, 0, {}
         self.residuals = LastingResiduals()
 
     def _recent(self) -> int:

@@ -17,6 +17,7 @@ from sonar_tracking.tma.stations.station_pairing import Pair, StationPairing
 from sonar_tracking.tma.targets.array_sides import LEFT, RIGHT
 from sonar_tracking.tma.targets.followed_target import SILENCE, FollowedTarget, new_solver
 from sonar_tracking.tma.targets.misaligned_stations import ALIGNED, Misalignments, UsedAlignment
+from sonar_tracking.tma.targets.silent_targets import KnownBefore
 from sonar_tracking.tma.targets.station_view import StationRecord
 from sonar_tracking.tma.targets.target_records import TargetSolution
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
@@ -73,6 +74,7 @@ class TargetList:
             self.configuration.maximum_speed,
         )
         self._used = ALIGNED
+        self._known_before = KnownBefore()
 
     def end_track(self, number: int) -> None:
         """End the target of a row since an operator says so; its bearing tracks start no other.
@@ -161,6 +163,7 @@ class TargetList:
         self._targets.remove(target)
         self._pairing.end(target)
         self._alignment.end(target)
+        self._known_before.end(target)
         self._replace(target, ())
 
     def _replace(self, target: FollowedTarget, solutions: tuple[TargetSolution, ...]) -> None:

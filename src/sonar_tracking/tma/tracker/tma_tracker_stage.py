@@ -251,9 +251,15 @@ class TmaTrackerStage(TargetList):
         for key, _ in seen:
             if key in born:
                 self._begin(key)
+        targets = [self._target_of[key] for key, _ in seen]
+        heard = [
+            (key, target, self._known_before.heard(target, one))
+            for (key, one), target in zip(seen, targets, strict=True)
+        ]
         return [
-            SeenTarget(key, self._target_of[key], one, self._used.corrected(one))
-            for key, one in seen
+            SeenTarget(key, target, one, self._used.corrected(one))
+            for key, target, one in heard
+            if one.azimuths or one.line_ids
         ]
 
     def _conclude(
