@@ -156,12 +156,17 @@ def _scored(
     pictures: Sequence[PositionTracks],
     depth: float,
 ) -> ShipTrack:
-    """Return the rows, confirmed or coasted, referred to when the sound left, as the truth is."""
+    """Return the rows, confirmed or coasted, referred to when the sound left, as the truth is.
+
+    Those of instants at which GPS tells where the ship is.
+    """
     ships = {
         nanoseconds(float(time)): (array, ship)
         for array in arrays
         for time, ship in zip(array.times, array.ship, strict=True)
+        if np.isfinite(ship).all()
     }
+    pictures = [picture for picture in pictures if picture.stamp in ships]
     times, positions, truths, nees, coasted = [], [], [], [], []
     for picture in pictures:
         array, ship = ships[picture.stamp]
