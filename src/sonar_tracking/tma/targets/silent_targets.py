@@ -69,8 +69,8 @@ class KnownBefore:
                 self._kept[target] = (*_since(kept, stamp - nanoseconds(NOTICED_AFTER)), known)
             return observation
         before = _since(kept, stamp - nanoseconds(NOTICED_AFTER))[:1]
-        known = bool(before) and before[0].stamp <= stamp - nanoseconds(NOTICED_AFTER)
-        if not known or not np.isfinite(observation.elevation):
+        was_known = bool(before) and before[0].stamp <= stamp - nanoseconds(NOTICED_AFTER)
+        if not was_known or not np.isfinite(observation.elevation):
             return observation
         if target not in self._silent and not target.hearing.any_of(target.members):
             self._silent.add(target)
