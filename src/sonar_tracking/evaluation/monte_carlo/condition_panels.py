@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
+MOST_COLUMNS = 5
+"""Of a legend: names of systems are long."""
+
+
 @dataclass(frozen=True)
 class Panel:
     """One figure of all conditions.
@@ -55,6 +59,7 @@ def draw_conditions(
         By system, in the order of the legend.
     """
     from matplotlib.figure import Figure
+    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
     conditions = list(dict.fromkeys(row.condition for row in rows))
     figure = Figure(figsize=(12.0, 1.5 + 0.24 * len(conditions)), layout="constrained")
@@ -62,6 +67,10 @@ def draw_conditions(
     for axes, panel in zip(drawn, panels, strict=True):
         _draw_metric(axes, rows, conditions, panel.metric, styles)
         axes.set_xscale(panel.scale)
+        if panel.scale == "log":
+            axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+            axes.xaxis.set_minor_formatter(NullFormatter())
         axes.set_xlabel(panel.label)
         axes.grid(alpha=0.3)
         if panel.right is not None:
@@ -69,7 +78,8 @@ def draw_conditions(
     drawn[0].set_yticks(np.arange(len(conditions)), conditions)
     drawn[0].set_ylim(len(conditions) - 0.5, -0.5)
     handles, labels = drawn[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
+    columns = -(-len(labels) // -(-len(labels) // MOST_COLUMNS))
+    figure.legend(handles, labels, loc="outside upper center", ncols=columns)
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=120)
     return path
