@@ -57,24 +57,6 @@ class Bearings:
         there = np.where(np.isnan(self.other_side), self.azimuth + np.pi, self.other_side)
         return replace(self, azimuth=there, other_side=None)
 
-    def linearised(self, mean: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return innovations and their derivatives by the state.
-
-        Parameters
-        ----------
-        mean : ndarray, shape (n, ..., d)
-            m, m/s and rad.
-
-        Returns
-        -------
-        innovation : ndarray, shape (n, ...)
-            rad.
-        derivative : ndarray, shape (n, ..., d)
-            Of the prediction, rad/m, rad s/m and pure numbers.
-        """
-        expected, derivative = self.expected(mean)
-        return self.innovation(expected), derivative
-
     def innovation(self, expected: FloatArray) -> FloatArray:
         """Return by how much azimuths differ from those expected, shape (n, ...), rad."""
         azimuth = self.azimuth.reshape(-1, *(1,) * (expected.ndim - 1))

@@ -20,7 +20,6 @@ from sonar_tracking.records.arrays import BoolArray, FloatArray
 LEAST_SHARE = 1e-300
 """Of a mode: none is ever quite impossible."""
 
-
 LEAST_DOUBT = 1e-3
 """About the side of a line array: with less, the likelier side is believed."""
 
@@ -55,9 +54,9 @@ def expected_azimuths(
     """
     nothing = np.zeros(len(mean))
     bearings = Bearings(nothing, nothing, station, array, propagation_speed, lag=lag)
-    innovation, derivative = bearings.linearised(mean)
+    expected, derivative = bearings.expected(mean)
     variance = np.einsum("ni,nij,nj->n", derivative, covariance, derivative)
-    return -innovation, variance
+    return -bearings.innovation(expected), variance
 
 
 def innovations(targets: AlignedTargets, bearings: Bearings) -> tuple[FloatArray, FloatArray]:

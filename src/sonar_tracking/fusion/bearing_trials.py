@@ -157,7 +157,7 @@ class BearingTrials:
         found : sequence of HeardBearing
             What one station measured at one instant.
         told : mapping of FusedTarget to ToldOfArrays
-            What each target without its trials, and what all others tell of the misalignments.
+            What all other targets tell of the misalignments, for each target.
         prior : ndarray, shape (n_arrays,)
             Variances of the misalignments before any measurement, rad^2.
         propagation_speed : float

@@ -321,7 +321,7 @@ class TargetFilters:
         return expected_azimuths(seen.mean, seen.covariance, station, array, self._speed, heard.lag)
 
     def _told(self) -> dict[FusedTarget, ToldOfArrays]:
-        """Return for each target what it and all others tell of the misalignments."""
+        """Return for each target what all others tell of the misalignments."""
         mean, covariance = self._aligned.collapsed()
         each = [
             information_of(mean[row, None], covariance[row, None], self.prior)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -78,7 +79,8 @@ def draw_conditions(
     drawn[0].set_yticks(np.arange(len(conditions)), conditions)
     drawn[0].set_ylim(len(conditions) - 0.5, -0.5)
     handles, labels = drawn[0].get_legend_handles_labels()
-    columns = -(-len(labels) // -(-len(labels) // MOST_COLUMNS))
+    lines = math.ceil(len(labels) / MOST_COLUMNS)
+    columns = math.ceil(len(labels) / lines)
     figure.legend(handles, labels, loc="outside upper center", ncols=columns)
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=120)

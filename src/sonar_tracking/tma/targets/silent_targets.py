@@ -60,16 +60,17 @@ class KnownBefore:
         if not observation.azimuths:
             return observation
         stamp, solver = observation.stamp, target.solver
+        long_ago = stamp - nanoseconds(NOTICED_AFTER)
         kept = self._kept.get(target, ())
         if target.hearing.take(observation):
             self._silent.discard(target)
             due = not kept or stamp - kept[-1].stamp >= nanoseconds(KEPT_EVERY)
             if due and target.confirmed and isinstance(solver, TargetSolver):
                 known = Known(target.solutions[0].stamp, solver.copy(), target.solutions)
-                self._kept[target] = (*_since(kept, stamp - nanoseconds(NOTICED_AFTER)), known)
+                self._kept[target] = (*_since(kept, long_ago), known)
             return observation
-        before = _since(kept, stamp - nanoseconds(NOTICED_AFTER))[:1]
-        was_known = bool(before) and before[0].stamp <= stamp - nanoseconds(NOTICED_AFTER)
+        before = _since(kept, long_ago)[:1]
+        was_known = bool(before) and before[0].stamp <= long_ago
         if not was_known or not np.isfinite(observation.elevation):
             return observation
         if target not in self._silent and not target.hearing.any_of(target.members):
