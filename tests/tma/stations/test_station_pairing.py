@@ -114,6 +114,38 @@ def test_a_trial_that_failed_is_begun_again_after_longer_pauses_of_three_minutes
     assert not pairing.concerned([(new, wrong)])
 
 
+def test_errors_that_last_are_no_evidence_while_the_other_is_silent() -> None:
+    """Bearings of one target alone say nothing of whether another one is it."""
+    pairing = StationPairing(100.0, deviation=float(np.radians(0.5)))
+    old, new = followed("bow", 0), born()
+    pairing.begin(new, [old])
+    for number in range(5, 200):
+        off = 1.5 * np.sin(number / 40.0)
+        seen = observation(number, "bow", 0, off)
+        for trial, _ in pairing.concerned([(old, seen)]):
+            take_in(pairing, old, seen)
+            assert trial.evidence == pytest.approx(0.0, abs=1e-9)
+            break
+
+
+def test_a_trial_that_is_begun_again_forgets_what_one_station_believed() -> None:
+    """Of a station at rest alone the range is what is assumed of the motion."""
+    pairing, old, new = StationPairing(10.0), followed("bow", 0), born()
+    pairing.begin(new, [old])
+    for trial, _ in pairing.concerned([(new, observation(5, "stern", 0))]):
+        assert trial.solver.state is not None
+        trial.evidence = -10.0
+    assert pairing.decide(5 * SECOND) == ()
+    assert pairing.decide(60 * SECOND) == ()
+    ((again, _),) = pairing.concerned([(new, observation(60, "stern", 0))])
+    assert again.solver.state is None and set(again.alone) == {old, new}
+    watch(pairing, old, "bow", 0, range(60, 61))
+    watch(pairing, new, "stern", 0, range(60, 61))
+    (pair,) = pairing.decide(60 * SECOND)
+    (solution,) = pair.solver.solutions()
+    assert np.hypot(*(solution.mean[:2] - SHIPS[0])) < 150.0
+
+
 def test_what_a_station_tells_apart_is_not_tried_again() -> None:
     pairing, old, new = StationPairing(10.0), followed("bow", 0), born()
     pairing.begin(new, [old])

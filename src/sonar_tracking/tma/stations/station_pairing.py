@@ -12,7 +12,8 @@ Bearings that cross where no target is (ghosts) fall behind as the stations or t
 The motion that is allowed is that of the target's class: of a ship, and, in a trial of its own, of
 something agile, as animals and divers are. That is compared with solvers alone that allow for it
 too. Where many pairs are possible agile targets are tried only later: a pair whose trials have all
-fallen behind is tried again, from what is known of the older target then, after longer pauses.
+fallen behind is tried again, after longer pauses: from what several stations know of the older
+target then, or with nothing that a single one believed.
 """
 
 from __future__ import annotations
@@ -123,10 +124,18 @@ class StationPairing:
                 if len(possible) <= FEW:
                     self._try_agile(other, born, FIRST_PAUSE)
 
-    def _try_agile(self, first: FollowedTarget, second: FollowedTarget, pause: float) -> None:
+    def _try_agile(
+        self,
+        first: FollowedTarget,
+        second: FollowedTarget,
+        pause: float,
+        forgetting: bool = False,
+    ) -> None:
         """Begin a trial in which neither the pair nor one alone need go straight for long.
 
-        Not of a target that is only predicted: it could be anywhere soon.
+        Not of a target that is only predicted: it could be anywhere soon. What is known of the
+        first one may be forgotten: of a station at rest alone its range is that of a target which
+        moves as much as is assumed, and may be wrong for good.
         """
         if not _may_be_one(first, second) or not isinstance(first.solver, TargetSolver):
             return
@@ -135,9 +144,10 @@ class StationPairing:
         if self._agile is None:
             given = first.solver.configuration
             self._agile = replace(given, acceleration=max(given.acceleration, AGILE))
-        other = TargetSolver(self._agile, begins_anew=False)
-        alone = {first: first.solver.copy(self._agile), second: other}
-        solver = first.solver.copy(self._agile)
+        new = TargetSolver(self._agile, begins_anew=False)
+        known = new if forgetting else first.solver
+        alone = {first: known.copy(self._agile), second: new}
+        solver = known.copy(self._agile)
         trial = Trial(
             (first, second),
             solver,
@@ -245,7 +255,7 @@ class StationPairing:
             first, second = failed.trial.targets
             if self._pairs_with(second) < FEW:
                 self._failed.remove(failed)
-                self._try_agile(first, second, _after(failed.trial.pause))
+                self._try_agile(first, second, _after(failed.trial.pause), len(first.members) == 1)
         for trial in [one for one in self._trials if self._fell_behind(one)]:
             self._trials.remove(trial)
             own = set(trial.targets)

@@ -54,8 +54,9 @@ class Trial:
         Stamp of its first bearing, ns.
     deviation : float
         Of the lasting error of a station's azimuths, rad.
-    errors : dict of str to LastingError
-        What is known of that of each station.
+    errors, errors_alone : dict of str to LastingError
+        What is known of that of each station, if they are one, and if they are not: errors that
+        last must not count for a trial whose other target was not seen meanwhile.
     """
 
     targets: tuple[FollowedTarget, ...]
@@ -70,12 +71,20 @@ class Trial:
     begun: int = UNKNOWN_STAMP
     deviation: float = 0.0
     errors: dict[str, LastingError] = field(default_factory=dict)
+    errors_alone: dict[str, LastingError] = field(default_factory=dict)
 
     def error_of(self, sensor_id: str) -> LastingError:
-        """Return what is known of the lasting error of a station."""
+        """Return what is known of the lasting error of a station if the targets are one."""
+        return self.errors.get(sensor_id, self._unknown_error())
+
+    def error_alone(self, sensor_id: str) -> LastingError:
+        """Return the same if they are not."""
+        return self.errors_alone.get(sensor_id, self._unknown_error())
+
+    def _unknown_error(self) -> LastingError:
         if self.deviation == 0.0:
             return NO_ERROR
-        return self.errors.get(sensor_id, LastingError(0.0, self.deviation**2, ERRS_LASTINGLY))
+        return LastingError(0.0, self.deviation**2, ERRS_LASTINGLY)
 
     def count(self, target: FollowedTarget) -> None:
         """Count a bearing of one of them."""

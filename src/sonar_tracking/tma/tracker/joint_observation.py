@@ -12,8 +12,8 @@ from itertools import pairwise
 import numpy as np
 
 from sonar_tracking.errors import InputError
-from sonar_tracking.tma.stations.lasting_error import NO_ERROR
-from sonar_tracking.tma.stations.solver_likelihoods import weigh
+from sonar_tracking.tma.stations.lasting_error import NO_ERROR, LastingError
+from sonar_tracking.tma.stations.solver_likelihoods import Weighed, weigh
 from sonar_tracking.tma.stations.station_association import CHANCE_DENSITY
 from sonar_tracking.tma.stations.station_pairing import StationPairing
 from sonar_tracking.tma.stations.station_trials import Sighting, Trial
@@ -23,6 +23,7 @@ from sonar_tracking.tma.targets.target_records import TargetObservation, TargetS
 from sonar_tracking.tma.targets.target_solver import (
     Problem,
     Splits,
+    TargetSolver,
     Task,
     update_solvers,
 )
@@ -116,43 +117,64 @@ def _expected(trials: Sequence[tuple[Trial, Sighting]]) -> list[tuple[Trial, Sig
 
 def _weigh(seen: Sequence[Sighting], trials: Sequence[tuple[Trial, Sighting]]) -> None:
     """Weigh the trials, and count what the targets of several stations do not explain."""
-    weighed = [(trial, one) for trial, one in trials if one[1].azimuths]
-    tried = {target for trial, (target, _) in weighed if target not in trial.alone}
-    alone = [
+    weighed = [
+        (trial, one) for trial, one in trials if one[1].azimuths and trial.solver.state is not None
+    ]
+    joined = [
         (target, target.solver, observation)
         for target, observation in seen
         if observation.azimuths
+        and len(target.members) > 1
         and not isinstance(target.solver, BaselineSolver)
-        and (len(target.members) > 1 or (target in tried and target.solutions))
     ]
-    apart = [
-        (trial, trial.alone[target], observation)
-        for trial, (target, observation) in weighed
-        if target in trial.alone and trial.alone[target].state is not None
+    errors = [trial.error_of(one.sensor_id) for trial, (_, one) in weighed]
+    rivals = [_rival(trial, target) for trial, (target, _) in weighed]
+    alone_errors = [trial.error_alone(one.sensor_id) for trial, (_, one) in weighed]
+    compared = [place for place, solver in enumerate(rivals) if solver is not None]
+    tasks = [(trial.solver, one) for trial, (_, one) in weighed]
+    tasks += [
+        (solver, one)
+        for solver, (_, (_, one)) in zip(rivals, weighed, strict=True)
+        if solver is not None
     ]
-    errors = [trial.error_of(observation.sensor_id) for trial, (_, observation) in weighed]
+    tasks += [(solver, one) for _, solver, one in joined]
     found = weigh(
-        [(trial.solver, observation) for trial, (_, observation) in weighed]
-        + [(solver, observation) for _, solver, observation in alone]
-        + [(solver, observation) for _, solver, observation in apart],
-        errors + [NO_ERROR] * (len(alone) + len(apart)),
+        tasks, [*errors, *(alone_errors[place] for place in compared), *[NO_ERROR] * len(joined)]
     )
-    explained: dict[FollowedTarget | Trial, float] = {}
-    for (target, _, observation), one in zip(alone, found[len(weighed) :], strict=False):
-        explained[target] = one.log_likelihood
-        if len(target.members) > 1:
-            target.weigh(observation.sensor_id, one.log_likelihood)
-    for (trial, _, _), one in zip(apart, found[len(weighed) + len(alone) :], strict=True):
-        explained[trial] = one.log_likelihood
-    for (trial, (target, observation)), error, one in zip(weighed, errors, found, strict=False):
-        chance = _chance(observation)
-        rival = explained.get(trial if target in trial.alone else target)
-        begun = target in trial.alone or bool(target.solutions)
+    for (target, _, one), explained in zip(
+        joined, found[len(weighed) + len(compared) :], strict=True
+    ):
+        target.weigh(one.sensor_id, explained.log_likelihood)
+    alone = dict(zip(compared, found[len(weighed) :], strict=False))
+    for place, (trial, (target, one)) in enumerate(weighed):
+        chance = _chance(one)
         trial.count(target)
-        own = _log_density(rival, chance) if begun and rival is not None else chance
-        densities = _log_density(one.log_likelihood, chance), _log_density(one.with_error, chance)
-        trial.evidence += error.density(*densities) - own
-        trial.errors[observation.sensor_id] = error.learnt(*densities, one.innovation, one.spread)
+        density, trial.errors[one.sensor_id] = _density(found[place], errors[place], chance)
+        own = chance
+        if place in alone:
+            own, trial.errors_alone[one.sensor_id] = _density(
+                alone[place], alone_errors[place], chance
+            )
+        trial.evidence += density - own
+
+
+def _rival(trial: Trial, target: FollowedTarget) -> TargetSolver | None:
+    """Return what a trial is compared with: its target alone, where anything is known of it."""
+    if target in trial.alone:
+        solver = trial.alone[target]
+        return solver if solver.state is not None else None
+    own = target.solver
+    return None if isinstance(own, BaselineSolver) or not target.solutions else own
+
+
+def _density(explained: Weighed, error: LastingError, chance: float) -> tuple[float, LastingError]:
+    """Return the log density of azimuths, and what is known of the station's error after them."""
+    densities = (
+        _log_density(explained.log_likelihood, chance),
+        _log_density(explained.with_error, chance),
+    )
+    learnt = error.learnt(*densities, explained.innovation, explained.spread)
+    return error.density(*densities), learnt
 
 
 def _outcome(
