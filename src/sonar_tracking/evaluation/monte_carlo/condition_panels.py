@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +20,12 @@ if TYPE_CHECKING:
 
 MOST_COLUMNS = 5
 """Of a legend: names of systems are long."""
+
+LABEL_WIDTH = 22
+"""Of the label below a panel, characters a line."""
+
+FEW_DECADES = 1.7
+"""A logarithmic axis of fewer has room for 2 and 5 beside the powers of ten."""
 
 
 @dataclass(frozen=True)
@@ -69,10 +76,11 @@ def draw_conditions(
         _draw_metric(axes, rows, conditions, panel.metric, styles)
         axes.set_xscale(panel.scale)
         if panel.scale == "log":
-            axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            few = np.ptp(np.log10(axes.get_xlim())) < FEW_DECADES
+            axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,)))
             axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
             axes.xaxis.set_minor_formatter(NullFormatter())
-        axes.set_xlabel(panel.label)
+        axes.set_xlabel(textwrap.fill(panel.label, LABEL_WIDTH))
         axes.grid(alpha=0.3)
         if panel.right is not None:
             axes.axvline(panel.right, color="0.6", linewidth=1.0, zorder=0)
