@@ -11,7 +11,7 @@ from sonar_tracking.tma.batch.weaving_system import learn_weave, weaving_system
 from sonar_tracking.tma.estimators.weaving import Weave, move_deviation
 
 N = 400
-EXPECTED = Weave(0.4, 100.0)
+EXPECTED = Weave(0.4, 100.0, 1.0)
 
 
 def positions_seen(positions: np.ndarray) -> LinearSystem:

@@ -16,7 +16,7 @@ from sonar_tracking.tma.estimators.hypothesis_bank import (
     mixture_moments,
     start_bank,
 )
-from sonar_tracking.tma.estimators.motion_modes import MODES, WEAVING, with_modes
+from sonar_tracking.tma.estimators.motion_modes import MODES, weaving_modes, with_modes
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 from sonar_tracking.tma.stations.station_association import weigh_azimuths
@@ -58,7 +58,8 @@ def test_the_mixture_stays_what_it_was() -> None:
         assert other == pytest.approx(one, rel=1e-9, abs=1e-6)
     assert np.exp(after.log_weight).sum() == pytest.approx(1.0)
     assert np.all(np.linalg.eigvalsh(after.covariance[:, :4, :4]) > 0.0)
-    assert np.all(np.linalg.eigvalsh(after.covariance[WEAVING::MODES]) > 0.0)
+    weaving = after.covariance[weaving_modes(len(after.log_weight))]
+    assert np.all(np.linalg.eigvalsh(weaving) > 0.0)
 
 
 def test_it_ends_at_a_bounded_number() -> None:
@@ -88,11 +89,12 @@ def test_an_azimuth_from_elsewhere_has_a_likelihood_all_along_the_bearing() -> N
 
 def test_the_unlikely_are_forgotten_and_the_weights_sum_to_one() -> None:
     bank = started()
-    weights = np.log(np.array([0.5, 0.2, 0.1, *[1e-12] * 2, 0.2, *[1e-12] * 18]))
+    unlikely = [1e-12] * (MODES - 1)
+    likely = [0.5, 0.2, 0.1, *[1e-12] * (MODES - 3), *unlikely, 0.2]
+    weights = np.log(np.array([*likely, *[1e-12] * (len(bank.log_weight) - len(likely))]))
     kept = without_unlikely(HypothesisBank(bank.mean, bank.covariance, weights, bank.known))
-    assert len(kept.log_weight) == 8, "all modes of a hypothesis stay"
-    expected = [0.5, 0.2, 0.1, 1e-12, 1e-12, 0.2, 1e-12, 1e-12]
-    assert np.exp(kept.log_weight) == pytest.approx(expected)
+    assert len(kept.log_weight) == 2 * MODES, "all modes of a hypothesis stay"
+    assert np.exp(kept.log_weight) == pytest.approx(likely)
     assert without_unlikely(bank) is bank
 
 
@@ -152,7 +154,7 @@ def test_an_unlikely_component_need_not_be_narrow(share: float, cut: bool) -> No
     both = wide_bank(50.0)
     covariance = both.covariance.copy()
     covariance[1, 0, 0] = 200.0**2
-    weight = np.log([1.0 / (1.0 + share), share / (1.0 + share), 1e-20, 1e-20])
+    weight = np.log([1.0 / (1.0 + share), share / (1.0 + share), *[1e-20] * (MODES - 2)])
     bank = split_bank(HypothesisBank(both.mean, covariance, weight, both.known), np.zeros(2))
     assert (len(bank.log_weight) > MODES) == cut
 
@@ -160,7 +162,8 @@ def test_an_unlikely_component_need_not_be_narrow(share: float, cut: bool) -> No
 @pytest.mark.parametrize(("share", "kept"), [(2e-6, 3), (0.5e-6, 2)])
 def test_a_millionth_of_the_best_does_not_matter(share: float, kept: int) -> None:
     bank = wide_bank(50.0, 3)
-    weight = np.log([0.5, *[1e-20] * 3, 0.5, *[1e-20] * 6, 0.5 * share])
+    unlikely = [1e-20] * (MODES - 1)
+    weight = np.log([0.5, *unlikely, 0.5, *unlikely, *unlikely, 0.5 * share])
     assert len(without_unlikely(replace(bank, log_weight=weight)).log_weight) == kept * MODES
 
 

@@ -267,7 +267,7 @@ def test_each_mode_has_its_own_process_noise() -> None:
     assert bank.state is not None
     before = bank.state.bank
     bank.update(frame(5, np.nan))
-    for mode, acceleration in enumerate([0.02, 0.3, 0.06, 0.02]):
+    for mode, acceleration in enumerate([0.02, 0.3, 0.06, 0.02, 0.02, 0.02]):
         own = slice(mode, None, MODES)
         alone = replace(before, mean=before.mean[own], covariance=before.covariance[own])
         expected = predict_bank(alone, 5.0, np.array(acceleration))

@@ -145,7 +145,7 @@ def zigzags(name: str) -> list[list[TmaHistories]]:
 
 
 @pytest.mark.parametrize(
-    ("name", "number", "rmse"), [("S1", 0, 300.0), ("S1", 1, 250.0), ("S2", 0, 400.0)]
+    ("name", "number", "rmse"), [("S1", 0, 240.0), ("S1", 1, 250.0), ("S2", 0, 400.0)]
 )
 def test_a_zigzag_is_followed_about_its_mean_course(name: str, number: int, rmse: float) -> None:
     """Three bounds are 240 m in S1 and 430 m in S2; a few runs take the zig-zag for turns.
@@ -157,18 +157,22 @@ def test_a_zigzag_is_followed_about_its_mean_course(name: str, number: int, rmse
     assert np.mean(found.nees[:, -50:]) < 2.0
 
 
-def last_probability(runs: TmaRuns, mode: int) -> float:
-    """Return that of a mode of motion after all measurements, mean over the runs."""
+def last_probability(runs: TmaRuns, modes: slice) -> float:
+    """Return that of some modes of motion after all measurements, mean over the runs."""
     bank = RangeBank()
     for measurement in runs.frames():
         bank.update(measurement)
     assert bank.state is not None
-    return float(np.mean(np.exp(bank.state.bank.log_weight[:, mode::MODES]).sum(axis=1)))
+    weight = np.exp(bank.state.bank.log_weight).reshape(len(runs.truth), -1, MODES)
+    return float(np.mean(weight[..., modes].sum(axis=(1, 2))))
 
 
 def test_a_straight_target_is_not_taken_to_weave() -> None:
     runs = runs_of(scenario("S1"), 12)
-    assert last_probability(runs, WEAVING) < 0.1 * RangeBankConfiguration().weave_probability
+    assert (
+        last_probability(runs, slice(WEAVING, None))
+        < 0.1 * RangeBankConfiguration().weave_probability
+    )
 
 
 def test_a_velocity_that_wanders_has_a_covariance_that_says_so() -> None:
@@ -184,4 +188,7 @@ def test_a_velocity_that_wanders_has_a_covariance_that_says_so() -> None:
 def test_a_straight_target_is_not_taken_to_wander() -> None:
     """Of the precise lines of S3 every change of the velocity would show."""
     runs = runs_of(replace(scenario("S3"), acceleration=0.0), 12)
-    assert last_probability(runs, WANDERING) < 0.1 * RangeBankConfiguration().wander_probability
+    assert (
+        last_probability(runs, slice(WANDERING, WEAVING))
+        < 0.1 * RangeBankConfiguration().wander_probability
+    )

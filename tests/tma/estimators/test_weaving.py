@@ -10,35 +10,37 @@ from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.tma.estimators.hypothesis_bank import move_straight
 from sonar_tracking.tma.estimators.weaving import Weave, begin_weave, move_deviation
 
-WEAVE = Weave(0.8, 130.0)
+WEAVE = Weave(0.8, 130.0, 0.2)
 RATE = 2.0 * np.pi / 130.0
 
 
-def exactly(elapsed: float) -> FloatArray:
+def exactly(elapsed: float, damping: float) -> FloatArray:
     """Return the transition of p, v, d, d' on one axis: p and v are those of the target itself."""
     mean_and_deviation = np.zeros((4, 4))
     mean_and_deviation[0, 1] = 1.0
-    mean_and_deviation[2:, 2:] = [[0.0, 1.0], [-(RATE**2), -2.0 * RATE]]
+    mean_and_deviation[2:, 2:] = [[0.0, 1.0], [-(RATE**2), -2.0 * damping * RATE]]
     whole = np.eye(4)
     whole[:2, 2:] = np.eye(2)
     return np.asarray(whole @ expm(mean_and_deviation * elapsed) @ np.linalg.inv(whole))
 
 
 def moved(
-    mean: FloatArray, covariance: FloatArray, elapsed: float
+    mean: FloatArray, covariance: FloatArray, elapsed: float, weave: Weave = WEAVE
 ) -> tuple[FloatArray, FloatArray]:
     """Return a state of 8 and its covariance after a time without other noise."""
     means, covariances = mean[None].copy(), covariance[None].copy()
     move_straight(means, covariances, np.array([elapsed]), np.zeros(1))
-    move_deviation(means, covariances, np.array([elapsed]), WEAVE)
+    move_deviation(means, covariances, np.array([elapsed]), weave)
     return means[0], covariances[0]
 
 
+@pytest.mark.parametrize("damping", [0.2, 0.9, 1.0])
 @pytest.mark.parametrize("elapsed", [0.0, 0.5, 20.0, 300.0])
-def test_a_known_state_moves_as_its_equations_say(elapsed: float) -> None:
+def test_a_known_state_moves_as_its_equations_say(elapsed: float, damping: float) -> None:
     state = np.array([100.0, -50.0, 3.0, 1.0, 12.0, -7.0, 0.4, 0.6])
-    expected = np.kron(exactly(elapsed), np.eye(2)) @ state
-    mean, covariance = moved(state, np.zeros((8, 8)), elapsed)
+    expected = np.kron(exactly(elapsed, damping), np.eye(2)) @ state
+    weave = Weave(0.8, 130.0, damping)
+    mean, covariance = moved(state, np.zeros((8, 8)), elapsed, weave)
     assert mean == pytest.approx(expected)
     assert covariance == pytest.approx(covariance.T)
     assert np.linalg.eigvalsh(covariance)[0] > -1e-9
@@ -47,7 +49,7 @@ def test_a_known_state_moves_as_its_equations_say(elapsed: float) -> None:
 def test_what_begins_to_deviate_is_where_it_was() -> None:
     """80 m in a period of 2 pi 100 s: a tenth of it each second."""
     covariance = np.zeros((8, 8))
-    begin_weave(covariance, Weave(0.8, 200.0 * np.pi))
+    begin_weave(covariance, Weave(0.8, 200.0 * np.pi, 0.2))
     assert covariance == pytest.approx(np.diag([0.0] * 4 + [6400.0, 6400.0, 0.64, 0.64]))
 
 
@@ -73,7 +75,7 @@ def test_one_step_is_many_short_ones() -> None:
 
 
 def test_without_a_deviation_a_target_goes_straight() -> None:
-    still = Weave(0.0, 130.0)
+    still = Weave(0.0, 130.0, 0.2)
     mean, covariance = np.zeros((1, 8)), np.zeros((1, 8, 8))
     mean[0, :4], covariance[0, :4, :4] = [5.0, 6.0, 1.0, 2.0], np.diag([9.0, 9.0, 1.0, 1.0])
     move_straight(mean, covariance, np.array([10.0]), np.zeros(1))

@@ -57,6 +57,9 @@ CORRELATION_TIMES = (5.0, 20.0, 80.0)
 STIFF_TIME = 20.0
 """Correlation time where nothing but a straight path is looked for at first, s."""
 
+WEAVE_DAMPING = 1.0
+"""Of a deviation whose size is learnt, but not its period."""
+
 SMALLEST = 1e-8
 """Deviation of errors that are not there, rad: no covariance is singular."""
 
@@ -102,7 +105,7 @@ class TargetSmootherConfiguration:
     @property
     def weave(self) -> Weave:
         """How targets weave."""
-        return Weave(self.weave_speed, self.weave_period)
+        return Weave(self.weave_speed, self.weave_period, WEAVE_DAMPING)
 
 
 @dataclass(frozen=True)

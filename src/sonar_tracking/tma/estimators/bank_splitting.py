@@ -47,7 +47,7 @@ def without_unlikely(bank: HypothesisBank) -> HypothesisBank:
     Parameters
     ----------
     bank : HypothesisBank
-        Of a single run and a single side; both modes of a hypothesis stay or go.
+        Of a single run and a single side; all modes of a hypothesis stay or go.
     """
     likely = bank.log_weight > np.max(bank.log_weight) + FORGOTTEN
     keep = np.repeat(np.any(likely.reshape(-1, MODES), axis=1), MODES)

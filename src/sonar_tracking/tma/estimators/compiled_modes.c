@@ -1,8 +1,9 @@
 /* Modes of a bank that change into each other and move: motion_modes.py and weaving.py, compiled.
  *
  * All operations are those written there in their order, and none is contracted: both give the same
- * bits. The modes of a hypothesis are neighbours: straight, manoeuvring, wandering, weaving. The
- * last four states of each are the deviation of a target that weaves and its rate.
+ * bits. The modes of a hypothesis are neighbours: straight, manoeuvring, wandering, weaving with a
+ * short, a middle and a long period. The last four states of each are the deviation of a target
+ * that weaves and its rate.
  */
 
 #define PY_SSIZE_T_CLEAN
@@ -12,7 +13,8 @@
 
 typedef Py_ssize_t count;
 
-enum { MODES = 4, MIXED = 2, WEAVING = 3, DEVIATION = 4, KINEMATIC = 4 };
+enum { MIXED = 2, WEAVING = 3, WEAVES = 3, MODES = WEAVING + WEAVES };
+enum { DEVIATION = 4, KINEMATIC = 4 };
 
 /* The first two modes of one hypothesis take over from each other; room for (2 n + 1) n numbers */
 static void mix_one(double *mean, double *covariance, const double *other, count n, double *room)
@@ -138,7 +140,7 @@ static PyObject *mix(PyObject *module, PyObject *arguments)
 
 PyDoc_STRVAR(move_doc,
 "move(mean, covariance, elapsed, transition, noise, densities, shape)\n--\n\n"
-"Move all modes, in place: C-contiguous float64, transition and noise of the deviation of each\n"
+"Move all modes, in place: C-contiguous float64, transitions and noise of the deviations of each\n"
 "hypothesis, densities of the acceleration (straight, manoeuvring, wandering), shape = (hypotheses, states).");
 
 static PyObject *move(PyObject *module, PyObject *arguments)
@@ -153,7 +155,8 @@ static PyObject *move(PyObject *module, PyObject *arguments)
     const count real = (count)sizeof(double);
     if (hypotheses < 0 || n < KINEMATIC + DEVIATION || mean.len != hypotheses * MODES * n * real ||
         covariance.len != hypotheses * MODES * n * n * real || elapsed.len != hypotheses * real ||
-        transition.len != hypotheses * 4 * real || noise.len != hypotheses * 4 * real) {
+        transition.len != hypotheses * 4 * WEAVES * real ||
+        noise.len != hypotheses * 4 * WEAVES * real) {
         PyErr_SetString(PyExc_ValueError, "The buffers do not have the stated shape.");
     } else {
         Py_BEGIN_ALLOW_THREADS
@@ -164,8 +167,12 @@ static PyObject *move(PyObject *module, PyObject *arguments)
             for (count mode = 0; mode < WEAVING; mode++)
                 move_straight(state + mode * n, spread + mode * n * n, n - DEVIATION, n, step,
                               densities[mode]);
-            move_weaving(state + WEAVING * n, spread + WEAVING * n * n, n, step, densities[0],
-                         (const double *)transition.buf + 4 * i, (const double *)noise.buf + 4 * i);
+            for (count weave = 0; weave < WEAVES; weave++) {
+                const count mode = WEAVING + weave, place = 4 * (WEAVES * i + weave);
+                move_weaving(state + mode * n, spread + mode * n * n, n, step, densities[0],
+                             (const double *)transition.buf + place,
+                             (const double *)noise.buf + place);
+            }
         }
         Py_END_ALLOW_THREADS
     }

@@ -250,7 +250,7 @@ def condition_bank(
     bank: HypothesisBank,
     rows: LinearisedRows,
     log_penalty: FloatArray,
-    further: slice = slice(None),
+    further: BoolArray | bool = True,
     in_place: bool = False,
 ) -> HypothesisBank:
     """Return the bank after the rows, its weights not normalised.
@@ -263,8 +263,8 @@ def condition_bank(
         Linearised at the components' means.
     log_penalty : ndarray, shape (..., n_components)
         Log likelihood of measurements that a component left out.
-    further : slice
-        Of the first dimension: where states that no row depends on are not zero for certain.
+    further : ndarray of bool, shape (n_first,), or bool
+        Entries of the first dimension whose states that no row depends on are not zero for certain.
     in_place : bool
         Whether the covariance of the bank given may be overwritten.
     """

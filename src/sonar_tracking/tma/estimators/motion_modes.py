@@ -1,4 +1,4 @@
-"""A target moves straight, manoeuvres, wanders, or weaves: four modes of each range hypothesis.
+"""A target moves straight, manoeuvres, wanders, or weaves: the modes of each range hypothesis.
 
 The first two differ in their process noise, and interact. Before each prediction each takes over
 from the other what may have changed into it meanwhile (Markov chain in continuous time, so that
@@ -10,7 +10,8 @@ does one whose velocity wanders: these modes have pasts of their own and only ta
 so that what speaks for or against them adds up over all that was measured. One that goes straight
 is soon known to, one that weaves seems to turn again and again, which is less probable.
 
-The modes of a hypothesis are neighbours in the bank: straight, manoeuvring, wandering, weaving.
+The modes of a hypothesis are neighbours in the bank: straight, manoeuvring, wandering, and weaving
+with a short, a middle and a long period.
 ``compiled_modes``, which is there if a compiler was when the package was installed, gives the bits
 of what is here in numpy.
 
@@ -28,9 +29,12 @@ from functools import lru_cache
 import numpy as np
 
 from sonar_tracking.compiled_modules import compiled_module
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import BoolArray, FloatArray
 from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank, move_straight
-from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
+from sonar_tracking.tma.estimators.range_bank_configuration import (
+    WEAVE_PERIODS,
+    RangeBankConfiguration,
+)
 from sonar_tracking.tma.estimators.sensor_frame import DEVIATION
 from sonar_tracking.tma.estimators.vertical_prediction import predict_vertical
 from sonar_tracking.tma.estimators.weaving import (
@@ -42,23 +46,27 @@ from sonar_tracking.tma.estimators.weaving import (
 
 COMPILED = compiled_module("tma.estimators.compiled_modes")
 
-MODES = 4
-"""Of motion: straight, manoeuvring, wandering, weaving."""
-
 STRAIGHT, MANOEUVRING, WANDERING, WEAVING = 0, 1, 2, 3
+"""The last is the first of those that weave."""
+
+WEAVES = len(WEAVE_PERIODS)
+MODES = WEAVING + WEAVES
+"""Of motion."""
 
 MIXED = 2
 """The first two interact."""
 
 TRANSITION, DEVIATES, DEVIATION_NOISE, EXCHANGE = (
-    *(slice(at, at + 4) for at in (0, 4, 8)),
-    slice(12, None),
+    slice(0, 4),
+    slice(4, 4 + 4 * WEAVES),
+    slice(4 + 4 * WEAVES, 4 + 8 * WEAVES),
+    slice(4 + 8 * WEAVES, None),
 )
 """Places in what a time does to a hypothesis."""
 
 
 def with_modes(bank: HypothesisBank, configuration: RangeBankConfiguration) -> HypothesisBank:
-    """Return a bank in which each component has become four, the deviation added to its states.
+    """Return a bank in which each component has become several, the deviation added to its states.
 
     Parameters
     ----------
@@ -76,7 +84,8 @@ def with_modes(bank: HypothesisBank, configuration: RangeBankConfiguration) -> H
     mean = np.repeat(np.pad(bank.mean, states), MODES, axis=-2)
     covariance = np.pad(bank.covariance, [*states[:-1], (0, DEVIATION), (0, DEVIATION)])
     covariance = np.repeat(covariance, MODES, axis=-3)
-    begin_weave(covariance[..., WEAVING::MODES, :, :], configuration.weave)
+    for mode, weave in enumerate(configuration.weaves, start=WEAVING):
+        begin_weave(covariance[..., mode::MODES, :, :], weave)
     log_weight = (bank.log_weight[..., None] + share).reshape(*bank.log_weight.shape[:-1], -1)
     return HypothesisBank(mean, covariance, log_weight, bank.known)
 
@@ -124,7 +133,7 @@ def mix_modes(
 def _changes(
     elapsed: FloatArray, configuration: RangeBankConfiguration
 ) -> tuple[FloatArray, FloatArray]:
-    """Return times of shape (n_hypotheses,), s, and what they do, shape (n_hypotheses, 16).
+    """Return times of shape (n_hypotheses,), s, and what they do, shape (n_hypotheses, 34).
 
     Where all are the same both have one entry.
     """
@@ -139,16 +148,16 @@ def _changes(
 def _change(elapsed: float, configuration: RangeBankConfiguration) -> FloatArray:
     """Return what a time, s, does to a hypothesis: most frames follow each other alike.
 
-    Logs of the transition between the first two modes (4 numbers), transition and noise of the
-    deviation (4 each), logs of what stays as it is, and of what changes into which mode (4).
+    Logs of the transition between the first two modes (4 numbers), transitions and noise of the
+    deviations (4 each), logs of what stays as it is, and of what changes into which mode.
     """
     time = np.array([elapsed])
     interval, duration = configuration.manoeuvre_interval, configuration.manoeuvre_duration
     change = np.concatenate(
         [
             _log_transition(time, interval, duration).ravel(),
-            deviation_transition(time, configuration.weave).ravel(),
-            deviation_noise(time, configuration.weave).ravel(),
+            *(deviation_transition(time, weave).ravel() for weave in configuration.weaves),
+            *(deviation_noise(time, weave).ravel() for weave in configuration.weaves),
             _log_exchange(time, configuration).ravel(),
         ]
     )
@@ -177,9 +186,10 @@ def _move(
     states = mean.shape[-1] - DEVIATION
     turning = mean[:, :WEAVING, :states], covariance[:, :WEAVING, :states, :states]
     move_straight(*turning, step[:, None], np.array(density))
-    weaving = mean[:, WEAVING], covariance[:, WEAVING]
-    move_straight(*weaving, step, np.array(density[STRAIGHT]))
-    move_deviation(*weaving, step, configuration.weave)
+    for mode, weave in enumerate(configuration.weaves, start=WEAVING):
+        weaving = mean[:, mode], covariance[:, mode]
+        move_straight(*weaving, step, np.array(density[STRAIGHT]))
+        move_deviation(*weaving, step, weave)
 
 
 def _mixed(bank: HypothesisBank, change: FloatArray) -> HypothesisBank:
@@ -216,6 +226,11 @@ def _mix(bank: HypothesisBank, other: FloatArray) -> None:
     mean += other[..., None] * (mean[:, ::-1] - mean)
 
 
+def weaving_modes(n_components: int) -> BoolArray:
+    """Return which components of a bank weave, shape (n_components,)."""
+    return np.arange(n_components) % MODES >= WEAVING
+
+
 def _of_modes(bank: HypothesisBank) -> tuple[FloatArray, FloatArray]:
     """Return views of mean and covariance, shapes (n_hypotheses, MODES, ...)."""
     size = bank.mean.shape[-1]
@@ -236,7 +251,7 @@ def _exchanged(mixed: FloatArray, lasting: FloatArray, logs: FloatArray) -> Floa
 
 
 def _log_exchange(elapsed: FloatArray, configuration: RangeBankConfiguration) -> FloatArray:
-    """Return the logs of the probabilities to stay, to turn, to wander and to weave, (n, 4)."""
+    """Return the logs of the probabilities to stay, to turn, to wander, to weave, (n, 6)."""
     lasting = configuration.lasting_shares
     share = np.concatenate([[1.0 - lasting.sum()], lasting])
     settled = -np.expm1(-elapsed / configuration.manoeuvre_interval)

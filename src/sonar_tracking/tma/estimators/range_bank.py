@@ -50,8 +50,8 @@ from sonar_tracking.tma.estimators.motion_modes import (
     MANOEUVRING,
     MODES,
     STRAIGHT,
-    WEAVING,
     predict_modes,
+    weaving_modes,
 )
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.range_bank_state import (
@@ -236,7 +236,8 @@ def _advance(
         rows = rows_of(predicted, measured)
         variance = innovation_variance(predicted, rows)
     within, penalty = gate_rows(rows, variance, configuration.gate)
-    bank = condition_bank(predicted, within, penalty, slice(WEAVING, None, MODES), in_place=True)
+    weaving = weaving_modes(len(predicted.log_weight))
+    bank = condition_bank(predicted, within, penalty, weaving, in_place=True)
     total = rows_of_run.log_sums(bank.log_weight)
     log_weight = bank.log_weight - total[rows_of_run.owner]
     bank = HypothesisBank(bank.mean, bank.covariance, log_weight, bank.known)

@@ -10,6 +10,12 @@ from sonar_tracking.configuration import parameter
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.tma.estimators.weaving import Weave
 
+WEAVE_PERIODS = 0.5, 1.0, 1.6
+"""Of targets that weave, in periods: one that is longer still would take a turn for a deviation."""
+
+WEAVE_DAMPING = 0.2
+"""Little enough to tell a zig-zag from a wandering velocity, enough for periods in between."""
+
 
 @dataclass(frozen=True)
 class RangeBankConfiguration:
@@ -44,14 +50,18 @@ class RangeBankConfiguration:
         100.0, "Mean duration of a manoeuvre", unit="s", minimum=1.0, maximum=1e9
     )
     weave_speed: float = parameter(
-        0.8,
+        0.6,
         "Of targets that weave about their mean course (zig-zag): standard deviation of the "
         "velocity, each axis; 0 = none",
         unit="m/s",
         minimum=0.0,
     )
     weave_period: float = parameter(
-        130.0, "And how long a turn to port and one to starboard take", unit="s", minimum=1.0
+        150.0,
+        "And how long a turn to port and one to starboard take together; half of it and 1.6 times "
+        "are considered, too",
+        unit="s",
+        minimum=1.0,
     )
     weave_probability: float = parameter(0.3, "That a target weaves", minimum=0.0, maximum=0.99)
     wander_acceleration: float = parameter(
@@ -70,9 +80,12 @@ class RangeBankConfiguration:
     )
 
     @property
-    def weave(self) -> Weave:
-        """How targets weave."""
-        return Weave(self.weave_speed, self.weave_period)
+    def weaves(self) -> tuple[Weave, ...]:
+        """How targets weave: each as probable as the others."""
+        return tuple(
+            Weave(self.weave_speed, part * self.weave_period, WEAVE_DAMPING)
+            for part in WEAVE_PERIODS
+        )
 
     @property
     def accelerations(self) -> tuple[float, float, float]:
@@ -81,9 +94,10 @@ class RangeBankConfiguration:
 
     @property
     def lasting_shares(self) -> FloatArray:
-        """Probability that a target wanders, and that it weaves, shape (2,)."""
+        """Probability that a target wanders, and that it weaves in each way, shape (4,)."""
         weaving = self.weave_probability
-        return np.array([(1.0 - weaving) * self.wander_probability, weaving])
+        ways = len(WEAVE_PERIODS)
+        return np.array([(1.0 - weaving) * self.wander_probability, *[weaving / ways] * ways])
 
     def range_edges(self) -> FloatArray:
         """Return the bounds of the range intervals, shape (n_ranges + 1,), m."""

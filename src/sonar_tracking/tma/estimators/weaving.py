@@ -1,14 +1,14 @@
 """A target that weaves about a mean course: what a zig-zag, currents, yaw and sloppy steering are.
 
 Its position is that of a target that goes straight, plus a deviation d that comes back to zero: on
-each axis the critically damped oscillation
+each axis the damped oscillation
 
-    d'' = -2 a d' - a^2 d + white noise,
+    d'' = -2 b a d' - a^2 d + white noise,
 
 whose stationary variances are s^2 of the velocity d' and (s / a)^2 of d. Over an interval t, with
-e = exp(-a t),
+w = a sqrt(1 - b^2), e = exp(-b a t), c = cos(w t) and z = sin(w t) / w,
 
-    [d, d'] becomes  e [[1 + a t, t], [-a^2 t, 1 - a t]] [d, d']
+    [d, d'] becomes  e [[c + b a z, z], [-a^2 z, c - b a z]] [d, d']
 
 and the noise is what keeps the stationary covariance. A random acceleration of the same size would
 carry the velocity away: with bearings alone it hides the range; a deviation that is bounded does
@@ -43,10 +43,14 @@ class Weave:
         Standard deviation of the velocity about that of the mean course, each axis, m/s.
     period : float
         2 pi / a, s.
+    damping : float
+        b, at most 1. The smaller, the more regular: 1 = it comes back once, with no period to speak
+        of.
     """
 
     speed: float
     period: float
+    damping: float
 
     @property
     def stationary(self) -> FloatArray:
@@ -103,9 +107,14 @@ def deviation_noise(elapsed: FloatArray, weave: Weave) -> FloatArray:
 def deviation_transition(elapsed: FloatArray, weave: Weave) -> FloatArray:
     """Return the transition of d and d' on one axis over times of shape (n,), s: (n, 2, 2)."""
     rate = 2.0 * np.pi / weave.period
-    turned = rate * elapsed
-    rows = [[1.0 + turned, elapsed], [-rate * turned, 1.0 - turned]]
-    return np.asarray(np.moveaxis(np.exp(-turned) * np.array(rows), -1, 0))
+    turned, damped = rate * elapsed, weave.damping * rate
+    oscillation = np.sqrt(1.0 - weave.damping**2) * turned
+    level, slope = np.cos(oscillation), elapsed * np.sinc(oscillation / np.pi)
+    rows = [
+        [level + damped * slope, slope],
+        [-(rate**2) * slope, level - damped * slope],
+    ]
+    return np.asarray(np.moveaxis(np.exp(-damped * elapsed) * np.array(rows), -1, 0))
 
 
 def _change(states: FloatArray, step: FloatArray, elapsed: FloatArray) -> None:
