@@ -12,8 +12,8 @@ Bearings that cross where no target is (ghosts) fall behind as the stations or t
 The motion that is allowed is that of the target's class: of a ship, and, in a trial of its own, of
 something agile, as animals and divers are. That is compared with solvers alone that allow for it
 too. Where many pairs are possible agile targets are tried only later: a pair whose trials have all
-fallen behind is tried again, after longer pauses: from what several stations know of the older
-target then, or with nothing that a single one believed.
+fallen behind is tried again, after longer pauses: from what is known of the older target then, and,
+if a single station sees it, from nothing, too.
 """
 
 from __future__ import annotations
@@ -255,7 +255,10 @@ class StationPairing:
             first, second = failed.trial.targets
             if self._pairs_with(second) < FEW:
                 self._failed.remove(failed)
-                self._try_agile(first, second, _after(failed.trial.pause), len(first.members) == 1)
+                pause = _after(failed.trial.pause)
+                self._try_agile(first, second, pause)
+                if len(first.members) == 1:
+                    self._try_agile(first, second, pause, forgetting=True)
         for trial in [one for one in self._trials if self._fell_behind(one)]:
             self._trials.remove(trial)
             own = set(trial.targets)
