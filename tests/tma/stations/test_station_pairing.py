@@ -90,12 +90,12 @@ def test_bearings_of_another_ship_give_the_trial_up() -> None:
     assert pairing.decide(NOW + 59 * SECOND) == ()
 
 
-def test_a_trial_that_failed_is_begun_again_after_longer_pauses_of_three_minutes_at_most() -> None:
+def test_a_trial_that_failed_is_begun_again_after_longer_pauses_of_90_s_at_most() -> None:
     pairing, old, new = StationPairing(10.0), followed("bow", 0), born()
     pairing.begin(new, [old])
     stamp = NOW
     begun: list[tuple[Trial, int]] = []
-    for number in range(5, 500):
+    for number in range(5, 350):
         stamp += SECOND
         wrong = TargetObservation(
             number * SECOND, "stern", (3000.0, 0.0), (0.0, 0.0), (-1.5,), float(DEVIATION**2)
@@ -110,7 +110,7 @@ def test_a_trial_that_failed_is_begun_again_after_longer_pauses_of_three_minutes
     pauses = np.diff([number for _, number in begun])
     # Three frames until one fails, then the pause; then one that remembers, and one that does not.
     assert pauses[::2] == pytest.approx(np.zeros(5))
-    assert pauses[1::2] == pytest.approx([33.0, 63.0, 123.0, 183.0], abs=2.0)
+    assert pauses[1::2] == pytest.approx([33.0, 63.0, 93.0, 93.0], abs=2.0)
     pairing.end(old)
     assert not pairing.concerned([(new, wrong)])
 

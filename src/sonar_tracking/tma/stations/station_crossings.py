@@ -172,4 +172,5 @@ def _extended(trial: Trial, added: FollowedTarget, stamp: int, deviation: float)
         begun=stamp,
         deviation=deviation,
         errors=dict(trial.errors),
+        errors_alone=dict(trial.errors_alone),
     )

@@ -46,7 +46,7 @@ FEW = 4
 """Where a new target may be one with so many others at most, agile ones are tried at once; a trial
 is begun again when there are fewer."""
 
-LATER_PAUSES, LONGEST_PAUSE = 2.0, 180.0
+LATER_PAUSES, LONGEST_PAUSE = 2.0, 90.0
 """How much longer each further pause of a trial that failed is, and the longest of them, s: targets
 that stations see with errors that last fall behind again and again before they are found to be one.
 """
