@@ -118,44 +118,38 @@ def _expected(trials: Sequence[tuple[Trial, Sighting]]) -> list[tuple[Trial, Sig
 def _weigh(seen: Sequence[Sighting], trials: Sequence[tuple[Trial, Sighting]]) -> None:
     """Weigh the trials, and count what the targets of several stations do not explain."""
     weighed = [
-        (trial, one) for trial, one in trials if one[1].azimuths and trial.solver.state is not None
+        (trial, target, one, _rival(trial, target))
+        for trial, (target, one) in trials
+        if one.azimuths and trial.solver.state is not None
     ]
     joined = [
-        (target, target.solver, observation)
-        for target, observation in seen
-        if observation.azimuths
+        (target, target.solver, one)
+        for target, one in seen
+        if one.azimuths
         and len(target.members) > 1
         and not isinstance(target.solver, BaselineSolver)
     ]
-    errors = [trial.error_of(one.sensor_id) for trial, (_, one) in weighed]
-    rivals = [_rival(trial, target) for trial, (target, _) in weighed]
-    alone_errors = [trial.error_alone(one.sensor_id) for trial, (_, one) in weighed]
-    compared = [place for place, solver in enumerate(rivals) if solver is not None]
-    tasks = [(trial.solver, one) for trial, (_, one) in weighed]
-    tasks += [
-        (solver, one)
-        for solver, (_, (_, one)) in zip(rivals, weighed, strict=True)
-        if solver is not None
-    ]
+    tasks: list[Task] = []
+    errors: list[LastingError] = []
+    for trial, _, one, rival in weighed:
+        tasks.append((trial.solver, one))
+        errors.append(trial.error_of(one.sensor_id))
+        if rival is not None:
+            tasks.append((rival, one))
+            errors.append(trial.error_alone(one.sensor_id))
     tasks += [(solver, one) for _, solver, one in joined]
-    found = weigh(
-        tasks, [*errors, *(alone_errors[place] for place in compared), *[NO_ERROR] * len(joined)]
-    )
-    for (target, _, one), explained in zip(
-        joined, found[len(weighed) + len(compared) :], strict=True
-    ):
-        target.weigh(one.sensor_id, explained.log_likelihood)
-    alone = dict(zip(compared, found[len(weighed) :], strict=False))
-    for place, (trial, (target, one)) in enumerate(weighed):
-        chance = _chance(one)
+    found = iter(weigh(tasks, errors + [NO_ERROR] * len(joined)))
+    for trial, target, one, rival in weighed:
+        chance, sensor = _chance(one), one.sensor_id
         trial.count(target)
-        density, trial.errors[one.sensor_id] = _density(found[place], errors[place], chance)
+        density, trial.errors[sensor] = _density(next(found), trial.error_of(sensor), chance)
         own = chance
-        if place in alone:
-            own, trial.errors_alone[one.sensor_id] = _density(
-                alone[place], alone_errors[place], chance
-            )
+        if rival is not None:
+            error = trial.error_alone(sensor)
+            own, trial.errors_alone[sensor] = _density(next(found), error, chance)
         trial.evidence += density - own
+    for target, _, one in joined:
+        target.weigh(one.sensor_id, next(found).log_likelihood)
 
 
 def _rival(trial: Trial, target: FollowedTarget) -> TargetSolver | None:
