@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -88,6 +89,15 @@ class Pair:
     solver: TargetSolver
 
 
+@lru_cache(maxsize=16)
+def _agile_version(given: RangeBankConfiguration) -> RangeBankConfiguration:
+    """Return the one object of a configuration of targets that move freely.
+
+    Solvers of one object are computed at once, those of several stages too.
+    """
+    return replace(given, acceleration=max(given.acceleration, AGILE))
+
+
 def _after(pause: float) -> float:
     """Return how long a trial pauses the next time, s."""
     return min(LATER_PAUSES * pause, LONGEST_PAUSE)
@@ -142,8 +152,7 @@ class StationPairing:
         if not first.members:
             return
         if self._agile is None:
-            given = first.solver.configuration
-            self._agile = replace(given, acceleration=max(given.acceleration, AGILE))
+            self._agile = _agile_version(first.solver.configuration)
         new = TargetSolver(self._agile, begins_anew=False)
         known = new if forgetting else first.solver
         alone = {first: known.copy(self._agile), second: new}
