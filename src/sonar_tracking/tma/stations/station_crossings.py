@@ -72,15 +72,18 @@ def pointed_at(
         for one in located
         if isinstance(one.solver, TargetSolver)
     ]
+    ripe = [
+        (target, observation)
+        for target, observation in seen
+        if observation.azimuths and isinstance(target.solver, TargetSolver) and target.solutions
+    ]
     candidates = [
         (trial, target, observation)
         for trial in (*(one for one in trials if one.bearings), *alone)
-        for target, observation in seen
-        if observation.azimuths
-        and isinstance(target.solver, TargetSolver)
-        and target.solutions
-        and _is_elsewhere(target, trial)
-        and _key_of_both(trial, target) not in known
+        for hearing in (_stations_of(trial),)
+        for target, observation in ripe
+        # Of a station that hears none of those of the trial.
+        if hearing.isdisjoint(target.members) and _key_of_both(trial, target) not in known
     ]
     found = log_likelihoods([(trial.solver, one) for trial, _, one in candidates])
     gain = found - np.log([CHANCE_DENSITY * len(one.azimuths) for _, _, one in candidates])
@@ -147,10 +150,9 @@ def _targets(trials: Sequence[Trial]) -> list[FollowedTarget]:
     return [target for one in trials for target in one.targets]
 
 
-def _is_elsewhere(target: FollowedTarget, trial: Trial) -> bool:
-    """Return whether a target is of a station that hears none of those of a trial."""
-    stations = set(target.members)
-    return not any(stations & set(one.members) for one in trial.targets)
+def _stations_of(trial: Trial) -> set[str]:
+    """Return the stations that hear one of the targets of a trial."""
+    return {station for one in trial.targets for station in one.members}
 
 
 def _key_of_both(trial: Trial, added: FollowedTarget) -> Key:

@@ -18,6 +18,7 @@ if a single station sees it, from nothing, too.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -260,14 +261,17 @@ class StationPairing:
 
     def _give_up(self, stamp: int) -> None:
         """Give up what fell behind, for ever only where a station tells the two apart."""
+        tried = Counter(one.targets[1] for one in self._trials if one.is_pair)
         for failed in [one for one in self._failed if one.next_stamp <= stamp]:
             first, second = failed.trial.targets
-            if self._pairs_with(second) < FEW:
+            if tried[second] < FEW:
                 self._failed.remove(failed)
                 pause = _after(failed.trial.pause)
+                before = len(self._trials)
                 self._try_agile(first, second, pause)
                 if len(first.members) == 1:
                     self._try_agile(first, second, pause, forgetting=True)
+                tried[second] += len(self._trials) - before
         for trial in [one for one in self._trials if self._fell_behind(one)]:
             self._trials.remove(trial)
             own = set(trial.targets)
@@ -277,9 +281,6 @@ class StationPairing:
             elif trial.evidence > -np.inf and not parallel:
                 self._failed.append(_Failed(trial, stamp + nanoseconds(trial.pause)))
         self._trials = [one for one in self._trials if not self._is_undecided(one, stamp)]
-
-    def _pairs_with(self, second: FollowedTarget) -> int:
-        return sum(one.is_pair and one.targets[1] is second for one in self._trials)
 
     def _fell_behind(self, trial: Trial) -> bool:
         """Return whether a trial is given up: one worse than without its last target, too."""
