@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from sonar_tracking.passive.bearings.bearing_tracker_stage import (
     BearingTrackerStage,
 )
 from sonar_tracking.passive.subspaces.subspace_stage import SubspaceConfiguration, SubspaceStage
-from sonar_tracking.records.bearings import BearingTracks, TrackStatus
+from sonar_tracking.records.bearings import BearingTracks, SubspaceEstimates, TrackStatus
 from tests.passive.block_scene import noise_colour
 from tests.passive.crossing_scene import (
     EPOCH,
@@ -27,6 +28,7 @@ from tests.passive.crossing_scene import (
     circular_noise,
     snapshots_of,
 )
+from tests.passive.tracked_together import tracked_together
 
 pytestmark = pytest.mark.slow
 
@@ -47,18 +49,17 @@ def scene(seed: int, angles_deg: FloatArray, level_db: FloatArray) -> ComplexArr
     return np.matmul(vectors, sources[..., None])[..., 0] + noise
 
 
-def tracked(
-    data: ComplexArray, method: str = "joint_map", period: float = 0.5
-) -> list[BearingTracks]:
-    """Return the tracks of snapshots that begin at t = 0, given nothing."""
-    subspaces = SubspaceConfiguration(n_subspaces=1, period=period, covariance_snapshots=100)
-    stage = SubspaceStage(subspaces)
-    tracker = BearingTrackerStage(BearingTrackerConfiguration(method=method))
-    return [
-        tracker.update(estimates).tracks
-        for block in blocks_of(data, 100, EPOCH)
-        for estimates in stage.update(block).estimates
-    ]
+def all_tracked(
+    runs: Sequence[ComplexArray], method: str = "joint_map"
+) -> list[list[BearingTracks]]:
+    """Return the tracks of snapshots that begin at t = 0, given nothing, run by run."""
+    subspaces = SubspaceConfiguration(n_subspaces=1, period=0.5, covariance_snapshots=100)
+    return tracked_together(runs, subspaces, BearingTrackerConfiguration(method=method), 100, EPOCH)
+
+
+def tracked(data: ComplexArray, method: str = "joint_map") -> list[BearingTracks]:
+    """Return those of a single run."""
+    return all_tracked([data], method)[0]
 
 
 def established(tracks: BearingTracks) -> dict[int, float]:
@@ -78,10 +79,17 @@ def seconds(entry: BearingTracks) -> float:
     return (entry.stamp - EPOCH) * 1e-9
 
 
+@cache
+def five_targets() -> dict[float, list[BearingTracks]]:
+    levels = (-5.0, 0.0)
+    angles = np.broadcast_to(FIVE, (12000, 5))
+    runs = [snapshots_of(np.random.default_rng(1), angles, level_db) for level_db in levels]
+    return dict(zip(levels, all_tracked(runs), strict=True))
+
+
 @pytest.mark.parametrize(("level_db", "within"), [(-5.0, 4.0), (0.0, 2.0)])
 def test_five_targets_are_confirmed_in_time_and_stay_five(level_db: float, within: float) -> None:
-    angles = np.broadcast_to(FIVE, (12000, 5))
-    tracks = tracked(snapshots_of(np.random.default_rng(1), angles, level_db))
+    tracks = five_targets()[level_db]
     first = next(entry for entry in tracks if len(established(entry)) == 5)
     assert seconds(first) <= within
     assert len(all_ids(tracks)) == 5
@@ -93,11 +101,17 @@ def test_five_targets_are_confirmed_in_time_and_stay_five(level_db: float, withi
         assert np.all(entry.existence_probability <= 0.99)
 
 
+@cache
+def turning_targets() -> dict[float, list[BearingTracks]]:
+    levels = (10.0, 20.0)
+    angles = FIVE + np.deg2rad(10.0) * np.sin(0.3 * times_of(60.0)[:, None] + np.arange(5))
+    runs = [snapshots_of(np.random.default_rng(2), angles, level_db) for level_db in levels]
+    return dict(zip(levels, all_tracked(runs), strict=True))
+
+
 @pytest.mark.parametrize("level_db", [10.0, 20.0])
 def test_strong_turning_targets_bring_no_extra_track(level_db: float) -> None:
-    times = times_of(60.0)
-    angles = FIVE + np.deg2rad(10.0) * np.sin(0.3 * times[:, None] + np.arange(5))
-    tracks = tracked(snapshots_of(np.random.default_rng(2), angles, level_db))
+    tracks = turning_targets()[level_db]
     assert len(all_ids(tracks)) == 5
     for entry in [entry for entry in tracks if seconds(entry) > 6.0]:
         truth = FIVE + np.deg2rad(10.0) * np.sin(0.3 * seconds(entry) + np.arange(5))
@@ -105,12 +119,18 @@ def test_strong_turning_targets_bring_no_extra_track(level_db: float) -> None:
         assert followed == pytest.approx(np.sort(np.rad2deg(truth)), abs=0.5)
 
 
+@cache
+def slow_crossings() -> dict[int, list[BearingTracks]]:
+    times, seeds = times_of(100.0), (1, 2)
+    angles = np.stack([-10.0 + 0.2 * times, 10.0 - 0.2 * times], axis=-1)
+    runs = [scene(seed, angles, np.full((len(times), 2), -5.0)) for seed in seeds]
+    return dict(zip(seeds, all_tracked(runs), strict=True))
+
+
 @pytest.mark.parametrize("seed", [1, 2])
 def test_slow_crossing_keeps_names(seed: int) -> None:
     # They are nearer than half a beamwidth for 20 s, at a level where bearings scatter by 0.25 deg.
-    times = times_of(100.0)
-    angles = np.stack([-10.0 + 0.2 * times, 10.0 - 0.2 * times], axis=-1)
-    tracks = tracked(scene(seed, angles, np.full((len(times), 2), -5.0)))
+    tracks = slow_crossings()[seed]
     assert len(all_ids(tracks)) == 2
     at_start, at_end = established(tracks[20]), established(tracks[-1])
     first, second = sorted(at_start, key=lambda number: at_start[number])
@@ -148,18 +168,22 @@ def test_short_fade_is_coasted_under_the_same_name() -> None:
     assert max(established(tracks[-1]).values()) == pytest.approx(39.5, abs=1.0)
 
 
-@pytest.mark.parametrize("coherent", [False, True])
-def test_crossing_ends_no_track(coherent: bool) -> None:
+@cache
+def crossings() -> tuple[list[BearingTracks], ...]:
+    """Return the tracks of two sources that cross: of their own waveforms, and of one."""
     times = times_of(60.0)
     angles = np.stack([-20.0 + 0.7 * times, 20.0 - 0.6 * times], axis=-1)
-    data = scene(5, angles, np.full((len(times), 2), 3.0))
-    if coherent:
-        generator = np.random.default_rng(6)
-        vectors = steering_vectors(POSITIONS, np.deg2rad(angles), WAVENUMBER)
-        source = 1.5 * circular_noise(generator, len(times), 1) * np.array([[1.0, 0.8j]])
-        noise = circular_noise(generator, len(times), len(POSITIONS))
-        data = np.matmul(vectors, source[..., None])[..., 0] + noise
-    tracks = tracked(data)
+    incoherent = scene(5, angles, np.full((len(times), 2), 3.0))
+    generator = np.random.default_rng(6)
+    vectors = steering_vectors(POSITIONS, np.deg2rad(angles), WAVENUMBER)
+    source = 1.5 * circular_noise(generator, len(times), 1) * np.array([[1.0, 0.8j]])
+    noise = circular_noise(generator, len(times), len(POSITIONS))
+    return tuple(all_tracked([incoherent, np.matmul(vectors, source[..., None])[..., 0] + noise]))
+
+
+@pytest.mark.parametrize("coherent", [False, True])
+def test_crossing_ends_no_track(coherent: bool) -> None:
+    tracks = crossings()[coherent]
     assert len(all_ids(tracks)) == 2
     at_start, at_end = established(tracks[8]), established(tracks[-1])
     assert set(at_start) == set(at_end)
@@ -299,6 +323,13 @@ def test_coherent_sources_start_from_nothing(method: str) -> None:
     assert len(all_ids(tracks)) == 2
 
 
+@cache
+def estimates_of_two() -> list[SubspaceEstimates]:
+    data = scene(15, np.broadcast_to([-30.0, 30.0], (1600, 2)), np.full((1600, 2), 5.0))
+    stage = SubspaceStage(SubspaceConfiguration(n_subspaces=1, period=0.5))
+    return [each for block in blocks_of(data, 100, EPOCH) for each in stage.update(block).estimates]
+
+
 @pytest.mark.parametrize("running", [False, True], ids=["no tracks yet", "tracks"])
 @pytest.mark.parametrize(
     ("noise", "reason"),
@@ -310,10 +341,8 @@ def test_coherent_sources_start_from_nothing(method: str) -> None:
     ],
 )
 def test_wrong_noise_covariance_is_refused(noise: ComplexArray, reason: str, running: bool) -> None:
-    data = scene(15, np.broadcast_to([-30.0, 30.0], (1600, 2)), np.full((1600, 2), 5.0))
-    stage = SubspaceStage(SubspaceConfiguration(n_subspaces=1, period=0.5))
     tracker = BearingTrackerStage(BearingTrackerConfiguration(method="joint_map"))
-    estimates = [e for block in blocks_of(data, 100, EPOCH) for e in stage.update(block).estimates]
+    estimates = estimates_of_two()
     good = estimates[:8] if running else []
     for each in good:
         tracker.update(each)

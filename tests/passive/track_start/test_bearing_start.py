@@ -28,6 +28,7 @@ from tests.passive.crossing_scene import (
     snapshots_of,
 )
 from tests.passive.estimate_scene import estimates_of
+from tests.passive.tracked_together import tracked_together
 
 PUBLISHED = BearingTrackerConfiguration(
     method="ml_fusion",
@@ -44,11 +45,7 @@ def tracked(
     configuration: BearingTrackerConfiguration,
 ) -> list[BearingTracks]:
     """Return the tracks of snapshots that begin at t = -1 s."""
-    stage, tracker = SubspaceStage(subspaces), BearingTrackerStage(configuration)
-    tracks = []
-    for block in blocks_of(data):
-        tracks += [tracker.update(estimate).tracks for estimate in stage.update(block).estimates]
-    return tracks
+    return tracked_together([data], subspaces, configuration)[0]
 
 
 def confirmed(track: BearingTracks) -> FloatArray:
@@ -84,8 +81,8 @@ def test_started_tracks_survive_the_crossings() -> None:
     # Twelve runs of the whole scene at 0 dB, from nothing; from truth all runs succeed.
     subspaces = SubspaceConfiguration(method="past", forgetting_factor=0.86, period=1.0)
     successes = 0
-    for seed in range(12):
-        tracks = tracked(crossing_data(seed, 0.0, 40.0), subspaces, PUBLISHED)
+    runs = [crossing_data(seed, 0.0, 40.0) for seed in range(12)]
+    for tracks in tracked_together(runs, subspaces, PUBLISHED):
         at_start, at_end = tracks[3], tracks[-1]
         owner = {
             number: int(np.argmin(np.abs(crossing_angles(3.0) - angle)))

@@ -15,7 +15,8 @@ pytestmark = pytest.mark.slow
 
 def by_default(name: str, count: int) -> list[Mapping[str, float]]:
     seeds = np.random.SeedSequence(5).spawn(count)
-    return [run.metrics[DEFAULTS] for run in runs_under(CONDITIONS[name], seeds)]
+    runs = runs_under(CONDITIONS[name], seeds, compared=False)
+    return [run.metrics[DEFAULTS] for run in runs]
 
 
 def mean(runs: list[Mapping[str, float]], metric: str) -> float:

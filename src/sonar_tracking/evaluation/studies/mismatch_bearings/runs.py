@@ -106,7 +106,9 @@ def mismatch_runs(task: MismatchTask) -> tuple[MismatchRun, ...]:
     return runs_under(CONDITIONS[task.condition], task.seeds)
 
 
-def runs_under(condition: Condition, seeds: Seeds) -> tuple[MismatchRun, ...]:
+def runs_under(
+    condition: Condition, seeds: Seeds, compared: bool = True
+) -> tuple[MismatchRun, ...]:
     """Simulate runs under a condition and track them with the defaults and with what is true.
 
     Parameters
@@ -115,6 +117,8 @@ def runs_under(condition: Condition, seeds: Seeds) -> tuple[MismatchRun, ...]:
         The condition.
     seeds : sequence of SeedSequence
         One a run.
+    compared : bool, optional
+        Whether they are tracked with more than the defaults.
     """
     arrays = [
         condition.errors.draw(
@@ -123,7 +127,8 @@ def runs_under(condition: Condition, seeds: Seeds) -> tuple[MismatchRun, ...]:
         for seed in seeds
     ]
     other = WITHOUT if condition.faint else TOLD
-    by_default, beside = (_Chains(condition, name, len(seeds)) for name in (DEFAULTS, other))
+    systems = (DEFAULTS, other) if compared else (DEFAULTS,)
+    by_default, *beside = (_Chains(condition, name, len(seeds)) for name in systems)
     for block in condition.blocks(seeds):
         told_noise = block.noise_covariance if condition.published else None
         wrong = [
@@ -131,22 +136,19 @@ def runs_under(condition: Condition, seeds: Seeds) -> tuple[MismatchRun, ...]:
             for array, data in zip(arrays, block.data, strict=True)
         ]
         updates = by_default.take(wrong)
-        if condition.faint:
-            # Both trackers see the same estimates.
-            beside.follow(updates)
-        else:
-            beside.take([replace(block, data=data) for data in block.data])
+        for chains in beside:
+            if condition.faint:
+                # Both trackers see the same estimates.
+                chains.follow(updates)
+            else:
+                chains.take([replace(block, data=data) for data in block.data])
     truth = BearingTruth(block_truth(condition.scenario))
-    return tuple(
-        MismatchRun(
-            condition.name,
-            {
-                DEFAULTS: figures(condition, truth, one, array.faulty),
-                other: figures(condition, truth, two, ()),
-            },
-        )
-        for one, two, array in zip(by_default.runs, beside.runs, arrays, strict=True)
-    )
+    runs = []
+    for number, array in enumerate(arrays):
+        metrics = {DEFAULTS: figures(condition, truth, by_default.runs[number], array.faulty)}
+        metrics |= {other: figures(condition, truth, two.runs[number], ()) for two in beside}
+        runs.append(MismatchRun(condition.name, metrics))
+    return tuple(runs)
 
 
 class _Chains:
