@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
@@ -136,10 +137,14 @@ class Condition:
 
     def scenario(self) -> Scenario:
         """Return array and targets."""
-        targets = tuple(TargetConfiguration(motion=one.motion()) for one in _PASSES[self.scene])
-        return replace(
-            load_scenario("doa_fusion"), targets=targets, start=0.0, duration=PERIOD * STEPS
-        )
+        return _scenario(self.scene)
+
+
+@cache
+def _scenario(scene: str) -> Scenario:
+    """Return a scene's array and targets, asked for at every burst."""
+    targets = tuple(TargetConfiguration(motion=one.motion()) for one in _PASSES[scene])
+    return replace(load_scenario("doa_fusion"), targets=targets, start=0.0, duration=PERIOD * STEPS)
 
 
 CONDITIONS = (

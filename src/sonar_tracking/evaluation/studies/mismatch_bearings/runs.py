@@ -146,7 +146,8 @@ def runs_under(
     runs = []
     for number, array in enumerate(arrays):
         metrics = {DEFAULTS: figures(condition, truth, by_default.runs[number], array.faulty)}
-        metrics |= {other: figures(condition, truth, two.runs[number], ()) for two in beside}
+        for chains in beside:
+            metrics[other] = figures(condition, truth, chains.runs[number], ())
         runs.append(MismatchRun(condition.name, metrics))
     return tuple(runs)
 

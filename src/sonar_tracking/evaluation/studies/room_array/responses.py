@@ -262,7 +262,8 @@ def write_recording(
         mixed += signal
     mixed *= _FULL_SCALE / np.abs(mixed).max()
     wav, geometry, truth = (directory / name for name in ("array.wav", "array.yaml", "truth.csv"))
-    wavfile.write(wav, room.sample_rate, np.round(mixed * 32767).astype(np.int16))
+    mixed *= 32767
+    wavfile.write(wav, room.sample_rate, np.rint(mixed, out=mixed).astype(np.int16))
     geometry.write_text(_geometry_text(room))
     truth.write_text(_truth_text(room, sources))
     return wav, geometry, truth
