@@ -29,6 +29,7 @@ from sonar_tracking.tma.stations.solver_likelihoods import log_likelihoods
 from sonar_tracking.tma.stations.station_association import CHANCE_DENSITY
 from sonar_tracking.tma.stations.station_trials import LEAST_BEARINGS, Key, Sighting, Trial
 from sonar_tracking.tma.targets.followed_target import FollowedTarget
+from sonar_tracking.tma.targets.target_records import TargetObservation
 from sonar_tracking.tma.targets.target_solver import TargetSolver
 
 POINTED = 10.0
@@ -72,19 +73,8 @@ def pointed_at(
         for one in located
         if isinstance(one.solver, TargetSolver)
     ]
-    ripe = [
-        (target, observation)
-        for target, observation in seen
-        if observation.azimuths and isinstance(target.solver, TargetSolver) and target.solutions
-    ]
-    candidates = [
-        (trial, target, observation)
-        for trial in (*(one for one in trials if one.bearings), *alone)
-        for hearing in (_stations_of(trial),)
-        for target, observation in ripe
-        # Of a station that hears none of those of the trial.
-        if hearing.isdisjoint(target.members) and _key_of_both(trial, target) not in known
-    ]
+    under_way = (*(one for one in trials if one.bearings), *alone)
+    candidates = _heard_elsewhere(under_way, seen, known)
     found = log_likelihoods([(trial.solver, one) for trial, _, one in candidates])
     gain = found - np.log([CHANCE_DENSITY * len(one.azimuths) for _, _, one in candidates])
     begun: dict[Key, Trial] = {}
@@ -150,9 +140,24 @@ def _targets(trials: Sequence[Trial]) -> list[FollowedTarget]:
     return [target for one in trials for target in one.targets]
 
 
-def _stations_of(trial: Trial) -> set[str]:
-    """Return the stations that hear one of the targets of a trial."""
-    return {station for one in trial.targets for station in one.members}
+def _heard_elsewhere(
+    trials: Sequence[Trial], seen: Sequence[Sighting], known: Collection[Key]
+) -> list[tuple[Trial, FollowedTarget, TargetObservation]]:
+    """Return each trial with what a station sees that hears none of the targets of the trial."""
+    ripe = [
+        (target, observation)
+        for target, observation in seen
+        if observation.azimuths and isinstance(target.solver, TargetSolver) and target.solutions
+    ]
+    found = []
+    for trial in trials:
+        stations = {station for one in trial.targets for station in one.members}
+        found += [
+            (trial, target, observation)
+            for target, observation in ripe
+            if stations.isdisjoint(target.members) and _key_of_both(trial, target) not in known
+        ]
+    return found
 
 
 def _key_of_both(trial: Trial, added: FollowedTarget) -> Key:
