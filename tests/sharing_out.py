@@ -6,6 +6,7 @@ worker, since its tests share fixtures; where they share none, long tests are sh
 
 from __future__ import annotations
 
+import contextlib
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -52,9 +53,12 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> LoadScopeSch
             That of LoadScopeScheduling gives one unit. One that takes the place of a worker that
             has crashed may then have a single test, and all would wait for it for good.
             """
-            super()._reschedule(node)
-            while not node.shutting_down and self._pending_of(self.assigned_work[node]) < 2:
+            # One that has just crashed takes nothing: its end is the next that is heard of it, and
+            # what it was given goes to others.
+            with contextlib.suppress(OSError):
                 super()._reschedule(node)
+                while not node.shutting_down and self._pending_of(self.assigned_work[node]) < 2:
+                    super()._reschedule(node)
 
     config.option.loadscopereorder = False  # the order of the tests is meant as it is
     return FilesAndSingleTests(config, log)
