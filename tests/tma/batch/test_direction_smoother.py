@@ -60,7 +60,6 @@ def test_every_fifth_azimuth_may_be_anything() -> None:
     assert np.max(error) < 25.0
 
 
-@pytest.mark.slow
 def test_silence_is_bridged_by_the_motion() -> None:
     history, ship = directions(3)
     quiet = (history.times >= 80.0) & (history.times < 160.0)
@@ -77,7 +76,6 @@ def test_silence_is_bridged_by_the_motion() -> None:
     assert np.trace(track.covariance[middle]) > 1.2 * np.trace(heard.covariance[middle])
 
 
-@pytest.mark.slow
 def test_the_covariance_is_that_of_the_errors() -> None:
     only_noise = DirectionSmootherConfiguration(
         systematic_deviation_deg=0.0, degrees_of_freedom=200.0, acceleration=1e-4
@@ -114,7 +112,6 @@ def test_a_systematic_error_stays_in_the_covariance() -> None:
     assert np.all(np.trace(both, axis1=1, axis2=2) < np.trace(covariance, axis1=1, axis2=2))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("turn", [1.0, 3.0])
 def test_turning_the_scene_turns_the_path(turn: float) -> None:
     history, ship = directions(5)

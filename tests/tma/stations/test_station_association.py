@@ -15,7 +15,7 @@ from sonar_tracking.tma.stations.station_association import (
     CHANCE_DENSITY_WITH_ELEVATION,
     FREE,
     associate,
-    direction_log_likelihood,
+    direction_log_likelihoods,
     weigh_azimuths,
 )
 from tests.tma.estimators.test_hypothesis_bank import random_bank
@@ -99,6 +99,15 @@ def test_the_likelihood_is_a_density_over_all_azimuths() -> None:
     assert np.sum(density, axis=1) * (grid[1] - grid[0]) == pytest.approx([1.0, 1.0], abs=0.02)
 
 
+def fit_of(
+    measurement: TmaMeasurement, bank: HypothesisBank, acceleration: float, gate: float = 4.0
+) -> float:
+    """Return the log likelihood of one direction, if it is of one target."""
+    found = direction_log_likelihoods([bank], np.zeros(1), acceleration, [measurement], gate)
+    assert found.shape == (1, 1)
+    return float(found[0, 0])
+
+
 def test_an_elevation_tells_which_of_two_targets_on_one_azimuth_it_is() -> None:
     bank = bank_of(0)
     height = 1000.0
@@ -118,7 +127,7 @@ def test_an_elevation_tells_which_of_two_targets_on_one_azimuth_it_is() -> None:
 
     def likelihood(elevation: float) -> float:
         assert bank.state is not None
-        return direction_log_likelihood(bank.state.bank, 0.0, 0.01, direction(elevation))
+        return fit_of(direction(elevation), bank.state.bank, 0.01)
 
     bank.update(direction(float(np.arctan2(height, distance))))
     assert likelihood(float(np.arctan2(height, distance))) > likelihood(
@@ -180,11 +189,11 @@ def test_the_gate_is_that_of_azimuth_and_elevation_together(gate: float, inside:
         elevation_variance=np.array(4e-4),
         height=500.0,
     )
-    found = direction_log_likelihood(bank, 0.0, 0.0, frame, gate)
+    found = fit_of(frame, bank, 0.0, gate)
     expected = -2.0 - np.log(2.0 * np.pi * 1e-2 * 2e-2)
     assert found == pytest.approx(expected if inside else -np.inf, rel=1e-6)
     alone = replace(frame, azimuth=np.array([0.0]), elevation=np.array(np.nan))
-    found = direction_log_likelihood(bank, 0.0, 0.0, alone, gate)
+    found = fit_of(alone, bank, 0.0, gate)
     assert found == pytest.approx(-0.5 * np.log(2.0 * np.pi * 1e-4), rel=1e-6)
 
 

@@ -22,9 +22,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from sonar_tracking.configuration import parameter
-from sonar_tracking.filtering.kalman import symmetrised
+from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.tma.batch.learnt_variances import unit_noise
+from sonar_tracking.tma.batch.linear_smoother import LinearSystem, smooth_linear
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
 
 WIDENING = (8.0, 4.0, 2.0)
@@ -121,22 +123,12 @@ def smooth_directions(
         Parameters.
     """
     parameters = configuration or DirectionSmootherConfiguration()
-    freedom = parameters.degrees_of_freedom
-    path = start
+    motion, path = _motion(history.times, parameters), start
     mean, covariance = np.empty(0), np.empty(0)
     for number in range(parameters.passes):
         widening = WIDENING[number] if number < len(WIDENING) else 1.0
-        deviation = widening * history.deviation[:, None]
-        rows = _rows(history, path)
-        there = np.isfinite(rows.residual)
-        residual = np.where(there, rows.residual, 0.0)
-        weight = (freedom + 1.0) / (freedom + (residual / deviation) ** 2) / deviation**2
-        weight = np.where(there, weight, 0.0)
-        information = np.einsum("na,nai,naj->nij", weight, rows.derivative, rows.derivative)
-        # What was measured, referred to positions instead of to errors of the last path.
-        measured = residual + np.einsum("nai,ni->na", rows.derivative, path)
-        gradient = np.einsum("na,nai->ni", weight * measured, rows.derivative)
-        mean, covariance = _smooth(history.times, information, gradient, path[0], parameters)
+        states = smooth_linear(_system(history, path, motion, widening, parameters))
+        mean, covariance = states.mean, states.covariance
         path = mean[:, :2]
     systematic = float(np.radians(parameters.systematic_deviation_deg))
     covariance[:, :2, :2] += systematic_covariance(history, path, systematic)
@@ -198,61 +190,40 @@ def _rows(history: DirectionHistory, path: FloatArray) -> _Rows:
     return _Rows(np.stack([across, up], axis=1), derivative)
 
 
-def _smooth(
-    times: FloatArray,
-    information: FloatArray,
-    gradient: FloatArray,
-    first: FloatArray,
-    parameters: DirectionSmootherConfiguration,
-) -> tuple[FloatArray, FloatArray]:
-    """Return means (n, 4) and covariances (n, 4, 4) of a linear smoother on positions."""
-    n_times = len(times)
-    mean, covariance = np.empty((n_times, KINEMATIC)), np.empty((n_times, KINEMATIC, KINEMATIC))
-    ahead_mean, ahead = np.empty_like(mean), np.empty_like(covariance)
-    intervals = np.diff(times, prepend=times[0])
-    transition = _transitions(intervals)
-    noise = _noise(intervals, parameters.acceleration)
-    identity = np.eye(2)
-    state = np.concatenate([first, np.zeros(2)])
+def _motion(
+    times: FloatArray, parameters: DirectionSmootherConfiguration
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the covariance before the first time, and transition and noise into each time."""
     speed = parameters.maximum_speed / np.sqrt(3.0)
     spread = np.diag([START_DEVIATION] * 2 + [speed] * 2) ** 2
-    for index in range(n_times):
-        state = transition[index] @ state
-        spread = transition[index] @ spread @ transition[index].T + noise[index]
-        ahead_mean[index], ahead[index] = state, spread
-        gain = spread[:, :2] @ _inverse(identity + information[index] @ spread[:2, :2])
-        state = state + gain @ (gradient[index] - information[index] @ state[:2])
-        spread = spread - gain @ information[index] @ spread[:2]
-        spread = 0.5 * (spread + spread.T)
-        mean[index], covariance[index] = state, spread
-    # The gains backwards do not depend on each other.
-    back = np.linalg.solve(ahead[1:], transition[1:] @ covariance[:-1]).swapaxes(-1, -2)
-    for index in range(n_times - 2, -1, -1):
-        mean[index] += back[index] @ (mean[index + 1] - ahead_mean[index + 1])
-        later = covariance[index + 1] - ahead[index + 1]
-        covariance[index] += back[index] @ later @ back[index].T
-    return mean, symmetrised(covariance)
+    intervals = np.diff(times, prepend=times[0])
+    transition = np.tile(np.eye(KINEMATIC), (len(intervals), 1, 1))
+    transition[:, 0, 2] = transition[:, 1, 3] = intervals
+    return spread, transition, parameters.acceleration**2 * unit_noise(intervals)
 
 
-def _transitions(intervals: FloatArray) -> FloatArray:
-    """Return the transition of [x, y, vx, vy] over each interval."""
-    result = np.tile(np.eye(KINEMATIC), (len(intervals), 1, 1))
-    result[:, 0, 2] = result[:, 1, 3] = intervals
-    return result
-
-
-def _noise(intervals: FloatArray, acceleration: float) -> FloatArray:
-    """Return what the covariance of [x, y, vx, vy] gains in each interval."""
-    result = np.zeros((len(intervals), KINEMATIC, KINEMATIC))
-    for axis in (0, 1):
-        result[:, axis, axis] = intervals**3 / 3.0
-        result[:, axis, axis + 2] = result[:, axis + 2, axis] = intervals**2 / 2.0
-        result[:, axis + 2, axis + 2] = intervals
-    return acceleration**2 * result
-
-
-def _inverse(matrix: FloatArray) -> FloatArray:
-    """Return the inverse of a matrix of two rows, whose determinant is at least one here."""
-    (a, b), (c, d) = matrix.tolist()
-    determinant = a * d - b * c
-    return np.array([[d, -b], [-c, a]]) / determinant
+def _system(
+    history: DirectionHistory,
+    path: FloatArray,
+    motion: tuple[FloatArray, FloatArray, FloatArray],
+    widening: float,
+    parameters: DirectionSmootherConfiguration,
+) -> LinearSystem:
+    """Return the system linearised at a path, its directions weighed."""
+    freedom, (spread, transition, noise) = parameters.degrees_of_freedom, motion
+    rows = _rows(history, path)
+    there = np.isfinite(rows.residual)
+    residual = np.where(there, rows.residual, 0.0)
+    variance = np.broadcast_to((widening * history.deviation[:, None]) ** 2, residual.shape)
+    weight = (freedom + 1.0) / (freedom + residual**2 / variance) / variance
+    return LinearSystem(
+        start=KalmanState(np.concatenate([path[0], np.zeros(2)]), spread),
+        transition=transition,
+        noise=noise,
+        matrix=np.pad(rows.derivative, [(0, 0), (0, 0), (0, KINEMATIC - 2)]),
+        # What was measured, referred to positions instead of to errors of the last path.
+        measured=residual + np.einsum("nai,ni->na", rows.derivative, path),
+        weight=np.where(there, weight, 0.0),
+        variance=variance,
+        degrees_of_freedom=freedom,
+    )

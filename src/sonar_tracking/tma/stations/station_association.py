@@ -9,7 +9,7 @@ explains better than chance stays free.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -111,42 +111,53 @@ def weigh_azimuths(
     )
 
 
-def direction_log_likelihood(
-    bank: HypothesisBank,
-    interval: float,
+def direction_log_likelihoods(
+    banks: Sequence[HypothesisBank],
+    intervals: FloatArray,
     acceleration: float,
-    measurement: TmaMeasurement,
+    measurements: Sequence[TmaMeasurement],
     gate: float = 4.0,
-) -> float:
-    """Return the log likelihood of an azimuth with its elevation, if they are of this target.
+) -> FloatArray:
+    """Return how well azimuths with their elevations fit, if they are of these targets.
 
     Parameters
     ----------
-    bank : HypothesisBank
-        Of the target, a single run.
-    interval : float
-        From the bank's time to the measurement's, s.
+    banks : sequence of HypothesisBank
+        Of each target, a single run.
+    intervals : ndarray, shape (n_targets,)
+        From each bank's time to the measurements', s.
     acceleration : float
         Process noise in between, m/s^2.
-    measurement : TmaMeasurement
-        Of any station, without lines; an elevation that is NaN does not count.
+    measurements : sequence of TmaMeasurement
+        Of one station at one instant, without lines, with one azimuth each; an elevation that is
+        NaN does not count.
     gate : float
-        Standard deviations within which a hypothesis may explain both.
+        Standard deviations within which a hypothesis may explain both angles.
 
     Returns
     -------
-    float
+    ndarray, shape (n_targets, n_directions)
         Of the density per rad^2 (per rad without elevation); -inf = outside every gate.
     """
-    moved = predict_bank(bank, interval, np.asarray(acceleration))
-    rows = rows_of(moved, measurement)
+    n_targets, n_directions = len(banks), len(measurements)
+    pairs, bank = join_motions([bank for bank in banks for _ in measurements])
+    target, own = np.divmod(pairs.owner, max(n_directions, 1))
+    moved = predict_bank(bank, intervals[target], np.asarray(acceleration))
+    told = replace(
+        measurements[0],
+        azimuth=np.array([one.azimuth for one in measurements])[own],
+        azimuth_variance=np.array([one.azimuth_variance for one in measurements])[own],
+        elevation=np.array([one.elevation for one in measurements])[own],
+        elevation_variance=np.array([one.elevation_variance for one in measurements])[own],
+    )
+    rows = rows_of(moved, told)
     spread = innovation_covariance(moved, rows)
     solved = np.linalg.solve(spread, rows.innovation[..., None])[..., 0]
     squared = np.sum(rows.innovation * solved, axis=-1)
     constant = np.log(2.0 * np.pi) * np.sum(rows.present, axis=-1)
     density = -0.5 * (squared + np.linalg.slogdet(spread)[1] + constant) + moved.log_weight
-    within = squared <= gate**2
-    return float(np.logaddexp.reduce(np.where(within, density, -np.inf)))
+    found = pairs.log_sums(np.where(squared <= gate**2, density, -np.inf))
+    return found.reshape(n_targets, n_directions)
 
 
 def associate(log_likelihood: FloatArray, chance_density: float = CHANCE_DENSITY) -> IntArray:

@@ -17,14 +17,16 @@ from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.time import nanoseconds
 from sonar_tracking.tma.batch.direction_smoother import MINIMUM_COSINE
-from sonar_tracking.tma.estimators.range_bank import RangeBank
+from sonar_tracking.tma.estimators.hypothesis_bank import mixture_moments
+from sonar_tracking.tma.estimators.range_bank import update_range_banks
+from sonar_tracking.tma.estimators.range_bank_state import RangeBankState
 from sonar_tracking.tma.estimators.recursion import elapsed
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 from sonar_tracking.tma.stations.station_association import (
     CHANCE_DENSITY_WITH_ELEVATION,
     FREE,
     associate,
-    direction_log_likelihood,
+    direction_log_likelihoods,
 )
 
 SECOND_COURSE = (-1500.0, 1800.0, 0.8, 0.0)
@@ -68,7 +70,7 @@ class _Target:
     """A target followed, and whose bearing began it (which nobody but the score knows)."""
 
     owner: int
-    bank: RangeBank = field(default_factory=lambda: RangeBank(CONFIGURATION))
+    state: RangeBankState | None = None
     position: FloatArray = field(default_factory=lambda: np.full(2, np.nan))
     heard: float = -np.inf
 
@@ -99,6 +101,7 @@ def pair_bearings(
         both = (_real(array, index), _made_up(array, index, second, generator))
         targets = [one for one in targets if time - one.heard < SILENCE]
         given = _given(targets, [both[owner] for owner in owners])
+        heard: list[tuple[_Target, TmaMeasurement]] = []
         for owner, number_given in zip(owners, given, strict=True):
             if number_given == FREE:
                 counts[2] += 1
@@ -107,9 +110,8 @@ def pair_bearings(
                 targets.append(_Target(int(owner)))
             else:
                 counts[0 if targets[number_given].owner == owner else 1] += 1
-            target = targets[number_given]
-            estimate = target.bank.update(both[owner])
-            target.position, target.heard = estimate.mean[:2], time
+            heard.append((targets[number_given], both[owner]))
+        _take_in(heard, time)
         ships = np.stack([array.ship[index], second])
         errors.append([_error(targets, owner, ships[owner]) for owner in (REAL, MADE_UP)])
     names = " and ".join(array.name for array in arrays)
@@ -117,20 +119,28 @@ def pair_bearings(
     return PairingResult(names, np.array(errors), right, wrong, free)
 
 
+def _take_in(heard: list[tuple[_Target, TmaMeasurement]], time: float) -> None:
+    """Let targets take in a direction each, at a time in s."""
+    states = [target.state for target, _ in heard]
+    updates = update_range_banks(states, [one for _, one in heard], CONFIGURATION)
+    for (target, _), done in zip(heard, updates, strict=True):
+        target.state, target.heard = done.state, time
+        target.position = mixture_moments(done.state.bank)[0][:2]
+
+
 def _given(targets: list[_Target], directions: list[TmaMeasurement]) -> list[int]:
     """Return the target of each direction."""
-    likelihood = np.empty((len(targets), len(directions)))
-    for row, target in enumerate(targets):
-        state = target.bank.state
-        assert state is not None
-        for column, one in enumerate(directions):
-            likelihood[row, column] = direction_log_likelihood(
-                state.bank,
-                elapsed(state.stamp, one.stamp),
-                CONFIGURATION.acceleration,
-                one,
-                CONFIGURATION.gate,
-            )
+    likelihood = np.empty((0, len(directions)))
+    states = [target.state for target in targets if target.state is not None]
+    if states:
+        stamp = directions[0].stamp
+        likelihood = direction_log_likelihoods(
+            [state.bank for state in states],
+            np.array([elapsed(state.stamp, stamp) for state in states]),
+            CONFIGURATION.acceleration,
+            directions,
+            CONFIGURATION.gate,
+        )
     return [int(one) for one in associate(likelihood, CHANCE_DENSITY_WITH_ELEVATION)]
 
 
