@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 import sys
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -65,8 +67,24 @@ copybutton_prompt_text = r"\$ "
 copybutton_prompt_is_regexp = True
 
 
+def compile_template_once() -> None:
+    """Let numpydoc compile its template once, and not for each docstring."""
+    numpydoc: Any = import_module("numpydoc.docscrape_sphinx")
+    made: list[Any] = []
+    make = numpydoc.SandboxedEnvironment
+
+    def first(loader: Any) -> Any:
+        if not made:
+            made.append(make(loader=loader))
+        return made[0]
+
+    numpydoc.SandboxedEnvironment = first
+
+
 def setup(application: Any) -> None:
     """Write what is made from the code before the pages are read."""
     from docs.reference_writer.pages import write_fragments
 
+    compile_template_once()
+    gc.disable()  # what is made of the pages stays to the end: there is little to find
     application.connect("builder-inited", lambda _: write_fragments(HERE / "_written"))

@@ -6,6 +6,10 @@ once. A copy runs the same ``main`` of the same module in the environment, folde
 told; it is a child of the process of the tests, which has its exit code and processor time. The
 tests of installation, those of the start itself and runs of the longest tutorial begin from
 nothing, as users do.
+
+The source has the libraries of ROS too, which a run loads after its nodes have begun: of the
+process of a node they are the larger part. The threads of their tracing, which wait for a program
+that records them, are not copied, so that a copy has one thread as it would have from nothing.
 """
 
 from __future__ import annotations
@@ -34,6 +38,9 @@ from sonar_tracking.graph.orchestration.forked_node import SHARED, fork_node
 
 LOADED = (
     *SHARED,
+    "rclpy.experimental",
+    "rclpy.node",
+    "rclpy.serialization",
     "sonar_tracking.active.contact_tracker",
     "sonar_tracking.active.multi_target_tracker",
     "sonar_tracking.evaluation.metrics.score_bag",
@@ -42,6 +49,12 @@ LOADED = (
     "sonar_tracking.graph.message_writing.contact_writing",
     "sonar_tracking.graph.message_writing.position_writing",
     "sonar_tracking.graph.message_writing.simulated_writing",
+    "sonar_tracking.graph.node_base.node_process",
+    "sonar_tracking.graph.node_base.simulator_node",
+    "sonar_tracking.graph.node_base.sonar_node",
+    "sonar_tracking.graph.orchestration.command_channel",
+    "sonar_tracking.graph.orchestration.control_node",
+    "sonar_tracking.graph.orchestration.simulated_source",
     "sonar_tracking.graph.verbs.run_command",
     "sonar_tracking.graph.verbs.run_replay",
     "sonar_tracking.graph.verbs.run_scenario",
@@ -54,7 +67,16 @@ LOADED = (
     "sonar_tracking.tma.tracker.tma_tracker_stage",
     "scipy.special",
 )
-"""What commands and nodes load; nothing of it starts a thread, which would forbid copies."""
+"""What commands and nodes load; no thread of it is one that a copy would miss."""
+
+MESSAGES = (
+    *{one.message_type: None for one in vars(topics).values() if isinstance(one, topics.Topic)},
+    "rcl_interfaces/msg/Log",
+    "rosgraph_msgs/msg/Clock",
+    "service_msgs/msg/ServiceEventInfo",
+    "type_description_interfaces/msg/TypeDescription",
+)
+"""The middleware loads a library for each package that has one of them."""
 
 LONGEST_REQUEST = 100_000
 """Most of it is the environment, bytes."""
@@ -159,9 +181,10 @@ def _warm_up() -> None:
     """Load what copies need, and have done what takes long the first time."""
     for each in LOADED:
         import_module(each)
-    for topic in (one for one in vars(topics).values() if isinstance(one, topics.Topic)):
-        installed_definition(topic.message_type)
-        message_class(topic.message_type).__import_type_support__()
+    serialize = import_module("rclpy.serialization").serialize_message
+    for message_type in MESSAGES:
+        installed_definition(message_type)
+        serialize(message_class(message_type)())
     CliRunner().invoke(cli.app, ["score", "nothing"])
 
 

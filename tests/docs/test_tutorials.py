@@ -157,8 +157,10 @@ def test_listener_prints_the_bearings(tmp_path: Path) -> None:
             stdout=output,
         )
     try:
-        run_line("sonar-tracking run doa_fusion --duration 10 --no-display", tmp_path)
+        words = shlex.split("run doa_fusion --duration 10 --no-display")
+        done = run_words(words, reader_environment(tmp_path), tmp_path)
     finally:
         listener.terminate()
         listener.wait()
+    assert done.returncode == 0, done.stdout
     assert re.search(r"\{1: -?\d\.\d+", heard.read_text())

@@ -170,6 +170,7 @@ def test_wheel_works_outside_of_the_tree(tmp_path: Path) -> None:
     pip = [sys.executable, "-m", "pip", "install", "--no-deps", "--no-index", "--ignore-installed"]
     options = [
         "--no-build-isolation",
+        "--no-compile",  # of which modules need it, Python does it by itself
         "--no-warn-script-location",
         f"--prefix={tmp_path / 'prefix'}",
     ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +11,29 @@ from sonar_tracking.bags.storage.bag_records import position_tracks_of
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.evaluation.offline.offline_fusion_chain import run_offline_fusion_chain
 from sonar_tracking.records.positions import PositionTracks
+from sonar_tracking.resources import find_resource
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
 from tests.system.command_line import report_of, run_command
+
+SOONER = {
+    "duration: 600.0": "duration: 120.0",
+    "time: 200.0": "time: 60.0",
+    "time: 300.0": "time: 90.0",
+    "[-3500.0, 2500.0]": "[-500.0, 2500.0]",
+    "[8000.0, 2500.0]": "[6200.0, 2500.0]",
+}
+"""Of the scenario: ships turn, and the far target of each comes into reach, within two minutes."""
+
+
+def scene_in(folder: Path) -> Path:
+    """Return the scenario of two ships, in which they meet sooner."""
+    text = find_resource("config/scenarios/ships_in_company.yaml").read_text()
+    for slow, soon in SOONER.items():
+        assert text.count(slow) == 1
+        text = text.replace(slow, soon)
+    scene = folder / "ships_in_company.yaml"
+    scene.write_text(text)
+    return scene
 
 
 def made_of(tracks: PositionTracks, row: int) -> set[str]:
@@ -25,15 +45,15 @@ def made_of(tracks: PositionTracks, row: int) -> set[str]:
 @pytest.mark.slow
 def test_two_ships_exchange_what_they_have_found_and_a_replay_does_the_same(tmp_path: Path) -> None:
     bag, report, again = tmp_path / "bag", tmp_path / "run.json", tmp_path / "again.json"
+    scene = scene_in(tmp_path)
     done = run_command(
         tmp_path,
-        *("run", "ships_in_company", "--duration", "400", "--rate", "max"),
-        *("--record", bag, "--json", report),
+        *("run", scene, "--rate", "max", "--record", bag, "--json", report),
     )
     assert done.returncode == 0, done.stdout
     live = report_of(report)
-    assert live["topics"]["/consort/passive/bearing_tracks"]["messages"] == 200
-    assert live["topics"]["/consort/own_ship/odometry"]["messages"] >= 200
+    assert live["topics"]["/consort/passive/bearing_tracks"]["messages"] == 60
+    assert live["topics"]["/consort/own_ship/odometry"]["messages"] >= 60
     assert live["latency_ms"]["fused_count"] > 0
     recording = read_bag(bag)
     lists = {
@@ -56,10 +76,10 @@ def test_two_ships_exchange_what_they_have_found_and_a_replay_does_the_same(tmp_
     assert done.returncode == 0, done.stdout
     compared = report_of(again)["comparison"]
     for topic in ("/tracks", "/own_tracks", "/consort/tracks", "/consort/own_tracks"):
-        assert compared[topic] == "identical: 200 messages"
+        assert compared[topic] == "identical: 60 messages"
 
     # What each ship makes of both does not depend on when the other one's lists have come.
-    scenario = replace(load_scenario("ships_in_company"), duration=400.0)
+    scenario = load_scenario(scene)
     for place, name in (("", "/tracks"), ("consort", "/consort/tracks")):
         _, updates = run_offline_fusion_chain(scenario, place)
         for told, one in zip(lists[name], updates, strict=True):
