@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 
 from sonar_tracking.motion import azimuth_from_compass
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
+from sonar_tracking.records.positions import PositionTracks
 from sonar_tracking.records.time import nanoseconds
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
@@ -39,20 +42,39 @@ def whale_frames(label: int) -> tuple[list[PassiveFrame], float]:
     return [PassiveFrame(stamp, tuple(lists[stamp])) for stamp in sorted(lists)], speed
 
 
+class Following:
+    """A whale at both arrays, followed as far as somebody has asked."""
+
+    def __init__(self, label: int) -> None:
+        self.frames, speed = whale_frames(label)
+        self._stage = TmaTrackerStage(TmaTrackerConfiguration(sound_speed=speed), n_stations=2)
+        self._lists: list[PositionTracks | None] = []
+
+    def tracks(self, number: int) -> PositionTracks | None:
+        """Return the list after a frame."""
+        while len(self._lists) <= number:
+            self._lists.append(self._stage.update(self.frames[len(self._lists)]).tracks)
+        return self._lists[number]
+
+
+following = cache(Following)
+"""That of a whale, by its number: its tests go on with what the others have followed."""
+
+
 @pytest.mark.data
+@pytest.mark.slow
 @pytest.mark.parametrize("label", [3, 4, 7])
 def test_recorded_whales_are_joined_and_between_bottom_and_surface(label: int) -> None:
-    frames, speed = whale_frames(label)
-    stage = TmaTrackerStage(TmaTrackerConfiguration(sound_speed=speed), n_stations=2)
+    whale = following(label)
     heights, deviations = [], []
-    for frame in frames:
-        tracks = stage.update(frame).tracks
+    for number in range(len(whale.frames)):
+        tracks = whale.tracks(number)
         if tracks is None or len(tracks) != 1 or len(set(tracks.contributor_sensor)) < 2:
             continue
         if tracks.status[0] == TrackStatus.CONFIRMED:
             heights.append(tracks.z[0])
             deviations.append(tracks.z_standard_deviation[0])
-    assert len(heights) > 0.4 * len(frames)
+    assert len(heights) > 0.4 * len(whale.frames)
     assert np.min(heights) > BOTTOM and np.max(heights) < SURFACE
     assert np.median(deviations) < 120.0
 
@@ -65,11 +87,10 @@ def test_a_recorded_whale_is_one_target_within_five_minutes_of_both_hearing_it(l
 
     Time counts while both have heard it within a minute: number 6 is silent for one for six.
     """
-    frames, speed = whale_frames(label)
-    stage = TmaTrackerStage(TmaTrackerConfiguration(sound_speed=speed), n_stations=2)
+    whale = following(label)
     heard: dict[str, int] = {}
-    together, before = 0, frames[0].stamp
-    for frame in frames:
+    together, before, last = 0, whale.frames[0].stamp, 0
+    for number, frame in enumerate(whale.frames):
         recent = [stamp for stamp in heard.values() if frame.stamp - stamp < nanoseconds(60.0)]
         if len(recent) == 2:
             together += frame.stamp - before
@@ -77,6 +98,7 @@ def test_a_recorded_whale_is_one_target_within_five_minutes_of_both_hearing_it(l
         if together > nanoseconds(300.0):
             break
         heard |= {one.sensor.sensor_id: frame.stamp for one in frame.bearings}
-        tracks = stage.update(frame).tracks
+        last = number
+    tracks = whale.tracks(last)
     assert tracks is not None and len(tracks) == 1
     assert set(tracks.contributor_sensor) == {"EE", "EW"}
