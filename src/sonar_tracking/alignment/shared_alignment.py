@@ -161,6 +161,33 @@ def shared_alignment(
     return SharedAlignment(misalignment, common, aligned_mean, aligned_covariance)
 
 
+class LastSharedAlignment:
+    """Remembers what all targets told last: within an instant it is asked for several times."""
+
+    def __init__(self) -> None:
+        self._known: tuple[AlignedTargets, AlignmentInformation, SharedAlignment] | None = None
+
+    def of(
+        self, targets: AlignedTargets, ended: AlignmentInformation, prior: FloatArray
+    ) -> SharedAlignment:
+        """Return the same as :func:`shared_alignment`.
+
+        Parameters
+        ----------
+        targets : AlignedTargets
+            As there; the same object is the same targets.
+        ended : AlignmentInformation
+            As there; the same object is the same information.
+        prior : ndarray, shape (n_arrays,)
+            As there, rad^2; the same for the same targets.
+        """
+        known = self._known
+        if known is None or known[0] is not targets or known[1] is not ended:
+            known = targets, ended, shared_alignment(targets, ended, prior)
+            self._known = known
+        return known[2]
+
+
 def told_alignment(
     mean: FloatArray, covariance: FloatArray, misalignment: FloatArray, common: FloatArray
 ) -> tuple[FloatArray, FloatArray]:

@@ -9,6 +9,9 @@ from sonar_tracking.records.arrays import BoolArray, FloatArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.positions import PositionTracks
 
+ASYMMETRY = 1e-6
+"""Of a covariance that is one, from rounding; relative to its entries."""
+
 
 def are_covariances(matrices: FloatArray) -> BoolArray:
     """Return which matrices are symmetric, finite and positive definite.
@@ -25,7 +28,8 @@ def are_covariances(matrices: FloatArray) -> BoolArray:
     """
     finite = np.all(np.isfinite(matrices), axis=(-2, -1))
     safe = np.where(finite[:, None, None], matrices, 0.0)
-    symmetric = np.all(np.isclose(safe, safe.swapaxes(-1, -2), rtol=1e-6, atol=0.0), axis=(-2, -1))
+    mirrored = safe.swapaxes(-1, -2)
+    symmetric = np.all(np.abs(safe - mirrored) <= ASYMMETRY * np.abs(mirrored), axis=(-2, -1))
     positive = np.linalg.eigvalsh(safe)[:, 0] > 0.0
     return np.asarray(finite & symmetric & positive)
 

@@ -23,12 +23,12 @@ from sonar_tracking.alignment.bearing_errors import BearingErrors
 from sonar_tracking.alignment.measured_bearings import Bearings
 from sonar_tracking.alignment.shared_alignment import (
     AlignmentInformation,
+    LastSharedAlignment,
     SharedAlignment,
     ToldOfArrays,
     information_of,
     log_agreement,
     no_information,
-    shared_alignment,
 )
 from sonar_tracking.alignment.target_updates import (
     expected_azimuths,
@@ -78,6 +78,7 @@ class TargetFilters:
         self.targets: list[FusedTarget] = []
         self._aligned = begun(np.empty((0, 4)), np.empty((0, 4, 4)), strengths, np.empty(0))
         self._echoes_alone = self._aligned
+        self._shared = LastSharedAlignment()
         self.trials = BearingTrials(self._aligned)
         self.exchanges = Exchanges(self._aligned)
 
@@ -241,8 +242,8 @@ class TargetFilters:
         A bearing that is not is weighed, but drags no target along: it may be of something else.
         """
         errors = self._errors[bearings.array]
-        told = bearings.variance / errors.scale
-        errors.learn([one.key for one in found], innovation, spread, told)
+        keys = [one.key for one in found]
+        errors.learn(keys, innovation, spread, bearings.variance / errors.scale)
         return np.asarray(innovation**2 <= GATE**2 * (spread + bearings.variance))
 
     def try_bearings(self, found: Sequence[HeardBearing]) -> None:
@@ -253,8 +254,8 @@ class TargetFilters:
     def begin_trials(self, trials: Sequence[Trial]) -> None:
         """Try whether bearing tracks are of targets."""
         if trials:
-            rows = self._rows([one.target for one in trials])
-            self.trials.begin(trials, self._aligned.rows(rows))
+            targets = [one.target for one in trials]
+            self.trials.begin(trials, self._aligned.rows(self._rows(targets)))
 
     def consider(self, exchanges: Sequence[Exchange]) -> None:
         """Consider whether targets have exchanged tracks."""
@@ -292,7 +293,7 @@ class TargetFilters:
 
     def picture(self) -> SharedAlignment:
         """Return what all targets tell together."""
-        return shared_alignment(self._aligned, self._ended, self.prior)
+        return self._shared.of(self._aligned, self._ended, self.prior)
 
     def alignments(self, seen: SharedAlignment, stamp: int, next_stamp: int) -> ArrayAlignments:
         """Return what is known of the alignment of each array, with a stamp and watermark, ns."""
