@@ -241,8 +241,7 @@ class TargetFilters:
 
         A bearing that is not is weighed, but drags no target along: it may be of something else.
         """
-        errors = self._errors[bearings.array]
-        keys = [one.key for one in found]
+        errors, keys = self._errors[bearings.array], [one.key for one in found]
         errors.learn(keys, innovation, spread, bearings.variance / errors.scale)
         return np.asarray(innovation**2 <= GATE**2 * (spread + bearings.variance))
 

@@ -18,7 +18,7 @@ from sonar_tracking.evaluation.studies.tma_frequency_fusion.batch_rows import (
     LIKELIHOOD,
     PATH,
 )
-from sonar_tracking.evaluation.studies.tma_frequency_fusion.cases import CASES
+from sonar_tracking.evaluation.studies.tma_frequency_fusion.cases import CASES, estimate_case
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.histories import frame_metrics
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.random_scenes import (
     estimate_random_scenes,
@@ -45,12 +45,25 @@ LINES_AND_STRAIGHT = ("own ship straight, lines 1 Hz", "own ship straight, lines
 """Cases of the whole study from whose rows these tests conclude nothing."""
 
 
-def few_random_scenes(task: Task) -> Task:
-    """Return a task as it is; of random scenes, whose figures no test looks at, one of them."""
-    if task.function is not estimate_random_scenes:
-        return task
+def with_runs_needed(task: Task) -> Task:
+    """Return a task with as many of its runs as these tests draw conclusions from.
+
+    Nothing is said of random scenes and, but that there are rows, of S3. Outliers alone are
+    compared with the clean runs; whether alarms come in other cases, and the NEES, fewer tell.
+    """
     batch = task.argument
-    return replace(task, argument=replace(batch, seeds=batch.seeds[:1]))
+    if task.function is estimate_random_scenes:
+        return replace(task, argument=replace(batch, seeds=batch.seeds[:1]))
+    if not isinstance(batch, SceneBatch):
+        return task
+    if task.function is estimate_batch and batch.scenario == "S3":
+        count = 5
+    elif task.function is estimate_case and batch.scenario != "5 % outliers":
+        count = RUNS // 2
+    else:
+        return task
+    seeds = batch.batch.seeds[:count]
+    return replace(task, argument=replace(batch, batch=replace(batch.batch, seeds=seeds)))
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +73,7 @@ def results() -> Iterator[Sequence[Any]]:
         patch.setattr(observability_rows, "RUNS", 1)
         for case in NOT_ASKED_FOR:
             patch.delitem(CASES, case)
-        tasks = [few_random_scenes(task) for task in TMA_FREQUENCY_FUSION.tasks(RUNS, 1)]
+        tasks = [with_runs_needed(task) for task in TMA_FREQUENCY_FUSION.tasks(RUNS, 1)]
         yield [
             task.function(task.argument)
             for task in tasks
