@@ -23,6 +23,9 @@ from tests.tma.runs_together import follow_together
 BOUND_S1, BOUND_S2, BOUND_S3 = 80.5, 144.1, 83.2
 """Root of the posterior bound on the range in the last frame, m."""
 
+N_RUNS = {"S1": 40, "S2": 60, "S3": 40}
+"""As many as each scene needs for its NEES to be told from 0.6 and 1.5."""
+
 
 def runs_of(scene: TmaScene, n_runs: int = 30) -> TmaRuns:
     return simulate_runs(scene, np.random.SeedSequence(11).spawn(n_runs))
@@ -34,12 +37,12 @@ def last_range_rmse(histories: TmaHistories) -> float:
 
 @cache
 def followed(name: str) -> list[TmaHistories]:
-    """Return 60 runs of a scene; of S1 the first 20 with outliers too, of S3 some with silence."""
-    parts = [runs_of(scenario(name), 60)]
+    """Return the runs of a scene; of S1 the first 20 with outliers too, of S3 some with silence."""
+    parts = [runs_of(scenario(name), N_RUNS[name])]
     if name == "S1":
         parts.append(wild(first_of(parts[0], 20)))
     if name == "S3":
-        parts.append(runs_of(silenced(scenario(name))))
+        parts.append(runs_of(silenced(scenario(name)), 20))
     return follow_together(RangeBank(), parts)
 
 
