@@ -1,7 +1,7 @@
 /* Fixed-interval smoother of a linear system: linear_recursion.py, compiled.
  *
- * All operations are those of linear_recursion.py in their order, and none is contracted: both
- * give the same bits.
+ * All operations are those of linear_recursion.py, the sums in their order, and none is contracted:
+ * both give the same bits. What is multiplied by zero is not added.
  */
 
 #define PY_SSIZE_T_CLEAN
@@ -19,39 +19,86 @@ typedef struct {
 } problem;
 
 /* out = left right, shapes (n, m) and (m, p) */
-static void product(const double *left, const double *right, count n, count m, count p,
-                    double *out)
+static void product(const double *restrict left, const double *restrict right, count n, count m,
+                    count p, double *restrict out)
 {
     for (count i = 0; i < n; i++) {
-        double *own = out + i * p;
+        double *restrict own = out + i * p;
         for (count j = 0; j < p; j++)
             own[j] = left[i * m] * right[j];
-        for (count k = 1; k < m; k++)
+        for (count k = 1; k < m; k++) {
+            const double factor = left[i * m + k];
+            const double *restrict row = right + k * p;
             for (count j = 0; j < p; j++)
-                own[j] += left[i * m + k] * right[k * p + j];
+                own[j] += factor * row[j];
+        }
     }
 }
 
-/* out = left right^T, shapes (n, m) and (p, m) */
-static void product_transposed(const double *left, const double *right, count n, count m, count p,
-                               double *out)
+/* The same of square matrices, the left one with few entries but zero: these are left out */
+static void sparse_product(const double *restrict left, const double *restrict right, count n,
+                           double *restrict out)
+{
+    for (count i = 0; i < n; i++) {
+        double *restrict own = out + i * n;
+        for (count j = 0; j < n; j++)
+            own[j] = 0.0;
+        for (count k = 0; k < n; k++) {
+            const double factor = left[i * n + k];
+            const double *restrict row = right + k * n;
+            if (factor != 0.0)
+                for (count j = 0; j < n; j++)
+                    own[j] += factor * row[j];
+        }
+    }
+}
+
+/* out = matrix^T, shape (n, n) */
+static void transpose(const double *restrict matrix, count n, double *restrict out)
 {
     for (count i = 0; i < n; i++)
-        for (count j = 0; j < p; j++) {
-            double sum = left[i * m] * right[j * m];
-            for (count k = 1; k < m; k++)
-                sum += left[i * m + k] * right[j * m + k];
-            out[i * p + j] = sum;
-        }
+        for (count j = 0; j < n; j++)
+            out[j * n + i] = matrix[i * n + j];
+}
+
+/* out = matrix row^T, shape (n,), of a row with few entries but zero; returns row out */
+static double applied(const double *restrict matrix, const double *restrict row, count n,
+                      double *restrict out)
+{
+    double sum = 0.0;
+    for (count i = 0; i < n; i++)
+        out[i] = 0.0;
+    for (count k = 0; k < n; k++) {
+        const double factor = row[k];
+        if (factor != 0.0)
+            for (count i = 0; i < n; i++)
+                out[i] += matrix[i * n + k] * factor;
+    }
+    for (count k = 0; k < n; k++)
+        if (row[k] != 0.0)
+            sum += row[k] * out[k];
+    return sum;
+}
+
+/* Sum of the products of a row, with few entries but zero, and a column */
+static double inner_product(const double *restrict row, const double *restrict column, count n)
+{
+    double sum = 0.0;
+    for (count k = 0; k < n; k++)
+        if (row[k] != 0.0)
+            sum += row[k] * column[k];
+    return sum;
 }
 
 /* Lower Cholesky factor in place, row length n; returns whether there is one */
 static int factorise(double *matrix, count n, count used)
 {
     for (count j = 0; j < used; j++) {
-        for (count i = j; i < used; i++)
-            for (count k = 0; k < j; k++)
-                matrix[i * n + j] -= matrix[i * n + k] * matrix[j * n + k];
+        for (count k = 0; k < j; k++) {
+            const double factor = matrix[j * n + k];
+            for (count i = j; i < used; i++)
+                matrix[i * n + j] -= matrix[i * n + k] * factor;
+        }
         if (!(matrix[j * n + j] > 0.0))
             return 0;
         const double root = sqrt(matrix[j * n + j]);
@@ -71,8 +118,11 @@ static void predict(const problem *all, count time, const double *state, const d
     const double *noise = all->noise + time * square;
     double *ahead = all->ahead + time * square;
     product(transition, state, n, n, 1, all->ahead_mean + time * n);
-    product(transition, spread, n, n, n, room);
-    product_transposed(room, transition, n, n, n, ahead);
+    double *turned = room + square;
+    sparse_product(transition, spread, n, room);
+    transpose(room, n, turned);
+    sparse_product(transition, turned, n, room);
+    transpose(room, n, ahead);
     for (count i = 0; i < square; i++)
         ahead[i] += noise[i];
 }
@@ -85,15 +135,13 @@ static int judge(const problem *all, count time, const count *there, count found
     const double *state = all->ahead_mean + time * n, *spread = all->ahead + time * n * n;
     for (count a = 0; a < found; a++) {
         const double *own = all->matrix + (time * rows + there[a]) * n;
-        product_transposed(spread, own, n, n, 1, crossed + a * n);
-        for (count b = 0; b <= a; b++) {
+        inner[a * rows + a] = applied(spread, own, n, crossed + a * n);
+        for (count b = 0; b < a; b++) {
             const double *other = all->matrix + (time * rows + there[b]) * n;
-            product_transposed(other, crossed + a * n, 1, n, 1, inner + a * rows + b);
+            inner[a * rows + b] = inner_product(other, crossed + a * n, n);
         }
         inner[a * rows + a] += all->variance[time * rows + there[a]];
-        double expected;
-        product_transposed(own, state, 1, n, 1, &expected);
-        scaled[a] = all->measured[time * rows + there[a]] - expected;
+        scaled[a] = all->measured[time * rows + there[a]] - inner_product(own, state, n);
     }
     if (!factorise(inner, rows, found))
         return 0;
@@ -110,25 +158,32 @@ static int judge(const problem *all, count time, const count *there, count found
 }
 
 /* Take the rows in, one after the other */
-static void update(const problem *all, count time, const count *there, count found, double *room)
+static void update(const problem *all, count time, const count *there, count found,
+                   double *restrict room)
 {
     const count n = all->size;
-    double *state = all->mean + time * n, *spread = all->covariance + time * n * n;
+    double *restrict state = all->mean + time * n;
+    double *restrict spread = all->covariance + time * n * n;
     for (count a = 0; a < found; a++) {
         const count place = time * all->rows + there[a];
         const double *own = all->matrix + place * n;
-        double expected, variance;
-        product_transposed(spread, own, n, n, 1, room);
-        product_transposed(own, room, 1, n, 1, &variance);
-        product_transposed(own, state, 1, n, 1, &expected);
-        variance += 1.0 / all->weight[place];
-        const double step = (all->measured[place] - expected) / variance;
+        const double variance = applied(spread, own, n, room) + 1.0 / all->weight[place];
+        const double step = (all->measured[place] - inner_product(own, state, n)) / variance;
         for (count i = 0; i < n; i++) {
-            state[i] += room[i] * step;
+            const double crossed = room[i];
+            double *restrict remaining = spread + i * n;
+            state[i] += crossed * step;
             for (count j = 0; j < n; j++)
-                spread[i * n + j] -= room[i] * room[j] / variance;
+                remaining[j] -= crossed * room[j] / variance;
         }
     }
+}
+
+/* row -= factor other */
+static void take_off(double *restrict row, double factor, const double *restrict other, count n)
+{
+    for (count j = 0; j < n; j++)
+        row[j] -= factor * other[j];
 }
 
 /* backward = (ahead^-1 forwards)^T of the instant before */
@@ -137,27 +192,23 @@ static int find_backward(const problem *all, count time, double *room)
     const count n = all->size, square = n * n;
     double *factor = room, *forwards = room + square, *backward = all->backward + (time - 1) * square;
     memcpy(factor, all->ahead + time * square, (size_t)square * sizeof(double));
-    product(all->transition + time * square, all->covariance + (time - 1) * square, n, n, n,
-            forwards);
+    sparse_product(all->transition + time * square, all->covariance + (time - 1) * square, n,
+                   forwards);
     if (!factorise(factor, n, n))
         return 0;
     for (count i = 0; i < n; i++) {
         for (count k = 0; k < i; k++)
-            for (count j = 0; j < n; j++)
-                forwards[i * n + j] -= factor[i * n + k] * forwards[k * n + j];
+            take_off(forwards + i * n, factor[i * n + k], forwards + k * n, n);
         for (count j = 0; j < n; j++)
             forwards[i * n + j] /= factor[i * n + i];
     }
     for (count i = n - 1; i >= 0; i--) {
         for (count k = i + 1; k < n; k++)
-            for (count j = 0; j < n; j++)
-                forwards[i * n + j] -= factor[k * n + i] * forwards[k * n + j];
+            take_off(forwards + i * n, factor[k * n + i], forwards + k * n, n);
         for (count j = 0; j < n; j++)
             forwards[i * n + j] /= factor[i * n + i];
     }
-    for (count i = 0; i < n; i++)
-        for (count j = 0; j < n; j++)
-            backward[j * n + i] = forwards[i * n + j];
+    transpose(forwards, n, backward);
     return 1;
 }
 
@@ -176,7 +227,8 @@ static void smooth_back(const problem *all, count time, double *room)
         difference[i] =
             all->covariance[(time + 1) * square + i] - all->ahead[(time + 1) * square + i];
     product(back, difference, n, n, n, moved);
-    product_transposed(moved, back, n, n, n, change);
+    transpose(back, n, difference);
+    product(moved, difference, n, n, n, change);
     for (count i = 0; i < square; i++)
         all->covariance[time * square + i] += change[i];
 }

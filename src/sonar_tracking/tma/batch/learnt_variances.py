@@ -20,7 +20,7 @@ import numpy as np
 
 from sonar_tracking.records.arrays import FloatArray, IntArray
 from sonar_tracking.tma.batch.linear_smoother import SmoothedStates
-from sonar_tracking.tma.batch.target_history import TargetHistory, rows_at
+from sonar_tracking.tma.batch.target_history import HistoryRows, TargetHistory
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
 
 BLOCK = 60.0
@@ -69,10 +69,10 @@ class Learnt:
     @staticmethod
     def of(history: TargetHistory, acceleration: float, manoeuvre: float) -> Learnt:
         """Return what is taken before the first pass: turns anywhere, errors as told."""
-        groups = history.groups()
+        groups = history.groups
         told = np.zeros(history.n_errors)
         for error in range(history.n_errors):
-            own = history.deviations()[:, :2][groups[:, :2] == error]
+            own = history.deviations[:, :2][groups[:, :2] == error]
             told[error] = np.median(own[np.isfinite(own)]) if np.isfinite(own).any() else 0.0
         return Learnt(
             acceleration=np.full(len(history.times), max(acceleration, manoeuvre)),
@@ -86,6 +86,7 @@ class Learnt:
 def learn(
     history: TargetHistory,
     states: SmoothedStates,
+    rows: HistoryRows,
     learnt: Learnt,
     correlation_time: float,
     acceleration: float,
@@ -99,6 +100,8 @@ def learn(
         What was measured.
     states : SmoothedStates
         Of the pass.
+    rows : HistoryRows
+        At these states.
     learnt : Learnt
         What the pass went by.
     correlation_time : float
@@ -113,7 +116,7 @@ def learn(
         largest=learnt.largest,
         fast=_lasting_errors(history, states, learnt, correlation_time),
         told=learnt.told,
-        ratio=_ratios(history, states.mean, learnt, freedom),
+        ratio=_ratios(history, rows, learnt, freedom),
     )
 
 
@@ -188,14 +191,16 @@ def _lasting_errors(
     return found
 
 
-def _ratios(history: TargetHistory, path: FloatArray, learnt: Learnt, freedom: float) -> FloatArray:
+def _ratios(
+    history: TargetHistory, rows: HistoryRows, learnt: Learnt, freedom: float
+) -> FloatArray:
     """Return the variance of each group of rows over that told.
 
     The scale of Student's t distribution, which outliers do not own. Errors of a line may last:
     sums over blocks of what white noise would leave independent tell how much more that is.
     """
-    rows, groups, block = rows_at(history, path), history.groups(), _blocks(history)
-    deviation = np.where(rows.present, history.deviations(), 1.0)
+    groups, block = history.groups, _blocks(history)
+    deviation = np.where(rows.present, history.deviations, 1.0)
     size = rows.residual / (deviation * np.sqrt(learnt.ratio[groups]))
     score = (freedom + 1.0) / (freedom + size**2) * size
     found = learnt.ratio.copy()

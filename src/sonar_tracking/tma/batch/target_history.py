@@ -13,6 +13,7 @@ faster one, and v the target's velocity; where sound takes no time, c alone.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -76,27 +77,27 @@ class TargetHistory:
         """Columns of lines."""
         return self.frequency.shape[1]
 
-    @property
+    @cached_property
     def n_stations(self) -> int:
         """Stations that measured."""
         return int(self.station.max(initial=0)) + 1
 
-    @property
+    @cached_property
     def n_errors(self) -> int:
         """Errors that last, of one kind: one a station, two if elevations were measured."""
         return self.n_stations * (2 if np.isfinite(self.elevation).any() else 1)
 
-    @property
+    @cached_property
     def slow(self) -> IntArray:
         """Columns of constant errors in the state, shape (n_errors,): azimuths, then elevations."""
         return KINEMATIC + np.arange(self.n_errors)
 
-    @property
+    @cached_property
     def fast(self) -> IntArray:
         """Columns of the faster errors in the state, shape (n_errors,), in the same order."""
         return KINEMATIC + self.n_errors + np.arange(self.n_errors)
 
-    @property
+    @cached_property
     def lines(self) -> IntArray:
         """Columns of the source frequencies in the state, shape (n_lines,)."""
         return KINEMATIC + 2 * self.n_errors + np.arange(self.n_lines)
@@ -106,13 +107,15 @@ class TargetHistory:
         """Length of the state: motion, lasting errors, source frequencies."""
         return KINEMATIC + 2 * self.n_errors + self.n_lines
 
+    @cached_property
     def deviations(self) -> FloatArray:
-        """Return the standard deviation of every row, shape (n, 2 + n_lines), rad and Hz."""
+        """Standard deviation of every row, shape (n, 2 + n_lines), rad and Hz."""
         directions = np.stack([self.azimuth_deviation, self.elevation_deviation], axis=1)
         return np.concatenate([directions, self.frequency_deviation], axis=1)
 
+    @cached_property
     def groups(self) -> IntArray:
-        """Return a number for each row, shape (n, 2 + n_lines): one a kind of error.
+        """A number for each row, shape (n, 2 + n_lines): one a kind of error.
 
         Azimuths of each station, elevations of each station, each line.
         """
@@ -191,7 +194,7 @@ def rows_at(history: TargetHistory, path: FloatArray) -> HistoryRows:
         derivative[:, LINES:, :KINEMATIC] = source[:, :, None] * gradient[:, None, :]
         derivative[:, LINES + np.arange(n_lines), history.lines] = factor[:, None]
     refer_to_now(derivative, path[:, 2:KINEMATIC], direction, delay, history.propagation_speed)
-    present = np.isfinite(residual) & np.isfinite(history.deviations())
+    present = np.isfinite(residual) & np.isfinite(history.deviations)
     return HistoryRows(
         np.where(present, residual, 0.0), np.where(present[..., None], derivative, 0.0), present
     )

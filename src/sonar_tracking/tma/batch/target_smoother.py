@@ -236,19 +236,22 @@ def _smooth(
     intervals = np.diff(history.times, prepend=history.times[0])
     path = _full_path(history, start)
     learnt = Learnt.of(history, parameters.acceleration, parameters.manoeuvre_acceleration)
+    rows = rows_at(history, path)
     for number in range(parameters.passes):
         widening = WIDENING[number] if number < len(WIDENING) else 1.0
-        rows = rows_at(history, path)
         first = _first(history, prior, path, learnt)
         system = _system(history, first, path, rows, learnt, widening, correlation_time, parameters)
         if weave is not None:
             system = weaving_system(system, intervals, weave)
         states = smooth_linear(system)
+        if number == parameters.passes - 1:
+            break
         path = states.mean[:, : history.size]
+        rows = rows_at(history, path)
         if number < len(WIDENING):
             continue
         taught = learn(
-            *(history, states, learnt, correlation_time),
+            *(history, states, rows, learnt, correlation_time),
             *(parameters.acceleration, parameters.degrees_of_freedom),
         )
         if weave is not None:
@@ -299,8 +302,8 @@ def _system(
     parameters: TargetSmootherConfiguration,
 ) -> LinearSystem:
     """Return the system linearised at a path, its rows weighed."""
-    ratio = learnt.ratio[history.groups()]
-    variance = np.where(rows.present, widening**2 * ratio * history.deviations() ** 2, 1.0)
+    ratio = learnt.ratio[history.groups]
+    variance = np.where(rows.present, widening**2 * ratio * history.deviations**2, 1.0)
     freedom = parameters.degrees_of_freedom
     weight = (freedom + 1.0) / (freedom + rows.residual**2 / variance) / variance
     # What was measured, referred to the state instead of to errors of the last path.

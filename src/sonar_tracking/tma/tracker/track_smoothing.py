@@ -186,7 +186,7 @@ def _history(
 
 def _measured(history: TargetHistory) -> BoolArray:
     """Return at which instants something was measured, shape (n,)."""
-    return np.asarray(np.isfinite(history.deviations()).any(axis=1))
+    return np.asarray(np.isfinite(history.deviations).any(axis=1))
 
 
 def _heard(
