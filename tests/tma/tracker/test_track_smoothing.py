@@ -32,8 +32,12 @@ def observed(one: OfflineTmaRun) -> Observations:
     return log.observations
 
 
-@cache
 def smoothed(name: str, seed: int | None = None) -> SmoothedTracks:
+    return _smoothed(name, seed)
+
+
+@cache
+def _smoothed(name: str, seed: int | None) -> SmoothedTracks:
     one = run(name, seed)
     return smooth_tracks(one.tracks, observed(one), TRACKER, SMOOTHER)
 
