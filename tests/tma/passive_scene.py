@@ -20,7 +20,7 @@ from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.scenarios.target import LineConfiguration, TargetConfiguration
 from sonar_tracking.simulation.sensors.bearing_simulation import BearingSimulation, SimulatedFrame
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame, TmaUpdate
-from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage, update_together
 
 SECOND = 10**9
 LINES = (LineConfiguration(210.0), LineConfiguration(300.0), LineConfiguration(350.0))
@@ -78,6 +78,18 @@ def frames_of(scenario: Scenario) -> list[PassiveFrame]:
 def fed(stage: TmaTrackerStage, frames: Sequence[PassiveFrame]) -> list[TmaUpdate]:
     """Return what follows from each frame."""
     return [stage.update(frame) for frame in frames]
+
+
+def fed_together(
+    stages: Sequence[TmaTrackerStage], frames: Sequence[Sequence[PassiveFrame]]
+) -> list[list[TmaUpdate]]:
+    """Return what follows from each frame in runs that know nothing of each other.
+
+    All go on at once, which costs less: tests/tma/tracker/test_joint_observation.py protects that
+    they give what each gives by itself.
+    """
+    updates = [update_together(stages, instant) for instant in zip(*frames, strict=True)]
+    return [list(own) for own in zip(*updates, strict=True)]
 
 
 def listed(update: TmaUpdate) -> PositionTracks:

@@ -15,7 +15,7 @@ from sonar_tracking.tma.targets.passive_frame import PassiveFrame
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
 from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
 from tests.tma.direction_reports import reported, seen_from
-from tests.tma.passive_scene import SECOND, listed
+from tests.tma.passive_scene import SECOND, fed, fed_together, listed
 
 WEST, EAST = np.array([0.0, 0.0, -1300.0]), np.array([1500.0, 0.0, -1250.0])
 BOTH = {"west": WEST, "east": EAST}
@@ -52,24 +52,22 @@ def diving(generator: np.random.Generator, n_frames: int, turn: range) -> FloatA
     return np.array(path)
 
 
-def followed(
+def seen_frames(
     stations: Mapping[str, FloatArray],
     seed: int,
-    n_frames: int = 300,
-    configuration: TmaTrackerConfiguration = CONFIGURATION,
+    n_frames: int,
     elevation_error: FloatArray | None = None,
-) -> list[Moment]:
-    """Return what becomes of the target; an error of the first station's elevations may be added.
+) -> tuple[FloatArray, list[PassiveFrame]]:
+    """Return where the target is, m, and what the stations tell of it.
 
     Parameters
     ----------
     elevation_error : ndarray, shape (n_frames,), optional
-        rad.
+        Of the elevations of the first station besides their noise, rad.
     """
     generator = np.random.default_rng(seed)
     path = diving(generator, n_frames, range(150, 240))
-    stage = TmaTrackerStage(configuration, len(stations))
-    moments = []
+    frames = []
     for frame, place in enumerate(path):
         stamp = (1000 + frame) * SECOND
         noise = {name: DEVIATION * generator.standard_normal(2) for name in stations}
@@ -79,8 +77,21 @@ def followed(
         for name, station in stations.items():
             azimuth, elevation = (seen_from(station, place) + noise[name]).tolist()
             lists.append(reported(name, station, azimuth, elevation, DEVIATION, stamp))
-        moments.append(Moment(place, listed(stage.update(PassiveFrame(stamp, tuple(lists))))))
-    return moments
+        frames.append(PassiveFrame(stamp, tuple(lists)))
+    return path, frames
+
+
+def followed(
+    stations: Mapping[str, FloatArray],
+    seed: int,
+    n_frames: int = 300,
+    configuration: TmaTrackerConfiguration = CONFIGURATION,
+    elevation_error: FloatArray | None = None,
+) -> list[Moment]:
+    """Return what becomes of the target."""
+    path, frames = seen_frames(stations, seed, n_frames, elevation_error)
+    updates = fed(TmaTrackerStage(configuration, len(stations)), frames)
+    return [Moment(place, listed(one)) for place, one in zip(path, updates, strict=True)]
 
 
 def joint(tracks: PositionTracks) -> bool:
@@ -96,8 +107,11 @@ def test_two_stations_find_the_height_of_a_target_that_turns_and_dives() -> None
     Three runs see half or twice the deviations as five do: their mean squares are the same.
     """
     on_the_plane, upwards = [], []
-    for seed in range(3):
-        moments = followed(BOTH, seed)
+    runs = [seen_frames(BOTH, seed, 300) for seed in range(3)]
+    stages = [TmaTrackerStage(CONFIGURATION, len(BOTH)) for _ in runs]
+    together = fed_together(stages, [frames for _, frames in runs])
+    for (path, _), updates in zip(runs, together, strict=True):
+        moments = [Moment(place, listed(one)) for place, one in zip(path, updates, strict=True)]
         assert any(joint(tracks) for _, tracks in moments)
         for place, tracks in moments[FOUND_AFTER:]:
             if joint(tracks):
