@@ -31,14 +31,14 @@ from tests.tma.passive_scene import (
     simulated,
 )
 
-ABOARD = replace(DIRECTIONS, frame_interval=4.0)
+ABOARD = replace(DIRECTIONS, frame_interval=8.0)
 BUOY = BearingSensorConfiguration(
     sensor_id="buoy",
     namespace="buoy",
     platform="fixed",
     position=(3000.0, -500.0),
     angle_kind="azimuth",
-    frame_interval=4.0,
+    frame_interval=8.0,
 )
 TOLD = TmaTrackerConfiguration()
 """Stations are taken to be aligned, whatever their bearings tell."""
@@ -191,8 +191,10 @@ TURNING_SHIPS = (
 
 @pytest.mark.slow
 def test_ships_that_turn_near_two_aligned_stations_turn_none() -> None:
-    buoy = replace(BUOY, position=(4000.0, -500.0), frequency_standard_deviation=0.1)
-    stations = (replace(ABOARD, frequency_standard_deviation=0.1), buoy)
+    near = replace(BUOY, position=(4000.0, -500.0))
+    stations = tuple(
+        replace(one, frequency_standard_deviation=0.1, frame_interval=4.0) for one in (ABOARD, near)
+    )
     stage = TmaTrackerStage(SOUGHT, n_stations=2)
     slow = replace(TURNING, speed=3.0)
     sea = scene(*stations, own_ship=slow, targets=TURNING_SHIPS, duration=560.0, seed=4)
