@@ -7,10 +7,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Literal
 
-import yaml
-
 from sonar_tracking.bags.contents.bag_information import WRAPPING_KEY
-from sonar_tracking.bags.contents.stored_text import yaml_value
+from sonar_tracking.bags.contents.stored_text import yaml_text, yaml_value
 
 _LARGEST_DEPTH = 1 << 20
 _INFINITE = {"sec": 9223372036, "nsec": 854775807}
@@ -48,7 +46,7 @@ class OfferedQuality:
 
     def as_text(self) -> str:
         """Return the list of this one profile as YAML, as MCAP channels carry it."""
-        return yaml.safe_dump([self.as_profile()], sort_keys=False)
+        return yaml_text([self.as_profile()])
 
 
 @dataclass(frozen=True)
@@ -110,12 +108,12 @@ def metadata_mapping(
 
 def metadata_file_text(mapping: Mapping[str, Any]) -> str:
     """Return the text of ``metadata.yaml``: the mapping below a key of its own."""
-    return yaml.safe_dump({WRAPPING_KEY: dict(mapping)}, sort_keys=False)
+    return yaml_text({WRAPPING_KEY: dict(mapping)})
 
 
 def metadata_record_text(mapping: Mapping[str, Any]) -> str:
     """Return the text kept in the file itself: the bare mapping, its fields at the top level."""
-    return yaml.safe_dump(dict(mapping), sort_keys=False)
+    return yaml_text(dict(mapping))
 
 
 def _topic_entry(topic: TopicSummary) -> dict[str, Any]:

@@ -15,6 +15,10 @@ LARGEST_JSON = 16 << 20
 """Most characters of a text; YAML takes seconds for a million."""
 
 
+_DUMPER: type[Any] = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
+"""Compiled where there is libyaml: a recorder writes what its bag says anew with each topic."""
+
+
 class StoredTextError(ValueError):
     """A text cannot be read; the error says why."""
 
@@ -42,6 +46,12 @@ def yaml_value(text: str) -> Any:
         raise StoredTextError("it is nested too deeply") from None
     except (yaml.YAMLError, ValueError, TypeError, LookupError, ArithmeticError) as error:
         raise StoredTextError(_one_line(error)) from error
+
+
+def yaml_text(value: object) -> str:
+    """Return a value as YAML, its names in their order."""
+    text: str = yaml.dump(value, Dumper=_DUMPER, sort_keys=False)
+    return text
 
 
 def json_value(text: str) -> Any:

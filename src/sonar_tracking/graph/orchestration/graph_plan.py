@@ -10,8 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-import yaml
-
+from sonar_tracking.bags.contents.stored_text import yaml_text
 from sonar_tracking.graph.catalogue.flow_window import SHORT_WINDOW, depth_for
 from sonar_tracking.graph.catalogue.flow_window import VARIABLE as WINDOW
 from sonar_tracking.graph.catalogue.graph_names import ROOT_NAMES, GraphNames
@@ -223,7 +222,7 @@ def process_plan(
         if value != ()
     }
     full_name = naming.of_node(node.name) if naming.namespace else node.name
-    parameter_file.write_text(yaml.safe_dump({full_name: {"ros__parameters": plain}}))
+    parameter_file.write_text(yaml_text({full_name: {"ros__parameters": plain}}))
     large = any(topic.message_type in _LARGE_TYPES for topic in node.publishers)
     return ProcessPlan(
         name=node.name,
