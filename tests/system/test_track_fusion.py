@@ -17,11 +17,11 @@ from tests.system.command_line import digests, report_of, run_command
 
 SCENARIO = """
 name: fused
-duration: 240.0
+duration: 120.0
 active_sonar: {ping_interval: 10.0, maximum_range: 7000.0}
 own_ship:
   speed: 5.0
-  turns: [{time: 100.0, course_deg: 90.0, rate_deg: 2.0}]
+  turns: [{time: 50.0, course_deg: 90.0, rate_deg: 2.0}]
 bearing_sensors:
   - {sensor_id: array, angle_kind: cone, frame_interval: 2.0, misalignment_deg: 1.0}
   - sensor_id: buoy
@@ -40,7 +40,7 @@ nodes: {hpda_tracker: {}, tma_tracker: {}, track_fusion: {}}
 
 PLACES = """
 name: places
-duration: 60.0
+duration: 36.0
 own_ship: {speed: 5.0}
 array: {n_elements: 10, snapshot_rate: 40.0}
 stations:

@@ -11,8 +11,8 @@ from sonar_tracking.bags.storage.bag_records import position_tracks_of
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.evaluation.offline.offline_fusion_chain import run_offline_fusion_chain
 from sonar_tracking.records.positions import PositionTracks
-from sonar_tracking.resources import find_resource
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
+from tests.system.changed_scenarios import changed_scenario
 from tests.system.command_line import report_of, run_command
 
 SOONER = {
@@ -25,17 +25,6 @@ SOONER = {
 """Of the scenario: ships turn, and the far target of each comes into reach, within two minutes."""
 
 
-def scene_in(folder: Path) -> Path:
-    """Return the scenario of two ships, in which they meet sooner."""
-    text = find_resource("config/scenarios/ships_in_company.yaml").read_text()
-    for slow, soon in SOONER.items():
-        assert text.count(slow) == 1
-        text = text.replace(slow, soon)
-    scene = folder / "ships_in_company.yaml"
-    scene.write_text(text)
-    return scene
-
-
 def made_of(tracks: PositionTracks, row: int) -> set[str]:
     """Return the sensors and lists that a row is made of."""
     sensors = np.array(tracks.contributor_sensor)
@@ -45,7 +34,7 @@ def made_of(tracks: PositionTracks, row: int) -> set[str]:
 @pytest.mark.slow
 def test_two_ships_exchange_what_they_have_found_and_a_replay_does_the_same(tmp_path: Path) -> None:
     bag, report, again = tmp_path / "bag", tmp_path / "run.json", tmp_path / "again.json"
-    scene = scene_in(tmp_path)
+    scene = changed_scenario(tmp_path, "ships_in_company", SOONER)
     done = run_command(
         tmp_path,
         *("run", scene, "--rate", "max", "--record", bag, "--json", report),
