@@ -61,10 +61,12 @@ def tracker(folder: Path) -> Iterator[None]:
 
 
 @pytest.mark.system
-def test_its_tracks_are_those_of_the_import(tmp_path: Path) -> None:
+def test_its_tracks_are_those_of_the_import(
+    tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
+) -> None:
     """Live against imported and replayed: states, names and confirmations of every ping."""
     for block in blocks_of(PAGE):
-        run_block(block, tmp_path)
+        run_block(block, tmp_path, tmp_path_factory)
     replayed = list(position_tracks_of(read_bag(tmp_path / "ping_tracks"), "/active/tracks"))
     assert len(replayed) == N_PINGS
     assert np.count_nonzero(replayed[-1].status == TrackStatus.CONFIRMED) == 2

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -13,6 +14,7 @@ import pytest
 
 from tests.docs.code_blocks import DOCS, CodeBlock, all_blocks, blocks_of
 from tests.system.command_line import PATIENCE, environment, run_words
+from tests.system.shown_runs import shown_run
 
 NOT_RUN = {
     r"\./scripts/": "sets an environment up and runs for minutes; tests/system/test_set_up*.py",
@@ -56,6 +58,10 @@ FROM_NOTHING = "docs/tutorials/record_and_replay.md"
 """Page whose first run and replay are typed into a shell; others are copies, which load less."""
 
 
+RECORDED = "sonar-tracking run tma --duration 400 --rate max --no-display --record tma_bag"
+"""Run that test_scene.py of tests/system looks at, too: it is recorded once for both."""
+
+
 def is_run(line: str) -> bool:
     """Whether a line of a console block is run here."""
     return not any(re.match(pattern, line) for pattern in NOT_RUN)
@@ -77,7 +83,7 @@ def reader_environment(folder: Path) -> dict[str, str]:
     return {**environment(folder), "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}"}
 
 
-def run_block(block: CodeBlock, folder: Path) -> None:
+def run_block(block: CodeBlock, folder: Path, factory: pytest.TempPathFactory) -> None:
     """Do what a reader does with a block."""
     if block.caption:
         (folder / block.caption).write_text(block.text, encoding="utf-8")
@@ -88,6 +94,9 @@ def run_block(block: CodeBlock, folder: Path) -> None:
         commands = ["python -W error block.py"]
     first = block == blocks_of(DOCS.parent / FROM_NOTHING)[0]
     for line in commands:
+        if line == RECORDED:
+            shutil.copytree(shown_run(factory, "tma") / "bag", folder / "tma_bag")
+            continue
         program, *words = shlex.split(line)
         typed = first and words[0] in ("run", "replay")
         if program == "sonar-tracking" and not typed:
@@ -113,9 +122,11 @@ def run_line(line: str, folder: Path) -> None:
 
 
 @pytest.mark.parametrize("page", TUTORIALS)
-def test_page_works_from_top_to_bottom(page: str, tmp_path: Path) -> None:
+def test_page_works_from_top_to_bottom(
+    page: str, tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
+) -> None:
     for block in blocks_of(DOCS.parent / page):
-        run_block(block, tmp_path)
+        run_block(block, tmp_path, tmp_path_factory)
 
 
 def test_every_file_a_page_makes_is_used_by_it() -> None:
@@ -132,6 +143,7 @@ def test_every_reason_not_to_run_a_line_is_needed() -> None:
     lines = [line for block in all_blocks() for line in block.commands]
     unused = [pattern for pattern in NOT_RUN if not any(re.match(pattern, each) for each in lines)]
     assert not unused
+    assert RECORDED in lines
 
 
 def listener_blocks() -> list[CodeBlock]:

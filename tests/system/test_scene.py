@@ -13,8 +13,8 @@ from sonar_tracking.bags.contents.message_definitions import installed_typestore
 from sonar_tracking.bags.storage.reader import Bag, read_bag
 from sonar_tracking.message_reading.field_reading import stamp_from_time
 from sonar_tracking.scene.rigid_pose import RigidPose
-from tests.made_once import made_once
 from tests.system.command_line import RunningCommand, digests, report_of, run_command
+from tests.system.shown_runs import record, shown_run
 
 SHOWN = {"/tf", "/tf_static", "/diagnostics"}
 BASE = "own_ship/base_link"
@@ -60,22 +60,7 @@ class Tree:
 @pytest.fixture(scope="session")
 def shown(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     """Record a scenario with what is shown of it, once; return the folder of bag and report."""
-
-    def record(scenario: str) -> Path:
-        make = partial(recorded, scenario=scenario)
-        return made_once(tmp_path_factory, f"shown_{scenario}", make)
-
-    return record
-
-
-def recorded(folder: Path, scenario: str, *, pictures: bool = True) -> Path:
-    arguments = ("run", scenario, "--duration", 200, "--rate", "max", "--no-display")
-    bag = folder / "bag"
-    report = folder / "run.json"
-    done = run_command(folder, *arguments, "--record", bag, "--json", report, pictures=pictures)
-    assert done.returncode == 0, done.stdout
-    assert "warning" not in done.stdout
-    return bag
+    return partial(shown_run, tmp_path_factory)
 
 
 @pytest.mark.parametrize(
@@ -136,7 +121,7 @@ def test_what_is_shown_is_recorded_but_neither_compared_nor_played(
 
 
 def test_pictures_can_be_left_out(tmp_path: Path) -> None:
-    bag = recorded(tmp_path, "active", pictures=False)
+    bag = record(tmp_path, "active", pictures=False)
     roles = {name: topic.role for name, topic in read_bag(bag).topics.items()}
     assert "display" not in roles.values()
     assert "/active/tracks" in roles
@@ -144,7 +129,8 @@ def test_pictures_can_be_left_out(tmp_path: Path) -> None:
 
 def test_a_run_goes_on_without_what_shows_it(tmp_path: Path) -> None:
     report = tmp_path / "report.json"
-    arguments = ("run", "active", "--rate", "100", "--no-display", "--json", report)
+    paced = ("--duration", "300", "--rate", "30")
+    arguments = ("run", "active", *paced, "--no-display", "--json", report)
     command = RunningCommand(tmp_path, *arguments, pictures=True)
     try:
         command.wait_for_text("data flow")
