@@ -24,6 +24,7 @@ ROOMS = (
     "lazy_imports",
     "compiled_modules",
     "method_registry",
+    "yaml_reading",
     "configuration",
     # what flows between the stages, and the mathematics they share
     "records",

@@ -10,6 +10,8 @@ from typing import Any
 
 import yaml
 
+from sonar_tracking.yaml_reading import read_yaml
+
 LARGEST_YAML = 1 << 20
 LARGEST_JSON = 16 << 20
 """Most characters of a text; YAML takes seconds for a million."""
@@ -23,7 +25,7 @@ class StoredTextError(ValueError):
     """A text cannot be read; the error says why."""
 
 
-class _Loader(yaml.SafeLoader):
+class _WithoutMerging(yaml.constructor.SafeConstructor):
     """Builds plain values, without merge keys: a few lines of them grow without bound."""
 
     def flatten_mapping(self, node: yaml.MappingNode) -> None:
@@ -41,7 +43,7 @@ def yaml_value(text: str) -> Any:
     if len(text) > LARGEST_YAML:
         raise StoredTextError(f"it has {len(text)} characters, more than {LARGEST_YAML}")
     try:
-        return yaml.load(text, _Loader)
+        return read_yaml(text, _WithoutMerging)
     except RecursionError:
         raise StoredTextError("it is nested too deeply") from None
     except (yaml.YAMLError, ValueError, TypeError, LookupError, ArithmeticError) as error:

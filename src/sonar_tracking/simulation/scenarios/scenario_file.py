@@ -10,12 +10,13 @@ import yaml
 
 from sonar_tracking.errors import ConfigurationError, unknown_name_text
 from sonar_tracking.resources import find_resource
+from sonar_tracking.yaml_reading import read_yaml
 
 SCENARIO_FOLDER = "config/scenarios"
 
 
-class _StrictLoader(yaml.SafeLoader):
-    """The safe loader, but a key given twice in one mapping is an error."""
+class _Strict(yaml.constructor.SafeConstructor):
+    """Builds plain values, but a key given twice in one mapping is an error."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
         seen: set[Any] = set()
@@ -76,7 +77,7 @@ def read_yaml_mapping(path: Path) -> dict[str, Any]:
         reason = error.strerror if isinstance(error, OSError) else "it is no UTF-8 text"
         raise ConfigurationError(f"The file {path} cannot be read: {reason}.") from error
     try:
-        content = yaml.load(text, Loader=_StrictLoader)
+        content = read_yaml(text, _Strict)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = f", line {mark.line + 1}" if mark else ""
