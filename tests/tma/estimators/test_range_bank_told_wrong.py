@@ -67,7 +67,7 @@ def test_bearings_twice_as_bad_as_told_cost_little() -> None:
 
 def test_bearings_four_times_as_bad_as_told_cost_little() -> None:
     """What is wrong in the first seconds neither weaves nor is anywhere else."""
-    runs = runs_of(scenario("S1"), 24)
+    runs = runs_of(scenario("S1"), 16)
     told = replace(runs, scene=replace(runs.scene, azimuth_deviation=0.25 * np.radians(0.5)))
     learnt, known = history_of(RangeBank(), told), history_of(RangeBank(), runs)
     assert settled_nees(learnt) < 1.5
@@ -78,7 +78,7 @@ def test_bearings_four_times_as_bad_as_told_cost_little() -> None:
 def test_bearings_twice_as_good_as_told_have_no_errors_that_last() -> None:
     """A filter that is told too large errors lags behind, as one does whose errors last."""
     scene = scenario("S3")
-    runs = simulate_runs(scene, [np.random.SeedSequence((1, number)) for number in range(20)])
+    runs = simulate_runs(scene, [np.random.SeedSequence((1, number)) for number in range(12)])
     told = replace(runs, scene=replace(scene, azimuth_deviation=2.0 * scene.azimuth_deviation))
     learnt = history_of(RangeBank(), told)
     believing = history_of(RangeBank(RangeBankConfiguration(learn_errors=False)), told)
@@ -139,7 +139,7 @@ ZIGZAGS = {"S1": [(30.0, 80), (45.0, 60)], "S2": [(30.0, 80)]}
 @cache
 def zigzags(name: str) -> list[list[TmaHistories]]:
     """Return what the default makes of each, and what one does that knows no weaving."""
-    parts = [runs_of(zigzag(scenario(name), *each, 30), 12) for each in ZIGZAGS[name]]
+    parts = [runs_of(zigzag(scenario(name), *each, 30), 8) for each in ZIGZAGS[name]]
     never = RangeBankConfiguration(weave_probability=0.0)
     return [follow_together(RangeBank(configuration), parts) for configuration in (None, never)]
 
@@ -177,7 +177,7 @@ def test_a_straight_target_is_not_taken_to_weave() -> None:
 
 def test_a_velocity_that_wanders_has_a_covariance_that_says_so() -> None:
     """By 0.05 m/s^2, five times what a straight course has, new each second."""
-    runs = runs_of(replace(scenario("S3"), acceleration=0.05), 12)
+    runs = runs_of(replace(scenario("S3"), acceleration=0.05), 8)
     found = history_of(RangeBank(), runs)
     never = RangeBankConfiguration(wander_probability=0.0, weave_probability=0.0)
     believed = history_of(RangeBank(never), runs)
@@ -187,7 +187,7 @@ def test_a_velocity_that_wanders_has_a_covariance_that_says_so() -> None:
 
 def test_a_straight_target_is_not_taken_to_wander() -> None:
     """Of the precise lines of S3 every change of the velocity would show."""
-    runs = runs_of(replace(scenario("S3"), acceleration=0.0), 12)
+    runs = runs_of(replace(scenario("S3"), acceleration=0.0), 4)
     assert (
         last_probability(runs, slice(WANDERING, WEAVING))
         < 0.1 * RangeBankConfiguration().wander_probability
