@@ -60,17 +60,17 @@ def test_every_ship_has_one_row_under_one_name(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("degrees", [0.0, 1.0, -3.0])
-def test_the_misalignment_is_found_within_what_is_claimed(degrees: float) -> None:
+@pytest.mark.parametrize(("degrees", "first"), [(0.0, 0), (1.0, 5), (-3.0, 10)])
+def test_the_misalignment_is_found_within_what_is_claimed(degrees: float, first: int) -> None:
     scores = []
-    for seed in range(8):
+    for seed in range(first, first + 5):
         scene = Ships(FOUR, misalignment=np.radians(degrees), seed=seed)
         known = run(scene, 210.0)[-1][1].alignments  # until after own ship's turn
         assert known.sensor_id == (ARRAY,)
         assert known.misalignment_standard_deviation[0] < np.radians(0.2)
         error = known.misalignment[0] - np.radians(degrees)
         scores.append((error / known.misalignment_standard_deviation[0]) ** 2)
-    assert np.mean(scores) < 2.5  # of chi-square with 8 degrees of freedom: 99 %
+    assert np.mean(scores) < 2.5  # of chi-square with 5 degrees of freedom: 97 %
 
 
 @pytest.mark.slow

@@ -11,12 +11,17 @@ import pytest
 from sonar_tracking.evaluation.monte_carlo.batch_runner import Task, run_batches
 from sonar_tracking.evaluation.monte_carlo.study import Study
 from sonar_tracking.evaluation.studies.study_catalogue import STUDIES
-from sonar_tracking.evaluation.studies.tma_frequency_fusion import observability_rows
+from sonar_tracking.evaluation.studies.tma_frequency_fusion import (
+    observability_rows,
+    random_scenes,
+    runs,
+)
 from sonar_tracking.evaluation.studies.tma_frequency_fusion import study as definition
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.batch_rows import (
     FUSED_LIKELIHOOD,
     LIKELIHOOD,
     PATH,
+    estimate_whole_batch,
 )
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.cases import CASES, estimate_case
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.histories import frame_metrics
@@ -45,25 +50,25 @@ LINES_AND_STRAIGHT = ("own ship straight, lines 1 Hz", "own ship straight, lines
 """Cases of the whole study from whose rows these tests conclude nothing."""
 
 
-def with_runs_needed(task: Task) -> Task:
-    """Return a task with as many of its runs as these tests draw conclusions from.
+RUNS_NEEDED: dict[object, dict[str, int]] = {
+    estimate_batch: {"S1": RUNS, "S2": 10, "S3": 5},
+    estimate_case: {"5 % outliers": RUNS},
+}
+"""By task and scene or case. In S2 estimators are several times apart; of S3 rows are wanted only.
+Outliers are compared with the clean runs; in other cases ten tell of alarms and of the NEES."""
 
-    Nothing is said of random scenes and, but that there are rows, of S3. Outliers alone are
-    compared with the clean runs; whether alarms come in other cases, and the NEES, fewer tell.
-    """
+
+def with_runs_needed(task: Task) -> Task:
+    """Return a task with as many of its runs as these tests draw conclusions from."""
     batch = task.argument
-    if task.function is estimate_random_scenes:
-        return replace(task, argument=replace(batch, seeds=batch.seeds[:1]))
-    if not isinstance(batch, SceneBatch):
-        return task
-    if task.function is estimate_batch and batch.scenario == "S3":
-        count = 5
-    elif task.function is estimate_case and batch.scenario != "5 % outliers":
-        count = RUNS // 2
-    else:
-        return task
-    seeds = batch.batch.seeds[:count]
-    return replace(task, argument=replace(batch, batch=replace(batch.batch, seeds=seeds)))
+    if task.function in RUNS_NEEDED:
+        count = RUNS_NEEDED[task.function].get(batch.scenario, 10)
+        few = replace(batch.batch, seeds=batch.batch.seeds[:count])
+        return replace(task, argument=replace(batch, batch=few))
+    if task.function in (estimate_random_scenes, estimate_whole_batch):
+        count = 1 if task.function is estimate_random_scenes else 10
+        return replace(task, argument=replace(batch, seeds=batch.seeds[:count]))
+    return task
 
 
 @pytest.fixture(scope="module")
@@ -71,6 +76,7 @@ def results() -> Iterator[Sequence[Any]]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(definition, "BOUND_PATHS", 40)
         patch.setattr(observability_rows, "RUNS", 1)
+        patch.setattr(random_scenes, "RUNS_PER_SCENE", 2)
         for case in NOT_ASKED_FOR:
             patch.delitem(CASES, case)
         tasks = [with_runs_needed(task) for task in TMA_FREQUENCY_FUSION.tasks(RUNS, 1)]
@@ -163,7 +169,8 @@ def test_random_scenes_are_different() -> None:
     assert not one.heard.all()
 
 
-def test_a_run_has_its_own_numbers(results: Sequence[Any]) -> None:
+def test_a_run_has_its_own_numbers(results: Sequence[Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(runs, "SYSTEMS", {RANGE_BANK: SYSTEMS[RANGE_BANK]})
     batches = run_batches(2, 1)
     part = estimate_batch(SceneBatch("S1", batches[0])).systems[RANGE_BANK]
     whole = next(one for one in results if getattr(one, "systems", None)).systems[RANGE_BANK]
