@@ -17,9 +17,7 @@ from sonar_tracking.tma.estimators.error_models import variance_factor
 from sonar_tracking.tma.stations.solver_likelihoods import log_likelihoods
 from sonar_tracking.tma.targets.array_sides import LEFT, RIGHT, SINGLE
 from sonar_tracking.tma.targets.target_records import MAXIMUM_LINES, TargetObservation
-from sonar_tracking.tma.targets.target_solver import (
-    TargetSolver,
-)
+from sonar_tracking.tma.targets.target_solver import TargetSolver
 
 STRAIGHT, TURNING = (90.0,) * 4, (90.0, 0.0, 90.0, 0.0)
 
@@ -152,38 +150,6 @@ def test_a_track_that_jumps_to_another_target_is_started_anew() -> None:
         (solution,) = solver.update(replace(GOOD, stamp=second * 10**9 + 1, azimuths=(azimuth,)))
     offset = solution.mean[:2] - GOOD.position
     assert np.arctan2(offset[1], offset[0]) == pytest.approx(-2.0, abs=0.1)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("angle_deg", [37.0, 180.0, 271.3])
-def test_turning_the_scene_turns_both_sides_and_all_that_is_said_of_them(angle_deg: float) -> None:
-    """Sides, travel time and observability too, through own ship's turn, to one part in 1e6."""
-    angle = np.radians(angle_deg)
-    rotation = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    both = np.kron(np.eye(2), rotation)
-    here, there = TargetSolver(), TargetSolver()
-    runs = one_run(scene_of_legs(TURNING, 0.2))
-    for seen in islice(target_observations(runs, 0, array=True), 180):
-        seen = replace(seen, propagation_speed=1500.0)
-        turned = replace(
-            seen,
-            position=tuple(rotation @ seen.position),
-            velocity=tuple(rotation @ seen.velocity),
-            azimuths=tuple(np.array(seen.azimuths) + angle),
-        )
-        solutions, others = here.update(seen), there.update(turned)
-        assert [one.side for one in solutions] == [one.side for one in others]
-        for one, other in zip(solutions, others, strict=True):
-            covariance = both @ one.covariance @ both.T
-            scale = np.sqrt(np.diagonal(covariance))
-            error = (other.mean - both @ one.mean) / np.abs(np.linalg.norm(one.mean))
-            np.testing.assert_allclose(error, 0.0, atol=1e-6)
-            np.testing.assert_allclose(
-                (other.covariance - covariance) / np.outer(scale, scale), 0.0, atol=1e-6
-            )
-            assert other.probability == pytest.approx(one.probability, rel=1e-6)
-            assert other.observability == pytest.approx(one.observability, rel=1e-6, abs=1e-9)
-    assert len(solutions) == 1
 
 
 @pytest.mark.slow
