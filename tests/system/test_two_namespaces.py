@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
-import sys
+import signal
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -15,6 +14,7 @@ import pytest
 
 from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from sonar_tracking.graph.catalogue.topics import ACTIVE_TRACKS, TRANSFORMS, Topic
+from tests.process_source import CopiedProcess
 from tests.ros_domain import ros_domain
 from tests.system.launch_stand_ins import launched_nodes
 
@@ -42,18 +42,14 @@ def process(node: Any, log: Path) -> Iterator[None]:
     for values in given["parameters"]:
         for name, value in values.items():
             arguments += ["-p", f"{name}:={json.dumps(value)}"]
-    with log.open("w") as output:
-        started = subprocess.Popen(
-            [sys.executable, "-m", NODES[given["executable"]].module, "--ros-args", *arguments],
-            stdout=output,
-            stderr=subprocess.STDOUT,
-            env={**os.environ, **given["additional_env"], "ROS_DOMAIN_ID": str(ros_domain())},
-        )
+    module = NODES[given["executable"]].module
+    variables = {**os.environ, **given["additional_env"], "ROS_DOMAIN_ID": str(ros_domain())}
+    started = CopiedProcess(module, ["--ros-args", *arguments], variables, log)
     try:
         yield
     finally:
-        started.terminate()
-        assert started.wait(60) == 0, log.read_text()
+        started.send_signal(signal.SIGTERM)
+        assert started.wait(60.0) == 0, log.read_text()
 
 
 def named(name: str) -> Topic:
