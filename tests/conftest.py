@@ -25,6 +25,7 @@ from tests.without_ros import (  # noqa: F401  (hooks)
     pytest_runtest_makereport,
 )
 
+gc.disable()  # until all tests are found: what is loaded meanwhile stays
 for _variable, _value in ONE_THREAD.items():
     os.environ.setdefault(_variable, _value)  # as in the nodes; the workers share the processors
 os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
@@ -68,6 +69,7 @@ def pytest_collection_finish() -> None:
     gc.collect()
     gc.freeze()
     gc.set_threshold(10_000, 20, 20)
+    gc.enable()
 
 
 def _put_long_ones_first(items: list[pytest.Item]) -> None:

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import atexit
 import ctypes
+import gc
 import json
 import os
 import signal
@@ -179,6 +180,7 @@ def _source() -> socket.socket:
 
 def _warm_up() -> None:
     """Load what copies need, and have done what takes long the first time."""
+    gc.disable()  # what is loaded stays
     for each in LOADED:
         import_module(each)
     serialize = import_module("rclpy.serialization").serialize_message
@@ -186,6 +188,7 @@ def _warm_up() -> None:
         installed_definition(message_type)
         serialize(message_class(message_type)())
     CliRunner().invoke(cli.app, ["score", "nothing"])
+    gc.enable()
 
 
 def _answer(requests: socket.socket) -> None:
