@@ -97,14 +97,14 @@ def merged(moment: Moment) -> FusionFrame:
 
 
 def fused(seed: int, others: int, resolution_deg: float) -> list[FusionUpdate]:
-    """Return the updates of a run of 400 s."""
+    """Return the updates of a run of 300 s."""
     settings = TrackFusionConfiguration(
         travel_time=False,
         heading_standard_deviation_deg=0.0,
         bearing_resolution_deg=resolution_deg,
     )
     stage = TrackFusionStage(settings, n_sources=2)
-    return [stage.update(merged(moment)) for moment in moments(two_near(seed, others), 400.0)]
+    return [stage.update(merged(moment)) for moment in moments(two_near(seed, others), 300.0)]
 
 
 @pytest.mark.slow

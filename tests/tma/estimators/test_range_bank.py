@@ -84,7 +84,7 @@ def test_true_frame_intervals_are_used() -> None:
     steps = scene.sensor_velocity[:-1] * np.diff(times)[:, None]
     position = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
     histories = history_of(
-        RangeBank(), runs_of(replace(scene, times=times, sensor_position=position))
+        RangeBank(), runs_of(replace(scene, times=times, sensor_position=position), 15)
     )
     # The truth's accelerations last a frame each: longer frames make it swerve more than assumed.
     assert np.mean(histories.nees[:, -1]) < 2.0
