@@ -12,7 +12,7 @@ Ng, Li, Godsill, Vermaak (2005), as compared with in Kim, Song (2007).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -247,17 +247,14 @@ class RegionTracker:
     def _start(self, regions: FloatArray, sensor: SensorGeometry, stamp: int) -> None:
         """Count free regions from ping to ping and start tracks of those that last."""
         deviation = sensor.range_standard_deviation
-        single = np.empty_like(regions)
-        n_single = 0
-        for region in regions:
-            if not len(_near(single[:n_single], region, 3.0 * deviation)):
-                single[n_single] = region
-                n_single += 1
+        single = np.zeros(len(regions), dtype=bool)
+        for row, near in enumerate(_near_each(regions, regions, 3.0 * deviation)):
+            single[row] = not single[near].any()
         before, counts = self._pending
         positions, numbers = [], []
         born: list[ParticleCloud] = []
-        for region in single[:n_single]:
-            near = _near(before, region, 3.0 * np.sqrt(2.0) * deviation)
+        known = _near_each(before, regions[single], 3.0 * np.sqrt(2.0) * deviation)
+        for region, near in zip(regions[single], known, strict=True):
             count = int(np.max(counts[near], initial=0)) + 1
             if count < BIRTH_COUNT:
                 positions.append(region)
@@ -305,11 +302,18 @@ class RegionTracker:
         )
 
 
-def _near(positions: FloatArray, region: FloatArray, distance: float) -> IndexArray:
-    """Return the rows of the positions, shape (n, 2), that are nearer than a distance."""
-    rows = np.flatnonzero(np.abs(region[0] - positions[:, 0]) < distance)
-    separation = region - positions[rows]
-    return rows[np.hypot(separation[:, 0], separation[:, 1]) < distance]
+def _near_each(positions: FloatArray, regions: FloatArray, distance: float) -> Iterator[IndexArray]:
+    """Yield the rows of the positions, shape (n, 2), nearer than a distance to each region."""
+    order = np.argsort(positions[:, 0])
+    along = positions[order, 0]
+    reach = 1.001 * distance  # whatever is rounded
+    first = np.searchsorted(along, regions[:, 0] - reach)
+    last = np.searchsorted(along, regions[:, 0] + reach, side="right")
+    for region, begin, end in zip(regions, first.tolist(), last.tolist(), strict=True):
+        rows = order[begin:end]
+        separation = region - positions[rows]
+        inside = np.abs(separation[:, 0]) < distance
+        yield rows[inside & (np.hypot(separation[:, 0], separation[:, 1]) < distance)]
 
 
 def _region_covariances(regions: FloatArray, sensor: SensorGeometry) -> FloatArray:

@@ -1,6 +1,6 @@
 """Protects: the doa-coherent study reproduces the paper's tables; the joint filter beats them.
 
-The margins are wider than those of the full study, since 20 runs scatter more than 100.
+The margins are wider than those of the full study, since 12 runs scatter more than 100.
 """
 
 from itertools import islice
@@ -35,7 +35,7 @@ from sonar_tracking.geometry import steering_vectors
 from tests.evaluation.kept_results import SEED, KeptStudy
 
 WAVENUMBER = 2.0 * np.pi / 0.075
-NAME, RUNS = "doa-coherent", 20
+NAME, RUNS = "doa-coherent", 12
 DRAWN = {"figure_3_close_coherent", "figure_4_crossing_incoherent"}
 """Pictures that are drawn, of a run in which RYU fails and of one in which it does not."""
 

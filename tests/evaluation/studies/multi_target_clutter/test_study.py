@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sonar_tracking.evaluation.monte_carlo import tracked_runs
 from sonar_tracking.evaluation.monte_carlo.study import StudyRow
 from sonar_tracking.evaluation.studies.multi_target_clutter import study
 from sonar_tracking.evaluation.studies.multi_target_clutter.clutter_bound import position_bounds
@@ -42,13 +43,15 @@ PINGS = 190
 
 @pytest.fixture(scope="module")
 def results() -> list[tuple[ClutterRun, ...]]:
+    """Return runs of all environments; how long a ping takes is measured in the third."""
     seeds = tuple(np.random.SeedSequence((1, 0)).spawn(2))
-    runs = [
-        clutter_runs(
-            ClutterTask(f"environment {number}", SceneOptions(number), PAPER_SYSTEMS, seeds, PINGS)
-        )
+    tasks = [
+        ClutterTask(f"environment {number}", SceneOptions(number), PAPER_SYSTEMS, seeds, PINGS)
         for number in (1, 2)
     ]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(tracked_runs, "_seconds_alone", lambda *_: 1e-3)
+        runs = [clutter_runs(task) for task in tasks]
     computed = {n: c for n, c in THRESHOLD_SYSTEMS.items() if n.startswith(INTEGRATED)}
     third = ClutterTask("environment 3", SceneOptions(3), computed, seeds[:1], 60)
     return [*runs, clutter_runs(third)]

@@ -148,7 +148,7 @@ def test_a_wrong_file_is_a_sentence(tmp_path: Path) -> None:
 
 
 def test_pictures_are_drawn(made_up: Path, located: tuple[ShipTrack, ...], tmp_path: Path) -> None:
-    tracks = located[::5]  # of all ways and arrays some
+    tracks = located[::9]  # of all ways and arrays some
     pictures = ship_bearings(made_up).draw([tracks], ship_rows([tracks]), tmp_path)
     assert len(pictures) == len(tracks)
     assert all(picture.stat().st_size > 5_000 for picture in pictures)
@@ -156,10 +156,11 @@ def test_pictures_are_drawn(made_up: Path, located: tuple[ShipTrack, ...], tmp_p
 
 @pytest.mark.data
 @pytest.mark.parametrize(
-    ("file", "single_seconds"),
+    ("file", "every", "single_seconds"),
     [
         (
             "two_arrays_A",
+            1,
             {
                 (SINGLE, "array EE"): 22.0,
                 (SINGLE, "array EW"): 31.0,
@@ -167,13 +168,15 @@ def test_pictures_are_drawn(made_up: Path, located: tuple[ShipTrack, ...], tmp_p
                 (BOTH, "array EE and EW"): 22.0,
             },
         ),
-        ("array_EW_B", {(SINGLE, "array EW"): 31.0}),
+        ("array_EW_B", 3, {(SINGLE, "array EW"): 31.0}),
     ],
 )
 def test_the_real_ship_is_found_better_than_by_single_seconds(
-    file: str, single_seconds: dict[tuple[str, str], float]
+    file: str, every: int, single_seconds: dict[tuple[str, str], float]
 ) -> None:
-    tracks = locate_ship(read_bearings(recorded_data(f"harp_ship_bearings/{file}.npz")))
+    """One measurement of so many is taken of the single array: it has more than enough."""
+    measured = read_bearings(recorded_data(f"harp_ship_bearings/{file}.npz"))
+    tracks = locate_ship(tuple(thinned(array, every) for array in measured))
     rows = {(row.system, row.condition): row.metrics for row in ship_rows([tracks])}
     for (way, arrays), median in single_seconds.items():
         assert rows[SMOOTHED + way, arrays]["median_m"] < median
@@ -184,10 +187,10 @@ def test_the_real_ship_is_found_better_than_by_single_seconds(
 @pytest.mark.parametrize(
     ("file", "names", "system", "least", "length", "every"),
     [
-        ("two_arrays_A", ("EE",), SINGLE, 85.0, HALF_AN_HOUR, 1),
+        ("two_arrays_A", ("EE",), SINGLE, 85.0, HALF_AN_HOUR, 3),
         ("two_arrays_A", ("EW",), SINGLE, 85.0, np.inf, 4),
-        ("two_arrays_A", ("EE", "EW"), BOTH, 85.0, HALF_AN_HOUR, 3),
-        ("array_EW_B", ("EW",), SINGLE, 92.0, np.inf, 4),
+        ("two_arrays_A", ("EE", "EW"), BOTH, 85.0, HALF_AN_HOUR, 4),
+        ("array_EW_B", ("EW",), SINGLE, 92.0, np.inf, 6),
         ("two_arrays_A", ("EE", "EW"), CROSS, 85.0, np.inf, 2),
     ],
 )
@@ -196,8 +199,8 @@ def test_ellipses_of_the_node_hold_the_real_ship(
 ) -> None:
     """Told the depth alone. For five minutes the ship is silent: rows that say so are apart.
 
-    One measurement of so many is taken. Without the part of errors that never average out 72, 78,
-    89 and 72 % are in the ellipses, and 92 % in those of EE alone.
+    One measurement of so many is taken. Without the part of errors that never average out 72, 81,
+    79 and 72 % are in the ellipses, and 85 % in those of EE alone.
     """
     arrays = read_bearings(recorded_data(f"harp_ship_bearings/{file}.npz"))
     end = arrays[0].times[0] + length

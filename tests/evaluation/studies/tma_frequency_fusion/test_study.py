@@ -51,7 +51,7 @@ LINES_AND_STRAIGHT = ("own ship straight, lines 1 Hz", "own ship straight, lines
 
 
 RUNS_NEEDED: dict[object, dict[str, int]] = {
-    estimate_batch: {"S1": RUNS, "S2": 10, "S3": 5},
+    estimate_batch: {"S1": RUNS, "S2": 10, "S3": 2},
     estimate_case: {"5 % outliers": RUNS},
 }
 """By task and scene or case. In S2 estimators are several times apart; of S3 rows are wanted only.
