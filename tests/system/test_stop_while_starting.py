@@ -21,7 +21,9 @@ from sonar_tracking.graph.catalogue.node_catalogue import NODES
 from tests.system.command_line import PATIENCE, environment
 
 NODE_MODULES = [*(node.module for node in NODES.values()), "sonar_tracking.graph.nodes.recorder"]
-COMMAND = [sys.executable, "-m", "sonar_tracking", "run", "doa_fusion", "--no-display"]
+FEW_NODES = ("run", "active", "--no-display", "--no-display-topics")
+"""What the command is at does not depend on how many nodes it starts."""
+COMMAND = [sys.executable, "-m", "sonar_tracking", *FEW_NODES]
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 Instant = Callable[[int], bool]

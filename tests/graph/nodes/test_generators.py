@@ -13,6 +13,6 @@ def test_messages_are_used_without_their_generator() -> None:
         "from sonar_tracking_msgs.msg import Progress\n"
         "serialize_message(Progress())"
     )
-    modules = loaded_after([code])[code]
+    modules = loaded_after(((), [code]))[code]
     assert "rosidl_generator_py" in modules
     assert not within(modules, {"em", "lark", "rosidl_parser.parser"})

@@ -58,24 +58,28 @@ WARM = {
 
 COPIES = """
 import importlib, json, os, sys
-for each in {common}:
-    importlib.import_module(each)
-loaded = {{"": list(sys.modules)}}
-for code in {codes}:
-    end, begin = os.pipe()
-    if not os.fork():
-        with os.fdopen(begin, "w") as answer:
-            exec(code, {{}})
-            json.dump(list(sys.modules), answer)
-        os._exit(0)
-    os.close(begin)
-    with os.fdopen(end) as answer:
-        loaded[code] = json.loads(answer.read() or "null")
-    os.wait()
+loaded = {{}}
+for common, codes in {groups}:
+    for each in common:
+        importlib.import_module(each)
+    loaded[",".join(common)] = list(sys.modules)
+    for code in codes:
+        end, begin = os.pipe()
+        if not os.fork():
+            with os.fdopen(begin, "w") as answer:
+                exec(code, {{}})
+                json.dump(list(sys.modules), answer)
+            os._exit(0)
+        os.close(begin)
+        with os.fdopen(end) as answer:
+            loaded[code] = json.loads(answer.read() or "null")
+        os.wait()
 print(json.dumps(loaded))
 """
 COMMON = tuple(each for each in SHARED if not each.startswith("sonar_tracking."))
 """What all nodes need: messages, with numpy."""
+NODE_COMMON = ("rclpy.node", "rclpy.executors", "rclpy.serialization")
+"""What they need besides, and a run loads after they have begun."""
 RUN = "import sonar_tracking.graph.verbs.run_scenario"
 
 
@@ -91,10 +95,17 @@ def warm_up_of(stage: str) -> str:
     return f"{make}; assert {WARM[stage]!r} not in sys.modules; stage.warm_up()"
 
 
-def loaded_after(codes: Sequence[str], common: Sequence[str] = ()) -> dict[str, set[str]]:
-    """Return the modules that are loaded once a fresh process has run each code."""
+def loaded_after(*groups: tuple[Sequence[str], Sequence[str]]) -> dict[str, set[str]]:
+    """Return the modules that are loaded once a fresh process has run each code.
+
+    Parameters
+    ----------
+    groups : tuples of sequences of str
+        What the process imports first, one group after the other, and codes that copies run then.
+        What is loaded then is told, too, under the names of the imports with commas between.
+    """
     done = subprocess.run(
-        [sys.executable, "-c", COPIES.format(common=tuple(common), codes=list(codes))],
+        [sys.executable, "-c", COPIES.format(groups=list(groups))],
         capture_output=True,
         text=True,
         check=True,
@@ -105,9 +116,10 @@ def loaded_after(codes: Sequence[str], common: Sequence[str] = ()) -> dict[str, 
 @pytest.fixture(scope="module")
 def imported() -> dict[str, set[str]]:
     """Modules that are loaded once a fresh process has run each code."""
-    codes = [*map(import_of, NODE_MODULES), *map(warm_up_of, WARM), RUN]
-    loaded = loaded_after(codes, COMMON)
-    assert not within(loaded[""], {"sonar_tracking", "rclpy", "scipy", *PEOPLE})
+    codes = [*map(import_of, NODE_MODULES), *map(warm_up_of, WARM)]
+    loaded = loaded_after((COMMON, [RUN]), (NODE_COMMON, codes))
+    assert not within(loaded[",".join(COMMON)], {"sonar_tracking", "rclpy", "scipy", *PEOPLE})
+    assert not within(loaded[",".join(NODE_COMMON)], {"sonar_tracking", "scipy", *PEOPLE})
     return loaded
 
 
