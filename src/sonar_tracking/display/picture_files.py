@@ -20,6 +20,8 @@ _STYLE: Any = {
     "ytick.labelsize": 8,
     "axes.spines.top": False,
     "axes.spines.right": False,
+    "figure.autolayout": False,
+    "figure.constrained_layout.use": False,
     "svg.fonttype": "none",
     "svg.hashsalt": "sonar_tracking",
 }
@@ -60,9 +62,11 @@ def save_picture(figure: Figure, path: Path) -> tuple[Path, Path]:
     """
     vector = path.with_suffix(".svg")
     # Room is made for the texts once: each file would do it twice, which takes as long as drawing.
+    # With a layout that only keeps what is there, each would still be drawn once for nothing.
     figure.set_dpi(DOTS_PER_INCH)
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")
+    if figure.get_layout_engine() is not None:
+        figure.draw_without_rendering()
+        figure.set_layout_engine(None)
     figure.savefig(path, dpi=DOTS_PER_INCH)
     figure.savefig(vector, dpi=DOTS_PER_INCH, metadata={"Date": None})
     return path, vector
