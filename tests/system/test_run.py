@@ -183,7 +183,7 @@ def test_a_killed_simulator_goes_on_where_it_was(
     recorded_run: RecordedRun, tmp_path: Path, running: list[RunningCommand]
 ) -> None:
     bag, json = tmp_path / "bag", tmp_path / "report.json"
-    command = RunningCommand(tmp_path, *RUN, "--rate", "4", "--record", bag, "--json", json)
+    command = RunningCommand(tmp_path, *RUN, "--rate", "8", "--record", bag, "--json", json)
     running.append(command)
     command.wait_for(lambda: recorded_count(bag, TRACKS) > 2)
     command.kill_node("array_simulator")
@@ -294,7 +294,7 @@ def test_a_stranger_who_listens_at_bring_up_and_then_moves_the_clock_changes_not
     for topic in (SNAPSHOTS, BEARING_TRACKS):
         kind = message_class(topic.message_type)
         stranger.create_subscription(kind, topic.name, lambda _message: None, 10)
-    command = RunningCommand(tmp_path, *RUN, "--rate", "4", "--json", json)
+    command = RunningCommand(tmp_path, *RUN, "--rate", "8", "--json", json)
     running.append(command)
     command.wait_for_text(FLOWING)
     clock = stranger.create_publisher(Clock, "/clock", 10)
