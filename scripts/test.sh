@@ -50,7 +50,7 @@ if [[ -d .venv/lib/python3.10 ]]; then
     echo "== types are checked with Python 3.11 or newer: the last numpy for 3.10 types less" >&2
 else
     types_output="$(mktemp)"
-    .venv/bin/mypy "${typed[@]}" >"$types_output" 2>&1 &
+    .venv/bin/python scripts/check_types.py "${typed[@]}" >"$types_output" 2>&1 &
     types=$!
     trap 'kill "$types" 2>/dev/null || true; rm -f "$types_output"' EXIT
 fi
