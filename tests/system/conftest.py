@@ -15,10 +15,13 @@ DURATION = 20.1
 """Of the recorded run, s: three crossings, half a second of processor time less each time it is
 compared with something."""
 
+ACTIVE_DURATION = 400.0
+"""Of that with a sonar, s: forty pings."""
+
 
 @dataclass(frozen=True)
 class RecordedRun:
-    """The first half of doa_fusion at full speed, its bag, report and output."""
+    """Bag, report and output of a run."""
 
     bag: Path
     report: dict[str, Any]
@@ -27,6 +30,8 @@ class RecordedRun:
 
 @pytest.fixture(scope="session")
 def recorded_run(tmp_path_factory: pytest.TempPathFactory) -> RecordedRun:
+    """Record the first half of ``doa_fusion`` at full speed."""
+
     def make(folder: Path) -> None:
         done = run_command(
             folder,
@@ -38,5 +43,23 @@ def recorded_run(tmp_path_factory: pytest.TempPathFactory) -> RecordedRun:
         (folder / "output.txt").write_text(done.stdout)
 
     folder = made_once(tmp_path_factory, "recorded_run", make)
+    report = report_of(folder / "report.json")
+    return RecordedRun(folder / "bag", report, (folder / "output.txt").read_text())
+
+
+@pytest.fixture(scope="session")
+def active_run(tmp_path_factory: pytest.TempPathFactory) -> RecordedRun:
+    """Record the first third of ``active`` at full speed, without what is shown of it."""
+
+    def make(folder: Path) -> None:
+        done = run_command(
+            folder,
+            *("run", "active", "--duration", ACTIVE_DURATION, "--rate", "max"),
+            *("--record", folder / "bag", "--json", folder / "report.json"),
+        )
+        assert done.returncode == 0, done.stdout
+        (folder / "output.txt").write_text(done.stdout)
+
+    folder = made_once(tmp_path_factory, "active_run", make)
     report = report_of(folder / "report.json")
     return RecordedRun(folder / "bag", report, (folder / "output.txt").read_text())

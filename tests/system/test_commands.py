@@ -154,7 +154,7 @@ def test_a_tracker_that_was_killed_gets_what_it_was_told_again(
     longer = SCENARIO.replace("duration: 120.0", "duration: 250.0")
     scene.write_text(longer.replace(ALL_NODES, "nodes: {hpda_tracker: {}}"), encoding="utf-8")
     active = operator.listen(ACTIVE_TRACKS)
-    run = RunningCommand(tmp_path, "run", scene, "--rate", 20, "--record", bag)
+    run = RunningCommand(tmp_path, "run", scene, "--rate", 40, "--record", bag)
     try:
         operator.wait(run, lambda: bool(active and confirmed(active[-1])))
         gone = confirmed(active[-1])[0]

@@ -8,6 +8,7 @@ import signal
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,6 +26,7 @@ from sonar_tracking.graph.message_writing.field_writing import message_class
 from sonar_tracking.graph.orchestration.run_observer import tracks_from_bytes
 from sonar_tracking.graph.verbs import run_command as run_command_module
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
+from tests.made_once import made_once
 from tests.system.command_line import (
     PATIENCE,
     RunningCommand,
@@ -47,6 +49,32 @@ def running(tmp_path: Path) -> Iterator[list[RunningCommand]]:
     yield commands
     for command in commands:
         command.clean_up()
+
+
+@dataclasses.dataclass(frozen=True)
+class RefusedRun:
+    """Report of a short run, and what a second run in its domain has said."""
+
+    first: dict[str, Any]
+    said: str
+
+
+@pytest.fixture(scope="session")
+def refused_run(tmp_path_factory: pytest.TempPathFactory) -> RefusedRun:
+    def make(folder: Path) -> None:
+        short = ("run", "doa_fusion", "--duration", "4.05", "--json", folder / "report.json")
+        first = RunningCommand(folder, *short)
+        try:
+            first.wait_for_text(FLOWING)
+            second = run_command(folder, "run", "doa_fusion", "--rate", "max")
+            assert second.returncode == 2
+            (folder / "said.txt").write_text(second.stdout)
+            assert first.wait() == 0, first.output
+        finally:
+            first.clean_up()
+
+    folder = made_once(tmp_path_factory, "refused_run", make)
+    return RefusedRun(report_of(folder / "report.json"), (folder / "said.txt").read_text())
 
 
 def recorded_count(bag: Path, topic: str) -> int:
@@ -108,13 +136,8 @@ def test_a_second_run_at_another_rate_gives_the_same_digests(
     assert digests(report_of(json)) == digests(recorded_run.report)
 
 
-def test_duration_shortens_and_ends_the_data(tmp_path: Path) -> None:
-    json = tmp_path / "report.json"
-    done = run_command(
-        tmp_path, "run", "doa_fusion", "--duration", "4.05", "--rate", "max", "--json", json
-    )
-    assert done.returncode == 0, done.stdout
-    report = report_of(json)
+def test_duration_shortens_and_ends_the_data(refused_run: RefusedRun) -> None:
+    report = refused_run.first
     assert report["data_seconds"] == pytest.approx(4.05)
     assert report["topics"]["/array/snapshots"]["messages"] == 41
 
@@ -252,18 +275,9 @@ def test_nodes_do_not_outlive_a_killed_orchestration(
         time.sleep(0.05)
 
 
-def test_a_second_run_in_the_domain_is_refused_and_harms_nobody(
-    tmp_path: Path, running: list[RunningCommand]
-) -> None:
-    json = tmp_path / "report.json"
-    first = RunningCommand(tmp_path, "run", "doa_fusion", "--duration", "4", "--json", json)
-    running.append(first)
-    first.wait_for_text(FLOWING)
-    second = run_command(tmp_path, "run", "doa_fusion", "--rate", "max")
-    assert second.returncode == 2
-    assert "another run" in second.stdout and "ROS_DOMAIN_ID" in second.stdout
-    assert first.wait() == 0, first.output
-    assert report_of(json)["topics"][TRACKS]["messages"] == 4
+def test_a_second_run_in_the_domain_is_refused_and_harms_nobody(refused_run: RefusedRun) -> None:
+    assert "another run" in refused_run.said and "ROS_DOMAIN_ID" in refused_run.said
+    assert refused_run.first["topics"][TRACKS]["messages"] == 4
 
 
 @pytest.fixture

@@ -14,7 +14,8 @@ from sonar_tracking.bags.storage.reader import Bag, read_bag
 from sonar_tracking.message_reading.field_reading import stamp_from_time
 from sonar_tracking.scene.rigid_pose import RigidPose
 from tests.system.command_line import RunningCommand, digests, report_of, run_command
-from tests.system.shown_runs import record, shown_run
+from tests.system.conftest import RecordedRun
+from tests.system.shown_runs import shown_run
 
 SHOWN = {"/tf", "/tf_static", "/diagnostics"}
 BASE = "own_ship/base_link"
@@ -120,16 +121,15 @@ def test_what_is_shown_is_recorded_but_neither_compared_nor_played(
     assert {name: topic.role for name, topic in read_bag(again).topics.items()} == roles
 
 
-def test_pictures_can_be_left_out(tmp_path: Path) -> None:
-    bag = record(tmp_path, "active", pictures=False)
-    roles = {name: topic.role for name, topic in read_bag(bag).topics.items()}
+def test_pictures_can_be_left_out(active_run: RecordedRun) -> None:
+    roles = {name: topic.role for name, topic in read_bag(active_run.bag).topics.items()}
     assert "display" not in roles.values()
     assert "/active/tracks" in roles
 
 
 def test_a_run_goes_on_without_what_shows_it(tmp_path: Path) -> None:
     report = tmp_path / "report.json"
-    paced = ("--duration", "300", "--rate", "30")
+    paced = ("--duration", "300", "--rate", "60")
     arguments = ("run", "active", *paced, "--no-display", "--json", report)
     command = RunningCommand(tmp_path, *arguments, pictures=True)
     try:
