@@ -225,11 +225,10 @@ class Trajectory:
             leg_at = max(bisect_right(self._begins, float(times)) - 1, 0)
             if self._rates[leg_at] == 0.0:
                 return self._straight_state_at(leg_at, times)
-        if times.size > 1 and (only := self._only_leg(times)) is not None:
+        if (only := self._only_leg(times)) is not None:
             return self._straight_state(only, times)
         leg = np.maximum(np.searchsorted(self._starts, times, side="right") - 1, 0)
-        elapsed = times - self._starts[leg]
-        rate = self._rates[leg]
+        elapsed, rate = times - self._starts[leg], self._rates[leg]
         azimuth = self._azimuths[leg] + rate * elapsed
         heading = mean_heading = _unit(azimuth)
         chord = self._speed * elapsed
@@ -242,10 +241,13 @@ class Trajectory:
         return KinematicState(position, self._speed * heading, azimuth, rate)
 
     def _only_leg(self, times: FloatArray) -> int | None:
-        """Return the straight leg that all times lie in, if there is one."""
-        ends = self._starts.searchsorted((times.min(), times.max()), side="right")
-        first, last = np.maximum(ends - 1, 0).tolist()
-        return first if first == last and self._rates[first] == 0.0 else None
+        """Return the straight leg that all times lie in, if there is one, and several times."""
+        first = last = 0
+        if len(self._begins) > 1 and times.size > 1:
+            ends = (bisect_right(self._begins, end) for end in (times.min(), times.max()))
+            first, last = (max(end - 1, 0) for end in ends)
+        only = times.size > 1 and first == last and self._rates[first] == 0.0
+        return first if only else None
 
     def _straight_state_at(self, leg: int, time: FloatArray) -> KinematicState:
         """Return the state of a straight leg at one instant."""
@@ -254,19 +256,19 @@ class Trajectory:
         velocity = self._speed * heading
         return KinematicState(position, velocity, self._azimuths[leg], self._rates[leg])
 
+    def _along(self, leg: int, times: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return x and y on a straight leg, and the velocity of all of it."""
+        heading, start = self._own_headings[leg], self._positions[leg]
+        chord = self._speed * (times - self._starts[leg])
+        return start[0] + chord * heading[0], start[1] + chord * heading[1], self._speed * heading
+
     def _straight_state(self, leg: int, times: FloatArray) -> KinematicState:
         """Return the states of one straight leg, which has one heading."""
-        azimuth, heading = self._azimuths[leg], _unit(self._azimuths[leg])
-        chord = self._speed * (times - self._starts[leg])
-        position = np.empty((*times.shape, 2))
-        for axis in range(2):  # an inner loop over two numbers would cost far more
-            position[..., axis] = self._positions[leg, axis] + chord * heading[axis]
-        return KinematicState(
-            position=position,
-            velocity=np.broadcast_to(self._speed * heading, position.shape),
-            azimuth=np.broadcast_to(azimuth, times.shape),
-            turn_rate=np.zeros(times.shape),
-        )
+        position = np.empty((*times.shape, 2))  # an inner loop over two numbers would cost more
+        position[..., 0], position[..., 1], velocity = self._along(leg, times)
+        velocities = np.broadcast_to(velocity, position.shape)
+        azimuths = np.broadcast_to(self._azimuths[leg], times.shape)
+        return KinematicState(position, velocities, azimuths, np.zeros(times.shape))
 
     def _append_turn(self, turn: Turn, following: float) -> None:
         begin = self.state(turn.time)
@@ -288,6 +290,7 @@ class Trajectory:
         """Keep what an instant is looked up in: beginnings of the legs and their headings."""
         self._begins = self._starts.tolist()
         self._headings = _unit(self._azimuths)
+        self._own_headings = [_unit(azimuth) for azimuth in self._azimuths]
 
 
 def emission_times(
@@ -324,13 +327,20 @@ def emission_times(
     times = np.asarray(reception_times, dtype=np.float64)
     delay = np.zeros_like(times) if near is None else times - np.asarray(near)
     for _ in range(NEWTON_STEPS if near is None else NEWTON_STEPS // 2):
-        state = target.state(times - delay)
-        x, y = (state.position[..., axis] - receiver_positions[..., axis] for axis in range(2))
+        place_x, place_y, velocity = _moved(target, times - delay)
+        x, y = place_x - receiver_positions[..., 0], place_y - receiver_positions[..., 1]
         distance = np.hypot(x, y)
-        along = x * state.velocity[..., 0] + y * state.velocity[..., 1]
-        range_rate = along / np.maximum(distance, 1e-9)
+        range_rate = (x * velocity[..., 0] + y * velocity[..., 1]) / np.maximum(distance, 1e-9)
         delay = delay + (distance - sound_speed * delay) / (sound_speed + range_rate)
     return times - delay
+
+
+def _moved(path: Path, times: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return x, y and velocity; the latter once where it is that of all times."""
+    if isinstance(path, Trajectory) and (leg := path._only_leg(times)) is not None:
+        return path._along(leg, times)
+    state = path.state(times)
+    return state.position[..., 0], state.position[..., 1], state.velocity
 
 
 def _unit(azimuth: FloatArray) -> FloatArray:
