@@ -86,7 +86,7 @@ class Short(StartCondition):
     """The first part of the scene, in which there are targets already."""
 
     def scenario(self, seed: int) -> Scenario:
-        return replace(super().scenario(seed), duration=30.0)
+        return replace(super().scenario(seed), duration=25.0)
 
 
 @pytest.mark.parametrize(
