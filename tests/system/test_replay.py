@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import shutil
 import signal
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 import yaml
+from rosbags.convert.__main__ import main as convert_bag
 
 from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.bags.storage.writer import BagWriter
@@ -19,7 +19,7 @@ from tests.system.conftest import RecordedRun
 OUTPUTS = ("/array/subspaces", "/passive/bearing_tracks")
 
 
-@pytest.mark.parametrize("rate", ["5", "max"])
+@pytest.mark.parametrize("rate", ["10", "max"])
 def test_identical_at_any_rate(recorded_run: RecordedRun, tmp_path: Path, rate: str) -> None:
     json = tmp_path / "report.json"
     done = run_command(
@@ -105,19 +105,18 @@ def test_a_foreign_bag_with_names_of_its_own_and_parameters(
 
 
 def test_a_bag_converted_to_sqlite3_and_back_replays_identically(
-    recorded_run: RecordedRun, tmp_path: Path
+    recorded_run: RecordedRun, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for source, target, storage in (
         (recorded_run.bag, tmp_path / "base", "sqlite3"),
         (tmp_path / "base", tmp_path / "back", "mcap"),
     ):
-        subprocess.run(
-            [
-                sys.executable, "-m", "rosbags.convert", "--src", source, "--dst", target,
-                "--dst-storage", storage, "--compress", "zstd", "--compress-mode", "file",
-            ],
-            check=True, capture_output=True,
-        )  # fmt: skip
+        words = ["--src", str(source), "--dst", str(target), "--dst-storage", storage]
+        words += ["--compress", "zstd", "--compress-mode", "file"]
+        monkeypatch.setattr(sys, "argv", ["rosbags-convert", *words])
+        with pytest.raises(SystemExit) as end:
+            convert_bag()
+        assert end.value.code == 0
     # Converters drop what a recorder has said of its making.
     recording = read_bag(recorded_run.bag).recording
     assert recording is not None
