@@ -32,6 +32,8 @@ SOUND_SPEED = 343.0
 SIGNAL_TO_NOISE_DB = 20.0
 """Mean power of each source over the noise of an element, in the band of the snapshots."""
 
+_AT_ONCE = 8192
+"""Samples of all elements that stay near the processor while they are rounded."""
 _SOURCE_BANDWIDTH = 300.0
 _TRUTH_PERIOD = 0.1
 _FULL_SCALE = 0.5
@@ -218,7 +220,8 @@ def received_signal(
         elements = responses[sub_array : sub_array + SUB_ARRAY_ELEMENTS]
         heard = oaconvolve(noise[None, start : stop + history], elements, "valid", axes=1)
         received[start:stop] = heard.T
-    return received / np.sqrt(np.mean(received**2))
+    received /= np.sqrt(np.mean(received**2))
+    return received
 
 
 def write_recording(
@@ -260,10 +263,15 @@ def write_recording(
     mixed = generator.normal(scale=np.sqrt(noise_power), size=signals[0].shape)
     for signal in signals:
         mixed += signal
-    mixed *= _FULL_SCALE / np.abs(mixed).max()
+    scale = _FULL_SCALE / max(mixed.max(), -mixed.min())
     wav, geometry, truth = (directory / name for name in ("array.wav", "array.yaml", "truth.csv"))
-    mixed *= 32767
-    wavfile.write(wav, room.sample_rate, np.rint(mixed, out=mixed).astype(np.int16))
+    samples = np.empty(mixed.shape, np.int16)
+    for begin in range(0, len(mixed), _AT_ONCE):
+        part = mixed[begin : begin + _AT_ONCE]
+        part *= scale
+        part *= 32767
+        samples[begin : begin + _AT_ONCE] = np.rint(part, out=part)
+    wavfile.write(wav, room.sample_rate, samples)
     geometry.write_text(_geometry_text(room))
     truth.write_text(_truth_text(room, sources))
     return wav, geometry, truth
