@@ -62,16 +62,12 @@ def nearest_in_gates(
     """
     counts = np.bincount(track)
     largest = np.broadcast_to(limits, max(len(counts), np.size(limits)))[: len(counts)]
-    crowded = counts > largest
     kept = np.ones(len(track), dtype=bool)
-    if not crowded.any():
-        return kept
-    rows = np.flatnonzero(crowded[track])
-    own, n_own = track[rows], np.where(crowded, counts, 0)
-    order = np.lexsort((square[rows], own))
-    rank = np.empty(len(rows), dtype=np.intp)
-    rank[order] = np.arange(len(rows)) - np.repeat(np.cumsum(n_own) - n_own, n_own)
-    kept[rows] = rank < largest[own]
+    ends = np.cumsum(counts)
+    crowded = np.flatnonzero(counts > largest)
+    rows = (column[crowded].tolist() for column in (ends - counts, ends, largest))
+    for begin, end, most in zip(*rows, strict=True):
+        kept[begin + np.argsort(square[begin:end], kind="stable")[most:]] = False
     return kept
 
 
