@@ -26,7 +26,7 @@ cd "$project"
 
 workers="$(nproc)"
 if [[ "$kind" == test ]]; then
-    workers=$((workers * 5 / 2)) # what a graph leaves of the processors, others use
+    workers=$((workers * 3 / 2)) # what a graph leaves of the processors, others use
     workers=$((workers < 50 ? workers : 50)) # each has a ROS domain, of 101
 fi
 failed=()
