@@ -160,3 +160,11 @@ def test_only_pings_that_differ_are_placed_anew() -> None:
     expected = place_contacts(slow, 1500.0)
     assert np.array_equal(shared.place([slow], 1500.0).position, expected.position)
     assert np.array_equal(shared.place([late], 0.0).distance, place_contacts(late, 0.0).distance)
+
+
+def test_another_number_of_scenes_at_one_time_is_placed_anew() -> None:
+    shared, (early, late, *_) = SharedPings(), scenes()[0]
+    shared.place([early, late], 0.0)
+    alone, expected = shared.place([early], 0.0), joined_tables([place_contacts(early, 0.0)])
+    for field in fields(expected):
+        assert np.array_equal(getattr(alone, field.name), getattr(expected, field.name))
