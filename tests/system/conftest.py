@@ -31,35 +31,25 @@ class RecordedRun:
 @pytest.fixture(scope="session")
 def recorded_run(tmp_path_factory: pytest.TempPathFactory) -> RecordedRun:
     """Record the first half of ``doa_fusion`` at full speed."""
-
-    def make(folder: Path) -> None:
-        done = run_command(
-            folder,
-            *("run", "doa_fusion", "--duration", DURATION, "--rate", "max"),
-            *("--record", folder / "bag"),
-            *("--json", folder / "report.json"),
-        )
-        assert done.returncode == 0, done.stdout
-        (folder / "output.txt").write_text(done.stdout)
-
-    folder = made_once(tmp_path_factory, "recorded_run", make)
-    report = report_of(folder / "report.json")
-    return RecordedRun(folder / "bag", report, (folder / "output.txt").read_text())
+    return _recorded(tmp_path_factory, "doa_fusion", DURATION)
 
 
 @pytest.fixture(scope="session")
 def active_run(tmp_path_factory: pytest.TempPathFactory) -> RecordedRun:
     """Record the first third of ``active`` at full speed, without what is shown of it."""
+    return _recorded(tmp_path_factory, "active", ACTIVE_DURATION)
 
+
+def _recorded(factory: pytest.TempPathFactory, scenario: str, duration: float) -> RecordedRun:
     def make(folder: Path) -> None:
         done = run_command(
             folder,
-            *("run", "active", "--duration", ACTIVE_DURATION, "--rate", "max"),
+            *("run", scenario, "--duration", duration, "--rate", "max"),
             *("--record", folder / "bag", "--json", folder / "report.json"),
         )
         assert done.returncode == 0, done.stdout
         (folder / "output.txt").write_text(done.stdout)
 
-    folder = made_once(tmp_path_factory, "active_run", make)
+    folder = made_once(factory, f"recorded_{scenario}", make)
     report = report_of(folder / "report.json")
     return RecordedRun(folder / "bag", report, (folder / "output.txt").read_text())

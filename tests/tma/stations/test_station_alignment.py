@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
 import pytest
 
-from sonar_tracking.records.alignments import ArrayAlignments
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.simulation.scenarios.bearing_sensor_configuration import (
     BearingSensorConfiguration,
@@ -19,12 +18,13 @@ from sonar_tracking.simulation.scenarios.target import LineConfiguration, Target
 from sonar_tracking.simulation.sensors.bearing_simulation import SimulatedFrame
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame, TmaUpdate
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage, update_together
+from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
 from tests.tma.passive_scene import (
     DIRECTIONS,
     FAR,
     NEAR,
     TURNING,
+    fed_together,
     listed,
     running,
     scene,
@@ -67,61 +67,44 @@ class Run:
     notices: tuple[str, ...]
 
 
-@dataclass
-class Following:
-    """A run that goes on, with what has come of it."""
-
-    stage: TmaTrackerStage
-    frames: list[tuple[PassiveFrame, SimulatedFrame]]
-    squares: list[float] = field(default_factory=list)
-    notices: list[str] = field(default_factory=list)
-    told: ArrayAlignments | None = None
-
-    def take(self, number: int, update: TmaUpdate) -> None:
-        """Score what followed from a frame."""
-        (begin, _), (frame, truth) = self.frames[0], self.frames[number]
-        self.notices += [notice.text for notice in update.notices]
-        self.told = update.alignments
-        if frame.stamp - begin.stamp < SCORED * 1e9:
-            return
+def scored(frames: list[tuple[PassiveFrame, SimulatedFrame]], updates: list[TmaUpdate]) -> Run:
+    """Return what came of a run."""
+    begin, squares = frames[0][0].stamp, []
+    for (frame, truth), update in zip(frames, updates, strict=True):
+        if frame.stamp - begin < SCORED * 1e9:
+            continue
         found = running(listed(update)).state[:, :2]
         for position in truth.truth_tracks.position:
-            self.squares.append(float(np.min(np.sum((found - position) ** 2, axis=1))))
-
-    def done(self) -> Run:
-        """Return what came of it."""
-        rmse, notices = float(np.sqrt(np.mean(self.squares))), tuple(self.notices)
-        if self.told is None:
-            return Run(rmse, (), np.empty(0), np.empty(0), notices)
-        columns = self.told.misalignment, self.told.misalignment_standard_deviation
-        return Run(rmse, self.told.sensor_id, *columns, notices)
+            squares.append(np.min(np.sum((found - position) ** 2, axis=1)))
+    notices = tuple(notice.text for update in updates for notice in update.notices)
+    rmse, told = float(np.sqrt(np.mean(squares))), updates[-1].alignments
+    if told is None:
+        return Run(rmse, (), np.empty(0), np.empty(0), notices)
+    columns = told.misalignment, told.misalignment_standard_deviation
+    return Run(rmse, told.sensor_id, *columns, notices)
 
 
 @cache
 def followed() -> dict[tuple[float, bool], list[Run]]:
     """Return how two targets are followed by own ship and a buoy that is turned, seed by seed.
 
-    By how many degrees it is turned, and whether that is sought. All runs go on together, which
-    costs less; what one gives does not depend on the others.
+    By how many degrees it is turned, and whether that is sought.
     """
-    runs: dict[tuple[float, bool], list[Following]] = {}
+    cases, stages, seen = [], [], []
     for misalignment_deg in MISALIGNMENTS_DEG:
         stations = (ABOARD, replace(BUOY, misalignment_deg=misalignment_deg))
         for seed in SEEDS:
             sea = scene(*stations, targets=(NEAR, FAR), duration=700.0, seed=seed)
             frames = simulated(sea)
             for sought, configuration in ((True, SOUGHT), (False, TOLD)):
-                stage = TmaTrackerStage(configuration, n_stations=2)
-                runs.setdefault((misalignment_deg, sought), []).append(Following(stage, frames))
-    every = [run for own in runs.values() for run in own]
-    (count,) = {len(run.frames) for run in every}
-    for number in range(count):
-        updates = update_together(
-            [run.stage for run in every], [run.frames[number][0] for run in every]
-        )
-        for run, update in zip(every, updates, strict=True):
-            run.take(number, update)
-    return {case: [run.done() for run in own] for case, own in runs.items()}
+                cases.append((misalignment_deg, sought))
+                stages.append(TmaTrackerStage(configuration, n_stations=2))
+                seen.append(frames)
+    updates = fed_together(stages, [[frame for frame, _ in frames] for frames in seen])
+    runs: dict[tuple[float, bool], list[Run]] = {}
+    for case, frames, own in zip(cases, seen, updates, strict=True):
+        runs.setdefault(case, []).append(scored(frames, own))
+    return runs
 
 
 def together(runs: list[Run]) -> float:
