@@ -241,13 +241,13 @@ class Trajectory:
         return KinematicState(position, self._speed * heading, azimuth, rate)
 
     def _only_leg(self, times: FloatArray) -> int | None:
-        """Return the straight leg that all times lie in, if there is one, and several times."""
-        first = last = 0
-        if len(self._begins) > 1 and times.size > 1:
-            ends = (bisect_right(self._begins, end) for end in (times.min(), times.max()))
-            first, last = (max(end - 1, 0) for end in ends)
-        only = times.size > 1 and first == last and self._rates[first] == 0.0
-        return first if only else None
+        """Return the straight leg that all of several times lie in, if there is one."""
+        if times.size < 2:
+            return None
+        ends = (times.min(), times.max()) if len(self._begins) > 1 else (0.0,)
+        legs = {max(bisect_right(self._begins, end) - 1, 0) for end in ends}
+        leg = legs.pop()
+        return leg if not legs and self._rates[leg] == 0.0 else None
 
     def _straight_state_at(self, leg: int, time: FloatArray) -> KinematicState:
         """Return the state of a straight leg at one instant."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sonar_tracking.evaluation.metrics.bearing_score import CUTOFF_DEG, ORDER
-from sonar_tracking.evaluation.metrics.identity_score import LOST_PERIODS
+from sonar_tracking.evaluation.metrics.identity_score import ScoredPeriod, score_identities
 from sonar_tracking.evaluation.metrics.ospa_gospa import assign
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 
@@ -14,7 +14,7 @@ NONE = -1
 
 
 def lasting_swaps(angle: FloatArray, truth: FloatArray) -> FloatArray:
-    """Count the lasting identity swaps of each run, of all runs at once.
+    """Count the lasting identity swaps of each run.
 
     Parameters
     ----------
@@ -29,18 +29,23 @@ def lasting_swaps(angle: FloatArray, truth: FloatArray) -> FloatArray:
         How often a target's assigned track changed for good.
     """
     held = _assigned(angle, truth)
-    latest = np.full_like(held[..., 0, :], NONE)
-    settled, periods = latest.copy(), np.zeros_like(latest)
-    swaps = np.zeros(latest.shape)
-    for step in range(len(truth)):
-        track = held[..., step, :]
-        here = track != NONE
-        periods = np.where(here, np.where(track == latest, periods, 0) + 1, periods)
-        latest = np.where(here, track, latest)
-        stayed = here & (periods == LOST_PERIODS)
-        swaps += stayed & (settled != NONE) & (settled != track)
-        settled = np.where(stayed, track, settled)
-    return np.sum(swaps, axis=-1)
+    swaps = np.empty(angle.shape[:-2])
+    first_seen = dict.fromkeys(range(truth.shape[1]), 0)
+    for run in np.ndindex(swaps.shape):
+        periods = [_scored_period(step, row) for step, row in enumerate(held[run].tolist())]
+        swaps[run] = score_identities(periods, 1.0, first_seen).lasting_identity_swaps
+    return swaps
+
+
+def _scored_period(step: int, tracks: list[int]) -> ScoredPeriod:
+    held = {target: track for target, track in enumerate(tracks) if track != NONE}
+    return ScoredPeriod(
+        stamp=step,
+        truth_ids=tuple(range(len(tracks))),
+        track_ids=tuple(held.values()),
+        held=held,
+        near=frozenset(),
+    )
 
 
 def _assigned(angle: FloatArray, truth: FloatArray) -> IndexArray:
