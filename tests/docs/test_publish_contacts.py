@@ -57,7 +57,7 @@ def tracker(folder: Path) -> Iterator[None]:
         yield
     finally:
         process.terminate()
-        process.wait()
+        process.wait(PATIENCE)
 
 
 @pytest.mark.system

@@ -8,12 +8,13 @@ import shlex
 import shutil
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
 from tests.docs.code_blocks import DOCS, CodeBlock, all_blocks, blocks_of
-from tests.system.command_line import PATIENCE, environment, run_words
+from tests.system.command_line import PATIENCE, RunningCommand, environment, run_words
 from tests.system.shown_runs import shown_run
 
 NOT_RUN = {
@@ -158,6 +159,19 @@ def test_readme_shows_the_listener_of_the_tutorial() -> None:
     assert len(first.text.splitlines()) <= 12
 
 
+def end_foreign(program: subprocess.Popen[bytes]) -> None:
+    """End a program that leaves signals to rclpy.
+
+    One that comes when rclpy is about to wait is lost (3 of 240 times on a busy machine): the
+    program waits on, and ends at the next.
+    """
+    code = None
+    while code is None:
+        program.terminate()
+        with suppress(subprocess.TimeoutExpired):
+            code = program.wait(5.0)
+
+
 def test_listener_prints_the_bearings(tmp_path: Path) -> None:
     (tmp_path / "listener.py").write_text(listener_blocks()[0].text, encoding="utf-8")
     heard = tmp_path / "heard.txt"
@@ -168,11 +182,11 @@ def test_listener_prints_the_bearings(tmp_path: Path) -> None:
             env=reader_environment(tmp_path),
             stdout=output,
         )
+    run = RunningCommand(tmp_path, *"run doa_fusion --duration 10 --no-display".split())
     try:
-        words = shlex.split("run doa_fusion --duration 10 --no-display --rate 5")
-        done = run_words(words, reader_environment(tmp_path), tmp_path)
+        run.wait_for(lambda: re.search(r"\{1: -?\d\.\d+", heard.read_text()) is not None)
+        run.interrupt()
+        assert run.wait() == 130, run.output
     finally:
-        listener.terminate()
-        listener.wait()
-    assert done.returncode == 0, done.stdout
-    assert re.search(r"\{1: -?\d\.\d+", heard.read_text())
+        run.clean_up()
+        end_foreign(listener)
