@@ -182,7 +182,7 @@ def test_listener_prints_the_bearings(tmp_path: Path) -> None:
             env=reader_environment(tmp_path),
             stdout=output,
         )
-    run = RunningCommand(tmp_path, *"run doa_fusion --duration 10 --no-display".split())
+    run = RunningCommand(tmp_path, *shlex.split("run doa_fusion --duration 10 --no-display"))
     try:
         run.wait_for(lambda: re.search(r"\{1: -?\d\.\d+", heard.read_text()) is not None)
         run.interrupt()
