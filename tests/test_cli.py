@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 import sonar_tracking
 from sonar_tracking import cli
@@ -65,3 +66,16 @@ def test_the_shell_completes_verbs(
     with pytest.raises(SystemExit):
         cli.main()
     assert capsys.readouterr().out.split() == ["replay"]
+
+
+@pytest.mark.parametrize("verb", ["replay", "import", "none"])
+def test_a_verb_by_itself_is_that_of_the_whole_command(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, verb: str
+) -> None:
+    words = [verb, "--help"]
+    whole = CliRunner().invoke(cli.app, words, prog_name="sonar-tracking")
+    monkeypatch.setattr("sys.argv", ["sonar-tracking", *words])
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    said = capsys.readouterr()
+    assert (ended.value.code, said.out, said.err) == (whole.exit_code, whole.stdout, whole.stderr)

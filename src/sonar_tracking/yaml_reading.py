@@ -1,4 +1,4 @@
-"""Reading of YAML: by libyaml where it is there, which takes a fifth of the time.
+"""Reading and writing of YAML: by libyaml where it is there, which takes a fifth of the time.
 
 What libyaml cannot read, or what may be nested deeper than its binding has room for, PyYAML reads
 itself: it has a sentence for everything, and its depth is limited.
@@ -11,6 +11,9 @@ from functools import cache
 from typing import Any
 
 import yaml
+
+DUMPER: type[Any] = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
+"""For ``yaml.dump``: it writes what ``yaml.safe_dump`` does."""
 
 DEEPEST = 1000
 """The binding of libyaml goes down one call a level, and ends the process where there are many."""

@@ -10,15 +10,11 @@ from typing import Any
 
 import yaml
 
-from sonar_tracking.yaml_reading import read_yaml
+from sonar_tracking.yaml_reading import DUMPER, read_yaml
 
 LARGEST_YAML = 1 << 20
 LARGEST_JSON = 16 << 20
 """Most characters of a text; YAML takes seconds for a million."""
-
-
-_DUMPER: type[Any] = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
-"""Compiled where there is libyaml: a recorder writes what its bag says anew with each topic."""
 
 
 class StoredTextError(ValueError):
@@ -52,7 +48,7 @@ def yaml_value(text: str) -> Any:
 
 def yaml_text(value: object) -> str:
     """Return a value as YAML, its names in their order."""
-    text: str = yaml.dump(value, Dumper=_DUMPER, sort_keys=False)
+    text: str = yaml.dump(value, Dumper=DUMPER, sort_keys=False)
     return text
 
 

@@ -53,6 +53,7 @@ from sonar_tracking.simulation.scenarios.target import (
     TargetConfiguration,
     TargetMotion,
 )
+from sonar_tracking.yaml_reading import DUMPER
 
 
 def load_scenario(name_or_path: str | Path) -> Scenario:
@@ -142,7 +143,9 @@ def scenario_to_mapping(scenario: Scenario) -> dict[str, Any]:
 
 def scenario_to_yaml(scenario: Scenario) -> str:
     """Return the text of a YAML file that :func:`load_scenario` reads as the same scenario."""
-    return yaml.safe_dump(scenario_to_mapping(scenario), sort_keys=False, allow_unicode=True)
+    mapping = scenario_to_mapping(scenario)
+    text: str = yaml.dump(mapping, Dumper=DUMPER, sort_keys=False, allow_unicode=True)
+    return text
 
 
 def _mapping(values: Any, where: str) -> dict[str, Any]:
