@@ -35,7 +35,7 @@ from tests.recorded_data import recorded_data
 
 DEPTH = 1300.0
 N_SECONDS = 200
-HALF_AN_HOUR = 1800.0
+HALF_AN_HOUR, THREE_QUARTERS = 1800.0, 2700.0
 """s."""
 
 SERIES = ("times", "azimuth", "elevation", "deviation", "ship", "consistent")
@@ -187,11 +187,11 @@ def test_the_real_ship_is_found_better_than_by_single_seconds(
 @pytest.mark.parametrize(
     ("file", "names", "system", "least", "length", "every"),
     [
-        ("two_arrays_A", ("EE",), SINGLE, 85.0, HALF_AN_HOUR, 3),
-        ("two_arrays_A", ("EW",), SINGLE, 85.0, np.inf, 4),
-        ("two_arrays_A", ("EE", "EW"), BOTH, 85.0, HALF_AN_HOUR, 4),
-        ("array_EW_B", ("EW",), SINGLE, 92.0, np.inf, 6),
-        ("two_arrays_A", ("EE", "EW"), CROSS, 85.0, np.inf, 2),
+        ("two_arrays_A", ("EE",), SINGLE, 85.0, HALF_AN_HOUR, 5),
+        ("two_arrays_A", ("EW",), SINGLE, 85.0, np.inf, 6),
+        ("two_arrays_A", ("EE", "EW"), BOTH, 85.0, HALF_AN_HOUR, 6),
+        ("array_EW_B", ("EW",), SINGLE, 92.0, np.inf, 9),
+        ("two_arrays_A", ("EE", "EW"), CROSS, 85.0, THREE_QUARTERS, 5),
     ],
 )
 def test_ellipses_of_the_node_hold_the_real_ship(
