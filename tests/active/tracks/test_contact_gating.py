@@ -72,6 +72,20 @@ def leaning_contacts(count: int) -> PlacedContacts:
     return replace(contacts, covariance=covariance, delay=generator.uniform(0.0, 3.0, count))
 
 
+def moved_pairs_by_the_letter(bank: TrackBank, contacts: PlacedContacts) -> list[tuple[int, int]]:
+    """Return the pairs within the gates, each pair looked at by itself."""
+    expected = []
+    for track in range(len(bank)):
+        mean, covariance = bank.mean[track, 0], bank.covariance[track, 0]
+        for contact, delay in enumerate(contacts.delay):
+            delayed = np.hstack([np.eye(2), delay * np.eye(2)])
+            innovation = contacts.position[contact] - delayed @ mean
+            spread = delayed @ covariance @ delayed.T + contacts.covariance[contact]
+            if innovation @ np.linalg.solve(spread, innovation) < 16.0:
+                expected.append((track, contact))
+    return expected
+
+
 @pytest.mark.parametrize("at_once", [0, 100_000])
 @pytest.mark.parametrize("portion", [1, 50, 500_000])
 def test_gates_move_with_the_target_until_the_reflection(
@@ -83,15 +97,7 @@ def test_gates_move_with_the_target_until_the_reflection(
     bank, contacts = moving_bank(40), leaning_contacts(150)
     sensor = SensorGeometry(np.zeros(2), 80.0, 0.05, 1500.0)
     pairs = find_pairs(bank, predict_gates(bank, sensor), contacts)
-    expected = []
-    for track in range(len(bank)):
-        mean, covariance = bank.mean[track, 0], bank.covariance[track, 0]
-        for contact, delay in enumerate(contacts.delay):
-            delayed = np.hstack([np.eye(2), delay * np.eye(2)])
-            innovation = contacts.position[contact] - delayed @ mean
-            spread = delayed @ covariance @ delayed.T + contacts.covariance[contact]
-            if innovation @ np.linalg.solve(spread, innovation) < 16.0:
-                expected.append((track, contact))
+    expected = moved_pairs_by_the_letter(bank, contacts)
     assert len(expected) > 40
     found = list(zip(pairs.track.tolist(), pairs.contact.tolist(), strict=True))
     assert sorted(found) == expected

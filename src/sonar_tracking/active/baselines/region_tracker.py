@@ -68,6 +68,8 @@ DEATH_COUNT = 2
 
 LARGEST_NUMBER_OF_CLOUDS = 500
 """Tracks, each with its particles: bounds memory and time whatever the clutter."""
+REGIONS_AT_ONCE = 64
+"""Whose neighbours are looked for together, so that memory stays bounded."""
 
 
 @dataclass(frozen=True)
@@ -309,11 +311,15 @@ def _near_each(positions: FloatArray, regions: FloatArray, distance: float) -> I
     reach = 1.001 * distance  # whatever is rounded
     first = np.searchsorted(along, regions[:, 0] - reach)
     last = np.searchsorted(along, regions[:, 0] + reach, side="right")
-    for region, begin, end in zip(regions, first.tolist(), last.tolist(), strict=True):
-        rows = order[begin:end]
-        separation = region - positions[rows]
-        inside = np.abs(separation[:, 0]) < distance
-        yield rows[inside & (np.hypot(separation[:, 0], separation[:, 1]) < distance)]
+    for begin in range(0, len(regions), REGIONS_AT_ONCE):
+        some = slice(begin, begin + REGIONS_AT_ONCE)
+        counts = last[some] - first[some]
+        own = np.repeat(np.arange(len(counts)), counts)
+        skipped = first[some] - (np.cumsum(counts) - counts)
+        rows = order[np.arange(len(own)) + skipped[own]]
+        along_x, along_y = (regions[some][own] - positions[rows]).T
+        inside = (np.abs(along_x) < distance) & (np.hypot(along_x, along_y) < distance)
+        yield from np.split(rows[inside], np.searchsorted(own[inside], np.arange(1, len(counts))))
 
 
 def _region_covariances(regions: FloatArray, sensor: SensorGeometry) -> FloatArray:
