@@ -60,6 +60,7 @@ class Chromium:
             time.sleep(0.05)
         self._port = int(port_file.read_text().splitlines()[0])
         self.loop = asyncio.new_event_loop()
+        self._free: list[Tab] = []
 
     def close(self) -> None:
         """End the process, and all it has started."""
@@ -68,7 +69,24 @@ class Chromium:
         self.loop.close()
 
     def open(self, address: str, width: int = 1280, height: int = 720) -> Tab:
-        """Open a page in a new tab."""
+        """Open a page in a tab, which may have shown another one before."""
+        tab = self._free.pop() if self._free else self._new_tab()
+        tab.call("Emulation.setScriptExecutionDisabled", value=False)
+        tab.call("Page.bringToFront")
+        tab.complaints.clear()
+        tab.resize(width, height)
+        tab.call("Page.navigate", url=address)
+        tab.wait_for("window.page !== undefined")
+        return tab
+
+    def leave(self, tab: Tab) -> None:
+        """Stop the page of a tab, which the next page may have: to make one takes long."""
+        tab.value("delete window.page")
+        tab.call("Emulation.setEmulatedMedia", features=[])
+        tab.call("Emulation.setScriptExecutionDisabled", value=True)
+        self._free.append(tab)
+
+    def _new_tab(self) -> Tab:
         request = urllib.request.Request(
             f"http://127.0.0.1:{self._port}/json/new?about:blank", method="PUT"
         )
@@ -77,9 +95,6 @@ class Chromium:
         tab = Tab(self.loop, target["webSocketDebuggerUrl"])
         tab.call("Runtime.enable")
         tab.call("Page.enable")
-        tab.resize(width, height)
-        tab.call("Page.navigate", url=address)
-        tab.wait_for("window.page !== undefined")
         return tab
 
 
@@ -179,13 +194,3 @@ class Tab:
         path.write_bytes(
             base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"])
         )
-
-    def close(self) -> None:
-        """Close the tab."""
-        self.value("setTimeout(() => window.close(), 200)")
-        self._loop.run_until_complete(self._close())
-
-    async def _close(self) -> None:
-        self._link.close()
-        while await asyncio.wait_for(self._link.read_message(), PATIENCE) is not None:
-            pass

@@ -38,7 +38,7 @@ def opened(chromium: Chromium) -> Iterator[Callable[..., Tab]]:
     yield open_page
     complaints = [complaint for tab in tabs for complaint in tab.complaints]
     for tab in tabs:
-        tab.close()
+        chromium.leave(tab)
     assert not complaints
 
 

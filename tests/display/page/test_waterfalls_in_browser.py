@@ -39,7 +39,7 @@ def tab(start: Start, chromium: Chromium) -> Iterator[tuple[PageServer, Tab]]:
     page = chromium.open(server.address)
     yield server, page
     complaints = page.complaints
-    page.close()
+    chromium.leave(page)
     assert not complaints
 
 
@@ -127,7 +127,7 @@ def test_a_spectrum_is_sent_when_it_is_chosen(start: Start, chromium: Chromium) 
     page.wait_for("(page.draw(), page.history.names('waterfall').length)")
     wait_selected(server, page)
     complaints = page.complaints
-    page.close()
+    chromium.leave(page)
     assert not complaints
 
 
@@ -145,7 +145,7 @@ def test_spectra_of_several_seconds_are_means_of_power(start: Start, chromium: C
           return rows.map(row => [row.t0, row.t1, ...levelsOf(row)]);
         })()"""
     )
-    page.close()
+    chromium.leave(page)
     # Two, then three seconds of five have the power 100 in the first column.
     expected = [[1000, 1005, 16.0206, 10.0], [1005, 1010, 17.7815, 10.0]]
     np.testing.assert_allclose(levels, expected, atol=1e-3)
@@ -164,7 +164,7 @@ def test_beside_a_strong_line_the_noise_stays_at_its_level(
           return [...overBackground(row, 40, new Float32Array(400))];
         })()"""
     )
-    page.close()
+    chromium.leave(page)
     np.testing.assert_allclose(np.delete(levels, [200, 215]), 0.0, atol=0.2)
     assert levels[200] == pytest.approx(50.0, abs=0.3)
     assert levels[215] == pytest.approx(10.0, abs=0.3)
