@@ -6,6 +6,7 @@ with, bit for bit.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from sonar_tracking.evaluation.metrics.position_score import PositionScore, score_position_tracks
@@ -16,7 +17,7 @@ from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.sensors.bearing_simulation import BearingSimulation, SimulatedFrame
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame, TmaUpdate
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
-from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage
+from sonar_tracking.tma.tracker.tma_tracker_stage import TmaTrackerStage, update_together
 
 TRACKER = "tma_tracker"
 
@@ -60,18 +61,39 @@ def run_offline_tma_chain(scenario: Scenario) -> OfflineTmaRun:
     ConfigurationError
         If the scenario or the parameters cannot be used.
     """
-    given = dict(scenario.nodes.get(TRACKER, {}))
-    where = f"{scenario.name}: nodes.{TRACKER}"
+    return run_offline_tma_chains([scenario])[0]
+
+
+def run_offline_tma_chains(scenarios: Sequence[Scenario]) -> list[OfflineTmaRun]:
+    """Run target motion analysis on simulated scenarios that differ by their seeds alone.
+
+    Parameters
+    ----------
+    scenarios : sequence of Scenario
+        With bearing sensors; the ``nodes.tma_tracker`` of the first one configures the stages,
+        which are computed at once.
+
+    Raises
+    ------
+    ConfigurationError
+        If a scenario or the parameters cannot be used.
+    """
+    given = dict(scenarios[0].nodes.get(TRACKER, {}))
+    where = f"{scenarios[0].name}: nodes.{TRACKER}"
     configuration = stage_configuration(TmaTrackerConfiguration, given, where)
-    stage = TmaTrackerStage(configuration, len(scenario.bearing_sensors))
-    simulation = BearingSimulation(scenario)
-    frames, updates = [], []
-    while (frame := simulation.next_frame()) is not None:
-        frames.append(frame)
-        passive = passive_frame(frame)
-        if passive.bearings:
-            updates.append(stage.update(passive))
-    return OfflineTmaRun(tuple(frames), tuple(updates))
+    stages = [TmaTrackerStage(configuration, len(one.bearing_sensors)) for one in scenarios]
+    simulated = [iter(BearingSimulation(scenario).next_frame, None) for scenario in scenarios]
+    frames: list[tuple[SimulatedFrame, ...]] = []
+    updates: list[list[TmaUpdate]] = [[] for _ in scenarios]
+    for together in zip(*simulated, strict=True):
+        frames.append(together)
+        passive = [passive_frame(frame) for frame in together]
+        heard = [run for run, frame in enumerate(passive) if frame.bearings]
+        taken = update_together([stages[run] for run in heard], [passive[run] for run in heard])
+        for run, update in zip(heard, taken, strict=True):
+            updates[run].append(update)
+    every = zip(zip(*frames, strict=True), updates, strict=True)
+    return [OfflineTmaRun(own, tuple(made)) for own, made in every]
 
 
 def passive_frame(frame: SimulatedFrame) -> PassiveFrame:

@@ -11,11 +11,12 @@ from sonar_tracking.evaluation.offline.offline_contact_chain import run_offline_
 from sonar_tracking.evaluation.studies.scenario_seeds.study import (
     CHAINS,
     FIGURES,
+    RUNS_PER_TASK,
     SCENARIO_SEEDS,
     RunFigures,
-    SeededRun,
+    SeededRuns,
     scenario_rows,
-    score_run,
+    score_runs,
 )
 from sonar_tracking.evaluation.studies.study_catalogue import STUDIES
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
@@ -27,8 +28,7 @@ def figures(value: float) -> dict[str, float]:
 
 
 def test_the_first_seed_is_what_the_scenario_says_and_another_is_another_run() -> None:
-    (first,) = score_run(SeededRun("active", 1, 300.0))
-    (second,) = score_run(SeededRun("active", 2, 300.0))
+    first, second = score_runs(SeededRuns("active", (1, 2), 300.0))
     scenario = replace(load_scenario("active"), duration=300.0)
     score = run_offline_active_chain(scenario).score()
     assert first.figures["rmse_m"] == score.rmse_m != second.figures["rmse_m"]
@@ -36,7 +36,7 @@ def test_the_first_seed_is_what_the_scenario_says_and_another_is_another_run() -
 
 
 def test_tracks_of_target_motion_analysis_come_with_hindsight_too() -> None:
-    parts = score_run(SeededRun("tma", 3, 400.0))
+    parts = score_runs(SeededRuns("tma", (3,), 400.0))
     assert [part.system for part in parts] == ["tma", "tma, smoothed"]
     assert parts[1].figures["held_share"] > parts[0].figures["held_share"]
 
@@ -54,8 +54,10 @@ def test_quantiles_are_over_seeds_and_runs_without_positions_are_counted() -> No
 
 def test_each_scenario_has_every_seed_from_the_one_given(tmp_path: Path) -> None:
     assert STUDIES["scenario-seeds"] is SCENARIO_SEEDS and SCENARIO_SEEDS.default_runs >= 20
-    runs = [task.argument for task in SCENARIO_SEEDS.tasks(3, 5)]
-    assert runs == [SeededRun(name, seed) for name in CHAINS for seed in (5, 6, 7)]
+    runs = [task.argument for task in SCENARIO_SEEDS.tasks(RUNS_PER_TASK + 1, 5)]
+    last = RUNS_PER_TASK + 5
+    of_each = {name: [run.seeds for run in runs if run.scenario == name] for name in CHAINS}
+    assert of_each == {name: [tuple(range(5, last)), (last,)] for name in CHAINS}
     with pytest.raises(ConfigurationError, match="at least 1 run"):
         SCENARIO_SEEDS.tasks(0, 1)
     results = [(RunFigures("tma", 1, figures(20.0)), RunFigures("tma, smoothed", 1, figures(9.0)))]

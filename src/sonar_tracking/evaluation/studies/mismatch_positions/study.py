@@ -41,7 +41,8 @@ from sonar_tracking.records.arrays import BoolArray, FloatArray
 
 SYSTEMS = (DEFAULTS, NOTHING_LEARNT, TOLD)
 
-RUNS_PER_TASK = 25
+RUNS_PER_TASK = 100
+"""A frame of a hundred costs little more than one of fifty."""
 
 SURPRISED = 20.0
 """A confirmed row whose NEES per dimension is larger is wrong and does not say so."""

@@ -27,11 +27,11 @@ from sonar_tracking.evaluation.monte_carlo.study_definition import (
 )
 from sonar_tracking.evaluation.offline.offline_bearing_chain import stage_configuration
 from sonar_tracking.evaluation.offline.offline_contact_chain import run_offline_active_chain
-from sonar_tracking.evaluation.offline.offline_sample_chain import run_offline_sample_chain
+from sonar_tracking.evaluation.offline.offline_sample_chain import positions_of_samples
 from sonar_tracking.evaluation.offline.offline_tma_chain import (
     TRACKER,
     passive_frame,
-    run_offline_tma_chain,
+    run_offline_tma_chains,
 )
 from sonar_tracking.evaluation.studies.scenario_seeds.figures import draw_errors
 from sonar_tracking.records.positions import PositionTracks
@@ -47,22 +47,26 @@ QUANTILES = {"low": 10.0, "median": 50.0, "high": 90.0}
 """Over the seeds, %."""
 
 
+RUNS_PER_TASK = 10
+"""Computed together; more would save little and leave workers idle at the end."""
+
+
 @dataclass(frozen=True)
-class SeededRun:
-    """One run.
+class SeededRuns:
+    """Runs of a scenario that are computed together.
 
     Attributes
     ----------
     scenario : str
         Its name.
-    seed : int
-        Of its noise.
+    seeds : tuple of int
+        Of the noise, one a run.
     duration : float or None
         Of the data, s; None = the scenario's own.
     """
 
     scenario: str
-    seed: int
+    seeds: tuple[int, ...]
     duration: float | None = None
 
 
@@ -89,35 +93,35 @@ Scores = tuple[PositionScore, ...]
 """Of the tracks as they came, and of those with hindsight if there are any."""
 
 
-def score_contacts(scenario: Scenario) -> Scores:
-    """Return the score of a scenario with an active sonar."""
-    return (run_offline_active_chain(scenario).score(),)
+def score_contacts(scenarios: Sequence[Scenario]) -> list[Scores]:
+    """Return the score of each of several scenarios with an active sonar."""
+    return [(run_offline_active_chain(scenario).score(),) for scenario in scenarios]
 
 
-def score_bearings(scenario: Scenario) -> Scores:
-    """Return the scores of a scenario with stations that measure bearings."""
-    run = run_offline_tma_chain(scenario)
-    frames = [passive_frame(frame) for frame in run.frames]
-    truth = [truth_as_tracks(frame.truth_tracks) for frame in run.frames]
-    return run.score(), score_position_tracks(truth, _smoothed(scenario, frames, run.tracks))
+def score_bearings(scenarios: Sequence[Scenario]) -> list[Scores]:
+    """Return the scores of each of several scenarios with stations that measure bearings."""
+    scores = []
+    for scenario, run in zip(scenarios, run_offline_tma_chains(scenarios), strict=True):
+        frames = [passive_frame(frame) for frame in run.frames]
+        truth = [truth_as_tracks(frame.truth_tracks) for frame in run.frames]
+        smoothed = _smoothed(scenario, frames, run.tracks)
+        scores.append((run.score(), score_position_tracks(truth, smoothed)))
+    return scores
 
 
-def score_samples(scenario: Scenario) -> Scores:
-    """Return the scores of the positions made of a scenario with hydrophones."""
-    run = run_offline_sample_chain(scenario)
-    truth = [truth_as_tracks(block.truth_tracks) for block in run.blocks]
-    bearings = {one.stamp: one for one in run.bearings}
-    lines = {one.stamp: one for one in run.lines}
-    frames = [
-        PassiveFrame(
-            stamp,
-            bearings=(bearings[stamp],) if stamp in bearings else (),
-            lines=(lines[stamp],) if stamp in lines else (),
+def score_samples(scenarios: Sequence[Scenario]) -> list[Scores]:
+    """Return the scores of the positions made of each of several scenarios with hydrophones."""
+    scores = []
+    for scenario, run in zip(scenarios, positions_of_samples(scenarios), strict=True):
+        truth = [truth_as_tracks(one) for one in run.truth]
+        smoothed = _smoothed(scenario, run.frames, run.positions)
+        scores.append(
+            (
+                score_position_tracks(truth, run.positions),
+                score_position_tracks(truth, smoothed),
+            )
         )
-        for stamp in sorted({*bearings, *lines})
-    ]
-    smoothed = _smoothed(scenario, frames, run.positions)
-    return score_position_tracks(truth, run.positions), score_position_tracks(truth, smoothed)
+    return scores
 
 
 def _smoothed(
@@ -133,13 +137,14 @@ def _smoothed(
     return smooth_tracks(tracks, log.observations, tracker, smoother).pictures
 
 
-CHAINS: dict[str, Callable[[Scenario], Scores]] = {
+CHAINS: dict[str, Callable[[Sequence[Scenario]], list[Scores]]] = {
     "active": score_contacts,
     "tma": score_bearings,
     "cross_fix": score_bearings,
     "tonals": score_samples,
 }
-"""The scores of each scenario, from its chain."""
+"""What scores the runs of each scenario, which differ by their seeds, from its chain; in the order
+of the time that they take."""
 
 SYSTEMS = ("{}", "{}, smoothed")
 """What the tracks of each score are called."""
@@ -149,20 +154,22 @@ FIGURES_OF_TIME = ("confirmation_delay", "confirmation_delay_periods")
 COUNTS = ("false_tracks", "identity_swaps", "targets_never_held")
 
 
-def score_run(run: SeededRun) -> tuple[RunFigures, ...]:
-    """Return the figures of one run.
+def score_runs(runs: SeededRuns) -> tuple[RunFigures, ...]:
+    """Return the figures of runs of a scenario.
 
     Parameters
     ----------
-    run : SeededRun
-        Scenario and seed.
+    runs : SeededRuns
+        Scenario and seeds.
     """
-    scenario = replace(load_scenario(run.scenario), seed=run.seed)
-    if run.duration is not None:
-        scenario = replace(scenario, duration=run.duration)
+    scenario = load_scenario(runs.scenario)
+    if runs.duration is not None:
+        scenario = replace(scenario, duration=runs.duration)
+    scores = CHAINS[runs.scenario]([replace(scenario, seed=seed) for seed in runs.seeds])
     return tuple(
-        RunFigures(system.format(run.scenario), run.seed, _figures(score))
-        for system, score in zip(SYSTEMS, CHAINS[run.scenario](scenario), strict=False)
+        RunFigures(system.format(runs.scenario), seed, _figures(score))
+        for seed, own in zip(runs.seeds, scores, strict=True)
+        for system, score in zip(SYSTEMS, own, strict=False)
     )
 
 
@@ -179,7 +186,7 @@ def scenario_rows(results: Sequence[Any]) -> tuple[StudyRow, ...]:
     """Return one row a system: quantiles of each figure over the seeds, means of counts."""
     parts = [part for result in results for part in result]
     rows = []
-    for name in dict.fromkeys(part.system for part in parts):
+    for name in _systems(parts):
         own = [part for part in parts if part.system == name]
         metrics = {}
         for figure in (*FIGURES, *FIGURES_OF_TIME):
@@ -197,13 +204,23 @@ def scenario_rows(results: Sequence[Any]) -> tuple[StudyRow, ...]:
     return tuple(rows)
 
 
+def _systems(parts: Sequence[RunFigures]) -> list[str]:
+    """Return the systems that there are figures of, in the order of the scenarios."""
+    there = {part.system for part in parts}
+    every = (system.format(name) for name in CHAINS for system in SYSTEMS)
+    return [name for name in every if name in there]
+
+
 def _tasks(runs: int, seed: int) -> tuple[Task, ...]:
     if runs < 1:
         raise ConfigurationError(f"runs is {runs}; a study needs at least 1 run.")
     if seed < 0:
         raise ConfigurationError(f"seed is {seed}; give a whole number of at least 0.")
-    seeds = range(seed, seed + runs)
-    return tuple(Task(score_run, SeededRun(name, one)) for name in CHAINS for one in seeds)
+    seeds = tuple(range(seed, seed + runs))
+    parts = [seeds[first : first + RUNS_PER_TASK] for first in range(0, runs, RUNS_PER_TASK)]
+    # Those of the longest runs come first: short tasks at the end leave no worker idle.
+    names = reversed(CHAINS)
+    return tuple(Task(score_runs, SeededRuns(name, own)) for name in names for own in parts)
 
 
 def _spread(figure: str, heading: str, form: str) -> tuple[Column, ...]:
@@ -216,9 +233,11 @@ def _spread(figure: str, heading: str, form: str) -> tuple[Column, ...]:
 
 
 def _draw(results: Sequence[Any], rows: Sequence[StudyRow], directory: Path) -> tuple[Path, ...]:
-    errors: dict[str, list[float]] = {}
-    for one in (part for result in results for part in result):
-        errors.setdefault(one.system, []).append(one.figures["median_error_m"])
+    parts = [part for result in results for part in result]
+    errors = {
+        name: [one.figures["median_error_m"] for one in parts if one.system == name]
+        for name in _systems(parts)
+    }
     return draw_errors(errors, directory)
 
 
