@@ -100,7 +100,7 @@ def score_contacts(scenarios: Sequence[Scenario]) -> list[Scores]:
 
 def score_bearings(scenarios: Sequence[Scenario]) -> list[Scores]:
     """Return the scores of each of several scenarios with stations that measure bearings."""
-    scores = []
+    scores: list[Scores] = []
     for scenario, run in zip(scenarios, run_offline_tma_chains(scenarios), strict=True):
         frames = [passive_frame(frame) for frame in run.frames]
         truth = [truth_as_tracks(frame.truth_tracks) for frame in run.frames]
@@ -111,7 +111,7 @@ def score_bearings(scenarios: Sequence[Scenario]) -> list[Scores]:
 
 def score_samples(scenarios: Sequence[Scenario]) -> list[Scores]:
     """Return the scores of the positions made of each of several scenarios with hydrophones."""
-    scores = []
+    scores: list[Scores] = []
     for scenario, run in zip(scenarios, positions_of_samples(scenarios), strict=True):
         truth = [truth_as_tracks(one) for one in run.truth]
         smoothed = _smoothed(scenario, run.frames, run.positions)
