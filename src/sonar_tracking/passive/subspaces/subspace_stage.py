@@ -236,25 +236,25 @@ class SubspaceStage:
     def _open_windows(self, memory: EstimationMemory, missing: int) -> EstimationMemory:
         """Open the windows that reach into the block; leave out those lost in a long gap."""
         timing, windows, number = memory.timing, list(memory.windows), memory.next_sample
-        last_index = timing.last_index
         if missing * timing.sample_period > LONG_GAP_PERIODS * self._schedule.period:
             windows = [w for w in windows if any(c.index in w.indices for c in memory.captured)]
             number = max(number, self._schedule.first_unfinished(timing))
-        while (window := self._schedule.window(number, timing)).first <= last_index:
+        while (window := self._schedule.window(number, timing)).first <= timing.last_index:
             windows.append(window)
             number += 1
+        if number == memory.next_sample and len(windows) == len(memory.windows):
+            return memory
         return replace(memory, windows=tuple(windows), next_sample=number)
 
     def _sample_bases(
         self, memory: EstimationMemory, block: ArraySnapshots
     ) -> tuple[EstimationMemory, list[Notice]]:
         """Lead the subspace through the block and take the bases that the windows want."""
-        data = np.asarray(block.data, dtype=np.complex128)
-        first_index = memory.timing.first_index
-        memory = replace(memory, history=np.concatenate([memory.history, data], axis=-2))
+        first_index, data = memory.timing.first_index, np.asarray(block.data, dtype=np.complex128)
+        history = np.concatenate([memory.history, data], axis=-2)
         data = data if memory.used.all() else data[..., memory.used]
         if memory.sampler is None:
-            memory = self._start_sampler(memory)
+            memory = self._start_sampler(replace(memory, history=history))
             if memory.sampler is None:
                 return memory, []
             if self.configuration.source_count == 0:
@@ -264,18 +264,18 @@ class SubspaceStage:
         wanted = {index for window in memory.windows for index in window.indices}
         try:
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-                sampler, captured = memory.sampler.advance(data, first_index, memory.timing, wanted)
-            usable = all(np.isfinite(subspace.basis).all() for subspace in captured)
+                sampler, new = memory.sampler.advance(data, first_index, memory.timing, wanted)
+            usable = all(np.isfinite(subspace.basis).all() for subspace in new)
         except np.linalg.LinAlgError:
             usable = False
         if not usable:
-            return replace(memory, sampler=None), [singular_notice(memory.n_columns)]
-        return replace(memory, sampler=sampler, captured=memory.captured + captured), []
+            told = [singular_notice(memory.n_columns)]
+            return replace(memory, history=history, sampler=None), told
+        return replace(memory, history=history, sampler=sampler, captured=memory.captured + new), []
 
     def _start_sampler(self, memory: EstimationMemory) -> EstimationMemory:
         """Begin to follow the subspace, once the number of its columns is known."""
-        configuration = self.configuration
-        n_columns = memory.n_columns
+        configuration, n_columns = self.configuration, memory.n_columns
         if n_columns == 0 and ready_to_count(configuration, memory):
             n_columns = starting_columns(configuration, memory)
             next_count = memory.timing.last_index + configuration.covariance_snapshots
@@ -345,6 +345,6 @@ def update_together(
         if each.end_of_data:
             estimates[-1] = replace(estimates[-1], next_stamp=END_OF_DATA)
         notices = [*each.notices, *estimate_notices(estimates, run.fit, each.memory)]
-        stage._memory = replace(each.memory, fit=run.fit)
+        stage._memory = replace(each.memory, fit=run.fit) if each.complete else each.memory
         updates.append(SubspaceUpdate(tuple(estimates), tuple(notices)))
     return updates

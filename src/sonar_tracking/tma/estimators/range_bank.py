@@ -177,7 +177,7 @@ def _update_alike(
     for state, measurement in zip(states, measurements, strict=True):
         present = start_range_bank(measurement, configuration) if state is None else state
         present = judge_beginning(present, measurement.stamp, partial(_believe, configuration))
-        if vertical:
+        if vertical and not present.bank.vertical:
             present = replace(present, bank=with_vertical(present.bank))
         lost = is_lost(present, measurement)
         if lost.any():
@@ -190,8 +190,8 @@ def _update_alike(
     done = separate_banks(ready, after, measurements[0].stamp)
     updates, run = [], 0
     for state, lost, measurement in zip(done, restarted, measurements, strict=True):
-        beginning = None if state.beginning is None else state.beginning.after(measurement)
-        state = replace(state, beginning=beginning)
+        if state.beginning is not None:
+            state = replace(state, beginning=state.beginning.after(measurement))
         own = slice(run, run + lost.size)
         reborn = changes.reborn[own].reshape(state.bank.known.shape)
         manoeuvre = changes.manoeuvre[own].reshape(lost.shape)
