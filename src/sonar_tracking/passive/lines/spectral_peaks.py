@@ -97,6 +97,8 @@ def find_peaks(normalised: FloatArray, threshold: FloatArray, power: FloatArray)
 
 
 def _skirts(position: FloatArray, ratio: FloatArray) -> BoolArray:
+    if len(position) < 2:
+        return np.zeros(len(position), dtype=bool)
     distance = np.abs(position[:, None] - position)
     envelope = np.ones_like(distance)
     outside = distance > _MAIN_LOBE

@@ -75,11 +75,12 @@ def updated_plateaus(
     larger = (here > (1.0 + _SAME) * before) | forgotten
     largest = np.where(larger, here, before)
     top = values >= (1.0 - _SAME) * largest[..., None, :]
-    near = (values >= _BELOW * largest[..., None, :]) & ~top
+    reached = values >= _BELOW * largest[..., None, :]
     kept = np.where(larger, 0.0, 1.0 - share)
     weight = np.where(larger, 1.0, share)
-    at_largest = kept * at_largest + weight * (top.sum(axis=-2) / data.shape[-2])
-    below = kept * below + weight * (near.sum(axis=-2) / data.shape[-2])
+    n_top, n_reached = top.sum(axis=-2), reached.sum(axis=-2)
+    at_largest = kept * at_largest + weight * (n_top / data.shape[-2])
+    below = kept * below + weight * ((n_reached - n_top) / data.shape[-2])
     return [AmplitudePlateau(*own) for own in zip(largest, at_largest, below, strict=True)]
 
 

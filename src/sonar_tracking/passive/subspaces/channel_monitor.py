@@ -126,8 +126,9 @@ def _updated(
     if seen >= _POWER_SNAPSHOTS:
         silent = silent | (power < SILENT_RATIO * median)
         loud = power > LOUD_RATIO * median
-    if seen >= _AMPLITUDE_SNAPSHOTS:
-        clipped = _clipped(amplitudes) & np.array([each.found for each in plateau]) & ~silent
+    found = np.array([each.found for each in plateau])
+    if seen >= _AMPLITUDE_SNAPSHOTS and found.any():
+        clipped = _clipped(amplitudes) & found & ~silent
         saturated = clipped & (power > _SATURATED_RATIO * median)
     good_for = np.array([each.good_for for each in monitors])
     good_for = np.minimum(good_for + n_new, QUARANTINE_SNAPSHOTS)
