@@ -185,9 +185,10 @@ class Tab:
         )
 
     def colours(self, scheme: str) -> None:
-        """Prefer ``light`` or ``dark``."""
+        """Prefer ``light`` or ``dark``; return when the page has followed."""
         feature = {"name": "prefers-color-scheme", "value": scheme}
         self.call("Emulation.setEmulatedMedia", features=[feature])
+        self.wait_for(f"document.documentElement.dataset.theme === {scheme!r}")
 
     def picture(self, path: Path) -> None:
         """Write what is seen as PNG."""
