@@ -88,6 +88,14 @@ LOADED = (
 )
 """What commands and nodes load; no thread of it is one that a copy would miss."""
 
+DRAWN_WITH = (
+    "matplotlib.backends.backend_agg",
+    "matplotlib.backends.backend_svg",
+    "matplotlib.figure",
+    "sonar_tracking.display.plot_bag",
+)
+"""What a command that draws loads besides; few do, so that only the first of them has it loaded."""
+
 MESSAGES = (
     *{one.message_type: None for one in vars(topics).values() if isinstance(one, topics.Topic)},
     "rcl_interfaces/msg/Log",
@@ -214,6 +222,9 @@ def _answer(requests: socket.socket) -> None:
     _warm_up()
     while request := requests.recv(LONGEST_REQUEST):
         module, arguments, environment, log, folder = json.loads(request)
+        if arguments[:1] == ["plot"]:
+            for each in DRAWN_WITH:
+                import_module(each)
         end, begin = os.pipe()
         between = os.fork()
         if not between:

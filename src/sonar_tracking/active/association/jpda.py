@@ -18,8 +18,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
 
@@ -60,16 +58,17 @@ def associate_jointly(ratios: FloatArray, missed: float) -> FloatArray:
 
 def _clusters(wanted: BoolArray) -> Iterator[tuple[IndexArray, IndexArray]]:
     """Yield rows and columns that are connected, of a matrix of shape (n_tracks, n_contacts)."""
-    n_tracks, n_contacts = wanted.shape
-    rows, columns = np.nonzero(wanted)
-    size = n_tracks + n_contacts
-    graph = coo_array((np.ones(len(rows)), (rows, n_tracks + columns)), shape=(size, size))
-    _, label = connected_components(graph, directed=False)
-    for cluster in np.unique(label[:n_tracks]):
-        yield (
-            np.flatnonzero(label[:n_tracks] == cluster),
-            np.flatnonzero(label[n_tracks:] == cluster),
-        )
+    left = np.ones(len(wanted), bool)
+    while np.any(left):
+        rows, contacts = np.zeros(len(wanted), bool), np.zeros(wanted.shape[1], bool)
+        new = np.arange(len(wanted)) == np.argmax(left)
+        while np.any(new):
+            rows |= new
+            reached = np.any(wanted[new], axis=0) & ~contacts
+            contacts |= reached
+            new = np.any(wanted[:, reached], axis=1) & ~rows
+        left &= ~rows
+        yield np.flatnonzero(rows), np.flatnonzero(contacts)
 
 
 def _independently(ratios: FloatArray, missed: float) -> FloatArray:
