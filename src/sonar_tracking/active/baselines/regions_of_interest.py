@@ -23,6 +23,9 @@ WINDOW = 2
 CONTACTS_AT_ONCE = 256
 """Compared with all contacts of another ping, so that memory stays bounded."""
 
+_ROUNDING = 1e-9
+"""More than the rounding of a difference of azimuths, rad."""
+
 
 @dataclass(frozen=True)
 class PolarContacts:
@@ -105,9 +108,14 @@ def _near_contacts(
 ) -> dict[int, list[int]]:
     """Return the contacts of another ping within the limit of each contact, the nearest first."""
     near: dict[int, list[int]] = {}
+    azimuth, others_azimuth = wrap_angle(contacts.azimuth), wrap_angle(others.azimuth)
+    reach = 1.001 * np.sqrt(2.0 * limit) * deviations[1] + _ROUNDING
     for rows, columns in _near_in_range(contacts, others, deviations, limit):
         along = (others.distance[columns] - contacts.distance[rows, None]) / deviations[0]
-        row, column = np.nonzero(0.5 * along**2 < limit)
+        # Most are apart in azimuth: that is seen before it is computed how far.
+        apart = np.abs(others_azimuth[columns] - azimuth[rows, None])
+        beside = (apart < reach) | (apart > 2.0 * np.pi - reach)
+        row, column = np.nonzero((0.5 * along**2 < limit) & beside)
         turn = others.azimuth[columns[column]] - contacts.azimuth[rows[row]]
         across = wrap_angle(turn) / deviations[1]
         square = 0.5 * (along[row, column] ** 2 + across**2)
