@@ -32,9 +32,12 @@ def test_a_worker_that_is_gone_costs_one_test(tmp_path: Path) -> None:
         text = CRASHES if number == 5 else PASSES
         (tmp_path / f"test_{number:02}.py").write_text(text)
     done = subprocess.run(
-        [*(sys.executable, "-m", "pytest", "-n", "2", "-p", "tests.sharing_out"), "--rootdir=."],
+        [
+            *(sys.executable, "-m", "pytest", "-p", "xdist", "-n", "2"),
+            *("-p", "tests.sharing_out", "--rootdir=."),
+        ],
         cwd=tmp_path,
-        env={"PYTHONPATH": str(Path(__file__).parents[1])},
+        env={"PYTHONPATH": str(Path(__file__).parents[1]), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"},
         capture_output=True,
         text=True,
         timeout=100.0,
