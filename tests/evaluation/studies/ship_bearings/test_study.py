@@ -199,8 +199,8 @@ def test_ellipses_of_the_node_hold_the_real_ship(
 ) -> None:
     """Told the depth alone. For five minutes the ship is silent: rows that say so are apart.
 
-    One measurement of so many is taken. Without the part of errors that never average out 72, 81,
-    79 and 72 % are in the ellipses, and 85 % in those of EE alone.
+    One measurement of so many is taken. Without the part of errors that never average out 80, 72,
+    75, 83 and 71 % are in the ellipses.
     """
     arrays = read_bearings(recorded_data(f"harp_ship_bearings/{file}.npz"))
     end = arrays[0].times[0] + length
