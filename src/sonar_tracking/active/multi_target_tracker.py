@@ -28,6 +28,7 @@ from sonar_tracking.active.association.association_rule import (
     LM_IPDA,
     AssociationRule,
 )
+from sonar_tracking.active.contact_tracker import ContactTracker
 from sonar_tracking.active.contacts.contact_checks import check_order
 from sonar_tracking.active.contacts.contact_tracker_configuration import (
     ContactTrackerConfiguration,
@@ -185,6 +186,29 @@ def update_together(
         If a ping cannot be used; all states are then unchanged.
     """
     return update_scenes(trackers[0].method, [each._scene for each in trackers], pings, shared)
+
+
+def trackers_together(
+    trackers: Sequence[ContactTracker], pings: Sequence[Contacts]
+) -> list[ContactTrackerUpdate]:
+    """Return the tracks of several independent scenes after one ping, whatever the method.
+
+    Parameters
+    ----------
+    trackers : sequence of ContactTracker
+        One a scene, all of the same method and configuration.
+    pings : sequence of Contacts
+        One a scene.
+
+    Raises
+    ------
+    InputError
+        If a ping cannot be used.
+    """
+    together = [one for one in trackers if isinstance(one, MultiTargetTracker)]
+    if len(together) == len(trackers):
+        return update_together(together, pings)
+    return [tracker.update(ping) for tracker, ping in zip(trackers, pings, strict=True)]
 
 
 def motion_model(configuration: ContactTrackerConfiguration, rule: AssociationRule) -> MotionModel:

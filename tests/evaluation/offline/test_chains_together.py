@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from sonar_tracking.evaluation.offline.known_world import KnownWorld
 from sonar_tracking.evaluation.offline.offline_sample_chain import (
     positions_of_samples,
     run_offline_sample_chain,
@@ -16,6 +18,11 @@ from sonar_tracking.evaluation.offline.offline_tma_chain import (
     run_offline_tma_chain,
     run_offline_tma_chains,
 )
+from sonar_tracking.evaluation.offline.place_tracks import (
+    place_tracks,
+    place_tracks_together,
+)
+from sonar_tracking.evaluation.studies.track_fusion import conditions
 from sonar_tracking.simulation.scenarios.scenario import Scenario
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
 
@@ -26,11 +33,11 @@ def seeded(name: str, duration: float) -> list[Scenario]:
     return [replace(scenario, seed=seed) for seed in (4, 5)]
 
 
-def columns(records: Any) -> list[dict[str, Any]]:
+def columns(records: Sequence[Any]) -> list[dict[str, Any]]:
     return [asdict(record) for record in records]
 
 
-def differ(first: Any, second: Any) -> bool:
+def differ(first: Sequence[Any], second: Sequence[Any]) -> bool:
     try:
         np.testing.assert_equal(columns(first), columns(second))
     except AssertionError:
@@ -61,3 +68,21 @@ def test_samples_of_several_runs_become_positions_as_those_of_each() -> None:
         assert not differ(run.positions, alone.positions)
         assert not differ(run.truth, [block.truth_tracks for block in alone.blocks])
     assert differ(together[0].positions, together[1].positions)
+
+
+@pytest.mark.parametrize("method", ["integrated", "roi_clustering"])
+def test_places_of_several_runs_hear_what_those_of_each_hear(
+    monkeypatch: pytest.MonkeyPatch, method: str
+) -> None:
+    monkeypatch.setattr(conditions, "DURATION", 80.0)
+    scene = conditions.CONDITIONS["clutter"]
+    runs = [scene.scenario(seed) for seed in np.random.SeedSequence(3).spawn(2)]
+    chosen = {"hpda_tracker": {"method": method}}
+    scenarios = [replace(run, nodes={**run.nodes, **chosen}) for run in runs]
+    worlds = [KnownWorld(scenario) for scenario in scenarios]
+    together = place_tracks_together(scenarios, worlds)
+    for scenario, world, told in zip(scenarios, worlds, together, strict=True):
+        alone = place_tracks(scenario, world)
+        assert any(len(tracks["active/tracks"].id) for tracks in alone.active.at.values())
+        assert not differ([told], [alone])
+    assert differ([together[0]], [together[1]])

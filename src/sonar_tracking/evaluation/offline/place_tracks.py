@@ -17,6 +17,7 @@ from sonar_tracking.active.contacts.contact_defaults import (
     with_defaults,
 )
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.multi_target_tracker import trackers_together as contacts_together
 from sonar_tracking.evaluation.offline.known_world import KnownWorld
 from sonar_tracking.evaluation.offline.offline_bearing_chain import (
     run_offline_chain,
@@ -213,14 +214,18 @@ def place_tracks_together(
     ConfigurationError
         If a scenario or the parameters cannot be used.
     """
-    told = [_without_positions(scenario) for scenario in scenarios]
+    told = [_bearings_and_lines(scenario) for scenario in scenarios]
+    places = [_simulated_places(scenario) for scenario in scenarios]
+    for namespace, place in places[0].items():
+        if place.active_sonar is not None:
+            _follow_sonars([own[namespace] for own in places], namespace, told)
     for namespace in nodes_asked_for(scenarios[0], TMA):
         _find_positions(scenarios, namespace, worlds, told)
     return told
 
 
-def _without_positions(scenario: Scenario) -> PlaceTracks:
-    """Return what all trackers tell but those of target motion analysis."""
+def _bearings_and_lines(scenario: Scenario) -> PlaceTracks:
+    """Return what arrays and bearing sensors tell: nothing yet of echoes and positions."""
     topics = topics_of(scenario)
     told = PlaceTracks(
         contacts=ToldByTopic(topics.active, {}),
@@ -234,8 +239,6 @@ def _without_positions(scenario: Scenario) -> PlaceTracks:
     for namespace, place in _simulated_places(scenario).items():
         if place.array_given:
             _follow_array(place, namespace, told)
-        if place.active_sonar is not None:
-            _follow_sonar(place, namespace, told)
     return told
 
 
@@ -279,15 +282,21 @@ def _follow_array(place: Scenario, namespace: str, told: PlaceTracks) -> None:
         told.bearings.add(topic, tracks.stamp, tracks)
 
 
-def _follow_sonar(place: Scenario, namespace: str, told: PlaceTracks) -> None:
-    given, topic = place.nodes.get(CONTACT_TRACKER, {}), below(namespace, ECHOES)
-    where = f"{place.name}: nodes.{node_at(namespace, CONTACT_TRACKER)}"
+def _follow_sonars(
+    places: Sequence[Scenario], namespace: str, every: Sequence[PlaceTracks]
+) -> None:
+    """Let the trackers of echoes of a place follow what its sonar receives, all runs at once."""
+    given, topic = places[0].nodes.get(CONTACT_TRACKER, {}), below(namespace, ECHOES)
+    where = f"{places[0].name}: nodes.{node_at(namespace, CONTACT_TRACKER)}"
     defaults = stage_configuration(ContactDefaultsConfiguration, given, where)
-    tracker = make_contact_tracker(stage_configuration(ContactTrackerConfiguration, given, where))
-    for ping in ActiveSonarSimulation(place):
-        tracks = tracker.update(with_defaults(ping.contacts, defaults)).tracks
-        told.contacts.add(topic, ping.start_stamp, ping.contacts)
-        told.active.add(topic, ping.start_stamp, tracks)
+    configuration = stage_configuration(ContactTrackerConfiguration, given, where)
+    trackers = [make_contact_tracker(configuration) for _ in places]
+    for pings in zip(*map(ActiveSonarSimulation, places), strict=True):
+        contacts = [with_defaults(ping.contacts, defaults) for ping in pings]
+        updates = contacts_together(trackers, contacts)
+        for ping, told, update in zip(pings, every, updates, strict=True):
+            told.contacts.add(topic, ping.start_stamp, ping.contacts)
+            told.active.add(topic, ping.start_stamp, update.tracks)
 
 
 def _find_positions(
