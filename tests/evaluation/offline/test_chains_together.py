@@ -23,7 +23,7 @@ from sonar_tracking.evaluation.offline.place_tracks import (
     place_tracks_together,
 )
 from sonar_tracking.evaluation.studies.track_fusion import conditions
-from sonar_tracking.simulation.scenarios.scenario import Scenario
+from sonar_tracking.simulation.scenarios.scenario import NodeParameters, Scenario
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
 
 
@@ -77,7 +77,7 @@ def test_places_of_several_runs_hear_what_those_of_each_hear(
     monkeypatch.setattr(conditions, "DURATION", 80.0)
     scene = conditions.CONDITIONS["clutter"]
     runs = [scene.scenario(seed) for seed in np.random.SeedSequence(3).spawn(2)]
-    chosen = {"hpda_tracker": {"method": method}}
+    chosen: NodeParameters = {"hpda_tracker": {"method": method}}
     scenarios = [replace(run, nodes={**run.nodes, **chosen}) for run in runs]
     worlds = [KnownWorld(scenario) for scenario in scenarios]
     together = place_tracks_together(scenarios, worlds)
