@@ -8,7 +8,7 @@ reference the graph is compared with, bit for bit.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from sonar_tracking.evaluation.offline.offline_bearing_chain import stage_configuration
@@ -33,7 +33,7 @@ from sonar_tracking.records.positions import PositionTracks, TruthTracks
 from sonar_tracking.records.samples import ArraySamples
 from sonar_tracking.records.time import END_OF_DATA
 from sonar_tracking.simulation.scenarios.scenario import Scenario
-from sonar_tracking.simulation.sensors.sample_simulation import SampleSimulation
+from sonar_tracking.simulation.sensors.sample_simulation import simulated_together
 from sonar_tracking.simulation.sensors.simulated_data import SimulatedSamples
 from sonar_tracking.tma.targets.passive_frame import PassiveFrame
 from sonar_tracking.tma.targets.tma_tracker_configuration import TmaTrackerConfiguration
@@ -100,7 +100,7 @@ def run_offline_sample_chain(scenario: Scenario) -> OfflineSampleRun:
     """
     chain = _Chain(scenario)
     blocks = []
-    for (block,) in _blocks([scenario]):
+    for (block,) in simulated_together([scenario]):
         blocks.append(block)
         _take([chain], [block.samples])
     ((_, positions),) = _positions([chain])
@@ -128,7 +128,7 @@ def positions_of_samples(scenarios: Sequence[Scenario]) -> list[PositionsOfSampl
     """
     chains = [_Chain(scenario) for scenario in scenarios]
     truth: list[tuple[TruthTracks, ...]] = []
-    for blocks in _blocks(scenarios):
+    for blocks in simulated_together(scenarios):
         truth.append(tuple(block.truth_tracks for block in blocks))
         _take(chains, [block.samples for block in blocks])
     every = zip(zip(*truth, strict=True), _positions(chains), strict=True)
@@ -151,15 +151,9 @@ def heard_on_hydrophones(
         If the scenario or the parameters cannot be used.
     """
     chain = _Chain(scenario)
-    for (block,) in _blocks([scenario]):
+    for (block,) in simulated_together([scenario]):
         _take([chain], [block.samples])
     return tuple(chain.bearings), tuple(chain.lines)
-
-
-def _blocks(scenarios: Sequence[Scenario]) -> Iterator[tuple[SimulatedSamples, ...]]:
-    """Return an iterator over the blocks of all runs, one of each at a time."""
-    runs = [iter(SampleSimulation(scenario).next_block, None) for scenario in scenarios]
-    return zip(*runs, strict=True)
 
 
 @dataclass

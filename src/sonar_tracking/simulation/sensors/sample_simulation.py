@@ -9,10 +9,16 @@ alone, not of the size of the blocks.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
 import numpy as np
 
 from sonar_tracking.errors import ConfigurationError
 from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.bearings import BearingTracks
+from sonar_tracking.records.own_ship import OwnShipState
+from sonar_tracking.records.positions import TruthTracks
 from sonar_tracking.records.samples import ArraySamples
 from sonar_tracking.records.time import END_OF_DATA
 from sonar_tracking.simulation.scenarios.scenario import Scenario
@@ -25,6 +31,34 @@ from sonar_tracking.simulation.signals.sample_propagation import (
     plane_wave_emission_times,
 )
 from sonar_tracking.simulation.world.world_state import own_ship_at, true_tracks
+
+
+@dataclass(frozen=True)
+class _BlockScene:
+    """What a block has whatever the seed.
+
+    Attributes
+    ----------
+    times : ndarray, shape (n_times,)
+        Of the samples, s.
+    emitted : tuple of ndarray, shape (n_times, n_elements)
+        When what is received left each target that is heard, s.
+    from_bow : ndarray, shape (n_times, n_elements)
+        When own ship's lines left its bow, s.
+    bearings : BearingTracks
+        True ones at its begin.
+    tracks : TruthTracks
+        True ones at its begin.
+    own_ship : tuple of OwnShipState
+        At its end, and at the begin of the first block.
+    """
+
+    times: FloatArray
+    emitted: tuple[FloatArray, ...]
+    from_bow: FloatArray
+    bearings: BearingTracks
+    tracks: TruthTracks
+    own_ship: tuple[OwnShipState, ...]
 
 
 class SampleSimulation:
@@ -70,38 +104,56 @@ class SampleSimulation:
 
     def next_block(self) -> SimulatedSamples | None:
         """Return the next block, or None after the last one."""
+        blocks = self._next_blocks([self])
+        return None if blocks is None else blocks[0]
+
+    def _next_blocks(
+        self, simulations: Sequence[SampleSimulation]
+    ) -> tuple[SimulatedSamples, ...] | None:
+        """Return the next block of this and of others that differ by their seeds alone."""
         first = self._next
         if first >= self._n_samples:
             return None
-        last = min(first + self._hydrophones.block_samples, self._n_samples)
-        self._next = last
+        scene = self._scene(first, min(first + self._hydrophones.block_samples, self._n_samples))
+        return tuple(one._block(scene) for one in simulations)
+
+    def _scene(self, first: int, last: int) -> _BlockScene:
         begin, end = self._time(first), self._time(last)
         times = self._scenario.start + np.arange(first, last) / self._hydrophones.sample_rate
-        data = self._element_noise(len(times)) + self._own_ship_lines(times)
-        for source in self._sources:
-            emitted = element_emission_times(
-                source.target.motion, self._receiver, self._positions, times
-            )
-            data += source.sound(emitted) * source.target.is_present(times)[:, None]
-
         next_stamp = END_OF_DATA if last == self._n_samples else self._scenario.stamp(end)
-        truth = true_bearings(self._scenario, begin, self._arrivals(begin), next_stamp)
         states = (own_ship_at(self._scenario, begin),) if first == 0 else ()
+        from_bow = np.array(np.pi / 2.0 + self._receiver.mounting_yaw)
+        return _BlockScene(
+            times=times,
+            emitted=tuple(
+                element_emission_times(source.target.motion, self._receiver, self._positions, times)
+                for source in self._sources
+            ),
+            from_bow=plane_wave_emission_times(
+                from_bow, self._receiver.sound_speed, self._positions, times
+            ),
+            bearings=true_bearings(self._scenario, begin, self._arrivals(begin), next_stamp),
+            tracks=true_tracks(self._scenario, begin, next_stamp),
+            own_ship=(*states, own_ship_at(self._scenario, end)),
+        )
+
+    def _block(self, scene: _BlockScene) -> SimulatedSamples:
+        """Return what is received in the next block, whose scene is given."""
+        times, truth = scene.times, scene.bearings
+        self._next += len(times)
+        data = self._element_noise(len(times)) + self._own_ship_lines(scene.from_bow)
+        for source, emitted in zip(self._sources, scene.emitted, strict=True):
+            data += source.sound(emitted) * source.target.is_present(times)[:, None]
         samples = ArraySamples(
             stamp=truth.stamp,
             data=data.astype(np.float32).astype(np.float64),
             element_positions=self._positions,
             sample_rate=self._hydrophones.sample_rate,
             sound_speed=self._scenario.array.sound_speed,
-            next_stamp=next_stamp,
+            next_stamp=truth.next_stamp,
             sensor=truth.sensor,
         )
-        return SimulatedSamples(
-            samples=samples,
-            truth_bearings=truth,
-            truth_tracks=true_tracks(self._scenario, begin, next_stamp),
-            own_ship=(*states, own_ship_at(self._scenario, end)),
-        )
+        return SimulatedSamples(samples, truth, scene.tracks, scene.own_ship)
 
     def _time(self, index: int) -> float:
         return self._scenario.start + index / self._hydrophones.sample_rate
@@ -119,12 +171,8 @@ class SampleSimulation:
         noise *= np.sqrt(0.5 * self._hydrophones.sample_rate)
         return noise if self._noise_factor is None else noise @ self._noise_factor.T
 
-    def _own_ship_lines(self, times: FloatArray) -> FloatArray:
+    def _own_ship_lines(self, emitted: FloatArray) -> FloatArray:
         """Lines that come along with the array, so that they have no Doppler."""
-        from_bow = np.array(np.pi / 2.0 + self._receiver.mounting_yaw)
-        emitted = plane_wave_emission_times(
-            from_bow, self._receiver.sound_speed, self._positions, times
-        )
         sound = np.zeros_like(emitted)
         hydrophones = self._hydrophones
         for frequency, level_db, phase in zip(
@@ -135,6 +183,25 @@ class SampleSimulation:
         ):
             sound += _tone(frequency, level_db, phase, emitted)
         return sound
+
+
+def simulated_together(scenarios: Sequence[Scenario]) -> Iterator[tuple[SimulatedSamples, ...]]:
+    """Yield the blocks of scenarios that differ by their seeds alone, one of each at a time.
+
+    Parameters
+    ----------
+    scenarios : sequence of Scenario
+        As :class:`SampleSimulation` takes them; where and when sound is emitted that the elements
+        receive is computed once for all of them.
+
+    Raises
+    ------
+    ConfigurationError
+        If a scenario has no section ``hydrophones``.
+    """
+    simulations = [SampleSimulation(scenario) for scenario in scenarios]
+    while (blocks := simulations[0]._next_blocks(simulations)) is not None:
+        yield blocks
 
 
 class _Source:

@@ -77,10 +77,13 @@ LAYOUTS = (
 
 
 def tasks(runs: int, seed: int) -> tuple[Task, ...]:
-    """Return what the workers compute: a few runs under a condition each."""
+    """Return what the workers compute: a few runs under a condition each.
+
+    Those of two stations come first: short tasks at the end leave no worker idle.
+    """
     return tuple(
         Task(fusion_runs, FusionTask(name, batch.seeds))
-        for part, name in enumerate(CONDITIONS)
+        for part, name in reversed(list(enumerate(CONDITIONS)))
         for batch in run_batches(runs, seed, part, RUNS_PER_TASK)
     )
 
