@@ -36,8 +36,9 @@ if TYPE_CHECKING:
 
 SYSTEM = "joint MAP"
 
-RUNS_PER_TASK = 20
-"""Tracked together; more would save little and leave workers idle at the end."""
+RUNS_PER_TASK = {15: 50, 32: 50, 64: 20}
+"""Tracked together, by the elements of the array: of a large one more would save little, need much
+memory and leave workers idle."""
 
 LAYOUTS = (
     TableLayout(
@@ -73,7 +74,7 @@ def tasks(runs: int, seed: int) -> tuple[Task, ...]:
     return tuple(
         Task(start_batch, StartBatch(condition, batch))
         for part, condition in reversed(list(enumerate(CONDITIONS)))
-        for batch in run_batches(runs, seed, part, RUNS_PER_TASK)
+        for batch in run_batches(runs, seed, part, RUNS_PER_TASK[condition.n_elements])
     )
 
 

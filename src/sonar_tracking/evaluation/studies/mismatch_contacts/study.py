@@ -75,7 +75,7 @@ LAYOUTS = (
 )
 
 
-RUNS_TOGETHER = 50
+RUNS_TOGETHER = 100
 """Runs of a task: with few contacts each, more of them cost less."""
 
 CROWDED, RUNS_IN_A_CROWD = "K-distributed clutter, shape 0.5", 10
