@@ -63,8 +63,12 @@ def add_program(machine: Path, name: str, script: str) -> None:
 
 def add_this_python(machine: Path, name: str = "python3") -> None:
     """Add the Python the tests run with, outside of its virtual environment."""
-    interpreter = Path(sys.base_prefix) / "bin" / f"python{PYTHON_VERSION}"
-    add_program(machine, name, f'exec {shlex.quote(str(interpreter))} "$@"')
+    add_program(machine, name, f'exec {shlex.quote(this_python())} "$@"')
+
+
+def this_python() -> str:
+    """Return the Python the tests run with, outside of its virtual environment."""
+    return str(Path(sys.base_prefix) / "bin" / f"python{PYTHON_VERSION}")
 
 
 def start(
@@ -148,6 +152,45 @@ def test_next_python_is_taken_where_the_first_is_unsupported(project: Path, mach
     add_program(machine, "python3", "exit 1")
     add_this_python(machine, f"python{PYTHON_VERSION}")
     assert_refused(start(project, machine), project, "compiler")
+
+
+@pytest.mark.parametrize(
+    ("optimised", "asked_for", "taken"),
+    [
+        ((True, True), "", "first"),
+        ((False, True), "", "second"),
+        ((False, False), "", "first"),
+        ((False, True), "python3", "first"),
+    ],
+)
+def test_an_optimised_python_is_taken_before_a_plain_one(
+    project: Path,
+    machine: Path,
+    tmp_path: Path,
+    optimised: tuple[bool, bool],
+    asked_for: str,
+    taken: str,
+) -> None:
+    """One that was built from source may come first on PATH, and is slower."""
+    folders = [tmp_path / "first", tmp_path / "second"]
+    for folder, fast in zip(folders, optimised, strict=True):
+        folder.mkdir()
+        answer = f'case "$*" in *enable-optimizations*) exit {int(not fast)};; esac'
+        add_program(folder, "python3", f'{answer}; exec {shlex.quote(this_python())} "$@"')
+    finished = subprocess.run(
+        ["bash", "-c", 'source "$project/scripts/set_up.sh"; choose_python quick; echo "$python"'],
+        env={
+            "PATH": os.pathsep.join(map(str, (*folders, machine))),
+            "PYTHON": asked_for,
+            "project": str(project),
+        },
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    chosen = asked_for or str(tmp_path / taken / "python3")
+    assert finished.stdout == f"{chosen}\n"
+    assert ("is built without optimisation" in finished.stderr) == (taken == "second")
 
 
 def test_unsupported_choice_of_the_user_is_told(project: Path, machine: Path) -> None:
