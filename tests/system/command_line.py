@@ -127,6 +127,15 @@ class RunningCommand:
         """Everything it has written so far."""
         return self._output.read_text()
 
+    @property
+    def own_output(self) -> str:
+        """The same without what the middleware says.
+
+        It complains where two processes claim a port of shared memory at once, and takes another.
+        """
+        lines = self.output.splitlines(keepends=True)
+        return "".join(line for line in lines if "RTPS_TRANSPORT_SHM" not in line)
+
     def wait_for(self, condition: Callable[[], bool]) -> None:
         """Wait until something is the case while the command runs."""
         deadline = time.monotonic() + PATIENCE

@@ -56,7 +56,7 @@ def test_a_killed_page_comes_back(tmp_path: Path) -> None:
             assert command.wait() == 130, command.output
         finally:
             command.clean_up()
-    assert "failed" not in command.output
+    assert "failed" not in command.own_output
 
 
 def test_what_is_computed_does_not_depend_on_the_page(tmp_path: Path) -> None:
