@@ -26,7 +26,7 @@ cd "$project"
 
 workers="$(nproc)"
 if [[ "$kind" == test ]]; then
-    workers=$((workers * 3 / 2)) # what a graph leaves of the processors, others use
+    workers=$((workers * 2)) # what a graph leaves of the processors, others use
     workers=$((workers < 50 ? workers : 50)) # each has a ROS domain, of 101
 fi
 failed=()
@@ -56,7 +56,8 @@ else
 fi
 if [[ $# == 0 && ! -d tests/__pycache__ ]]; then
     # Or every worker would compile all tests; one that cannot be read is told of below.
-    find tests -name "test_*.py" -print0 | xargs -0 -n 150 -P "$(nproc)" \
+    each="$(($(find tests -name "test_*.py" | wc -l) / $(nproc) + 1))"
+    find tests -name "test_*.py" -print0 | xargs -0 -n "$each" -P "$(nproc)" \
         .venv/bin/python -m pytest --collect-only -q >/dev/null 2>&1 || true
 fi
 check tests .venv/bin/python -m pytest -n "$workers" "${selection[@]}" "$@"
