@@ -158,6 +158,14 @@ def test_batch_is_many_single_runs(method: str) -> None:
             assert batch.source_count == -1
 
 
+def test_a_batch_keeps_an_element_that_is_silent_in_its_runs() -> None:
+    """What is left out of one run would be missed in others: all have the same elements."""
+    data = crossing_data(3, 0.0, 1.0, batch=(3,)).copy()
+    data[..., 4] = 0.0
+    estimates, _ = fed(SubspaceStage(PAPER), list(blocks_of(data, 50)))
+    assert all(estimate.basis.shape[-2] == data.shape[-1] for estimate in estimates)
+
+
 def test_sources_are_counted_at_the_start() -> None:
     data = crossing_data(4, 0.0, 1.0)
     estimates, _ = fed(SubspaceStage(SubspaceConfiguration()), list(blocks_of(data)))
