@@ -187,3 +187,10 @@ def test_within_the_main_lobe_of_a_line_there_is_no_weaker_one() -> None:
     power = np.ones(200)
     power[[100, 103]] = [1000.0, 20.0]  # beyond it: 4 (3 pi 8)^-2 1000 = 0.7
     assert find_peaks(power, THRESHOLD, power).bin.tolist() == [100, 103]
+
+
+def test_two_peaks_below_the_noise_are_no_skirts() -> None:
+    """With a low threshold a line may be weaker than the noise: no peak is its own skirt."""
+    power = np.ones(200)
+    power[[50, 120]] = 1.6
+    assert find_peaks(power, np.full(200, 1.5), power).bin.tolist() == [50, 120]
