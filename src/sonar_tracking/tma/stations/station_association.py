@@ -23,7 +23,7 @@ from sonar_tracking.tma.estimators.hypothesis_bank import (
     predict_bank,
 )
 from sonar_tracking.tma.estimators.recursion import rows_of
-from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
+from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, TmaMeasurement
 from sonar_tracking.tma.estimators.travel_time import offset_seen
 
 FREE = -1
@@ -90,16 +90,14 @@ def weigh_azimuths(
     """
     rows, bank = join_motions(banks)
     owner = rows.owner
-    moved = predict_bank(bank, intervals[owner], accelerations[owner])
     speed = np.broadcast_to(propagation_speed, intervals.shape)
-    offset, _ = offset_seen(moved.mean[:, 0], positions[owner], speed[owner])
-    distance = np.maximum(np.hypot(offset[:, 0], offset[:, 1]), 1.0)
-    across = np.stack([-offset[:, 1], offset[:, 0]], axis=1) / distance[:, None] ** 2
-    own = np.einsum("ci,cij,cj->c", across, moved.covariance[:, 0, :2, :2], across)
+    expected, own = _seen_from(
+        bank, intervals[owner], accelerations[owner], positions[owner], speed[owner]
+    )
     spread = own[:, None] + variances[owner]
-    innovation = wrap_angle(azimuths[owner] - np.arctan2(offset[:, 1], offset[:, 0])[:, None])
+    innovation = wrap_angle(azimuths[owner] - expected[:, None])
     squared = innovation**2 / spread
-    density = -0.5 * (squared + np.log(2.0 * np.pi * spread)) + moved.log_weight
+    density = -0.5 * (squared + np.log(2.0 * np.pi * spread)) + bank.log_weight
     admitted = np.where(squared <= gate**2, density, -np.inf)
     likelihood = rows.log_sums(admitted)
     known = np.isfinite(likelihood)[owner]
@@ -109,6 +107,37 @@ def weigh_azimuths(
         rows.sums(share * np.where(known, innovation, 0.0)),
         rows.sums(share * np.where(known, spread, 0.0)),
     )
+
+
+def _seen_from(
+    bank: HypothesisBank,
+    elapsed: FloatArray,
+    acceleration: FloatArray,
+    position: FloatArray,
+    propagation_speed: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the azimuth of each hypothesis after a time, rad, and its variance, rad^2.
+
+    Nothing but where the target will be is predicted: of many trials the rest takes most of the
+    time.
+    """
+    mean = bank.mean[:, 0].copy()
+    mean[:, :2] += elapsed[:, None] * mean[:, 2:KINEMATIC]
+    x, y = offset_seen(mean, position, propagation_speed)[0].T.copy()
+    distance = np.maximum(np.hypot(x, y), 1.0)
+    across = -y / distance**2, x / distance**2
+    noise = acceleration**2 * (elapsed**2 * elapsed) / 3.0
+    before = bank.covariance[:, 0].transpose(1, 2, 0).copy()
+    variance = np.zeros(len(mean))
+    for i, one in enumerate(across):
+        for j, other in enumerate(across):
+            place = before[i, j] + elapsed * before[2 + i, j]
+            drift = before[i, 2 + j] + elapsed * before[2 + i, 2 + j]
+            place += elapsed * drift
+            if i == j:
+                place += noise
+            variance += one * place * other
+    return np.arctan2(y, x), variance
 
 
 def direction_log_likelihoods(

@@ -30,6 +30,7 @@ from sonar_tracking.tma.targets.target_solver import (
 
 WILD_SHARE = 0.01
 """Of the bearings may be from anywhere: one outlier decides nothing."""
+_LOG_WILD, _LOG_TAME = float(np.log(WILD_SHARE)), float(np.log1p(-WILD_SHARE))
 
 Outcome = tuple[TargetSolution, ...] | Problem
 """The solutions that stand, or why the observation could not be used."""
@@ -187,8 +188,7 @@ def _outcome(
 
 
 def _log_density(log_likelihood: float, chance: float) -> float:
-    likely = np.log1p(-WILD_SHARE) + log_likelihood
-    return float(np.logaddexp(likely, np.log(WILD_SHARE) + chance))
+    return float(np.logaddexp(_LOG_TAME + log_likelihood, _LOG_WILD + chance))
 
 
 def _chance(observation: TargetObservation) -> float:
