@@ -189,7 +189,9 @@ def update_together(
 
 
 def trackers_together(
-    trackers: Sequence[ContactTracker], pings: Sequence[Contacts]
+    trackers: Sequence[ContactTracker],
+    pings: Sequence[Contacts],
+    shared: SharedPings | None = None,
 ) -> list[ContactTrackerUpdate]:
     """Return the tracks of several independent scenes after one ping, whatever the method.
 
@@ -199,6 +201,8 @@ def trackers_together(
         One a scene, all of the same method and configuration.
     pings : sequence of Contacts
         One a scene.
+    shared : SharedPings, optional
+        Of other trackers that are given the same pings, too.
 
     Raises
     ------
@@ -207,7 +211,7 @@ def trackers_together(
     """
     together = [one for one in trackers if isinstance(one, MultiTargetTracker)]
     if len(together) == len(trackers):
-        return update_together(together, pings)
+        return update_together(together, pings, shared)
     return [tracker.update(ping) for tracker, ping in zip(trackers, pings, strict=True)]
 
 

@@ -8,6 +8,7 @@ import pytest
 from sonar_tracking.tma.estimators.hypothesis_bank import (
     HypothesisBank,
     mixture_moments,
+    moved_places,
     predict_bank,
     seed_lines,
     start_bank,
@@ -114,6 +115,17 @@ def random_bank(n_lines: int = 2, batch: tuple[int, ...] = (2,)) -> HypothesisBa
         log_weight=weight - np.logaddexp.reduce(weight, axis=-1)[..., None],
         known=np.ones((*batch, n_lines), dtype=bool),
     )
+
+
+def test_places_alone_are_those_of_the_whole_prediction() -> None:
+    bank = random_bank(batch=(5,))
+    mean, covariance = bank.mean.reshape(15, -1), bank.covariance.reshape(15, 6, 6)
+    elapsed, acceleration = np.linspace(0.0, 40.0, 15), np.full(15, 0.2)
+    motion, place = moved_places(mean, covariance, elapsed, acceleration**2)
+    each = replace(bank, mean=mean[:, None], covariance=covariance[:, None])
+    whole = predict_bank(each, elapsed, acceleration)
+    np.testing.assert_array_equal(motion, whole.mean[:, 0, :4])
+    np.testing.assert_array_equal(place, np.moveaxis(whole.covariance[:, 0, :2, :2], 0, -1))
 
 
 def test_both_sides_of_a_line_array_have_all_ranges_with_equal_weights() -> None:

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.active.contact_tracker import ContactTracker, make_contact_tracker
+from sonar_tracking.active.contact_tracker import make_contact_tracker
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
-from sonar_tracking.active.multi_target_tracker import MultiTargetTracker, update_together
+from sonar_tracking.active.multi_target_tracker import trackers_together
 from sonar_tracking.active.shared_pings import SharedPings
 from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
 
@@ -54,28 +54,15 @@ def track_runs(
     """
     seconds = [_seconds_alone(each, runs[0]) if timed else np.nan for each in configurations]
     kinds = [[make_contact_tracker(each) for _ in runs] for each in configurations]
-    together = [
-        [tracker for tracker in kind if isinstance(tracker, MultiTargetTracker)] for kind in kinds
-    ]
     of_pings: list[list[list[ContactTrackerUpdate]]] = [[] for _ in kinds]
     shared = SharedPings()
     for contacts in zip(*runs, strict=True):
-        for trackers, found in zip(together, of_pings, strict=True):
-            if trackers:
-                found.append(update_together(trackers, contacts, shared))
+        for trackers, found in zip(kinds, of_pings, strict=True):
+            found.append(trackers_together(trackers, contacts, shared))
     return [
-        TrackedRuns(tuple(zip(*found, strict=True)) if found else _one_by_one(kind, runs), each)
-        for kind, found, each in zip(kinds, of_pings, seconds, strict=True)
+        TrackedRuns(tuple(tuple(ping[run] for ping in found) for run in range(len(runs))), each)
+        for found, each in zip(of_pings, seconds, strict=True)
     ]
-
-
-def _one_by_one(
-    trackers: Sequence[ContactTracker], runs: Sequence[Sequence[Contacts]]
-) -> tuple[tuple[ContactTrackerUpdate, ...], ...]:
-    return tuple(
-        tuple(tracker.update(contacts) for contacts in run)
-        for tracker, run in zip(trackers, runs, strict=True)
-    )
 
 
 def _seconds_alone(configuration: ContactTrackerConfiguration, pings: Sequence[Contacts]) -> float:

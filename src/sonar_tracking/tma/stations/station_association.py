@@ -20,10 +20,11 @@ from sonar_tracking.tma.estimators.bank_batch import join_motions
 from sonar_tracking.tma.estimators.hypothesis_bank import (
     HypothesisBank,
     innovation_covariance,
+    moved_places,
     predict_bank,
 )
 from sonar_tracking.tma.estimators.recursion import rows_of
-from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, TmaMeasurement
+from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 from sonar_tracking.tma.estimators.travel_time import offset_seen
 
 FREE = -1
@@ -116,27 +117,14 @@ def _seen_from(
     position: FloatArray,
     propagation_speed: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the azimuth of each hypothesis after a time, rad, and its variance, rad^2.
-
-    Nothing but where the target will be is predicted: of many trials the rest takes most of the
-    time.
-    """
-    mean = bank.mean[:, 0].copy()
-    mean[:, :2] += elapsed[:, None] * mean[:, 2:KINEMATIC]
+    """Return the azimuth of each hypothesis after a time, rad, and its variance, rad^2."""
+    mean, place = moved_places(bank.mean[:, 0], bank.covariance[:, 0], elapsed, acceleration**2)
     x, y = offset_seen(mean, position, propagation_speed)[0].T.copy()
     distance = np.maximum(np.hypot(x, y), 1.0)
     across = -y / distance**2, x / distance**2
-    noise = acceleration**2 * (elapsed**2 * elapsed) / 3.0
-    before = bank.covariance[:, 0].transpose(1, 2, 0).copy()
     variance = np.zeros(len(mean))
-    for i, one in enumerate(across):
-        for j, other in enumerate(across):
-            place = before[i, j] + elapsed * before[2 + i, j]
-            drift = before[i, 2 + j] + elapsed * before[2 + i, 2 + j]
-            place += elapsed * drift
-            if i == j:
-                place += noise
-            variance += one * place * other
+    for i, j in np.ndindex(2, 2):
+        variance += across[i] * place[i, j] * across[j]
     return np.arctan2(y, x), variance
 
 
