@@ -7,7 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank, update_bank
+from sonar_tracking.tma.estimators.hypothesis_bank import (
+    HypothesisBank,
+    mixture_moments,
+    update_bank,
+)
 from sonar_tracking.tma.estimators.measurement_model import LinearisedRows
 from sonar_tracking.tma.estimators.recursion import (
     elapsed,
@@ -133,6 +137,19 @@ def test_an_estimate_names_the_frequencies_that_are_known() -> None:
     assert not estimate.manoeuvre
     assert not estimate.restarted
     assert not np.any(estimate.reborn)
+
+
+def test_an_estimate_has_the_moments_of_the_mixture() -> None:
+    bank = bank_at([100.0, 2.0, 3.0, 4.0, 300.0, 200.0], [0.0, 9.0, -3.0, 5.0, 310.0, 190.0])
+    leaning = np.eye(6) + 0.3 * np.ones((6, 6)) + np.diag(np.arange(6.0))
+    covariance = np.stack([leaning, 2.0 * leaning])
+    bank = replace(bank, covariance=covariance, log_weight=np.log([0.2, 0.8]))
+    mean, covariance = mixture_moments(bank)
+    estimate = estimate_of(bank, azimuth_frame(0.0))
+    np.testing.assert_allclose(estimate.mean, mean[:4])
+    np.testing.assert_allclose(estimate.covariance, covariance[:4, :4])
+    np.testing.assert_allclose(estimate.source_frequency, mean[4:])
+    np.testing.assert_allclose(estimate.source_frequency_deviation**2, np.diag(covariance)[4:])
 
 
 def test_intervals_are_seconds() -> None:
