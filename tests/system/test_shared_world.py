@@ -15,8 +15,8 @@ from sonar_tracking.simulation.sensors.bearing_simulation import BearingSimulati
 from tests.system.command_line import digests, report_of, run_command
 
 SCENARIO = """
-duration: 24.0
-own_ship: {speed: 4.0, turns: [{time: 10.0, course_deg: 30.0, rate_deg: 1.0}]}
+duration: 14.0
+own_ship: {speed: 4.0, turns: [{time: 6.0, course_deg: 30.0, rate_deg: 1.0}]}
 array: {n_elements: 12, spacing: 0.0625, center_frequency: 12000.0, bandwidth: 100.0,
         snapshot_rate: 100.0, block_snapshots: 50}
 active_sonar: {ping_interval: 5.0, maximum_range: 3000.0, signal_to_noise_ratio_db: 16.0}
@@ -48,9 +48,9 @@ def test_all_chains_at_once_give_what_each_gives_by_itself(tmp_path: Path) -> No
     assert done.returncode == 0, done.stdout
     live = report_of(tmp_path / "run.json")
     # Blocks of 0.5 s and pings of 4 s every 5 s: all their instants are ends of blocks.
-    assert live["topics"]["/own_ship/odometry"]["messages"] == 49
-    assert live["topics"][TRUTH]["messages"] == 48
-    assert live["nodes"]["world_simulator"]["messages_out"] == 97
+    assert live["topics"]["/own_ship/odometry"]["messages"] == 29
+    assert live["topics"][TRUTH]["messages"] == 28
+    assert live["nodes"]["world_simulator"]["messages_out"] == 57
 
     scenario, recorded = load_scenario(path), read_bag(bag)
     active = run_offline_active_chain(scenario)

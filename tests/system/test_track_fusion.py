@@ -17,7 +17,7 @@ from tests.system.command_line import digests, report_of, run_command
 
 SCENARIO = """
 name: fused
-duration: 120.0
+duration: 80.0
 active_sonar: {ping_interval: 10.0, maximum_range: 7000.0}
 own_ship:
   speed: 5.0
@@ -40,22 +40,22 @@ nodes: {hpda_tracker: {}, tma_tracker: {}, track_fusion: {}}
 
 PLACES = """
 name: places
-duration: 36.0
+duration: 24.0
 own_ship: {speed: 5.0}
 array: {n_elements: 10, snapshot_rate: 40.0}
 stations:
   - namespace: pier
     platform: fixed
-    position: [3000.0, 0.0]
+    position: [1500.0, 0.0]
     array: {n_elements: 8, snapshot_rate: 20.0, misalignment_deg: 1.0}
     active_sonar:
-      ping_interval: 10.0
-      maximum_range: 7000.0
+      ping_interval: 5.0
+      maximum_range: 3500.0
       signal_to_noise_ratio_db: 15.0
       false_alarm_probability: 0.0001
 targets:
   - name: freighter
-    motion: {kind: kinematic, position: [-1000.0, 3000.0], course_deg: 80, speed: 6}
+    motion: {kind: kinematic, position: [-500.0, 2000.0], course_deg: 80, speed: 6}
 nodes: {tma_tracker: {}, track_fusion: {}}
 """
 
