@@ -47,6 +47,7 @@ ROOMS = (
     "passive.lines",
     "passive",
     "tma.estimators",
+    "tma.baselines",
     "tma.batch",
     "tma.performance",
     "tma.targets",

@@ -25,3 +25,6 @@ IdArray = NDArray[np.uint64]
 
 CodeArray = NDArray[np.uint8]
 """Codes of a small set, such as the status of a track, as in the messages."""
+
+RowArray = NDArray[np.uint32]
+"""Rows of another list of the same message, as in the messages."""

@@ -15,11 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sonar_tracking.errors import InputError
-from sonar_tracking.records.arrays import BoolArray, CodeArray, FloatArray, IdArray
+from sonar_tracking.records.arrays import BoolArray, CodeArray, FloatArray, IdArray, RowArray
 from sonar_tracking.records.bearings import established
 from sonar_tracking.records.time import UNKNOWN_STAMP
-
-RowArray = NDArray[np.uint32]
 
 MAP_FRAME = "map"
 """Frame of positions: local east, north."""

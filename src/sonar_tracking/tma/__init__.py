@@ -50,6 +50,9 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
+    from sonar_tracking.tma.baselines.chan_summed_lines import ChanSummedLines
+    from sonar_tracking.tma.baselines.cheong_fused_line import CheongFusedLine
+    from sonar_tracking.tma.baselines.jauffret_stacked_lines import JauffretStackedLines
     from sonar_tracking.tma.batch.batch_likelihood import (
         BatchConfiguration,
         BatchEstimate,
@@ -66,10 +69,7 @@ if TYPE_CHECKING:
         TargetSmootherConfiguration,
         smooth_target,
     )
-    from sonar_tracking.tma.estimators.chan_summed_lines import ChanSummedLines
-    from sonar_tracking.tma.estimators.cheong_fused_line import CheongFusedLine
     from sonar_tracking.tma.estimators.estimator import Estimator
-    from sonar_tracking.tma.estimators.jauffret_stacked_lines import JauffretStackedLines
     from sonar_tracking.tma.estimators.range_bank import RangeBank
     from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
     from sonar_tracking.tma.estimators.sensor_frame import TmaEstimate, TmaMeasurement
@@ -106,10 +106,10 @@ else:
                 "TargetSmootherConfiguration",
                 "smooth_target",
             ],
-            "estimators.chan_summed_lines": ["ChanSummedLines"],
-            "estimators.cheong_fused_line": ["CheongFusedLine"],
+            "baselines.chan_summed_lines": ["ChanSummedLines"],
+            "baselines.cheong_fused_line": ["CheongFusedLine"],
             "estimators.estimator": ["Estimator"],
-            "estimators.jauffret_stacked_lines": ["JauffretStackedLines"],
+            "baselines.jauffret_stacked_lines": ["JauffretStackedLines"],
             "estimators.range_bank": ["RangeBank"],
             "estimators.range_bank_configuration": ["RangeBankConfiguration"],
             "estimators.single_filter_configuration": ["SingleFilterConfiguration"],

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from sonar_tracking.method_registry import MethodEntry, MethodRegistry, trait
 
-_BASELINES = "sonar_tracking.tma.estimators.baseline_estimators"
+_BASELINES = "sonar_tracking.tma.baselines.baseline_estimators"
 
 
 @dataclass(frozen=True)

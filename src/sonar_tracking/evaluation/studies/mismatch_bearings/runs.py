@@ -38,6 +38,7 @@ from sonar_tracking.passive.subspaces.subspace_stage import SubspaceStage, Subsp
 from sonar_tracking.passive.subspaces.subspace_stage import update_together as subspaces_together
 from sonar_tracking.passive.subspaces.unfollowed_subspace import UnfollowedSubspace
 from sonar_tracking.records.bearings import ArraySnapshots, BearingTracks
+from sonar_tracking.records.time import seconds
 
 DEFAULTS = "defaults"
 TOLD = "told the truth"
@@ -205,7 +206,7 @@ def told_configuration(condition: Condition, stamp: int) -> BearingTrackerConfig
     stamp : int
         Of its first estimate, ns.
     """
-    time = 1e-9 * (stamp - condition.scenario.stamp(0.0))
+    time = seconds(stamp - condition.scenario.stamp(0.0))
     angles, rates = true_bearings(condition.scenario, np.array([time]))
     return BearingTrackerConfiguration(
         source_rank=condition.source_rank,
@@ -283,7 +284,7 @@ def _start(condition: Condition, matched: MatchedRun) -> dict[str, float]:
         if any(apart[0] < _NEAR_DEG for apart in period.apart)
     )
     stamp = next(stamps, None)
-    first = np.inf if stamp is None else 1e-9 * (stamp - condition.scenario.stamp(0.0))
+    first = np.inf if stamp is None else seconds(stamp - condition.scenario.stamp(0.0))
     return {
         "start_s": first,
         "within_20_s_percent": 100.0 * (first <= 20.0),

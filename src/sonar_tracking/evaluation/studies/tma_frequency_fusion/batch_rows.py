@@ -25,9 +25,9 @@ from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import sce
 from sonar_tracking.filtering.consistency import normalised_squared
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.simulation.sensors.tma_scene import TmaRuns, simulate_runs
+from sonar_tracking.tma.baselines.cheong_fused_line import fused_frames
 from sonar_tracking.tma.batch.batch_likelihood import estimate_batch_likelihood
 from sonar_tracking.tma.batch.batch_smoother import estimate_batch_path
-from sonar_tracking.tma.estimators.cheong_fused_line import fused_frames
 
 CONDITION = "batch: "
 """How the condition of these rows begins."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from sonar_tracking.tma.baselines.chan_summed_lines import ChanSummedLines
+from sonar_tracking.tma.baselines.cheong_fused_line import CheongFusedLine
+from sonar_tracking.tma.baselines.jauffret_stacked_lines import JauffretStackedLines
 from sonar_tracking.tma.estimators.bank_restart import FULL, NEVER
-from sonar_tracking.tma.estimators.chan_summed_lines import ChanSummedLines
-from sonar_tracking.tma.estimators.cheong_fused_line import CheongFusedLine
-from sonar_tracking.tma.estimators.jauffret_stacked_lines import JauffretStackedLines
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.single_filter_configuration import SingleFilterConfiguration
 

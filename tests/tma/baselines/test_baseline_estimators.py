@@ -11,12 +11,12 @@ import math
 import numpy as np
 import pytest
 
-from sonar_tracking.tma.estimators.baseline_estimators import (
+from sonar_tracking.tma.baselines.baseline_estimators import (
     restarted_stacked_lines,
     stacked_lines,
     summed_lines,
 )
-from sonar_tracking.tma.estimators.chan_summed_lines import sum_of_lines
+from sonar_tracking.tma.baselines.chan_summed_lines import sum_of_lines
 from sonar_tracking.tma.estimators.estimator import Estimator
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement

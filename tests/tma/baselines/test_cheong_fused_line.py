@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sonar_tracking.tma.estimators.cheong_fused_line import (
+from sonar_tracking.tma.baselines.cheong_fused_line import (
     CheongFusedLine,
     LineReferences,
     add_references,
