@@ -10,6 +10,7 @@ import pytest
 
 from sonar_tracking.evaluation.monte_carlo import tracked_runs
 from sonar_tracking.evaluation.monte_carlo.study import StudyRow
+from sonar_tracking.evaluation.studies.multi_target_clutter import runs as runs_of_tasks
 from sonar_tracking.evaluation.studies.multi_target_clutter import study
 from sonar_tracking.evaluation.studies.multi_target_clutter.clutter_bound import position_bounds
 from sonar_tracking.evaluation.studies.multi_target_clutter.runs import (
@@ -37,8 +38,8 @@ from sonar_tracking.evaluation.studies.multi_target_clutter.systems import (
 )
 from sonar_tracking.evaluation.studies.study_catalogue import STUDIES
 
-PINGS = 190
-"""Long enough for four targets."""
+FIRST, PINGS = 60, 190
+"""One target is there at first, four in the end; what comes before is more of one target."""
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +52,7 @@ def results() -> list[tuple[ClutterRun, ...]]:
     ]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(tracked_runs, "_seconds_alone", lambda *_: 1e-3)
+        patch.setattr(runs_of_tasks, "simulate_scene", lambda *of: simulate_scene(*of)[FIRST:])
         runs = [clutter_runs(task) for task in tasks]
     computed = {n: c for n, c in THRESHOLD_SYSTEMS.items() if n.startswith(INTEGRATED)}
     third = ClutterTask("environment 3", SceneOptions(3), computed, seeds[:1], 60)
