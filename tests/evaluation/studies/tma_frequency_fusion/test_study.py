@@ -1,6 +1,6 @@
 """Protects the tma-frequency-fusion study: its rows, its figures, its conclusions."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -24,6 +24,7 @@ from sonar_tracking.evaluation.studies.tma_frequency_fusion.batch_rows import (
     estimate_whole_batch,
 )
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.cases import CASES, estimate_case
+from sonar_tracking.evaluation.studies.tma_frequency_fusion.figures import draw_errors, draw_scene
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.histories import frame_metrics
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.random_scenes import (
     estimate_random_scenes,
@@ -44,26 +45,32 @@ from sonar_tracking.evaluation.studies.tma_frequency_fusion.systems import (
     SYSTEMS,
 )
 
-RUNS = 20
+RUNS = 16
 NOT_ASKED_FOR = ("all lines gone for 50 s", "all lines 3 sigma off")
 LINES_AND_STRAIGHT = ("own ship straight, lines 1 Hz", "own ship straight, lines 0.05 Hz")
 """Cases of the whole study from whose rows these tests conclude nothing."""
 
 
-RUNS_NEEDED: dict[object, dict[str, int]] = {
-    estimate_batch: {"S1": RUNS, "S2": 10, "S3": 2},
-    estimate_case: {"5 % outliers": RUNS},
+RUNS_NEEDED: dict[object, dict[str, slice]] = {
+    estimate_batch: {"S1": slice(RUNS), "S2": slice(10), "S3": slice(2)},
+    estimate_case: {"5 % outliers": slice(RUNS)},
 }
 """By task and scene or case. In S2 estimators are several times apart; of S3 rows are wanted only.
-Outliers are compared with the clean runs; in other cases ten tell of alarms and of the NEES."""
+Outliers are compared with the clean runs."""
+
+OF_OTHER_CASES = slice(4, 10)
+"""Six tell of alarms and of the NEES."""
+
+DRAWN = {"S1_scene", "S1_errors"}
+"""Pictures that are drawn: those of other scenarios differ in what is shown alone."""
 
 
 def with_runs_needed(task: Task) -> Task:
     """Return a task with as many of its runs as these tests draw conclusions from."""
     batch = task.argument
     if task.function in RUNS_NEEDED:
-        count = RUNS_NEEDED[task.function].get(batch.scenario, 10)
-        few = replace(batch.batch, seeds=batch.batch.seeds[:count])
+        own = RUNS_NEEDED[task.function].get(batch.scenario, OF_OTHER_CASES)
+        few = replace(batch.batch, seeds=batch.batch.seeds[own])
         return replace(task, argument=replace(batch, batch=few))
     if task.function in (estimate_random_scenes, estimate_whole_batch):
         count = 1 if task.function is estimate_random_scenes else 10
@@ -188,7 +195,17 @@ def test_figures_of_known_errors(results: Sequence[Any]) -> None:
     assert frame_metrics(histories, 0.5 * bound, -1)["lost_percent"] == 100.0
 
 
-def test_pictures_are_drawn(results: Sequence[Any], study: Study, tmp_path: Path) -> None:
+def test_pictures_are_drawn(
+    results: Sequence[Any], study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for draw in (draw_scene, draw_errors):
+
+        def draw_some(path: Path, *what: Any, draw: Callable[..., Path] = draw) -> Path:
+            return draw(path, *what) if path.stem in DRAWN else path
+
+        monkeypatch.setattr(definition, draw.__name__, draw_some)
     pictures = TMA_FREQUENCY_FUSION.draw(results, study.rows, tmp_path)
-    assert len(pictures) == 6
-    assert all(picture.stat().st_size > 10_000 for picture in pictures)
+    assert len(set(pictures)) == 6
+    drawn = set(tmp_path.glob("*.png"))
+    assert {picture.stem for picture in drawn} == DRAWN
+    assert all(picture.stat().st_size > 10_000 for picture in drawn)

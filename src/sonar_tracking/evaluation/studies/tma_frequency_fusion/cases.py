@@ -61,6 +61,11 @@ class Case:
     scene: Callable[[TmaScene], TmaScene]
     measured: Callable[[TmaRuns, tuple[np.random.SeedSequence, ...]], TmaRuns]
 
+    @property
+    def changes_scene(self) -> bool:
+        """Whether its bound is not that of the scenario."""
+        return self.scene is not _same
+
 
 def estimate_case(part: SceneBatch) -> SceneHistories:
     """Run the default and the paper's estimator on a batch of a case.
@@ -99,14 +104,15 @@ def case_rows(
     histories : mapping
         By scenario or case, then by estimator.
     bounds : mapping of str to ndarray, shape (n_frames, 4)
-        By scenario or case: root of the bounds on range, azimuth, course and speed, m, deg,
-        deg, m/s.
+        By scenario, and by case where it changes the scene: root of the bounds on range, azimuth,
+        course and speed, m, deg, deg, m/s.
     """
     rows = []
     for name, case in CASES.items():
+        bound = bounds[name if case.changes_scene else case.scenario]
         for system in (RANGE_BANK, PROPOSED):
             own, clean = histories[name][system], histories[case.scenario][system]
-            metrics = frame_metrics(own, bounds[name], -1)
+            metrics = frame_metrics(own, bound, -1)
             without = frame_metrics(clean, bounds[case.scenario], -1)
             settled = np.mean(own.nees[:, SETTLED_FRAME:], axis=0)
             after = slice(CHANGE_FRAME, None)

@@ -173,7 +173,7 @@ def tasks(runs: int, seed: int) -> tuple[Task, ...]:
     scenes = run_batches(max(1, runs // RUNS_PER_SCENE), seed, part=2, size=SCENES_PER_TASK)
     return (
         *(Task(bound_of, SceneBatch(name, paths)) for name in SCENARIOS),
-        *(Task(case_bound, SceneBatch(name, paths)) for name in CASES),
+        *(Task(case_bound, SceneBatch(name, paths)) for name in CASES if CASES[name].changes_scene),
         *(Task(estimate_batch, SceneBatch(name, batch)) for name in SCENARIOS for batch in batches),
         *(Task(estimate_case, SceneBatch(name, batch)) for name in CASES for batch in batches),
         *(Task(estimate_whole_batch, batch) for batch in batches),
