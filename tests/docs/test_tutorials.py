@@ -59,8 +59,8 @@ FROM_NOTHING = "docs/tutorials/record_and_replay.md"
 """Page whose first run is typed into a shell; other commands are copies, which load less."""
 
 
-RECORDED = "sonar-tracking run tma --duration 400 --rate max --no-display --record tma_bag"
-"""Run that test_scene.py of tests/system looks at, too: it is recorded once for both."""
+RECORDED = "sonar-tracking run tma --duration 540 --rate max --no-display --record tma_bag"
+"""Run that tests/system/test_tma.py and test_scene.py look at, too: it is recorded once."""
 
 
 def is_run(line: str) -> bool:

@@ -13,21 +13,26 @@ from sonar_tracking.bags.storage.reader import read_bag
 from sonar_tracking.evaluation.offline.offline_tma_chain import run_offline_tma_chain
 from sonar_tracking.simulation.scenarios.scenario_mapping import load_scenario
 from tests.system.command_line import digests, report_of, run_command
+from tests.system.shown_runs import SECONDS, shown_run
 
 TRACKS = "/passive/tracks"
 
 
+def record(folder: Path, name: str, duration: float) -> Path:
+    """Record a scenario, whose data need not be whole, and return the folder of bag and report."""
+    files = ("--record", folder / "bag", "--json", folder / "run.json")
+    done = run_command(folder, "run", name, "--duration", duration, "--rate", "max", *files)
+    assert done.returncode == 0, done.stdout
+    return folder
+
+
 @pytest.mark.parametrize(("name", "duration"), [("tma", 540.0), ("cross_fix", 240.0)])
 def test_a_scenario_of_bearings_and_lines_runs_and_replays_identically(
-    tmp_path: Path, name: str, duration: float
+    tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, name: str, duration: float
 ) -> None:
-    bag = tmp_path / "bag"
-    done = run_command(
-        tmp_path, "run", name, "--duration", duration, "--rate", "max", "--record", bag,
-        "--json", tmp_path / "run.json",
-    )  # fmt: skip
-    assert done.returncode == 0, done.stdout
-    live = report_of(tmp_path / "run.json")
+    shown = SECONDS.get(name) == duration
+    folder = shown_run(tmp_path_factory, name) if shown else record(tmp_path, name, duration)
+    bag, live = folder / "bag", report_of(folder / "run.json")
 
     done = run_command(tmp_path, "replay", bag, "--rate", "max", "--json", tmp_path / "replay.json")
     assert done.returncode == 0, done.stdout
