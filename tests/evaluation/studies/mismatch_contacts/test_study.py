@@ -49,7 +49,7 @@ from sonar_tracking.evaluation.studies.multi_target_clutter.scene import (
 from sonar_tracking.evaluation.studies.study_catalogue import STUDIES
 from sonar_tracking.records.arrays import FloatArray
 
-PINGS = 18
+PINGS = 14
 ALWAYS = ("held_share", "false_tracks_per_hour", "identity_swaps", "continuity", "ospa_m")
 
 
