@@ -28,7 +28,7 @@ from sonar_tracking.evaluation.studies.study_catalogue import STUDIES
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.simulation.sensors.tma_scene import TmaRuns
 
-SOME = ("S3", "bearing errors last 10 s, S1", "zig-zag by 30 deg, S3", "30 km away, S1")
+SOME = ("bearing errors last 10 s, S1", "zig-zag by 30 deg, S3", "30 km away, S1")
 
 
 def seeds(count: int, root: int = 3) -> tuple[np.random.SeedSequence, ...]:
@@ -75,7 +75,7 @@ def test_every_estimator_has_finite_figures_under_a_condition(rows: tuple[StudyR
 def test_same_seed_gives_the_same_run_whatever_is_followed_with_it(
     results: list[MismatchRuns | MismatchBound],
 ) -> None:
-    (first,) = [one for one in results[1:2] if isinstance(one, MismatchRuns)]
+    (first,) = [one for one in results[:1] if isinstance(one, MismatchRuns)]
     one, other = seeds(2)
     batch = RunBatch(0, (*seeds(1, 9), other, one))
     again = mismatch_runs(MismatchTask(first.condition, batch))
