@@ -71,7 +71,11 @@ def test_the_measured_array_finds_two_sources() -> None:
 def test_onsets_tell_where_the_sound_begins(tmp_path: Path) -> None:
     places = ((0.5, 0.1), (0.8, 0.25))
     room = read_room_responses(write_free_field(tmp_path / "room.npz", 12, places))
-    assert np.abs(onset_positions(room) - places).max() < 0.02
+    located = onset_positions(room)
+    assert np.abs(located - places).max() < 0.02
+    first = onset_positions(room, room.source_ids[:1])
+    np.testing.assert_array_equal(first, [located[0], room.source_positions[1]])
+    assert not np.array_equal(located[1], room.source_positions[1])
 
 
 def test_rows_count_what_was_found_and_only_pairs_apart(tmp_path: Path) -> None:

@@ -82,7 +82,8 @@ class NearFieldTask:
 def locate_near_sources(task: NearFieldTask) -> tuple[NearFieldResult, ...]:
     """Make and evaluate the recordings of one task."""
     room = read_room_responses(task.data_file)
-    by_onsets = replace(room, source_positions=onset_positions(room))
+    heard = {source for case in task.cases for source in case}
+    by_onsets = replace(room, source_positions=onset_positions(room, heard))
     seed = task.seed
     signals = {
         source: whole_array_snapshots(
@@ -91,7 +92,7 @@ def locate_near_sources(task: NearFieldTask) -> tuple[NearFieldResult, ...]:
             (task.frequency, task.bandwidth),
             np.random.default_rng(child_seed(seed, 0, source)),
         )
-        for source in {source for case in task.cases for source in case}
+        for source in heard
     }
     results = []
     for case in task.cases:

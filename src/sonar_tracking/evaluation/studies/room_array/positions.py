@@ -12,6 +12,8 @@ positions are those of a loudspeaker's case, a hand's breadth from where its sou
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 
 from sonar_tracking.evaluation.studies.room_array.responses import SOUND_SPEED, RoomResponses
@@ -25,25 +27,27 @@ _OUTLIER = 1e-5
 """Residual beyond which an onset counts less, s."""
 
 
-def onset_positions(room: RoomResponses) -> FloatArray:
+def onset_positions(room: RoomResponses, sources: Collection[int] | None = None) -> FloatArray:
     """Return the positions of the sources by the onsets of their responses.
 
     Parameters
     ----------
     room : RoomResponses
         Measured responses; the surveyed positions are where the search begins.
+    sources : collection of int, optional
+        Numbers of those that are located; others have their surveyed positions. None = all.
 
     Returns
     -------
     ndarray, shape (n_sources, 2)
         Distance from the array's line and place along it, m.
     """
-    return np.array(
-        [
-            _located(_onsets(responses, room.sample_rate), room.element_places, surveyed)
-            for responses, surveyed in zip(room.responses, room.source_positions, strict=True)
-        ]
-    )
+    positions = np.array(room.source_positions, dtype=np.float64)
+    for index, source in enumerate(room.source_ids):
+        if sources is None or source in sources:
+            onsets = _onsets(room.responses[index], room.sample_rate)
+            positions[index] = _located(onsets, room.element_places, positions[index])
+    return positions
 
 
 def _onsets(responses: FloatArray, sample_rate: int) -> FloatArray:

@@ -186,12 +186,13 @@ def room_tasks(data_file: str, runs: int, seed: int) -> tuple[Task, ...]:
 def track_recordings(task: RoomTask) -> tuple[RoomResult, ...]:
     """Make, import and track the recordings of one task, with what each system knows."""
     room = read_room_responses(task.data_file)
-    by_onsets = replace(room, source_positions=onset_positions(room))
+    heard = sorted({source for case in task.cases for source in case})
+    by_onsets = replace(room, source_positions=onset_positions(room, heard))
     signals = {
         source: received_signal(
             room, source, task.frequency, np.random.default_rng(child_seed(task.seed, 0, source))
         )
-        for source in sorted({source for case in task.cases for source in case})
+        for source in heard
     }
     results = []
     for case in task.cases:
