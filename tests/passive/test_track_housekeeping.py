@@ -104,7 +104,7 @@ def test_five_targets_are_confirmed_in_time_and_stay_five(level_db: float, withi
 @cache
 def turning_targets() -> dict[float, list[BearingTracks]]:
     levels = (10.0, 20.0)
-    angles = FIVE + np.deg2rad(10.0) * np.sin(0.3 * times_of(60.0)[:, None] + np.arange(5))
+    angles = FIVE + np.deg2rad(10.0) * np.sin(0.3 * times_of(44.0)[:, None] + np.arange(5))
     runs = [snapshots_of(np.random.default_rng(2), angles, level_db) for level_db in levels]
     return dict(zip(levels, all_tracked(runs), strict=True))
 
@@ -121,8 +121,8 @@ def test_strong_turning_targets_bring_no_extra_track(level_db: float) -> None:
 
 @cache
 def slow_crossings() -> dict[int, list[BearingTracks]]:
-    times, seeds = times_of(100.0), (1, 2)
-    angles = np.stack([-10.0 + 0.2 * times, 10.0 - 0.2 * times], axis=-1)
+    times, seeds = times_of(70.0), (1, 2)
+    angles = np.stack([-7.0 + 0.2 * times, 7.0 - 0.2 * times], axis=-1)
     runs = [scene(seed, angles, np.full((len(times), 2), -5.0)) for seed in seeds]
     return dict(zip(seeds, all_tracked(runs), strict=True))
 
@@ -134,8 +134,8 @@ def test_slow_crossing_keeps_names(seed: int) -> None:
     assert len(all_ids(tracks)) == 2
     at_start, at_end = established(tracks[20]), established(tracks[-1])
     first, second = sorted(at_start, key=lambda number: at_start[number])
-    assert at_end[first] == pytest.approx(9.9, abs=1.0)
-    assert at_end[second] == pytest.approx(-9.9, abs=1.0)
+    assert at_end[first] == pytest.approx(6.9, abs=1.0)
+    assert at_end[second] == pytest.approx(-6.9, abs=1.0)
 
 
 def test_new_source_is_found_in_mid_run_and_ends_when_it_stays_away() -> None:
@@ -171,7 +171,7 @@ def test_short_fade_is_coasted_under_the_same_name() -> None:
 @cache
 def crossings() -> tuple[list[BearingTracks], ...]:
     """Return the tracks of two sources that cross: of their own waveforms, and of one."""
-    times = times_of(60.0)
+    times = times_of(45.0)
     angles = np.stack([-20.0 + 0.7 * times, 20.0 - 0.6 * times], axis=-1)
     incoherent = scene(5, angles, np.full((len(times), 2), 3.0))
     generator = np.random.default_rng(6)
@@ -188,7 +188,7 @@ def test_crossing_ends_no_track(coherent: bool) -> None:
     at_start, at_end = established(tracks[8]), established(tracks[-1])
     assert set(at_start) == set(at_end)
     first = min(at_start, key=lambda number: at_start[number])
-    assert at_end[first] == pytest.approx(-20.0 + 0.7 * 59.5, abs=2.0)
+    assert at_end[first] == pytest.approx(-20.0 + 0.7 * 44.5, abs=2.0)
 
 
 def test_two_sources_that_part_become_two_tracks() -> None:
