@@ -11,9 +11,9 @@ import pytest
 from tests.made_once import made_once
 from tests.system.command_line import report_of, run_command
 
-DURATION = 20.1
-"""Of the recorded run, s: three crossings, half a second of processor time less each time it is
-compared with something."""
+DURATION = 14.1
+"""Of the recorded run, s: two crossings, and half a second of processor time less than with all
+each time it is compared with something."""
 
 ACTIVE_DURATION = 400.0
 """Of that with a sonar, s: forty pings."""
@@ -30,7 +30,7 @@ class RecordedRun:
 
 @pytest.fixture(scope="session")
 def recorded_run(tmp_path_factory: pytest.TempPathFactory) -> RecordedRun:
-    """Record the first half of ``doa_fusion`` at full speed."""
+    """Record the first third of ``doa_fusion`` at full speed."""
     return _recorded(tmp_path_factory, "doa_fusion", DURATION)
 
 
