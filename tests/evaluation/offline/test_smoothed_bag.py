@@ -129,10 +129,13 @@ def test_a_bag_of_bearings_alone_is_tracked_first(tmp_path: Path) -> None:
     assert score.identities.held_share > 0.95 and score.median_error_m < 40.0
 
 
-def test_larger_systematic_errors_give_larger_covariances(bag: Path, tmp_path: Path) -> None:
+def test_larger_systematic_errors_give_larger_covariances(
+    bag: Path, smoothed: tuple[Path, str], tmp_path: Path
+) -> None:
+    """Than those that are taken for granted."""
+    larger = smooth_bag(bag, tmp_path / "larger", None, 2.0)
     spread = []
-    for number, deviation in enumerate((0.0, 2.0)):
-        made = smooth_bag(bag, tmp_path / str(number), None, deviation)
+    for made in (smoothed[0], larger):
         pictures = list(position_tracks_of(read_bag(made), "/passive/tracks_smoothed"))
         spread.append(float(np.mean(pictures[-1].covariance[:, 0, 0])))
     assert spread[1] > 2.0 * spread[0]
