@@ -22,8 +22,10 @@ PATIENCE = 30
 class Watched:
     """A node with two silent inputs, and what it has said."""
 
-    def __init__(self, by_clock_topic: bool) -> None:
+    def __init__(self, by_clock_topic: bool, rate: int = 1) -> None:
         self.now = START
+        self.rate = rate
+        self.steady = 0
         self.waits_for_odometry = False
         self.released = 0
         self.said: list[str] = []
@@ -57,10 +59,14 @@ class Watched:
         )
 
     def after(self, seconds: int) -> None:
-        """Let time pass; the node looks every second."""
-        for _ in range(seconds):
-            self.timers[-1]()
-            self.now += NANOSECONDS
+        """Let time pass, so many times faster than real time; the node looks every second."""
+        steady: Any = SimpleNamespace(now=lambda: SimpleNamespace(nanoseconds=self.steady))
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(self.watch, "_steady", steady)
+            for _ in range(seconds):
+                self.timers[-1]()
+                self.now += NANOSECONDS
+                self.steady += NANOSECONDS // self.rate
 
     @staticmethod
     def _input(name: str, topic: Any) -> Any:
@@ -92,6 +98,15 @@ def test_the_clock_is_named_where_it_drives_the_node(by_clock_topic: bool) -> No
     (sentence,) = node.said
     assert "/active/contacts: nothing received for 31.0 s" in sentence
     assert ("/clock" in sentence) == by_clock_topic
+
+
+def test_a_clock_that_races_ahead_makes_no_input_silent() -> None:
+    """A minute within a second: whoever publishes may have been without a processor for that."""
+    node = Watched(by_clock_topic=True, rate=100)
+    node.after(3 * PATIENCE)
+    assert not node.said
+    node.after(PATIENCE)
+    assert len(node.said) == 1, "but one that is silent for longer than that has stalled"
 
 
 def test_odometry_may_be_silent_until_data_wait_for_it() -> None:

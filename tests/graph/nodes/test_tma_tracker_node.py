@@ -5,6 +5,7 @@ from __future__ import annotations
 import array
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -217,9 +218,14 @@ def test_missing_odometry_is_named_and_the_lists_come_when_the_data_begin_again(
         bearings = without_pose(tracker.bearings(number))
         tracker.send(bearings, replace_lines(tracker.lines(number)))
     first = stamp_from_time(array_writing.bearing_tracks_to_message(bearings).header.stamp)
-    for second in range(45):
-        tracker.tick(first + second * SECOND)
-    tracker.probe.wait_sentence(f"{NODE}: input /own_ship/odometry", "nothing received")
+    seconds = count()
+
+    def is_named() -> bool:
+        tracker.tick(first + next(seconds) * SECOND)
+        said = tracker.probe.sentences(f"{NODE}: input /own_ship/odometry")
+        return any("nothing received" in sentence for sentence in said)
+
+    tracker.probe.wait(is_named, "odometry to be named")
     assert not tracker.outputs
     tracker.new_run()
     for number in range(3):

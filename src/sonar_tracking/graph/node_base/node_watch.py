@@ -36,6 +36,9 @@ STALLED_AT_START = 30 * NANOSECONDS
 """The same while its period is not known yet."""
 STALLED_STEPS = 10
 """Nor before so many steps of the clock: it leads the slowest node by several of them."""
+STALLED_REALLY = NANOSECONDS
+"""Nor before so much steady time, ns: where data flow many times faster than real time, the clock
+is far ahead of a node that was without a processor for an instant, and of what it publishes."""
 REMEMBERED_STEPS = 5
 DISCOVERY = 3 * NANOSECONDS
 """So long after its start a node may not know yet who publishes what it listens to, ns."""
@@ -87,7 +90,7 @@ class NodeWatch:
         self._diagnostics = diagnostics
         self._progress = progress
         self._asked = self._started
-        self._seen: dict[str, tuple[int, int]] = {}
+        self._seen: dict[str, tuple[int, int, int]] = {}
         self._instants: deque[int] = deque(maxlen=REMEMBERED_STEPS + 1)
         diagnostics.add(MATCHED, self._matched_endpoints)
         ReadyReports(node, diagnostics, self._matched_endpoints, self._data_flow, warm_up)
@@ -134,20 +137,24 @@ class NodeWatch:
         for source in self._inputs:
             if asks:
                 self.check_publishers(source)
-            self._check_stalled(source, now)
+            self._check_stalled(source, now, steady)
         self._release()
         self._diagnostics.publish_if_due()
 
-    def _check_stalled(self, source: DataInput, now: int) -> None:
-        received, since = self._seen.get(source.name, (-1, now))
+    def _check_stalled(self, source: DataInput, now: int, steady: int) -> None:
+        received, since, really_since = self._seen.get(source.name, (-1, now, steady))
         if source.received != received or now < since:
-            self._seen[source.name] = (source.received, now)
-            since = now
+            self._seen[source.name] = (source.received, now, steady)
+            since, really_since = now, steady
         patience = max(STALLED_PERIODS * source.period, STALLED_AT_LEAST)
         if not source.period:
             patience = STALLED_AT_START
         patience = max(patience, STALLED_STEPS * self._clock_step())
-        stalled = now - since > patience and source.guard.expected != END_OF_DATA
+        stalled = (
+            now - since > patience
+            and steady - really_since > STALLED_REALLY
+            and source.guard.expected != END_OF_DATA
+        )
         severity = Severity.WARN if stalled and self._waiting_for(source) else Severity.OK
         by = f" of {self._clock_topic}" if self._by_clock_topic else ""
         sentence = (
