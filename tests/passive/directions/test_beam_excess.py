@@ -101,6 +101,7 @@ def test_told_noise_is_whitened_and_the_source_in_it_seen() -> None:
     noise = correlated(0.6)
     silent = beams_of(noise, noise=noise)
     assert np.abs(silent.excess).max() < 1e-9
+    assert silent.whitened and not beams_of(noise).whitened
     angle = float(angles()[80])
     seen = beams_of(noise + waves((0.01, angle)), noise=noise)
     assert abs(int(np.argmax(seen.excess)) - 80) <= 1 and seen.excess.max() > 0.2

@@ -87,6 +87,12 @@ def test_a_range_that_puts_the_target_too_high_loses_weight_and_a_level_one_does
     assert level.log_weight[2, 0] - level.log_weight[0, 0] == pytest.approx(0.0, abs=0.1)
 
 
+def test_of_nothing_known_beforehand_nothing_is_lost() -> None:
+    """So a target with elevations is compared fairly with one without."""
+    seeded, _ = seed_height(bank(), measurement())
+    np.testing.assert_allclose(seeded.log_weight, bank().log_weight, atol=1e-4)
+
+
 def test_a_height_known_beforehand_gives_the_range() -> None:
     """Near the surface, 1000 m above: r = 1000 m / tan(e), as if the height had been told."""
     told = replace(measurement(deviation=1.0), height=1000.0)
