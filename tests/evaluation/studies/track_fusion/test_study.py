@@ -11,7 +11,7 @@ from sonar_tracking.evaluation.studies.track_fusion.central_filter import (
     CentralFilters,
     told_moment,
 )
-from sonar_tracking.evaluation.studies.track_fusion.conditions import CONDITIONS
+from sonar_tracking.evaluation.studies.track_fusion.conditions import CONDITIONS, same_sea
 from sonar_tracking.evaluation.studies.track_fusion.list_rules import (
     covariance_intersection,
     naive_product,
@@ -39,8 +39,17 @@ def test_rules_by_hand() -> None:
 
 
 def test_every_condition_has_its_tasks() -> None:
-    names = {task.argument.condition for task in tasks(3, seed=1)}
-    assert names == set(CONDITIONS)
+    names = [name for task in tasks(3, seed=1) for name in task.argument.conditions]
+    assert sorted(names) == sorted(CONDITIONS)
+
+
+def test_conditions_that_differ_in_silence_alone_are_of_the_same_ships_and_pings() -> None:
+    (together,) = [names for names in same_sea() if len(names) > 1]
+    assert together == ("aligned", "sonar lost for 5 minutes", "array lost for 5 minutes")
+    seed = np.random.SeedSequence(2)
+    scenes = [CONDITIONS[name].scenario(seed) for name in together]
+    assert scenes[0] == scenes[1] == scenes[2]
+    assert CONDITIONS["crossing ships"].scenario(seed) != scenes[0]
 
 
 def test_filters_of_several_runs_at_once_are_those_of_each_by_itself(
@@ -74,7 +83,7 @@ def test_the_fused_picture_beats_echoes_and_comes_near_the_bound(
 ) -> None:
     monkeypatch.setattr(conditions, "DURATION", 400.0)
     seeds = tuple(np.random.SeedSequence(4).spawn(2))
-    runs = fusion_runs(FusionTask("array turned by 1 degree", seeds))
+    runs = fusion_runs(FusionTask(("array turned by 1 degree",), seeds))
     assert all(not run.doubled and run.names == 0 for run in runs)
     fused, echoes, central = (metrics(name, runs) for name in (FUSED, ECHOES_ALONE, CENTRAL))
     assert fused["rmse_m"] < 0.75 * echoes["rmse_m"]

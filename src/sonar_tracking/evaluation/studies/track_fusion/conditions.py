@@ -94,6 +94,19 @@ CONDITIONS = {
 }
 """By name, as in the tables."""
 
+
+def same_sea() -> tuple[tuple[str, ...], ...]:
+    """Return the names of conditions, together where they differ in what is lost alone.
+
+    Their trackers find the same as long as anything is heard of them.
+    """
+    seas: dict[Condition, list[str]] = {}
+    for name, condition in CONDITIONS.items():
+        heard = replace(condition, silent_sonar=NEVER, silent_array=NEVER)
+        seas.setdefault(heard, []).append(name)
+    return tuple(map(tuple, seas.values()))
+
+
 _SONAR: dict[str, Any] = {
     "ping_interval": 10.0,
     "maximum_range": 7400.0,

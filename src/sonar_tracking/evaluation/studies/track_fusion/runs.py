@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -43,13 +43,13 @@ class FusionTask:
 
     Attributes
     ----------
-    condition : str
-        Name of the condition.
+    conditions : tuple of str
+        Names of conditions of the same sea.
     seeds : tuple of numpy.random.SeedSequence
         One a run.
     """
 
-    condition: str
+    conditions: tuple[str, ...]
     seeds: tuple[np.random.SeedSequence, ...]
 
 
@@ -113,11 +113,19 @@ class _FollowedRun:
 
 
 def fusion_runs(task: FusionTask) -> tuple[FusionRun, ...]:
-    """Simulate runs, fuse them in every way, and score them."""
-    condition = CONDITIONS[task.condition]
-    scenarios = [condition.scenario(seed) for seed in task.seeds]
-    every = zip(scenarios, fused_moments_together(scenarios), strict=True)
-    followed = [_followed_run(task.condition, *each) for each in every]
+    """Simulate runs, fuse them in every way under each condition, and score them."""
+    sea = CONDITIONS[task.conditions[0]]
+    scenarios = [sea.scenario(seed) for seed in task.seeds]
+    found = [list(moments) for moments in fused_moments_together(scenarios)]
+    return tuple(run for name in task.conditions for run in _fused_runs(name, scenarios, found))
+
+
+def _fused_runs(
+    name: str, scenarios: Sequence[Scenario], found: Sequence[Sequence[FusedMoment]]
+) -> list[FusionRun]:
+    """Return what the systems did under one condition, from what the trackers found."""
+    every = zip(scenarios, found, strict=True)
+    followed = [_followed_run(name, *each) for each in every]
     configuration = make_track_fusion(scenarios[0]).configuration
     for system, exact in ((CENTRAL, False), (BOUND, True)):
         filters = CentralFilters(configuration, len(followed), exact)
@@ -128,7 +136,7 @@ def fusion_runs(task: FusionTask) -> tuple[FusionRun, ...]:
                 states = filters.states(number) if true else {}
                 for ship in set(true) & set(states):
                     one.run.count(system, true[ship], *states[ship])
-    return tuple(one.run for one in followed)
+    return [one.run for one in followed]
 
 
 def _followed_run(name: str, scenario: Scenario, moments: Iterable[FusedMoment]) -> _FollowedRun:

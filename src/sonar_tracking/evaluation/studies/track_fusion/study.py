@@ -23,7 +23,7 @@ from sonar_tracking.evaluation.monte_carlo.study_definition import (
     StudyDefinition,
     TableLayout,
 )
-from sonar_tracking.evaluation.studies.track_fusion.conditions import CONDITIONS
+from sonar_tracking.evaluation.studies.track_fusion.conditions import CONDITIONS, same_sea
 from sonar_tracking.evaluation.studies.track_fusion.runs import (
     BEARINGS_ALONE,
     BOUND,
@@ -77,14 +77,15 @@ LAYOUTS = (
 
 
 def tasks(runs: int, seed: int) -> tuple[Task, ...]:
-    """Return what the workers compute: a few runs under a condition each.
+    """Return what the workers compute: a few runs under the conditions of a sea each.
 
     Those of two stations come first: short tasks at the end leave no worker idle.
     """
+    names = list(CONDITIONS)
     return tuple(
-        Task(fusion_runs, FusionTask(name, batch.seeds))
-        for part, name in reversed(list(enumerate(CONDITIONS)))
-        for batch in run_batches(runs, seed, part, RUNS_PER_TASK)
+        Task(fusion_runs, FusionTask(together, batch.seeds))
+        for together in reversed(same_sea())
+        for batch in run_batches(runs, seed, names.index(together[0]), RUNS_PER_TASK)
     )
 
 
