@@ -30,6 +30,11 @@ def wrap_angle(angle: ArrayLike) -> FloatArray:
     return np.mod(np.asarray(angle) + np.pi, 2.0 * np.pi) - np.pi
 
 
+def wrapped(angle: float) -> float:
+    """Return one angle brought into [-pi, pi), rad: the same as an array takes much longer."""
+    return (angle + math.pi) % (2.0 * math.pi) - math.pi
+
+
 def azimuth_from_compass(compass_deg: ArrayLike) -> FloatArray:
     """Return the azimuth of a compass angle.
 

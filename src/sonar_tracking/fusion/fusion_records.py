@@ -8,7 +8,7 @@ import numpy as np
 
 from sonar_tracking.alignment.bearing_errors import BearingKey
 from sonar_tracking.errors import InputError, Notice
-from sonar_tracking.motion import KinematicState, wrap_angle
+from sonar_tracking.motion import KinematicState, wrapped
 from sonar_tracking.records.alignments import ArrayAlignments
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import BearingTracks
@@ -103,9 +103,17 @@ class HeardBearing:
     array: int
     lag: float = 0.0
 
+    def with_variance(self, variance: float) -> HeardBearing:
+        """Return the same bearing with another variance, rad^2."""
+        return HeardBearing(self.key, self.azimuths, variance, self.station, self.array, self.lag)
+
+    def with_azimuth(self, azimuth: float) -> HeardBearing:
+        """Return the same bearing with one azimuth, rad, that is another one."""
+        return HeardBearing(self.key, (azimuth,), self.variance, self.station, self.array, self.lag)
+
     def nearest(self, expected: float) -> float:
         """Return the azimuth nearest to one that is expected, rad; own ship's turns swap sides."""
-        return min(self.azimuths, key=lambda one: abs(float(wrap_angle(one - expected))))
+        return min(self.azimuths, key=lambda one: abs(wrapped(one - expected)))
 
     def sides(self, expected: float) -> tuple[float, float]:
         """Return the nearer azimuth and that of the other side (NaN = there is none), rad."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -77,11 +78,13 @@ def station_bearings(
     """
     sensor = bearings.sensor.sensor_id
     stamp = bearings.stamp / NANOSECONDS
-    alive: dict[BearingKey, Contributor] = {}
-    for row in np.flatnonzero(bearings.status != TrackStatus.TERMINATED):
-        existence = float(bearings.existence_probability[row])
-        status = TrackStatus(bearings.status[row])
-        alive[sensor, int(bearings.id[row])] = Contributor(status, existence, np.nan)
+    rows = np.flatnonzero(bearings.status != TrackStatus.TERMINATED)
+    keys: list[BearingKey] = [(sensor, number) for number in bearings.id[rows].tolist()]
+    states = bearings.status[rows].tolist(), bearings.existence_probability[rows].tolist()
+    alive = {
+        key: Contributor(TrackStatus(status), existence, math.nan)
+        for key, status, existence in zip(keys, *states, strict=True)
+    }
     settings = _settings(configuration)
     try:
         view = station_view(bearings.sensor, own_ship, settings)
@@ -89,16 +92,14 @@ def station_bearings(
         problem = Notice(Severity.ERROR, f"data of {sensor}", str(error))
         return StationBearings(alive, (), (problem,))
     found, notices = [], []
-    for row in np.flatnonzero(bearings.status != TrackStatus.TERMINATED):
-        observation, wrong = observation_of(bearings, int(row), view, settings)
-        key = (sensor, int(bearings.id[row]))
+    station, lag = np.array(view.position), configuration.clock_offset(sensor)
+    for key, row in zip(keys, rows.tolist(), strict=True):
+        observation, wrong = observation_of(bearings, row, view, settings)
         if wrong:
             notices.append(left_out(sensor, wrong))
         if observation.azimuths:
             alive[key].updated = stamp
-            station = np.array(view.position)
             variance = float(observation.azimuth_variance)
-            lag = configuration.clock_offset(sensor)
             heard = HeardBearing(key, observation.azimuths, variance, station, array, lag)
             found.append(heard)
     return StationBearings(alive, tuple(found), tuple(notices))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import reduce
 
 import numpy as np
@@ -228,7 +227,7 @@ class TargetFilters:
         if not found:
             return []
         scale = self._errors[found[0].array].scale
-        return [replace(one, variance=scale * one.variance) for one in found]
+        return [one.with_variance(scale * one.variance) for one in found]
 
     def _learn(
         self,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -93,17 +94,17 @@ class TrackFusionConfiguration:
     @property
     def alignment_variance(self) -> float:
         """In rad^2."""
-        return float(np.radians(self.alignment_deviation_deg) ** 2)
+        return math.radians(self.alignment_deviation_deg) ** 2
 
     @property
     def heading_variance(self) -> float:
         """In rad^2."""
-        return float(np.radians(self.heading_standard_deviation_deg) ** 2)
+        return math.radians(self.heading_standard_deviation_deg) ** 2
 
     @property
     def bearing_resolution(self) -> float:
         """At broadside, rad."""
-        return float(np.radians(self.bearing_resolution_deg))
+        return math.radians(self.bearing_resolution_deg)
 
     @property
     def propagation_speed(self) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -36,17 +37,55 @@ class UsableLine:
     deviation: float
 
 
+class Directions(NamedTuple):
+    """In which directions a station hears a target.
+
+    Attributes
+    ----------
+    azimuths : tuple of float
+        As in :class:`TargetObservation`, rad.
+    azimuth_variance, elevation, elevation_variance : float
+        rad^2, rad, rad^2; NaN = none.
+    """
+
+    azimuths: tuple[float, ...]
+    azimuth_variance: float
+    elevation: float
+    elevation_variance: float
+
+
+NOWHERE = Directions((), math.nan, math.nan, math.nan)
+"""Not heard."""
+
+
 def bare_observation(
-    stamp: int, view: StationView, configuration: TmaTrackerConfiguration
+    stamp: int,
+    view: StationView,
+    configuration: TmaTrackerConfiguration,
+    directions: Directions = NOWHERE,
 ) -> TargetObservation:
-    """Return an observation of nothing yet, from a station at a stamp, ns."""
+    """Return an observation without lines, from a station.
+
+    Parameters
+    ----------
+    stamp : int
+        ns.
+    view : StationView
+        Where the station is.
+    configuration : TmaTrackerConfiguration
+        What is known of the height of targets and of sound.
+    directions : Directions
+        In which the target was heard; by default in none.
+    """
     return TargetObservation(
         stamp=stamp,
         sensor_id=view.sensor_id,
         position=view.position,
         velocity=view.velocity,
-        azimuths=(),
-        azimuth_variance=np.nan,
+        azimuths=directions.azimuths,
+        azimuth_variance=directions.azimuth_variance,
+        elevation=directions.elevation,
+        elevation_variance=directions.elevation_variance,
         height=configuration.target_height,
         height_deviation=configuration.height_deviation,
         sensor_z=view.z,
@@ -81,25 +120,17 @@ def observation_of(
     problem : str
         Why a measurement cannot be used; empty = nothing is wrong.
     """
-    empty = bare_observation(bearings.stamp, view, configuration)
     angle, variance = float(bearings.measurement[row]), float(bearings.measurement_variance[row])
     if math.isnan(variance) and configuration.azimuth_deviation > 0.0:
         variance = configuration.azimuth_deviation**2
     problem = _problem_of(bearings, row, angle, variance)
     if problem or not math.isfinite(angle):
-        return empty, problem
+        return bare_observation(bearings.stamp, view, configuration), problem
     variance = max(variance, configuration.minimum_azimuth_deviation**2)
     variance += (view.turn_rate * configuration.array_lag) ** 2
-    elevation, elevation_variance = _elevation(bearings, row)
     azimuths = view.azimuths(angle, bearings.angle_kind, bool(bearings.ambiguous[row]))
-    observation = replace(
-        empty,
-        azimuths=azimuths,
-        azimuth_variance=variance,
-        elevation=elevation,
-        elevation_variance=elevation_variance,
-    )
-    return observation, ""
+    directions = Directions(azimuths, variance, *_elevation(bearings, row))
+    return bare_observation(bearings.stamp, view, configuration, directions), ""
 
 
 def _problem_of(bearings: BearingTracks, row: int, angle: float, variance: float) -> str:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sonar_tracking.errors import InputError, Notice, shown
-from sonar_tracking.motion import KinematicState, lever_arm, swing_velocity, wrap_angle
+from sonar_tracking.motion import KinematicState, lever_arm, swing_velocity, wrapped
 from sonar_tracking.records.bearings import AngleKind, BearingTracks, Sensor, TrackStatus
 from sonar_tracking.records.own_ship import OWN_SHIP_FRAMES
 from sonar_tracking.records.positions import MAP_FRAME
@@ -65,17 +65,17 @@ class StationView:
         """
         if kind is AngleKind.AZIMUTH:
             axis = 0.0 if self.frame_id == MAP_FRAME else self.axis
-            return (float(wrap_angle(axis + angle)),)
+            return (wrapped(axis + angle),)
         from_axis = 0.5 * np.pi - angle
-        left = float(wrap_angle(self.axis + from_axis))
-        return (left, float(wrap_angle(self.axis - from_axis))) if ambiguous else (left,)
+        left = wrapped(self.axis + from_axis)
+        return (left, wrapped(self.axis - from_axis)) if ambiguous else (left,)
 
     def from_broadside(self, angle: float, kind: AngleKind) -> float:
         """Return the angle from broadside of the cone on which a measured angle lies, rad."""
         if kind is AngleKind.CONE:
             return math.asin(math.sin(angle))
         (azimuth,) = self.azimuths(angle, kind, ambiguous=False)
-        return 0.5 * np.pi - abs(float(wrap_angle(azimuth - self.axis)))
+        return 0.5 * np.pi - abs(wrapped(azimuth - self.axis))
 
 
 @dataclass

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-
-import numpy as np
 
 from sonar_tracking.configuration import parameter
 from sonar_tracking.errors import ConfigurationError
@@ -143,28 +142,28 @@ class TmaTrackerConfiguration(RangeBankConfiguration):
     @property
     def propagation_speed(self) -> float:
         """Of what is heard, m/s; inf = at once."""
-        return self.sound_speed if self.travel_time else np.inf
+        return self.sound_speed if self.travel_time else math.inf
 
     @property
     def minimum_azimuth_deviation(self) -> float:
         """In rad."""
-        return float(np.radians(self.minimum_azimuth_deviation_deg))
+        return math.radians(self.minimum_azimuth_deviation_deg)
 
     @property
     def azimuth_deviation(self) -> float:
         """In rad."""
-        return float(np.radians(self.azimuth_deviation_deg))
+        return math.radians(self.azimuth_deviation_deg)
 
     @property
     def alignment_deviation(self) -> float:
         """In rad."""
-        return float(np.radians(self.alignment_deviation_deg))
+        return math.radians(self.alignment_deviation_deg)
 
     @property
     def systematic_errors(self) -> SystematicErrors:
         """Errors of directions that never average out."""
         return SystematicErrors(
-            float(np.radians(self.systematic_deviation_deg)),
+            math.radians(self.systematic_deviation_deg),
             self.sound_speed_variation / self.sound_speed,
             self.target_size,
         )
@@ -172,7 +171,7 @@ class TmaTrackerConfiguration(RangeBankConfiguration):
     @property
     def mounting_yaw(self) -> float:
         """In rad."""
-        return float(np.radians(self.mounting_yaw_deg))
+        return math.radians(self.mounting_yaw_deg)
 
 
 def check_tma_tracker(configuration: TmaTrackerConfiguration) -> None:

@@ -7,7 +7,7 @@ many others stand beside it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -254,6 +254,5 @@ class CentralFilters:
             mean[rows], covariance[rows], first.station, first.array, self._speed, first.lag
         )
         return [
-            replace(one, azimuths=(float(azimuth),))
-            for one, azimuth in zip(found, expected, strict=True)
+            one.with_azimuth(float(azimuth)) for one, azimuth in zip(found, expected, strict=True)
         ]

@@ -190,7 +190,7 @@ def _without_lost(moment: FusedMoment, condition: Condition, time: float) -> Fus
         frame = replace(frame, active={})
     if condition.silent_array[0] <= time < condition.silent_array[1]:
         frame = replace(frame, bearings=(), passive={})
-    return replace(moment, frame=frame)
+    return moment if frame is moment.frame else replace(moment, frame=frame)
 
 
 def _true_states(truth: TruthTracks) -> dict[int, FloatArray]:
