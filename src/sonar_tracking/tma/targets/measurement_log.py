@@ -17,8 +17,8 @@ from sonar_tracking.tma.targets.observability import MeasurementHistory, observa
 LOG_FRAMES = 1000
 """Measurements kept; the first one, where the prior stands, is kept for ever."""
 
-UNREAD_FRAMES = 32
-"""So many are kept as they came at most, until someone asks."""
+UNREAD_FRAMES = 256
+"""So many are kept as they came at most, until someone asks: most trials end sooner."""
 
 TIME, POSITION, VELOCITY = 0, slice(1, 3), slice(3, 5)
 AZIMUTH, ELEVATION, HEIGHT, LINES = 5, 6, 7, 8

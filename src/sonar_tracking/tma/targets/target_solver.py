@@ -278,7 +278,8 @@ class TargetSolver:
         self, observation: TargetObservation, measurement: TmaMeasurement, done: RangeBankUpdate
     ) -> None:
         new = self.state is None
-        self.state = done.state if self._begins_anew else replace(done.state, beginning=None)
+        keeps = self._begins_anew or done.state.beginning is None
+        self.state = done.state if keeps else replace(done.state, beginning=None)
         if new or bool(done.restarted):
             self._begin(observation)
             parameters = self.configuration
