@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sonar_tracking.tma.estimators.bank_splitting import (
-    MOST_COMPONENTS,
+    MOST_HYPOTHESES,
     WIDE,
     split_bank,
     without_unlikely,
@@ -64,7 +64,7 @@ def test_the_mixture_stays_what_it_was() -> None:
 
 def test_it_ends_at_a_bounded_number() -> None:
     near = np.array([600.0, 900.0])
-    assert len(split_bank(started(), near).log_weight) <= MOST_COMPONENTS
+    assert len(split_bank(started(), near).log_weight) <= MOST_HYPOTHESES * MODES
 
 
 def test_what_is_narrow_already_is_left_alone() -> None:

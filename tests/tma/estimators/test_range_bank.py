@@ -14,7 +14,7 @@ from sonar_tracking.evaluation.studies.tma_frequency_fusion.histories import (
 from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import scenario
 from sonar_tracking.simulation.sensors.tma_scene import TmaRuns, TmaScene, simulate_runs
 from sonar_tracking.tma.estimators.hypothesis_bank import predict_bank
-from sonar_tracking.tma.estimators.motion_modes import MODES
+from sonar_tracking.tma.estimators.motion_modes import MANOEUVRING, MODES
 from sonar_tracking.tma.estimators.range_bank import RangeBank
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.range_bank_state import start_range_bank
@@ -268,6 +268,27 @@ def test_each_mode_has_its_own_process_noise() -> None:
         assert bank.state.bank.covariance[own] == pytest.approx(expected.covariance, rel=1e-6)
 
 
+def test_a_target_that_moves_one_way_has_one_filter_a_hypothesis_that_is_as_good_as_six() -> None:
+    lines, deviation = np.array([300.0, 210.0]), np.full(2, 0.1)
+    found, components = [], []
+    for wander in (0.01, 0.01 * (1.0 + 1e-14)):
+        configuration = RangeBankConfiguration(
+            manoeuvre_acceleration=0.01, wander_acceleration=wander, weave_speed=0.0
+        )
+        bank = RangeBank(configuration)
+        for number in range(40):
+            position = np.array([10.0 * number, -2.0 * max(number - 20, 0)])
+            measured = frame(number, 0.3, frequency=lines, frequency_deviation=deviation)
+            estimate = bank.update(replace(measured, position=position))
+        assert bank.state is not None
+        found.append(estimate)
+        components.append(len(bank.state.bank.log_weight))
+    assert components == [7, 7 * MODES]
+    assert found[0].mean == pytest.approx(found[1].mean, rel=1e-9)
+    assert found[0].covariance == pytest.approx(found[1].covariance, rel=1e-9)
+    assert not found[0].manoeuvre
+
+
 def test_a_turn_of_the_target_is_said_once_it_is_likely() -> None:
     """All lines shift by a thousandth of their frequencies: 1.5 m/s, up to three deviations."""
     bank = RangeBank(RangeBankConfiguration(n_ranges=1, acceleration=1e-4))
@@ -280,7 +301,8 @@ def test_a_turn_of_the_target_is_said_once_it_is_likely() -> None:
     assert not any(said[:60])
     assert sum(said[60:65]) == sum(said[60:]) == 1
     assert bank.state is not None
-    assert bank.state.manoeuvring < 0.1, "it goes straight on again"
+    manoeuvring = np.exp(bank.state.bank.log_weight[MANOEUVRING::MODES]).sum()
+    assert manoeuvring < 0.1, "it goes straight on again"
     speed = bank.state.bank.mean[0, 2:4] @ [np.cos(0.3), np.sin(0.3)]
     assert speed == pytest.approx(-1.5, abs=0.5)
 

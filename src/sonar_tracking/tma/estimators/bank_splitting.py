@@ -11,7 +11,7 @@ import numpy as np
 
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank
-from sonar_tracking.tma.estimators.motion_modes import MODES
+from sonar_tracking.tma.estimators.motion_modes import modes_of
 
 PARTS = 3
 """Of a component, each time."""
@@ -19,11 +19,16 @@ PARTS = 3
 WIDE = 0.1
 """Standard deviation as seen from the other station beyond which a component is cut, rad."""
 
-MOST_COMPONENTS = 108 * MODES
-"""A bank with as many is not cut any more."""
+MOST_HYPOTHESES = 108
+"""A bank with as many, in all their modes, is not cut any more."""
 
 FORGOTTEN = float(np.log(1e-6))
 """A component this much less likely than the best one does not matter any more."""
+
+
+def n_hypotheses(bank: HypothesisBank) -> int:
+    """Return how many hypotheses a bank of a single run has, each in all its modes."""
+    return len(bank.log_weight) // modes_of(bank)
 
 
 def split_bank(bank: HypothesisBank, position: FloatArray) -> HypothesisBank:
@@ -36,7 +41,7 @@ def split_bank(bank: HypothesisBank, position: FloatArray) -> HypothesisBank:
     position : ndarray, shape (2,)
         Of the station that will measure, m.
     """
-    while len(bank.log_weight) * PARTS <= MOST_COMPONENTS and _widest(bank, position) > WIDE:
+    while n_hypotheses(bank) * PARTS <= MOST_HYPOTHESES and _widest(bank, position) > WIDE:
         bank = _cut(bank)
     return bank
 
@@ -50,7 +55,8 @@ def without_unlikely(bank: HypothesisBank) -> HypothesisBank:
         Of a single run and a single side; all modes of a hypothesis stay or go.
     """
     likely = bank.log_weight > np.max(bank.log_weight) + FORGOTTEN
-    keep = np.repeat(np.any(likely.reshape(-1, MODES), axis=1), MODES)
+    modes = modes_of(bank)
+    keep = np.repeat(np.any(likely.reshape(-1, modes), axis=1), modes)
     if np.all(keep):
         return bank
     weight = bank.log_weight[keep]
@@ -79,11 +85,11 @@ def _cut(bank: HypothesisBank) -> HypothesisBank:
     mean = bank.mean[:, None] + (width[:, None] * offsets)[..., None] * gain[:, None]
     less = (1.0 - 1.0 / PARTS**2) * values[:, -1, None, None]
     covariance = bank.covariance - less * gain[:, :, None] * gain[:, None, :]
-    size = bank.mean.shape[-1]
+    modes, size = modes_of(bank), bank.mean.shape[-1]
     # Hypothesis, part, mode: the modes of a hypothesis are neighbours.
-    mean = np.swapaxes(mean.reshape(-1, MODES, PARTS, size), 1, 2)
-    covariance = np.repeat(covariance.reshape(-1, 1, MODES, size, size), PARTS, axis=1)
-    weight = np.repeat((bank.log_weight - np.log(PARTS)).reshape(-1, 1, MODES), PARTS, axis=1)
+    mean = np.swapaxes(mean.reshape(-1, modes, PARTS, size), 1, 2)
+    covariance = np.repeat(covariance.reshape(-1, 1, modes, size, size), PARTS, axis=1)
+    weight = np.repeat((bank.log_weight - np.log(PARTS)).reshape(-1, 1, modes), PARTS, axis=1)
     return HypothesisBank(
         mean.reshape(-1, size), covariance.reshape(-1, size, size), weight.ravel(), bank.known
     )

@@ -11,7 +11,8 @@ so that what speaks for or against them adds up over all that was measured. One 
 is soon known to, one that weaves seems to turn again and again, which is less probable.
 
 The modes of a hypothesis are neighbours in the bank: straight, manoeuvring, wandering, and weaving
-with a short, a middle and a long period.
+with a short, a middle and a long period. Where all modes are the same there is one of them, without
+the states of a deviation.
 ``compiled_modes``, which is there if a compiler was when the package was installed, gives the bits
 of what is here in numpy.
 
@@ -30,7 +31,11 @@ import numpy as np
 
 from sonar_tracking.compiled_modules import compiled_module
 from sonar_tracking.records.arrays import BoolArray, FloatArray
-from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank, move_straight
+from sonar_tracking.tma.estimators.hypothesis_bank import (
+    HypothesisBank,
+    move_straight,
+    predict_bank,
+)
 from sonar_tracking.tma.estimators.range_bank_configuration import (
     WEAVE_PERIODS,
     RangeBankConfiguration,
@@ -65,8 +70,15 @@ TRANSITION, DEVIATES, DEVIATION_NOISE, EXCHANGE = (
 """Places in what a time does to a hypothesis."""
 
 
+def modes_of(bank: HypothesisBank) -> int:
+    """Return how many modes of motion each hypothesis of a bank has: all, or one."""
+    return MODES if bank.mean.shape[-1] - bank.height >= DEVIATION else 1
+
+
 def with_modes(bank: HypothesisBank, configuration: RangeBankConfiguration) -> HypothesisBank:
     """Return a bank in which each component has become several, the deviation added to its states.
+
+    Where a target moves in one way only the bank is as it was.
 
     Parameters
     ----------
@@ -75,6 +87,8 @@ def with_modes(bank: HypothesisBank, configuration: RangeBankConfiguration) -> H
     configuration : RangeBankConfiguration
         How often targets manoeuvre, wander and weave.
     """
+    if configuration.moves_one_way:
+        return bank
     interval, duration = configuration.manoeuvre_interval, configuration.manoeuvre_duration
     lasting = configuration.lasting_shares
     share = np.array([interval, duration]) / (interval + duration)
@@ -104,6 +118,8 @@ def predict_modes(
     configuration : RangeBankConfiguration
         How targets move, and how often they manoeuvre, wander and weave.
     """
+    if modes_of(bank) == 1:
+        return predict_bank(bank, elapsed, np.array(configuration.acceleration))
     step, change = _changes(elapsed[::MODES], configuration)
     bank = _mixed(bank, change)
     _move(bank, step, change, configuration)

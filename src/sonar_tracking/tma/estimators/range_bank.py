@@ -50,6 +50,7 @@ from sonar_tracking.tma.estimators.motion_modes import (
     MANOEUVRING,
     MODES,
     STRAIGHT,
+    modes_of,
     predict_modes,
     weaving_modes,
 )
@@ -151,7 +152,9 @@ def update_range_banks(
     for index, one in enumerate(measurements):
         kind = (
             *(one.stamp, one.n_lines, one.sound_speed, one.propagation_speed),
-            *(one.height, one.height_deviation, one.sensor_z, _has_height(states[index], one)),
+            *(one.height, one.height_deviation, one.sensor_z),
+            _has_modes(states[index], configuration),
+            _has_height(states[index], one),
         )
         alike.setdefault(kind, []).append(index)
     updates: dict[int, RangeBankUpdate] = {}
@@ -215,6 +218,11 @@ def _has_height(state: RangeBankState | None, measurement: TmaMeasurement) -> bo
     return measurement.estimates_height or (state is not None and state.bank.vertical)
 
 
+def _has_modes(state: RangeBankState | None, configuration: RangeBankConfiguration) -> bool:
+    """Return whether a target moves in several ways, as it was begun or will be."""
+    return not configuration.moves_one_way if state is None else modes_of(state.bank) > 1
+
+
 def _advance(
     batch: BankBatch, begun: BoolArray, configuration: RangeBankConfiguration
 ) -> tuple[BankBatch, Changes]:
@@ -247,8 +255,7 @@ def _advance(
         usable = accepted[:, 0] | (batch.refused == 0), ~changes.reborn
         sided = as_of_first_side(rows, predicted.mean, measured)
         errors = _learn(batch, factor, weight, sided, variance, usable)
-    manoeuvring = _manoeuvring(weight, rows_of_run)
-    began = manoeuvring & ~_manoeuvring(np.exp(batch.bank.log_weight), rows_of_run)
+    began = _manoeuvring(bank, rows_of_run) & ~_manoeuvring(batch.bank, rows_of_run)
     refused, contradicted = _count_refused(batch, rows, accepted, begun)
     after = replace(
         batch,
@@ -283,8 +290,11 @@ def _predict(batch: BankBatch, configuration: RangeBankConfiguration) -> Hypothe
     return seed_lines(predicted, measured, measured.heard & ~predicted.known)
 
 
-def _manoeuvring(weight: FloatArray, rows: RunRows) -> BoolArray:
+def _manoeuvring(bank: HypothesisBank, rows: RunRows) -> BoolArray:
     """Return whether the target of each run rather manoeuvres than moves straight, (n_runs,)."""
+    if modes_of(bank) == 1:
+        return np.zeros(len(rows.counts), dtype=bool)
+    weight = np.exp(bank.log_weight)
     more = weight[MANOEUVRING::MODES, 0] - weight[STRAIGHT::MODES, 0]
     return np.asarray(np.add.reduceat(more, rows.starts // MODES) > 0.0)
 

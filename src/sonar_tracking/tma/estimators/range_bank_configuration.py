@@ -99,6 +99,14 @@ class RangeBankConfiguration:
         ways = len(WEAVE_PERIODS)
         return np.array([(1.0 - weaving) * self.wander_probability, *[weaving / ways] * ways])
 
+    @property
+    def moves_one_way(self) -> bool:
+        """Whether all modes of motion that are possible are one and the same."""
+        weaves = self.weave_speed > 0.0 and self.weave_probability > 0.0
+        turns = self.manoeuvre_acceleration != self.acceleration
+        wanders = self.wander_acceleration != self.acceleration and self.wander_probability > 0.0
+        return not (weaves or turns or wanders)
+
     def range_edges(self) -> FloatArray:
         """Return the bounds of the range intervals, shape (n_ranges + 1,), m."""
         return np.geomspace(self.minimum_range, self.maximum_range, self.n_ranges + 1)

@@ -21,7 +21,7 @@ from sonar_tracking.tma.estimators.innovation_monitor import (
     clear_windows,
     empty_windows,
 )
-from sonar_tracking.tma.estimators.motion_modes import MANOEUVRING, MODES, with_modes
+from sonar_tracking.tma.estimators.motion_modes import with_modes
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 from sonar_tracking.tma.estimators.vertical_motion import with_vertical
@@ -51,7 +51,7 @@ class RangeBankState:
     stamp : int
         Of the last measurement, ns.
     bank : HypothesisBank
-        Posterior; three components, the modes of motion, a hypothesis.
+        Posterior; one component a mode of motion of each hypothesis.
     windows : InnovationWindows
         Of the monitor.
     errors : ErrorEvidence
@@ -71,12 +71,6 @@ class RangeBankState:
     refused: IntArray
     contradicted: FloatArray
     beginning: Beginning | None = None
-
-    @property
-    def manoeuvring(self) -> FloatArray:
-        """Probability that the target manoeuvres, shape (...)."""
-        weight = np.exp(self.bank.log_weight)
-        return np.asarray(np.sum(weight[..., MANOEUVRING::MODES], axis=-1))
 
 
 def start_range_bank(

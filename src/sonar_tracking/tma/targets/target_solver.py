@@ -16,7 +16,7 @@ from sonar_tracking.errors import InputError, shown
 from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import FloatArray
-from sonar_tracking.tma.estimators.bank_splitting import split_bank, without_unlikely
+from sonar_tracking.tma.estimators.bank_splitting import n_hypotheses, split_bank, without_unlikely
 from sonar_tracking.tma.estimators.error_models import (
     ErrorEvidence,
     azimuth_evidence,
@@ -24,7 +24,6 @@ from sonar_tracking.tma.estimators.error_models import (
     with_azimuth_evidence,
 )
 from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank, mixture_moments
-from sonar_tracking.tma.estimators.motion_modes import MODES
 from sonar_tracking.tma.estimators.range_bank import RangeBankUpdate, update_range_banks
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.range_bank_state import RangeBankState
@@ -229,7 +228,7 @@ class TargetSolver:
         assert state is not None
         if len(progress.sides) == 1:
             progress.unpruned += 1
-            if len(state.bank.log_weight) > MODES and progress.unpruned >= PRUNED_EVERY:
+            if n_hypotheses(state.bank) > 1 and progress.unpruned >= PRUNED_EVERY:
                 progress.unpruned = 0
                 self.state = replace(state, bank=without_unlikely(state.bank))
             return
