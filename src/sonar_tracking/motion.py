@@ -36,18 +36,7 @@ def wrapped(angle: float) -> float:
 
 
 def azimuth_from_compass(compass_deg: ArrayLike) -> FloatArray:
-    """Return the azimuth of a compass angle.
-
-    Parameters
-    ----------
-    compass_deg : array_like, shape (...)
-        deg, clockwise from north.
-
-    Returns
-    -------
-    ndarray, shape (...)
-        rad, anticlockwise from east, in [-pi, pi).
-    """
+    """Return the azimuth, rad in [-pi, pi), of a compass angle, deg, shape (...)."""
     return wrap_angle(np.pi / 2.0 - np.radians(compass_deg))
 
 
