@@ -61,6 +61,7 @@ compiled = [
         "tma.estimators.compiled_modes",
         "tma.estimators.compiled_monitor",
         "tma.estimators.compiled_rows",
+        "tma.targets.compiled_information",
     )
 ]
 

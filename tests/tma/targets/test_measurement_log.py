@@ -10,7 +10,17 @@ import pytest
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 from sonar_tracking.tma.targets import measurement_log
 from sonar_tracking.tma.targets.measurement_log import MeasurementLog
-from sonar_tracking.tma.targets.observability import observability, root_of
+from sonar_tracking.tma.targets.observability import (
+    AZIMUTH,
+    ELEVATION,
+    HEIGHT,
+    LINES,
+    POSITION,
+    TIME,
+    VELOCITY,
+    observability,
+    root_of,
+)
 
 SECOND = 1_000_000_000
 
@@ -37,13 +47,13 @@ def test_a_measurement_is_logged_as_its_information() -> None:
     log.append(measurement(0))
     log.append(measurement(3, azimuth=np.array([np.nan]), elevation=np.array(np.nan), height=0.0))
     history = log.history()
-    assert history.times.tolist() == [0.0, 3.0]
-    assert history.position.tolist() == [[0.0, 5.0], [30.0, 5.0]]
-    assert history.velocity.tolist() == [[10.0, 1.0]] * 2
-    assert history.azimuth_information == pytest.approx([2500.0, 0.0])
-    assert history.elevation_information == pytest.approx([1e4, 0.0])
-    assert history.height.tolist() == [-80.0, 0.0]
-    assert history.line_information.tolist() == [[4.0, 0.0], [4.0, 0.0]]
+    assert history.table[:, TIME].tolist() == [0.0, 3.0]
+    assert history.table[:, POSITION].tolist() == [[0.0, 5.0], [30.0, 5.0]]
+    assert history.table[:, VELOCITY].tolist() == [[10.0, 1.0]] * 2
+    assert history.table[:, AZIMUTH] == pytest.approx([2500.0, 0.0])
+    assert history.table[:, ELEVATION] == pytest.approx([1e4, 0.0])
+    assert history.table[:, HEIGHT].tolist() == [-80.0, 0.0]
+    assert history.table[:, LINES:].tolist() == [[4.0, 0.0], [4.0, 0.0]]
     assert history.sound_speed == 1480.0
 
 
@@ -54,9 +64,9 @@ def test_lines_that_come_later_have_columns_of_their_own() -> None:
     log.append(measurement(1, **more))
     log.append(measurement(2))
     expected = [[4.0, 0.0, 0.0], [100.0, 100.0, 100.0], [4.0, 0.0, 0.0]]
-    assert log.history().line_information == pytest.approx(np.array(expected))
+    assert log.history().table[:, LINES:] == pytest.approx(np.array(expected))
     log.forget_lines((0, 2))
-    assert log.history().line_information == pytest.approx(
+    assert log.history().table[:, LINES:] == pytest.approx(
         np.array([[0.0, 0.0, 0.0], [0.0, 100.0, 0.0], [0.0, 0.0, 0.0]])
     )
 
@@ -70,12 +80,15 @@ def test_the_first_and_the_newest_measurements_are_kept(
     for number in range(count):
         log.append(measurement(number))
     newest = range(max(1, count - 99), count)
-    assert log.history().times == pytest.approx([0.0, *map(float, newest)])
-    assert log.history().position[:, 0].tolist() == [0.0, *(10.0 * number for number in newest)]
+    assert log.history().table[:, TIME] == pytest.approx([0.0, *map(float, newest)])
+    assert log.history().table[:, POSITION.start].tolist() == [
+        0.0,
+        *(10.0 * number for number in newest),
+    ]
     more = {"frequency": np.full(3, 200.0), "frequency_deviation": np.full(3, 0.1)}
     log.append(measurement(count, **more))
-    assert log.history().line_information[-1] == pytest.approx([100.0] * 3)
-    assert log.history().line_information[0] == pytest.approx([4.0, 0.0, 0.0])
+    assert log.history().table[-1, LINES:] == pytest.approx([100.0] * 3)
+    assert log.history().table[0, LINES:] == pytest.approx([4.0, 0.0, 0.0])
 
 
 def test_each_side_is_judged_from_its_own_prior() -> None:

@@ -9,8 +9,16 @@ from sonar_tracking.evaluation.studies.tma_frequency_fusion.scenarios import sce
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.simulation.sensors.tma_scene import TmaRuns, TmaScene, simulate_runs
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
+from sonar_tracking.tma.targets import observability as observability_module
 from sonar_tracking.tma.targets.measurement_log import LOG_FRAMES, MeasurementLog
 from sonar_tracking.tma.targets.observability import (
+    AZIMUTH,
+    ELEVATION,
+    HEIGHT,
+    LINES,
+    POSITION,
+    TIME,
+    VELOCITY,
     MeasurementHistory,
     motion_information,
     observability,
@@ -110,30 +118,31 @@ def test_the_log_keeps_its_first_and_its_last_measurements() -> None:
     )
     for second in range(LOG_FRAMES):
         log.append(replace(frame, stamp=frame.stamp + (1000 + second) * 10**9))
-    times = log.history().times
+    times = log.history().table[:, TIME]
     assert len(times) == LOG_FRAMES
     assert times[0] == 0.0
     assert times[-1] == pytest.approx(1000.0 + LOG_FRAMES - 1)
     assert np.all(np.diff(times) > 0.0)
     log.forget_lines((2,))
-    assert not np.any(log.history().line_information[:, 2])
+    assert not np.any(log.history().table[:, LINES + 2])
 
 
 def by_differences(
     mean: np.ndarray, sources: np.ndarray, history: MeasurementHistory
 ) -> np.ndarray:
     """Return the information on the motion at the first time, from residuals and their slopes."""
-    since = history.times - history.times[0]
+    table = history.table
+    since = table[:, TIME] - table[0, TIME]
     span = since[-1]
 
     def predicted(parameters: np.ndarray) -> np.ndarray:
-        offset = parameters[:2] + np.outer(since, parameters[2:4]) - history.position
+        offset = parameters[:2] + np.outer(since, parameters[2:4]) - table[:, POSITION]
         distance = np.hypot(offset[:, 0], offset[:, 1])
-        rate = np.sum(offset * (parameters[2:4] - history.velocity), axis=1) / distance
+        rate = np.sum(offset * (parameters[2:4] - table[:, VELOCITY]), axis=1) / distance
         lines = (1.0 - rate / history.sound_speed)[:, None] * parameters[4:]
         azimuth, elevation = (
             np.arctan2(offset[:, 1], offset[:, 0]),
-            np.arctan2(history.height, distance),
+            np.arctan2(table[:, HEIGHT], distance),
         )
         return np.concatenate([azimuth, elevation, lines.T.ravel()])
 
@@ -145,51 +154,72 @@ def by_differences(
     )
     weight = np.concatenate(
         [
-            history.azimuth_information,
-            history.elevation_information,
-            history.line_information.T.ravel(),
+            table[:, AZIMUTH],
+            table[:, ELEVATION],
+            table[:, LINES:].T.ravel(),
         ]
     )
     full = slopes.T @ (weight[:, None] * slopes)
-    heard = [4 + row for row in range(len(sources)) if history.line_information[:, row].any()]
+    heard = [4 + row for row in range(len(sources)) if table[:, LINES + row].any()]
     nuisance = full[np.ix_(heard, heard)]
     common = full[:4][:, heard]
     return np.asarray(full[:4, :4] - common @ np.linalg.solve(nuisance, common.T))
 
 
-def test_the_information_is_that_of_slopes_with_the_sources_eliminated() -> None:
+def turning_history() -> MeasurementHistory:
+    """Return azimuths, elevations from 40 s on and three lines, one of which is never heard."""
     generator = np.random.default_rng(1)
     times = np.append(0.0, np.cumsum(generator.uniform(1.0, 9.0, 24)))
     velocity = np.where(times[:, None] < 60.0, [6.0, 1.0], [-2.0, 5.0])
-    history = MeasurementHistory(
-        times=times,
-        position=np.cumsum(velocity * np.diff(times, prepend=0.0)[:, None], axis=0),
-        velocity=velocity,
-        azimuth_information=generator.uniform(0.0, 2e4, 25),
-        elevation_information=np.where(times > 40.0, 3e4, 0.0),
-        height=np.full(25, -150.0),
-        line_information=generator.uniform(0.0, 50.0, (25, 3)) * [1.0, 0.0, 2.0],
-        sound_speed=1480.0,
+    columns = (
+        times[:, None],
+        np.cumsum(velocity * np.diff(times, prepend=0.0)[:, None], axis=0),
+        velocity,
+        generator.uniform(0.0, 2e4, (25, 1)),
+        np.where(times > 40.0, 3e4, 0.0)[:, None],
+        np.full((25, 1), -150.0),
+        generator.uniform(0.0, 50.0, (25, 3)) * [1.0, 0.0, 2.0],
     )
-    mean, sources = np.array([2500.0, 1800.0, -3.0, 4.0]), np.array([300.0, 250.0, 120.0])
-    information = motion_information(mean, sources, history)
-    expected = by_differences(mean, sources, history)
+    return MeasurementHistory(np.concatenate(columns, axis=1), 1480.0)
+
+
+MEAN, SOURCES = np.array([2500.0, 1800.0, -3.0, 4.0]), np.array([300.0, np.nan, 120.0])
+
+
+def test_the_information_is_that_of_slopes_with_the_sources_eliminated() -> None:
+    history, sources = turning_history(), np.where(np.isnan(SOURCES), 1.0, SOURCES)
+    information = motion_information(MEAN, SOURCES, history)
+    expected = by_differences(MEAN, sources, history)
     scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
     np.testing.assert_allclose(information / scale, expected / scale, atol=1e-5)
 
 
+@pytest.mark.skipif(observability_module.COMPILED is None, reason="no compiler was there")
+@pytest.mark.parametrize("lines", [0, 2, 3])
+def test_compiled_sums_give_the_bits_of_numpy(lines: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    history = turning_history()
+    compiled = motion_information(MEAN, SOURCES[:lines], history)
+    monkeypatch.setattr(observability_module, "COMPILED", None)
+    assert np.array_equal(compiled, motion_information(MEAN, SOURCES[:lines], history))
+    assert np.array_equal(compiled, compiled.T)
+
+
+@pytest.mark.skipif(observability_module.COMPILED is None, reason="no compiler was there")
+def test_compiled_sums_refuse_buffers_of_another_shape() -> None:
+    history = turning_history()
+    with pytest.raises(ValueError, match="stated shape"):
+        motion_information(MEAN, np.ones(4), history)
+    with pytest.raises(ValueError, match="stated shape"):
+        motion_information(MEAN[:3], SOURCES, history)
+
+
 def test_the_figure_is_the_least_gain_over_the_prior() -> None:
     """Information of g times that of the prior in its weakest direction: g / (1 + g)."""
-    history = MeasurementHistory(
-        times=np.array([0.0, 10.0, 20.0]),
-        position=np.array([[0.0, 0.0], [0.0, 500.0], [700.0, 0.0]]),
-        velocity=np.zeros((3, 2)),
-        azimuth_information=np.array([1e4, 2e4, 1e4]),
-        elevation_information=np.zeros(3),
-        height=np.zeros(3),
-        line_information=np.zeros((3, 0)),
-        sound_speed=1500.0,
-    )
+    table = np.zeros((3, LINES))
+    table[:, TIME] = 0.0, 10.0, 20.0
+    table[1:, POSITION] = [[0.0, 500.0], [700.0, 0.0]]
+    table[:, AZIMUTH] = 1e4, 2e4, 1e4
+    history = MeasurementHistory(table, 1500.0)
     mean = np.array([1000.0, 1000.0, 2.0, -1.0])
     prior = np.diag([1e6, 4e6, 100.0, 50.0])
     prior[0, 1] = prior[1, 0] = 1e6
@@ -198,5 +228,6 @@ def test_the_figure_is_the_least_gain_over_the_prior() -> None:
     assert observability(mean, np.zeros(0), history, root_of(prior)) == pytest.approx(
         max(gain, 0.0) / (1.0 + max(gain, 0.0)), rel=1e-6, abs=1e-9
     )
-    silent = replace(history, azimuth_information=np.zeros(3))
+    table[:, AZIMUTH] = 0.0
+    silent = MeasurementHistory(table, 1500.0)
     assert observability(mean, np.zeros(0), silent, root_of(prior)) == pytest.approx(0.0, abs=1e-12)

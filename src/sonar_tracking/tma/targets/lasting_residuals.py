@@ -18,11 +18,12 @@ in place of s^2: a prior of nu degrees of freedom, and no less than told.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from sonar_tracking.motion import wrap_angle
+from sonar_tracking.motion import wrapped
 from sonar_tracking.records.time import NANOSECONDS
 from sonar_tracking.tma.estimators.travel_time import offset_seen
 from sonar_tracking.tma.targets.array_sides import RIGHT
@@ -93,10 +94,10 @@ class LastingResiduals:
         """Take a residual of a station's directions of a kind in, at a stamp, ns."""
         key = (sensor_id, kind)
         before = self.averages.get(key, _Average(0.0, 0.0, 0.0, residual, stamp))
-        faded = float(np.exp(-(stamp - before.stamp) / NANOSECONDS / AVERAGED))
+        faded = math.exp(-(stamp - before.stamp) / NANOSECONDS / AVERAGED)
         spread = residual.white + residual.lasting**2
-        most = WILD * np.sqrt(spread + residual.solution)
-        counted = float(np.clip(residual.value, -most, most))
+        most = WILD * math.sqrt(spread + residual.solution)
+        counted = min(max(residual.value, -most), most)
         self.averages[key] = _Average(
             faded * before.weight + 1.0 / spread,
             faded * before.value + counted / spread,
@@ -141,28 +142,28 @@ def direction_residuals(
     place = np.array(observation.position)
     offset, _ = offset_seen(solution.mean, place, observation.propagation_speed)
     distance = max(float(np.hypot(*offset)), NEAREST)
-    along = offset / distance
-    across = np.array([-along[1], along[0]])
+    east, north = (offset / distance).tolist()
     covariance = solution.covariance[:2, :2]
-    elevated = bool(np.isfinite(observation.elevation))
+    (own_x, mixed), (_, own_y) = covariance.tolist()
+    elevated = math.isfinite(observation.elevation)
     height, spatial = observation.height, solution.spatial
     if spatial is not None:
         height = float(spatial.mean[4]) - observation.sensor_z
     slant = float(np.hypot(distance, height)) if elevated else distance
-    expected = np.arctan2(offset[1], offset[0])
-    apart = wrap_angle(np.array(observation.azimuths) - expected)
-    value = float(apart[np.argmin(np.abs(apart))]) * (-1.0 if solution.side == RIGHT else 1.0)
+    expected = math.atan2(north, east)
+    apart = min((wrapped(azimuth - expected) for azimuth in observation.azimuths), key=abs)
+    value = -apart if solution.side == RIGHT else apart
     flat = distance / slant
     found = {
         "azimuth": DirectionResidual(
             value * flat,
             observation.azimuth_variance * flat**2,
-            float(across @ covariance @ across) / slant**2,
+            (north * north * own_x - 2.0 * north * east * mixed + east * east * own_y) / slant**2,
             errors.deviation,
         )
     }
     if elevated:
-        derivative = np.array([*(-along * height), distance]) / slant**2
+        derivative = np.array([-east * height, -north * height, distance]) / slant**2
         if spatial is not None:
             own = np.ix_((0, 1, 4), (0, 1, 4))
             variance = derivative @ spatial.covariance[own] @ derivative

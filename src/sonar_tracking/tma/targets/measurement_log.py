@@ -12,17 +12,24 @@ from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.time import seconds
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, TmaMeasurement
 from sonar_tracking.tma.estimators.single_filter_configuration import SingleFilterConfiguration
-from sonar_tracking.tma.targets.observability import MeasurementHistory, observability, root_of
+from sonar_tracking.tma.targets.observability import (
+    AZIMUTH,
+    ELEVATION,
+    HEIGHT,
+    LINES,
+    POSITION,
+    TIME,
+    VELOCITY,
+    MeasurementHistory,
+    observability,
+    root_of,
+)
 
 LOG_FRAMES = 1000
 """Measurements kept; the first one, where the prior stands, is kept for ever."""
 
 UNREAD_FRAMES = 256
 """So many are kept as they came at most, until someone asks: most trials end sooner."""
-
-TIME, POSITION, VELOCITY = 0, slice(1, 3), slice(3, 5)
-AZIMUTH, ELEVATION, HEIGHT, LINES = 5, 6, 7, 8
-"""Columns of the log."""
 
 
 class MeasurementLog:
@@ -115,17 +122,7 @@ class MeasurementLog:
     def history(self) -> MeasurementHistory:
         """Return what was logged, in order."""
         self._write_newest()
-        table = self._table[: self._count]
-        return MeasurementHistory(
-            times=table[:, TIME],
-            position=table[:, POSITION],
-            velocity=table[:, VELOCITY],
-            azimuth_information=table[:, AZIMUTH],
-            elevation_information=table[:, ELEVATION],
-            height=table[:, HEIGHT],
-            line_information=table[:, LINES:],
-            sound_speed=self._sound_speed,
-        )
+        return MeasurementHistory(self._table[: self._count], self._sound_speed)
 
 
 def _prior(configuration: SingleFilterConfiguration, first: TmaMeasurement) -> FloatArray:

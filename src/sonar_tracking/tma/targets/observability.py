@@ -6,6 +6,9 @@ with J the Fisher information of all measurements on the initial motion (source 
 eliminated, no process noise, along the estimated track) and P0 the prior. In the worst direction
 the posterior variance is 1 / (1 + lambda_min) of the prior's: below 0.5 the data say less than the
 prior, and the position along the line of sight is what was assumed, not what was measured.
+
+``compiled_information``, which is there if a compiler was when the package was installed, adds up
+in the same order as numpy does here, and gives the same bits.
 """
 
 from __future__ import annotations
@@ -14,10 +17,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sonar_tracking.compiled_modules import compiled_module
 from sonar_tracking.records.arrays import FloatArray
+
+COMPILED = compiled_module("tma.targets.compiled_information")
+
+MOTION = 4
+"""Components of a motion: x, y, vx, vy."""
+
+_UPPER = np.triu_indices(MOTION)
 
 OBSERVABLE = 0.5
 """Below this the solution follows its prior."""
+
+
+TIME, POSITION, VELOCITY = 0, slice(1, 3), slice(3, 5)
+AZIMUTH, ELEVATION, HEIGHT, LINES = 5, 6, 7, 8
+"""Columns of a history; one a line from the last on."""
 
 
 @dataclass(frozen=True)
@@ -26,27 +42,16 @@ class MeasurementHistory:
 
     Attributes
     ----------
-    times : ndarray, shape (n_frames,)
-        s, from any origin; the first one is that of the prior.
-    position, velocity : ndarray, shape (n_frames, 2)
-        Of the sensor, m and m/s.
-    azimuth_information, elevation_information : ndarray, shape (n_frames,)
-        1 / variance, rad^-2; 0 = none.
-    height : ndarray, shape (n_frames,)
-        Of the target above the sensor, m.
-    line_information : ndarray, shape (n_frames, n_lines)
-        1 / variance, Hz^-2; 0 = absent.
+    table : ndarray, shape (n_frames, 8 + n_lines)
+        One row a frame, at least one: time in s from any origin (the first one is that of the
+        prior); position and velocity of the sensor, m and m/s; 1 / variance of the azimuth and of
+        the elevation, rad^-2, 0 = none; height of the target above the sensor, m; 1 / variance of
+        each line, Hz^-2, 0 = absent.
     sound_speed : float
         m/s.
     """
 
-    times: FloatArray
-    position: FloatArray
-    velocity: FloatArray
-    azimuth_information: FloatArray
-    elevation_information: FloatArray
-    height: FloatArray
-    line_information: FloatArray
+    table: FloatArray
     sound_speed: float
 
 
@@ -61,7 +66,7 @@ def observability(
         Estimated motion at the last time of the history, m and m/s; the track is prolonged
         backwards.
     source_frequency : ndarray, shape (n_lines,)
-        Hz; of lines with information only.
+        Hz; any of a line without information, and of those that were forgotten none.
     history : MeasurementHistory
         All measurements.
     root : ndarray, shape (4, 4)
@@ -99,7 +104,7 @@ def motion_information(
     mean : ndarray, shape (4,)
         Estimated motion at the last time of the history, m and m/s.
     source_frequency : ndarray, shape (n_lines,)
-        Hz; of lines with information only.
+        Hz; any of a line without information, and of those that were forgotten none.
     history : MeasurementHistory
         All measurements.
 
@@ -108,42 +113,57 @@ def motion_information(
     ndarray, shape (4, 4)
         1/m^2, s/m^2, s^2/m^2.
     """
-    before = (history.times - history.times[-1])[:, None]
-    offset = mean[:2] + mean[2:] * before - history.position
+    scale = (source_frequency / history.sound_speed) ** 2
+    if COMPILED is None:
+        return _information(mean, scale, history)
+    information = np.empty((MOTION, MOTION))
+    table = np.ascontiguousarray(history.table)
+    given = table, np.ascontiguousarray(mean), scale, information
+    COMPILED.inform(*given, (*table.shape, len(scale)), history.sound_speed)
+    return information
+
+
+def _information(mean: FloatArray, scale: FloatArray, history: MeasurementHistory) -> FloatArray:
+    """Return the same in numpy; scale is that of each line, shape (n_lines,), s^2/m^2 Hz^2."""
+    table = history.table
+    since, height = table[:, TIME], table[:, HEIGHT]
+    offset = mean[:2] + mean[2:] * (since - since[-1])[:, None] - table[:, POSITION]
     distance = np.maximum(np.hypot(offset[:, 0], offset[:, 1]), 1.0)[:, None]
     direction = offset / distance
     normal = np.stack([-direction[:, 1], direction[:, 0]], axis=1)
-    since = history.times[:, None]
-
-    information = _weighted(_on_first(normal / distance, since), history.azimuth_information)
-    if history.elevation_information.any():
-        slope = -history.height / (distance[:, 0] ** 2 + history.height**2)
-        elevation = _on_first(slope[:, None] * direction, since)
-        information += _weighted(elevation, history.elevation_information)
-    if not history.line_information.any():
+    information = _weighted(_on_first(normal / distance, since), table[:, AZIMUTH])
+    slope = -height / (distance[:, 0] * distance[:, 0] + height * height)
+    elevation = np.where(table[:, ELEVATION] == 0.0, 0.0, slope)[:, None] * direction
+    information += _weighted(_on_first(elevation, since), table[:, ELEVATION])
+    if not len(scale):
         return information
-    relative = mean[2:] - history.velocity
-    rate = np.sum(direction * relative, axis=1)
-    doppler = _on_first((relative - rate[:, None] * direction) / distance, since)
+    relative = mean[2:] - table[:, VELOCITY]
+    rate = direction[:, :1] * relative[:, :1] + direction[:, 1:] * relative[:, 1:]
+    doppler = _on_first((relative - rate * direction) / distance, since)
     doppler[:, 2:] += direction
     factor = 1.0 - rate / history.sound_speed
-    weight = np.ascontiguousarray(history.line_information.T)
-    own = (weight * factor**2).sum(axis=1)
-    heard = own > 0.0
-    weight, own = weight[heard], own[heard]
-    # What is left of each line when its source frequency has to be found from it, too.
-    common = ((weight * factor)[:, None] @ doppler) / own[:, None, None]
-    left = doppler - factor[:, None] * common
-    scale = (source_frequency[heard] / history.sound_speed) ** 2
-    for line in scale[:, None, None] * _weighted(left, weight):
-        information += line
+    for line, weight in zip(scale, table[:, LINES : LINES + len(scale)].T, strict=True):
+        own = _sum(weight * (factor[:, 0] * factor[:, 0]))
+        if own > 0.0:
+            # What is left of the line when its source frequency has to be found from it, too.
+            common = _sum(weight[:, None] * factor * doppler) / own
+            information += line * _weighted(doppler - factor * common, weight)
     return information
 
 
 def _on_first(by_position: FloatArray, since: FloatArray) -> FloatArray:
     """Refer derivatives by the position at each time to the motion at the first time."""
-    return np.concatenate([by_position, by_position * since], axis=1)
+    return np.concatenate([by_position, by_position * since[:, None]], axis=1)
 
 
 def _weighted(rows: FloatArray, weight: FloatArray) -> FloatArray:
-    return np.asarray(np.swapaxes(rows * weight[..., None], -1, -2) @ rows)
+    first, second = _UPPER
+    information = np.empty((MOTION, MOTION))
+    upper = _sum((rows * weight[:, None])[:, first] * rows[:, second])
+    information[first, second] = information[second, first] = upper
+    return information
+
+
+def _sum(terms: FloatArray) -> FloatArray:
+    """Return the sum over the frames, one after the other: that of numpy takes another order."""
+    return np.asarray(np.add.accumulate(terms, axis=0)[-1])

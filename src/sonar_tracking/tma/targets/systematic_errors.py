@@ -166,8 +166,10 @@ def displacement(position: FloatArray, sights: Sequence[Sight], turned: FloatArr
 
 def _displacements(position: FloatArray, sights: Sequence[Sight]) -> tuple[FloatArray, list[float]]:
     """Return how a position moves with each azimuth, then each elevation, and their tangents."""
-    rows, rises, slopes = [], [], []
     place = position.tolist()
+    if len(sights) == 1 and len(place) == 2 and not sights[0].elevated:
+        return _displacement_about(place, sights[0]), []
+    rows, rises, slopes = [], [], []
     for sight in sights:
         east, north = place[0] - sight.position[0], place[1] - sight.position[1]
         distance = max(float(np.hypot(east, north)), NEAREST)
@@ -187,3 +189,14 @@ def _displacements(position: FloatArray, sights: Sequence[Sight]) -> tuple[Float
     fixed = values > least * values[-1]
     inverse = (vectors * np.where(fixed, 1.0 / np.where(fixed, values, 1.0), 0.0)) @ vectors.T
     return inverse @ derivative.T, slopes
+
+
+def _displacement_about(place: list[float], sight: Sight) -> FloatArray:
+    """Return how a position moves with the azimuth of its only station: about that, shape (2, 1).
+
+    That is what follows from the derivatives, too, without any decomposition.
+    """
+    east, north = place[0] - sight.position[0], place[1] - sight.position[1]
+    distance = float(np.hypot(east, north))
+    scale = max(distance, NEAREST) / distance if distance else 0.0
+    return np.array([[-north * scale], [east * scale]])
