@@ -50,6 +50,7 @@ compiled = [
         "passive.sources.compiled_smoothing",
         "passive.subspaces.compiled_past",
         "active.baselines.compiled_clusters",
+        "active.baselines.compiled_medians",
         "active.tracks.compiled_clouds",
         "active.tracks.compiled_gates",
         "active.tracks.compiled_modes",

@@ -144,8 +144,10 @@ def follow_peaks(
         initiated=tracks.initiated,
         updated=updated,
     )
-    new = np.setdiff1d(np.arange(len(peaks.mass)), found)
-    return _join(followed, _start(peaks, new, stamp, first_id))
+    is_new = np.ones(len(peaks.mass), dtype=bool)
+    is_new[found] = False
+    new = np.flatnonzero(is_new)
+    return _join(followed, _start(peaks, new, stamp, first_id)) if len(new) else followed
 
 
 def nearest_peaks(tracks: PeakTracks, peaks: Peaks) -> tuple[IndexArray, IndexArray]:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sonar_tracking.active.baselines.weighted_clusters import weighted_clusters
+from sonar_tracking.active.baselines.weighted_medians import weighted_medians
 from sonar_tracking.active.tracks.particle_cloud import ParticleCloud
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 
@@ -61,11 +62,11 @@ def extract_states(cloud: ParticleCloud, count: int, generator: np.random.Genera
     order, counts = weighted_clusters(
         cloud.state[:, :2].T, cloud.weight, generator.random(count), ITERATIONS
     )
-    clusters, ends = _selected(cloud, order), np.cumsum(counts).tolist()
-    bounds = itertools.pairwise([0, *ends])
-    parts = [clusters.select(slice(begin, end)) for begin, end in bounds if begin < end]
+    clusters, counts = _selected(cloud, order), counts[counts > 0]
+    bounds = itertools.pairwise([0, *itertools.accumulate(counts.tolist())])
+    parts = [clusters.select(slice(begin, end)) for begin, end in bounds]
     return Peaks(
-        state=np.array([_weighted_median(part) for part in parts]),
+        state=weighted_medians(clusters.state, clusters.weight, counts),
         covariance=np.array([part.moments()[1] for part in parts]),
         mass=np.array([float(np.sum(part.weight)) for part in parts]),
     )
@@ -75,12 +76,3 @@ def _selected(cloud: ParticleCloud, rows: IndexArray) -> ParticleCloud:
     return ParticleCloud(
         cloud.state.take(rows, axis=0), cloud.mode.take(rows), cloud.weight.take(rows)
     )
-
-
-def _weighted_median(cloud: ParticleCloud) -> FloatArray:
-    values = np.ascontiguousarray(cloud.state.T)
-    order = values.argsort(axis=1)
-    edges = cloud.weight.take(order).cumsum(axis=1)
-    middle = (edges < 0.5 * edges[:, -1:]).sum(axis=1)
-    columns = np.arange(len(values))
-    return np.asarray(values[columns, order[columns, middle]])
