@@ -52,6 +52,7 @@ compiled = [
         "active.baselines.compiled_clusters",
         "active.baselines.compiled_medians",
         "active.tracks.compiled_clouds",
+        "active.tracks.compiled_densities",
         "active.tracks.compiled_gates",
         "active.tracks.compiled_modes",
         "simulation.signals.compiled_waveform",

@@ -1,7 +1,8 @@
 """How well contacts fit particles: p(z_j | x_i), the polar Gaussian divided by the range.
 
 A contact is as good as impossible for nearly all particles of all targets, so that those of a whole
-cloud are computed only where a contact is near in azimuth and in range.
+cloud are computed only where a contact is near in azimuth and in range. ``compiled_densities``,
+which finds these, is there if a compiler was when the package was installed.
 """
 
 from __future__ import annotations
@@ -12,10 +13,14 @@ import numpy as np
 
 from sonar_tracking.active.contacts.contact_positions import PlacedContacts
 from sonar_tracking.active.tracks.contact_gating import SensorGeometry
+from sonar_tracking.compiled_modules import compiled_module
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray
 
 FARTHEST_DEVIATIONS = 12.0
 """Beyond them in range or azimuth a density is zero: it would be below 1e-31 of its maximum."""
+
+COMPILED = compiled_module("active.tracks.compiled_densities")
+"""The compiled function, None where there is none."""
 
 
 @dataclass(frozen=True)
@@ -100,18 +105,45 @@ def near_densities(
         sensor.range_standard_deviation,
         sensor.azimuth_standard_deviation,
     )
-    reach = 1.001 * FARTHEST_DEVIATIONS * azimuth_deviation
-    particle, contact = _near_in_azimuth(particles.azimuth, measured.azimuth, reach)
-    along = (measured.range.take(contact) - particles.range.take(particle)) / range_deviation
+    find = _near_pairs if COMPILED is None else _near_pairs_compiled
+    particle, contact, square = find(particles, measured, sensor)
+    density = np.exp(-0.5 * square)
+    density /= 2.0 * np.pi * range_deviation * azimuth_deviation * measured.range.take(contact)
+    return NearDensities(particle, contact, density)
+
+
+def _near_pairs(
+    particles: _Polar, measured: _Polar, sensor: SensorGeometry
+) -> tuple[IndexArray, IndexArray, FloatArray]:
+    """Return rows of near particles and contacts, and their distances in deviations, squared."""
+    deviation = sensor.azimuth_standard_deviation
+    particle, contact = _near_in_azimuth(particles.azimuth, measured.azimuth, _sectors(deviation))
+    along = measured.range.take(contact) - particles.range.take(particle)
+    along /= sensor.range_standard_deviation
     near = np.flatnonzero(_near(along))
     particle, contact, along = particle.take(near), contact.take(near), along.take(near)
     turn = measured.azimuth.take(contact) - particles.azimuth.take(particle)
-    across = _wrapped(turn) / azimuth_deviation
+    across = _wrapped(turn) / deviation
     near = np.flatnonzero(_near(across))
-    particle, contact = particle.take(near), contact.take(near)
-    density = np.exp(-0.5 * (along.take(near) ** 2 + across.take(near) ** 2))
-    density /= 2.0 * np.pi * range_deviation * azimuth_deviation * measured.range.take(contact)
-    return NearDensities(particle, contact, density)
+    square = along.take(near) ** 2 + across.take(near) ** 2
+    return particle.take(near), contact.take(near), square
+
+
+def _near_pairs_compiled(
+    particles: _Polar, measured: _Polar, sensor: SensorGeometry
+) -> tuple[IndexArray, IndexArray, FloatArray]:
+    """Return the same."""
+    columns = (particles.range, particles.azimuth, measured.range, measured.azimuth)
+    given = tuple(map(np.ascontiguousarray, columns))
+    deviations = (sensor.range_standard_deviation, sensor.azimuth_standard_deviation)
+    count, room = 2 * len(particles.range), -1
+    while count > room:
+        room = count
+        found = np.empty(room, np.int64), np.empty(room, np.int64), np.empty(room)
+        limits = (_sectors(deviations[1]), *deviations, FARTHEST_DEVIATIONS)
+        count = COMPILED.near((*given, *found), *limits)  # type: ignore[union-attr]
+    particle, contact, square = found
+    return particle[:count], contact[:count], square[:count]
 
 
 def _of_contacts(contacts: PlacedContacts, sensor: SensorGeometry) -> _Polar:
@@ -138,19 +170,24 @@ def _wrapped(turn: FloatArray) -> FloatArray:
     return turn - 2.0 * np.pi * np.rint(turn / (2.0 * np.pi))
 
 
-def _near_in_azimuth(
-    azimuth: FloatArray, others: FloatArray, reach: float
-) -> tuple[IndexArray, IndexArray]:
-    """Return rows of azimuths and of others that may be within reach of each other, rad.
+def _sectors(azimuth_deviation: float) -> int:
+    """Return how many sectors there are, as wide as the reach of a contact."""
+    reach = 1.001 * FARTHEST_DEVIATIONS * azimuth_deviation
+    return int(min(2.0 * np.pi / reach, 4096.0))
 
-    Those of each sector, as wide as the reach, and of both neighbours.
+
+def _near_in_azimuth(
+    azimuth: FloatArray, others: FloatArray, n_sectors: int
+) -> tuple[IndexArray, IndexArray]:
+    """Return rows of azimuths and of others that may be near each other, rad.
+
+    Those of each sector and of both neighbours.
     """
-    n_sectors = int(min(2.0 * np.pi / reach, 4096.0))
     if n_sectors < 3 or not len(others):
         row = np.arange(len(azimuth)).repeat(len(others))
         return row, np.tile(np.arange(len(others)), len(azimuth))
-    sector = _sectors(azimuth, n_sectors)
-    sector_of_others = _sectors(others, n_sectors)
+    sector = _sector_of(azimuth, n_sectors)
+    sector_of_others = _sector_of(others, n_sectors)
     order = np.argsort(sector_of_others, kind="stable")
     around = np.concatenate([order, order, order])
     each = np.bincount(sector_of_others, minlength=n_sectors)
@@ -163,7 +200,7 @@ def _near_in_azimuth(
     return row, around.take(np.arange(len(row)) + shift.take(row))
 
 
-def _sectors(azimuth: FloatArray, count: int) -> IndexArray:
+def _sector_of(azimuth: FloatArray, count: int) -> IndexArray:
     """Return the sector of each azimuth out of so many from -pi to pi."""
     share = (azimuth + np.pi) * (count / (2.0 * np.pi))
     return np.minimum(share.astype(np.intp), count - 1)
