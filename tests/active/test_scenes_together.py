@@ -148,23 +148,28 @@ def test_a_ping_is_checked_and_described_once_for_trackers_that_fill_in_the_same
 
 def test_only_pings_that_differ_are_placed_anew() -> None:
     shared, (early, late, *_) = SharedPings(), scenes()[0]
-    first = shared.place([early, late], 0.0)
-    assert shared.place([early, late], 0.0) is first
+    late = replace(late, stamp=early.stamp)
+    first = shared.place_together([early, late], 0.0)
+    assert shared.place_together([early, late], 0.0) is first
     wider = replace(late, range_standard_deviation=300.0)
-    again = shared.place([early, wider], 0.0)
+    again = shared.place_together([early, wider], 0.0)
     both = joined_tables([place_contacts(early, 0.0), place_contacts(wider, 0.0)])
     for field in fields(both):
         assert np.array_equal(getattr(again, field.name), getattr(both, field.name))
-    assert shared.place([early, late], 0.0) is first
+    assert shared.place_together([early, late], 0.0) is first
     slow = replace(early, sensor_velocity=(1.0, 0.0))
     expected = place_contacts(slow, 1500.0)
-    assert np.array_equal(shared.place([slow], 1500.0).position, expected.position)
-    assert np.array_equal(shared.place([late], 0.0).distance, place_contacts(late, 0.0).distance)
+    assert np.array_equal(shared.place(slow, 1500.0).position, expected.position)
+    assert np.array_equal(shared.place(late, 0.0).distance, place_contacts(late, 0.0).distance)
 
 
 def test_another_number_of_scenes_at_one_time_is_placed_anew() -> None:
     shared, (early, late, *_) = SharedPings(), scenes()[0]
-    shared.place([early, late], 0.0)
-    alone, expected = shared.place([early], 0.0), joined_tables([place_contacts(early, 0.0)])
+    late = replace(late, stamp=early.stamp)
+    shared.place_together([early, late], 0.0)
+    alone, expected = (
+        shared.place_together([early], 0.0),
+        joined_tables([place_contacts(early, 0.0)]),
+    )
     for field in fields(expected):
         assert np.array_equal(getattr(alone, field.name), getattr(expected, field.name))

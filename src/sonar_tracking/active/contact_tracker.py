@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import Protocol, runtime_checkable
 
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
+from sonar_tracking.active.shared_pings import SharedPings
 from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
 
 
@@ -24,8 +25,15 @@ class ContactTracker(Protocol):
 
     configuration: ContactTrackerConfiguration
 
-    def update(self, contacts: Contacts) -> ContactTrackerUpdate:
+    def update(self, contacts: Contacts, shared: SharedPings | None = None) -> ContactTrackerUpdate:
         """Return the tracks after one ping.
+
+        Parameters
+        ----------
+        contacts : Contacts
+            Of the ping; may be empty.
+        shared : SharedPings, optional
+            Of other trackers that are given the same ping.
 
         Raises
         ------

@@ -92,20 +92,22 @@ class MultiTargetTracker:
         """Load what the first ping needs."""
         self._rule.warm_up()
 
-    def update(self, contacts: Contacts) -> ContactTrackerUpdate:
+    def update(self, contacts: Contacts, shared: SharedPings | None = None) -> ContactTrackerUpdate:
         """Return the tracks after one ping.
 
         Parameters
         ----------
         contacts : Contacts
             Of the ping; may be empty.
+        shared : SharedPings, optional
+            Of other trackers that are given the same ping.
 
         Raises
         ------
         InputError
             If the ping cannot be used; the state is then unchanged.
         """
-        return update_scenes(self.method, [self._scene], [contacts])[0]
+        return update_scenes(self.method, [self._scene], [contacts], shared)[0]
 
     def start_track(self, position: tuple[float, float]) -> None:
         """Start a track at x and y in ``map``, m, since an operator says so.
@@ -212,7 +214,8 @@ def trackers_together(
     together = [one for one in trackers if isinstance(one, MultiTargetTracker)]
     if len(together) == len(trackers):
         return update_together(together, pings, shared)
-    return [tracker.update(ping) for tracker, ping in zip(trackers, pings, strict=True)]
+    shared = shared or SharedPings()
+    return [tracker.update(ping, shared) for tracker, ping in zip(trackers, pings, strict=True)]
 
 
 def motion_model(configuration: ContactTrackerConfiguration, rule: AssociationRule) -> MotionModel:

@@ -146,7 +146,7 @@ def place_ping(
     return PlacedPing(
         stamp=pings[0].stamp,
         next_stamp=pings[0].next_stamp,
-        placed=shared.place(pings, sound_speed),
+        placed=shared.place_together(pings, sound_speed),
         amplitudes=joined([_amplitudes(contacts) for contacts in pings]),
         contact_rows=SceneRows(tuple(len(contacts.range) for contacts in pings)),
         models=models,

@@ -31,14 +31,12 @@ class SharedPings:
     """
 
     def __init__(self) -> None:
-        self._known: tuple[int, float] | None = None
-        self._pings: tuple[Contacts, ...] = ()
-        self._each: list[PlacedContacts] = []
-        self._joined: PlacedContacts | None = None
         self._stamp = 0
         self._received: dict[int, Contacts] = {}
         self._checked: dict[tuple[int, PingOrigin | None], CheckedPing] = {}
         self._models: dict[tuple[int, DetectionDefaults], KnownPing] = {}
+        self._placed: dict[tuple[int, float], PlacedContacts] = {}
+        self._joined: dict[tuple[tuple[int, ...], float], PlacedContacts] = {}
 
     def check(self, contacts: Contacts, last: PingOrigin | None) -> CheckedPing:
         """Return the usable contacts of a ping and what was wrong with the others.
@@ -80,12 +78,28 @@ class SharedPings:
         """Return the number of a ping that is kept, so that it is no other's; forget older ones."""
         if contacts.stamp != self._stamp:
             self._stamp = contacts.stamp
-            for known in (self._received, self._checked, self._models):
+            for known in (self._checked, self._models, self._placed, self._joined):
                 known.clear()
+            self._received.clear()
         self._received[id(contacts)] = contacts
         return id(contacts)
 
-    def place(self, pings: Sequence[Contacts], sound_speed: float) -> PlacedContacts:
+    def place(self, contacts: Contacts, sound_speed: float) -> PlacedContacts:
+        """Return where the contacts of a ping were reflected.
+
+        Parameters
+        ----------
+        contacts : Contacts
+            Of the ping.
+        sound_speed : float
+            m/s; 0 = the ping takes no time.
+        """
+        key = (self._number(contacts), sound_speed)
+        if key not in self._placed:
+            self._placed[key] = place_contacts(contacts, sound_speed)
+        return self._placed[key]
+
+    def place_together(self, pings: Sequence[Contacts], sound_speed: float) -> PlacedContacts:
         """Return where the contacts of all scenes were reflected, one scene after the other.
 
         Parameters
@@ -95,17 +109,7 @@ class SharedPings:
         sound_speed : float
             m/s; 0 = the ping takes no time.
         """
-        if self._known != (pings[0].stamp, sound_speed) or len(self._pings) != len(pings):
-            self._known, self._pings = (pings[0].stamp, sound_speed), tuple(pings)
-            self._each = [place_contacts(contacts, sound_speed) for contacts in pings]
-            self._joined = joined_tables(self._each)
-            return self._joined
-        same = [one is other for one, other in zip(self._pings, pings, strict=True)]
-        if all(same) and self._joined is not None:
-            return self._joined
-        return joined_tables(
-            [
-                placed if known else place_contacts(contacts, sound_speed)
-                for placed, known, contacts in zip(self._each, same, pings, strict=True)
-            ]
-        )
+        key = (tuple(map(self._number, pings)), sound_speed)
+        if key not in self._joined:
+            self._joined[key] = joined_tables([self.place(each, sound_speed) for each in pings])
+        return self._joined[key]

@@ -69,5 +69,5 @@ def test_columns_of_another_shape_are_refused() -> None:
         (state, weight, np.array([0, 3]), found),
         (state, weight, np.array([3, 1]), found),
     ):
-        with pytest.raises(ValueError, match="shape|counts"):
+        with pytest.raises(ValueError, match=r"shape|counts"):
             medians.COMPILED.medians(*given)

@@ -8,7 +8,6 @@ from sonar_tracking.active.tracks.contact_gating import SensorGeometry
 from sonar_tracking.active.tracks.particle_densities import near_densities, particle_densities
 from tests.active.track_scene import contacts_at, densities_of
 
-
 needs_it = pytest.mark.skipif(
     particle_densities_module.COMPILED is None, reason="no compiler was there: in numpy alone"
 )

@@ -19,24 +19,16 @@ import numpy as np
 
 from sonar_tracking.active.association.jpda import associate_jointly
 from sonar_tracking.active.baselines.regions_of_interest import WINDOW, PolarContacts, find_regions
-from sonar_tracking.active.contacts.contact_checks import (
-    PingOrigin,
-    check_order,
-    check_ping,
-    origin_of,
-)
-from sonar_tracking.active.contacts.contact_positions import (
-    PlacedContacts,
-    place_contacts,
-    position_covariance,
-)
+from sonar_tracking.active.contacts.contact_checks import PingOrigin, check_order, origin_of
+from sonar_tracking.active.contacts.contact_positions import PlacedContacts, position_covariance
 from sonar_tracking.active.contacts.contact_tracker_configuration import (
     ContactTrackerConfiguration,
     check_configuration,
 )
-from sonar_tracking.active.detection.detection_model import DetectionModel, make_detection_model
+from sonar_tracking.active.detection.detection_model import DetectionModel
 from sonar_tracking.active.detection.detection_threshold import GATE_SIZE
 from sonar_tracking.active.detection.gate_association import PROBABILITY_IN_GATE
+from sonar_tracking.active.shared_pings import SharedPings
 from sonar_tracking.active.tracks.cloud_pairs import cloud_pairs, weigh_cloud
 from sonar_tracking.active.tracks.contact_gating import (
     SensorGeometry,
@@ -136,17 +128,25 @@ class RegionTracker:
     def warm_up(self) -> None:
         """Load nothing: what a ping needs is there from the start."""
 
-    def update(self, contacts: Contacts) -> ContactTrackerUpdate:
+    def update(self, contacts: Contacts, shared: SharedPings | None = None) -> ContactTrackerUpdate:
         """Return the tracks after one ping.
+
+        Parameters
+        ----------
+        contacts : Contacts
+            Of the ping; may be empty.
+        shared : SharedPings, optional
+            Of other trackers that are given the same ping.
 
         Raises
         ------
         InputError
             If the ping cannot be used; the state is then unchanged.
         """
-        contacts, notices = check_ping(contacts, self._last)
-        model, guessed = make_detection_model(contacts, self.configuration)
-        placed = place_contacts(contacts, self.configuration.sound_speed)
+        shared = shared or SharedPings()
+        contacts, notices = shared.check(contacts, self._last)
+        model, guessed = shared.model(contacts, self.configuration)
+        placed = shared.place(contacts, self.configuration.sound_speed)
         sensor = sensor_geometry(contacts, self.configuration.sound_speed)
         self._predict(contacts.stamp)
         self._last = origin_of(contacts)

@@ -17,18 +17,14 @@ import numpy as np
 
 from sonar_tracking.active.baselines.peak_tracks import follow_peaks, no_peak_tracks, predict_peaks
 from sonar_tracking.active.baselines.state_extraction import extract_states
-from sonar_tracking.active.contacts.contact_checks import (
-    PingOrigin,
-    check_order,
-    check_ping,
-    origin_of,
-)
-from sonar_tracking.active.contacts.contact_positions import PlacedContacts, place_contacts
+from sonar_tracking.active.contacts.contact_checks import PingOrigin, check_order, origin_of
+from sonar_tracking.active.contacts.contact_positions import PlacedContacts
 from sonar_tracking.active.contacts.contact_tracker_configuration import (
     ContactTrackerConfiguration,
     check_configuration,
 )
-from sonar_tracking.active.detection.detection_model import DetectionModel, make_detection_model
+from sonar_tracking.active.detection.detection_model import DetectionModel
+from sonar_tracking.active.shared_pings import SharedPings
 from sonar_tracking.active.tracks.contact_gating import SensorGeometry, sensor_geometry
 from sonar_tracking.active.tracks.contact_track_list import shown_tracks, thresholds_without_gates
 from sonar_tracking.active.tracks.particle_cloud import (
@@ -98,17 +94,25 @@ class DensityTracker:
         """Load what joins the first peaks."""
         load_solver()
 
-    def update(self, contacts: Contacts) -> ContactTrackerUpdate:
+    def update(self, contacts: Contacts, shared: SharedPings | None = None) -> ContactTrackerUpdate:
         """Return number and states after one ping; peaks keep their identities.
+
+        Parameters
+        ----------
+        contacts : Contacts
+            Of the ping; may be empty.
+        shared : SharedPings, optional
+            Of other trackers that are given the same ping.
 
         Raises
         ------
         InputError
             If the ping cannot be used; the state is then unchanged.
         """
-        contacts, notices = check_ping(contacts, self._last)
-        model, guessed = make_detection_model(contacts, self.configuration)
-        placed = place_contacts(contacts, self.configuration.sound_speed)
+        shared = shared or SharedPings()
+        contacts, notices = shared.check(contacts, self._last)
+        model, guessed = shared.model(contacts, self.configuration)
+        placed = shared.place(contacts, self.configuration.sound_speed)
         sensor = sensor_geometry(contacts, self.configuration.sound_speed)
         interval = self._interval(contacts.stamp)
         cloud = self._predict(interval, model, sensor)
