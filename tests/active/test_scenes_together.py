@@ -17,8 +17,8 @@ from sonar_tracking.active.multi_target_tracker import (
     integrated_tracker,
     update_together,
 )
-from sonar_tracking.active.shared_pings import SharedPings
 from sonar_tracking.active.tracks.scene_rows import joined_tables
+from sonar_tracking.active.tracks.shared_pings import SharedPings
 from sonar_tracking.errors import InputError
 from sonar_tracking.evaluation.studies.multi_target_clutter.scene import (
     SceneOptions,

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Protocol, runtime_checkable
 
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
-from sonar_tracking.active.shared_pings import SharedPings
+from sonar_tracking.active.tracks.shared_pings import SharedPings
 from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
 
 

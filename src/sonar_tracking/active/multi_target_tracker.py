@@ -37,11 +37,11 @@ from sonar_tracking.active.contacts.contact_tracker_configuration import (
 from sonar_tracking.active.detection.detection_levels import mean_probability
 from sonar_tracking.active.ping_update import TrackingMethod, predict_scenes, update_scenes
 from sonar_tracking.active.scene_memory import SceneMemory
-from sonar_tracking.active.shared_pings import SharedPings
 from sonar_tracking.active.tracks.acceleration_levels import AccelerationLevels
 from sonar_tracking.active.tracks.contact_track_list import thresholds_without_gates
 from sonar_tracking.active.tracks.motion_model import MotionModel
 from sonar_tracking.active.tracks.motion_modes import MotionModes
+from sonar_tracking.active.tracks.shared_pings import SharedPings
 from sonar_tracking.active.tracks.track_management import (
     ListedTracks,
     list_tracks,

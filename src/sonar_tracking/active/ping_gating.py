@@ -13,7 +13,6 @@ from sonar_tracking.active.contacts.contact_positions import PlacedContacts
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.active.detection.detection_model import DetectionModel, amplitude_ratios
 from sonar_tracking.active.particle_tracks import GatedClouds, ParticleTracks, pair_densities
-from sonar_tracking.active.shared_pings import SharedPings
 from sonar_tracking.active.tracks.contact_gating import (
     GatePairs,
     SensorGeometry,
@@ -27,6 +26,7 @@ from sonar_tracking.active.tracks.motion_model import MotionModel
 from sonar_tracking.active.tracks.pair_search import find_pairs
 from sonar_tracking.active.tracks.pair_updates import PairUpdates, update_pairs
 from sonar_tracking.active.tracks.scene_rows import SceneRows, joined
+from sonar_tracking.active.tracks.shared_pings import SharedPings
 from sonar_tracking.active.tracks.track_bank import TrackBank
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.contacts import Contacts

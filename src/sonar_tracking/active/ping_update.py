@@ -24,11 +24,11 @@ from sonar_tracking.active.particle_tracks import (
 )
 from sonar_tracking.active.ping_gating import PingGating, PlacedPing, gate_ping, place_ping
 from sonar_tracking.active.scene_memory import AdmittedPing, SceneMemory
-from sonar_tracking.active.shared_pings import SharedPings
 from sonar_tracking.active.tracks.measured_positions import measured_positions
 from sonar_tracking.active.tracks.motion_model import MotionModel
 from sonar_tracking.active.tracks.pair_updates import mix_updates
 from sonar_tracking.active.tracks.scene_rows import SceneRows, joined, joined_tables
+from sonar_tracking.active.tracks.shared_pings import SharedPings
 from sonar_tracking.active.tracks.track_bank import (
     TrackBank,
     new_target_modes,

@@ -21,9 +21,9 @@ from sonar_tracking.active.detection.detection_levels import (
 from sonar_tracking.active.detection.detection_model import DetectionModel
 from sonar_tracking.active.lasting_error import LastingErrorMonitor
 from sonar_tracking.active.particle_tracks import ParticleTracks
-from sonar_tracking.active.shared_pings import SharedPings
 from sonar_tracking.active.tracks.contact_track_list import ContactTrackRows, shown_tracks
 from sonar_tracking.active.tracks.gate_thresholds import check_thresholds
+from sonar_tracking.active.tracks.shared_pings import SharedPings
 from sonar_tracking.active.tracks.track_bank import TrackBank, empty_bank
 from sonar_tracking.errors import Notice
 from sonar_tracking.records.arrays import BoolArray, IntArray

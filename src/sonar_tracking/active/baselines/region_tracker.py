@@ -28,7 +28,6 @@ from sonar_tracking.active.contacts.contact_tracker_configuration import (
 from sonar_tracking.active.detection.detection_model import DetectionModel
 from sonar_tracking.active.detection.detection_threshold import GATE_SIZE
 from sonar_tracking.active.detection.gate_association import PROBABILITY_IN_GATE
-from sonar_tracking.active.shared_pings import SharedPings
 from sonar_tracking.active.tracks.cloud_pairs import cloud_pairs, weigh_cloud
 from sonar_tracking.active.tracks.contact_gating import (
     SensorGeometry,
@@ -50,6 +49,7 @@ from sonar_tracking.active.tracks.particle_cloud import (
     stacked,
 )
 from sonar_tracking.active.tracks.scene_rows import joined_tables
+from sonar_tracking.active.tracks.shared_pings import SharedPings
 from sonar_tracking.errors import Notice, Severity
 from sonar_tracking.records.arrays import BoolArray, FloatArray, IndexArray, IntArray
 from sonar_tracking.records.bearings import TrackStatus

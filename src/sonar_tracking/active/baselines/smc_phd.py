@@ -24,7 +24,6 @@ from sonar_tracking.active.contacts.contact_tracker_configuration import (
     check_configuration,
 )
 from sonar_tracking.active.detection.detection_model import DetectionModel
-from sonar_tracking.active.shared_pings import SharedPings
 from sonar_tracking.active.tracks.contact_gating import SensorGeometry, sensor_geometry
 from sonar_tracking.active.tracks.contact_track_list import shown_tracks, thresholds_without_gates
 from sonar_tracking.active.tracks.particle_cloud import (
@@ -34,6 +33,7 @@ from sonar_tracking.active.tracks.particle_cloud import (
     systematic_rows,
 )
 from sonar_tracking.active.tracks.particle_densities import near_densities
+from sonar_tracking.active.tracks.shared_pings import SharedPings
 from sonar_tracking.errors import Notice, Severity
 from sonar_tracking.filtering.assignment import load_solver
 from sonar_tracking.records.arrays import FloatArray

@@ -11,7 +11,7 @@ import numpy as np
 from sonar_tracking.active.contact_tracker import make_contact_tracker
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.active.multi_target_tracker import trackers_together
-from sonar_tracking.active.shared_pings import SharedPings
+from sonar_tracking.active.tracks.shared_pings import SharedPings
 from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate
 
 
