@@ -203,10 +203,9 @@ def _update_states(
     """Update all tracks by their contacts, confirmed ones with particles if there are any."""
     weights, pairs = association.weights, gating.pairs
     bank = mix_updates(association.bank, pairs, gating.updates, weights)
-    levels = tracks.split(bank.detection_weight)
-    ratios = tracks.split(association.likelihood_ratio)
-    detection = [weigh(*scene) for scene in zip(levels, ratios, strict=True)]
-    bank = replace(bank, detection_weight=joined(detection))
+    levels = bank.detection_weight
+    mean = joined([mean_probability(own) for own in tracks.split(levels)])
+    bank = replace(bank, detection_weight=weigh(levels, mean, association.likelihood_ratio))
     if not particles[0].used:
         return bank
     return update_particles(particles, bank, tracks, gating.clouds, weights[:, 0])

@@ -215,18 +215,16 @@ class PositionTracks:
 
     def __post_init__(self) -> None:
         """Fill the columns that were left out and check the others."""
-        rows = {key: len(getattr(self, key)) for key in KEYS}
+        stored = vars(self)
+        rows = {key: len(stored[key]) for key in KEYS}
         for name, column in COLUMNS.items():
-            given, own = getattr(self, name), rows[column.key]
+            given, own = stored[name], rows[column.key]
             if given is _NOTHING and own == 0:
-                stored = EMPTY_COLUMNS[name]
+                stored[name] = EMPTY_COLUMNS[name]
             else:
-                stored = _filled(name, given, own, column)
-            if stored is not given:
-                object.__setattr__(self, name, stored)
+                stored[name] = _filled(name, given, own, column)
         if not self.contributor_sensor:
-            sensors = ("",) * len(self.contributor_track)
-            object.__setattr__(self, "contributor_sensor", sensors)
+            stored["contributor_sensor"] = ("",) * len(self.contributor_track)
         self._check_owners()
 
     def __len__(self) -> int:

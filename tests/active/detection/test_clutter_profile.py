@@ -32,7 +32,7 @@ MODEL = DetectionModel(
 
 
 def counted(distance: list[float], pings: int) -> ClutterProfile:
-    profile, expected = ClutterProfile(), MODEL.expected_in_rings(ring_edges(REACH))
+    profile, expected = ClutterProfile(), MODEL.expected_in_rings(REACH)
     for _ in range(pings):
         profile = profile.after(np.array(distance), expected, REACH)
     return profile
@@ -42,11 +42,11 @@ def test_rings_double_outwards_and_hold_all_that_is_expected() -> None:
     edges = ring_edges(REACH)
     assert edges[:3].tolist() == [0.0, 100.0, 200.0] and edges[-1] == REACH
     assert len(edges) == RINGS + 1
-    per_cell = MODEL.expected_in_rings(edges)
+    per_cell = MODEL.expected_in_rings(REACH)
     assert per_cell == pytest.approx(2.0 * np.pi * 1e-3 / 2.0 * np.diff(edges))
     assert np.sum(per_cell) == pytest.approx(MODEL.expected_clutter())
     uniform = replace(MODEL, uniform_density=1e-6, minimum_range=150.0, sector=1.0)
-    expected = uniform.expected_in_rings(edges)
+    expected = uniform.expected_in_rings(REACH)
     assert expected[0] == 0.0
     assert expected[1] == pytest.approx(0.5e-6 * (200.0**2 - 150.0**2))
     assert np.sum(expected) == pytest.approx(uniform.expected_clutter())
@@ -73,7 +73,7 @@ def test_a_few_contacts_contradict_nothing() -> None:
 
 def test_with_another_reach_counting_begins_anew() -> None:
     profile = counted([10.0] * 9, 3)
-    expected = MODEL.expected_in_rings(ring_edges(2.0 * REACH))
+    expected = MODEL.expected_in_rings(2.0 * REACH)
     longer = profile.after(np.zeros(0), expected, 2.0 * REACH)
     assert longer.reach == 2.0 * REACH
     assert np.all(longer.counted == 0.0) and np.array_equal(longer.expected, expected)

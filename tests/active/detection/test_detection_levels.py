@@ -23,7 +23,7 @@ def after(pings: list[bool], told: float = np.nan) -> np.ndarray:
     for detected in pings:
         mean = float(mean_probability(weights)[0])
         ratio = 1.0 + mean * PROBABILITY_IN_GATE * ((1e6 if detected else 0.0) - 1.0)
-        weights = weigh(weights, np.array([ratio]))
+        weights = weigh(weights, mean_probability(weights), np.array([ratio]))
     return weights
 
 
@@ -43,7 +43,7 @@ def test_a_target_detected_every_other_time_is_found_out() -> None:
 
 def test_a_ping_that_says_nothing_changes_nothing() -> None:
     weights = after([True, False])
-    assert weigh(weights, np.ones(1)) == pytest.approx(weights)
+    assert weigh(weights, mean_probability(weights), np.ones(1)) == pytest.approx(weights)
 
 
 def test_priors_are_probabilities_and_near_what_is_told() -> None:

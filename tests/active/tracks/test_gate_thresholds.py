@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
-from sonar_tracking.active.detection.detection_levels import weigh
+from sonar_tracking.active.detection.detection_levels import mean_probability, weigh
 from sonar_tracking.active.detection.detection_model import DetectionModel
 from sonar_tracking.active.detection.detection_threshold import (
     FalseAlarmLimits,
@@ -96,7 +96,8 @@ def test_what_is_found_of_detection_is_not_forgotten_in_a_gate_with_a_threshold(
     confirmed = detection[[0, 2]]
     assert confirmed == pytest.approx(0.625 * left)
     missed = 1.0 - confirmed * PROBABILITY_IN_GATE
-    weights = weigh(bank.detection_weight[[0, 2]], missed)
+    before = bank.detection_weight[[0, 2]]
+    weights = weigh(before, mean_probability(before), missed)
     expected = 1.0 - np.array([0.3, 0.95]) * left * PROBABILITY_IN_GATE
     assert weights[0, [1, 5]] == pytest.approx(expected / np.sum(expected))
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from sonar_tracking.active.detection.clutter_amplitudes import fit_excess_law
-from sonar_tracking.active.detection.clutter_profile import ClutterProfile, clearly_more, ring_edges
+from sonar_tracking.active.detection.clutter_profile import ClutterProfile, clearly_more
 from sonar_tracking.active.detection.detection_model import DetectionModel
 from sonar_tracking.errors import Notice, Severity
 from sonar_tracking.records.arrays import FloatArray
@@ -68,10 +68,11 @@ class ClutterMonitor:
         if not math.isfinite(claimed):
             return self
         counted = max(0.0, n_contacts - n_tracks * model.detection_probability)
-        return replace(
-            self,
-            counted=FORGETTING * self.counted + counted,
-            claimed=FORGETTING * self.claimed + claimed,
+        return ClutterMonitor(
+            FORGETTING * self.counted + counted,
+            FORGETTING * self.claimed + claimed,
+            self.excess,
+            self.profile,
         )
 
     def with_unexplained(
@@ -93,8 +94,9 @@ class ClutterMonitor:
         reach = model.maximum_range
         if not math.isfinite(reach):
             reach = max(self.profile.reach, float(np.max(distance, initial=0.0)))
-        expected = model.expected_in_rings(ring_edges(reach))
-        return replace(self, excess=kept, profile=self.profile.after(distance, expected, reach))
+        expected = model.expected_in_rings(reach)
+        profile = self.profile.after(distance, expected, reach)
+        return ClutterMonitor(self.counted, self.claimed, kept, profile)
 
     def corrected(self, model: DetectionModel) -> DetectionModel:
         """Return the model with as much clutter as was counted.
@@ -102,7 +104,7 @@ class ClutterMonitor:
         Clutter that does not follow the claimed law in number does not in its amplitudes, either:
         these have the law that was found, and are left aside until there is one.
         """
-        if self.profile.contradicted.any():
+        if self.profile.is_contradicted:
             model = replace(model, clutter_profile=self.profile)
         factor = self.factor()
         if factor == 1.0:
@@ -113,7 +115,9 @@ class ClutterMonitor:
 
     def factor(self) -> float:
         """Return by what the claimed density has to be multiplied; 1 = the claim is believed."""
-        if self.claimed > 0.0 and clearly_more(self.counted, self.claimed, CLEAR_RATIO):
+        # Mostly one look is enough.
+        more = self.counted > CLEAR_RATIO * self.claimed > 0.0
+        if more and clearly_more(self.counted, self.claimed, CLEAR_RATIO):
             return self.counted / self.claimed
         return 1.0
 

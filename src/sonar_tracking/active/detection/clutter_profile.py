@@ -72,6 +72,12 @@ class ClutterProfile:
         """Rings with clearly more than their share, shape (RINGS,)."""
         return clearly_more(self.counted, self.expected, CLEAR_RATIO)
 
+    @property
+    def is_contradicted(self) -> bool:
+        """Whether a ring has clearly more than its share."""
+        more = self.counted > CLEAR_RATIO * self.expected
+        return bool(more.any() and self.contradicted.any())
+
     def factor(self, distance: FloatArray) -> FloatArray:
         """Return by what the claimed density has to be multiplied, at distances, shape (n,), m."""
         if not self.reach:

@@ -129,8 +129,10 @@ def contradiction(weights: FloatArray, confirmed: BoolArray, told: float) -> tup
         return ()
     mean = mean_probability(known)
     found = float(np.mean(mean))
+    if abs(found - told) < CLEAR_DIFFERENCE:
+        return ()
     variance = np.sum(np.sum(known * LEVELS**2, axis=1) - mean**2) / len(known) ** 2
-    if abs(found - told) < max(CLEAR_DIFFERENCE, CLEAR_DEVIATIONS * float(np.sqrt(variance))):
+    if abs(found - told) < CLEAR_DEVIATIONS * float(np.sqrt(variance)):
         return ()
     text = (
         f"Tracks are detected in {100.0 * found:.0f} % of the pings, not in {100.0 * told:.0f} % "
@@ -174,13 +176,15 @@ def mean_probability(weights: FloatArray) -> FloatArray:
     return np.asarray(weights @ LEVELS)
 
 
-def weigh(weights: FloatArray, likelihood_ratio: FloatArray) -> FloatArray:
+def weigh(weights: FloatArray, mean: FloatArray, likelihood_ratio: FloatArray) -> FloatArray:
     """Return the weights after a ping.
 
     Parameters
     ----------
     weights : ndarray, shape (n, n_levels)
         Before it, probabilities.
+    mean : ndarray, shape (n,)
+        P_D averaged over them, probabilities.
     likelihood_ratio : ndarray, shape (n,)
         Lambda at the mean P_D, pure numbers.
 
@@ -189,7 +193,7 @@ def weigh(weights: FloatArray, likelihood_ratio: FloatArray) -> FloatArray:
     ndarray, shape (n, n_levels)
         Probabilities, sums 1.
     """
-    slope = (likelihood_ratio - 1.0) / mean_probability(weights)
+    slope = (likelihood_ratio - 1.0) / mean
     # Rounding must not turn what is impossible into less than that.
     least = 1.0 - PROBABILITY_IN_GATE
     likelihood = np.maximum(1.0 + LEVELS * slope[:, None], least)

@@ -13,13 +13,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.active.detection.clutter_amplitudes import IN_NOISE, ExcessLaw
-from sonar_tracking.active.detection.clutter_profile import ClutterProfile
+from sonar_tracking.active.detection.clutter_profile import ClutterProfile, ring_edges
 from sonar_tracking.active.detection.detection_levels import TYPICAL
 from sonar_tracking.active.detection.detection_threshold import linear_from_decibel
 from sonar_tracking.errors import Notice, Severity
@@ -124,26 +125,24 @@ class DetectionModel:
             density = density * self.clutter_profile.factor(distance)
         return np.maximum(density, SMALLEST_CLUTTER_DENSITY)
 
-    def expected_in_rings(self, edges: FloatArray) -> FloatArray:
+    def expected_in_rings(self, reach: float) -> FloatArray:
         """Return the mean number of false contacts in rings around the sensor.
 
         Parameters
         ----------
-        edges : ndarray, shape (n + 1,)
-            Bounds of the rings, m.
+        reach : float
+            To which there are rings, m.
 
         Returns
         -------
         ndarray, shape (n,)
-            Pure numbers.
+            Pure numbers; read only, since they are kept.
         """
-        edges = np.maximum(edges, self.minimum_range)
+        factor = self.clutter_factor * self.sector
         if math.isfinite(self.uniform_density):
-            squares = edges**2
-            shares = 0.5 * self.uniform_density * (squares[1:] - squares[:-1])
-        else:
-            shares = self.false_alarm_probability / self.cell_size * (edges[1:] - edges[:-1])
-        return np.asarray(self.clutter_factor * self.sector * shares)
+            return _in_rings(reach, self.minimum_range, factor, 0.5 * self.uniform_density, 2)
+        density = self.false_alarm_probability / self.cell_size
+        return _in_rings(reach, self.minimum_range, factor, density, 1)
 
     @property
     def amplitude_law(self) -> tuple[object, ...]:
@@ -173,6 +172,17 @@ class DetectionModel:
             ratio = law.likelihood_ratio(excess, raised, self.signal_to_noise_ratio_linear)
         share = self.outlier_share
         return np.where(np.isfinite(excess), ratio / (1.0 - share + share * ratio), 1.0)
+
+
+@lru_cache(maxsize=64)
+def _in_rings(
+    reach: float, nearest: float, factor: float, density: float, power: int
+) -> FloatArray:
+    """Return what a density of a power of the distance gives in rings; most pings tell the same."""
+    powers = np.maximum(ring_edges(reach), nearest) ** power
+    expected = np.asarray(factor * (density * (powers[1:] - powers[:-1])))
+    expected.setflags(write=False)
+    return expected
 
 
 def amplitude_ratios(
