@@ -47,9 +47,10 @@ class PlacedContacts:
 
     def select(self, rows: IndexArray | slice) -> PlacedContacts:
         """Return some of the contacts, by their rows, shape (n_kept,)."""
-        return PlacedContacts(
-            self.position[rows], self.covariance[rows], self.distance[rows], self.delay[rows]
-        )
+        columns = (self.position, self.covariance, self.distance, self.delay)
+        if isinstance(rows, slice):
+            return PlacedContacts(*[column[rows] for column in columns])
+        return PlacedContacts(*[column.take(rows, axis=0) for column in columns])
 
 
 def place_contacts(contacts: Contacts, sound_speed: float) -> PlacedContacts:

@@ -68,13 +68,14 @@ def update_pairs(bank: TrackBank, contacts: PlacedContacts, pairs: GatePairs) ->
             for first in range(0, len(pairs.track), PAIRS_AT_ONCE)
         ]
         return joined_tables(portions)
-    mean, covariance = bank.mean[pairs.track], bank.covariance[pairs.track]
-    delay = contacts.delay[pairs.contact][:, None, None]
-    innovation = contacts.position[pairs.contact][:, None] - mean[..., :2] - delay * mean[..., 2:]
+    mean, covariance = (each.take(pairs.track, axis=0) for each in (bank.mean, bank.covariance))
+    contacts = contacts.select(pairs.contact)
+    delay = contacts.delay[:, None, None]
+    innovation = contacts.position[:, None] - mean[..., :2] - delay * mean[..., 2:]
     step = delay[..., None]
     cross = covariance[..., :2] + step * covariance[..., 2:]
     spread = cross[..., :2, :] + step * cross[..., 2:, :]
-    spread = spread + contacts.covariance[pairs.contact][:, None]
+    spread = spread + contacts.covariance[:, None]
     area = determinant(spread)
     weighted = inverse(spread, area)
     gain = np.matmul(cross, weighted)

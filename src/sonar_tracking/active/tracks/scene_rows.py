@@ -11,7 +11,7 @@ import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,6 +25,9 @@ class Table(Protocol):
     def select(self, rows: Any) -> Any:
         """Return some of the rows."""
 
+
+_PART_OF = "_part_of"
+"""Name under which a part of a table keeps the table, its number and that of the parts."""
 
 AnyTable = TypeVar("AnyTable", bound=Table)
 
@@ -65,8 +68,13 @@ class SceneRows:
         return tuple(slice(*both) for both in zip(self.starts.tolist(), ends, strict=True))
 
     def parts(self, table: AnyTable) -> list[AnyTable]:
-        """Return the table of each scene."""
-        return [table] if self.single else [table.select(rows) for rows in self.slices]
+        """Return the table of each scene; it keeps what it is part of, to be joined again."""
+        if self.single:
+            return [table]
+        parts = [table.select(rows) for rows in self.slices]
+        for number, part in enumerate(parts):
+            vars(part)[_PART_OF] = (table, number, len(parts))
+        return parts
 
     def split(self, column: NDArray[Any]) -> list[NDArray[Any]]:
         """Return what of a column, shape (n, ...), in any unit, belongs to each scene."""
@@ -104,7 +112,20 @@ def joined_tables(tables: Sequence[AnyTable]) -> AnyTable:
     """Return the tables of all scenes, one after the other; dataclasses of columns."""
     if len(tables) == 1:
         return tables[0]
+    whole = _whole(tables)
+    if whole is not None:
+        return whole
     first: Any = tables[0]
     names = [field.name for field in fields(first)]
     columns = [np.concatenate([getattr(table, name) for table in tables]) for name in names]
     return type(first)(*columns)
+
+
+def _whole(tables: Sequence[AnyTable]) -> AnyTable | None:
+    """Return the table of which these are all parts, if they are."""
+    table = vars(tables[0]).get(_PART_OF, (None,))[0]
+    for number, each in enumerate(tables):
+        own, place, count = vars(each).get(_PART_OF, (None, 0, 0))
+        if own is None or own is not table or place != number or count != len(tables):
+            return None
+    return cast("AnyTable", table)
