@@ -131,6 +131,7 @@ def subspaces_from_message(message: Any) -> SubspaceEstimates:
         ),
         covariance_time_offset=(np.nan if covariance is None else message.covariance_time_offset),
         eigenvalues=column(message, "eigenvalues"),
+        eigenvectors=None,
         noise_power=np.array(real(message, "noise_power")),
         noise_covariance=_square_or_none(message, "noise_covariance", n_elements),
         next_stamp=stamp_from_time(message.next_stamp),

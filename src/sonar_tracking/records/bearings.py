@@ -145,6 +145,8 @@ class SubspaceEstimates:
         Middle of those snapshots relative to the stamp, s; NaN = none.
     eigenvalues : ndarray, shape (..., n_elements), or empty
         Of ``covariance``, linear power, descending.
+    eigenvectors : ndarray, shape (..., n_elements, n_elements), complex, or None
+        In their order, in columns, pure numbers; None = not known, as in messages.
     noise_power : ndarray, shape (...)
         Linear power per element; NaN = not estimated.
     noise_covariance : ndarray, shape (n_elements, n_elements), complex, or None
@@ -169,6 +171,7 @@ class SubspaceEstimates:
     covariance_snapshots: int = 0
     covariance_time_offset: float = np.nan
     eigenvalues: FloatArray = field(default_factory=lambda: np.empty(0))
+    eigenvectors: ComplexArray | None = None
     noise_power: FloatArray = field(default_factory=lambda: np.array(np.nan))
     noise_covariance: ComplexArray | None = None
     next_stamp: int = UNKNOWN_STAMP

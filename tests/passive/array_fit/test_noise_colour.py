@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from sonar_tracking.filtering.eigenpairs import eigenpairs
 from sonar_tracking.geometry import line_array, steering_vectors
 from sonar_tracking.passive.array_fit.judged_covariance import JudgedCovariance
 from sonar_tracking.passive.array_fit.noise_colour import NoiseColour, updated_colours
@@ -144,3 +145,15 @@ def test_score_is_the_gradient_of_the_likelihood_of_all_noise(positions: FloatAr
     for number, step in enumerate(np.eye(model.n_parameters) * 1e-5):
         slope = (likelihood(parameters + step) - likelihood(parameters - step)) / 2e-5
         assert evidence.score[0, number] == pytest.approx(slope, rel=1e-4, abs=1e-3)
+
+
+def test_known_eigenpairs_say_the_same() -> None:
+    positions = line_array(15, 0.5)
+    data = covariances(np.random.default_rng(5), positions, exponential(15, 0.0), 3)
+    model = noise_model(positions)
+    assert model is not None
+    white, pairs = np.zeros(model.n_parameters), eigenpairs(np.stack(data))
+    asked = noise_evidence(np.stack(data), 100, model, white)
+    known = noise_evidence(np.stack(data), 100, model, white, eigenpairs=pairs)
+    assert np.array_equal(asked.score, known.score)
+    assert np.array_equal(asked.description, known.description)

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from sonar_tracking.errors import InputError
 from sonar_tracking.geometry import steering_vectors
-from sonar_tracking.passive.directions.signal_subspace import noise_factor, signal_subspace
+from sonar_tracking.passive.directions.signal_subspace import (
+    noise_factor,
+    signal_subspace,
+    signal_subspace_of,
+)
 from tests.passive.block_scene import (
     ANGLES,
     COHERENT,
@@ -19,6 +25,7 @@ from tests.passive.block_scene import (
     sampled_covariance,
 )
 from tests.passive.crossing_scene import POSITIONS, WAVENUMBER
+from tests.passive.estimate_scene import estimates_of
 
 
 def outside_the_span(columns: ComplexArray) -> float:
@@ -58,6 +65,19 @@ def test_white_noise_may_be_said_or_not() -> None:
     assert np.allclose(said.eigenvalues, unsaid.eigenvalues)
     first, second = (s.vectors @ s.vectors.conj().T for s in (said, unsaid))
     assert np.allclose(first, second)
+
+
+def test_estimates_that_bring_their_eigenvectors_have_the_subspace_of_those_without() -> None:
+    covariance = sampled_covariance(4, INCOHERENT)
+    without = estimates_of(covariance)
+    values, vectors = np.linalg.eigh(covariance)
+    known = replace(without, eigenvalues=values[::-1], eigenvectors=vectors[:, ::-1])
+    first, second = signal_subspace_of(without, 2), signal_subspace_of(known, 2)
+    assert np.array_equal(first.vectors, second.vectors)
+    assert np.array_equal(first.eigenvalues, second.eigenvalues)
+    assert first.noise_power == second.noise_power
+    with pytest.raises(InputError, match="covariance_snapshots"):
+        signal_subspace_of(replace(without, covariance=None), 2)
 
 
 def test_level_of_the_data_scales_the_eigenvalues_only() -> None:

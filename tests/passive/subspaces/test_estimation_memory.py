@@ -18,9 +18,7 @@ from sonar_tracking.passive.subspaces.channel_monitor import new_monitor
 from sonar_tracking.passive.subspaces.estimation_memory import (
     CompleteWindow,
     EstimationMemory,
-    estimates_of_windows,
     ready_to_count,
-    starting_columns,
 )
 from sonar_tracking.passive.subspaces.sample_schedule import (
     SampleSchedule,
@@ -30,6 +28,10 @@ from sonar_tracking.passive.subspaces.sample_schedule import (
 )
 from sonar_tracking.passive.subspaces.sensor_history import SensorHistory
 from sonar_tracking.passive.subspaces.subspace_configuration import SubspaceConfiguration
+from sonar_tracking.passive.subspaces.window_estimates import (
+    estimates_of_windows,
+    starting_columns,
+)
 from sonar_tracking.records.bearings import Sensor, SubspaceEstimates
 from tests.passive.crossing_scene import block_of
 

@@ -175,6 +175,19 @@ def test_sources_are_counted_at_the_start() -> None:
     assert np.all(np.diff(estimates[0].eigenvalues) <= 0.0)
 
 
+def test_estimates_in_white_noise_bring_the_eigenvectors_of_their_covariance() -> None:
+    data = crossing_data(4, 0.0, 1.0)
+    white, _ = fed(SubspaceStage(SubspaceConfiguration()), list(blocks_of(data)))
+    covariance, vectors = white[-1].covariance, white[-1].eigenvectors
+    assert covariance is not None and vectors is not None
+    assert np.allclose((vectors * white[-1].eigenvalues) @ vectors.conj().T, covariance)
+    noise = 0.5 * np.eye(15, dtype=complex) + 0.5
+    told, _ = fed(
+        SubspaceStage(SubspaceConfiguration()), list(blocks_of(data, noise_covariance=noise))
+    )
+    assert told[-1].covariance is not None and told[-1].eigenvectors is None
+
+
 def test_noise_alone_gives_estimates_without_subspaces() -> None:
     data = circular_noise(np.random.default_rng(5), 600, 15)
     estimates, _ = fed(SubspaceStage(SubspaceConfiguration()), list(blocks_of(data)))

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from sonar_tracking.filtering.eigenpairs import stacked_eigenpairs
 from sonar_tracking.passive.array_fit.alike_cases import alike
 from sonar_tracking.passive.array_fit.element_faults import ElementFaults
 from sonar_tracking.passive.array_fit.judged_covariance import JudgedCovariance
@@ -176,7 +177,7 @@ def _strong_sources(
     }
     found: dict[int, StrongSources] = {}
     for runs in alike({run: each.kind(noise[run]) for run, each in looked_at.items()}):
-        first = looked_at[runs[0]]
+        first, white = looked_at[runs[0]], noise[runs[0]] is None
         judged = [each for run in runs if (each := looked_at[run].covariance) is not None]
         strong = strong_sources(
             np.stack(judged),
@@ -185,6 +186,7 @@ def _strong_sources(
             first.wavenumber,
             first.elements,
             common_or_stacked([noise[run] for run in runs]),
+            stacked_eigenpairs([looked_at[run].eigenpairs for run in runs]) if white else None,
         )
         found.update((run, each) for run, each in zip(runs, strong, strict=True) if each)
     return found

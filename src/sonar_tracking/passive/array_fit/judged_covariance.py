@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sonar_tracking.filtering.eigenpairs import Eigenpairs
 from sonar_tracking.geometry import is_uniform_line
 from sonar_tracking.passive.array_fit.noise_evidence import NoiseEvidence
 from sonar_tracking.passive.array_fit.noise_models import NoiseModel
@@ -42,6 +43,8 @@ class JudgedCovariance:
         Noise covariance that is known, pure numbers.
     model : NoiseModel or None
         Of the noise of the first ``size`` elements; None = it is known, or cannot be judged.
+    eigenpairs : Eigenpairs or None
+        Of ``covariance``, if they are known already.
     white : NoiseEvidence or None
         What it says at white noise, if that is known already.
     """
@@ -54,7 +57,13 @@ class JudgedCovariance:
     elements: IntArray
     noise: ComplexArray | None
     model: NoiseModel | None
+    eigenpairs: Eigenpairs | None = None
     white: NoiseEvidence | None = None
+
+    @property
+    def judged_whole(self) -> bool:
+        """Whether the noise is judged by the covariance of all elements, of known eigenpairs."""
+        return self.of_noise is self.covariance and self.eigenpairs is not None
 
     def kind(self, noise: ComplexArray | None) -> Hashable:
         """Return what covariances in which sources are sought together have in common.
@@ -65,7 +74,8 @@ class JudgedCovariance:
             Noise covariance, known or found, pure numbers; None = white.
         """
         array = (self.positions.tobytes(), self.elements.tobytes(), self.wavenumber)
-        return (array, self.n_snapshots, noise is None)
+        known = noise is None and self.eigenpairs is not None
+        return (array, self.n_snapshots, noise is None, known)
 
 
 def judged_size(positions: FloatArray, n_snapshots: int) -> int:

@@ -20,6 +20,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sonar_tracking.filtering.eigenpairs import Eigenpairs
+from sonar_tracking.filtering.eigenpairs import eigenpairs as all_eigenpairs
 from sonar_tracking.passive.array_fit.noise_models import NoiseModel
 from sonar_tracking.passive.sources.angle_grid import adjoint
 from sonar_tracking.passive.sources.mdl import signal_counts
@@ -90,6 +92,7 @@ def noise_evidence(
     model: NoiseModel,
     parameters: FloatArray,
     most_sources: int | IntArray | None = None,
+    eigenpairs: Eigenpairs | None = None,
 ) -> NoiseEvidence:
     """Return what covariances say of the parameters.
 
@@ -105,6 +108,8 @@ def noise_evidence(
         c of all or of each, pure numbers; zero = white noise.
     most_sources : int or ndarray of int, shape (n,), optional
         R is not more than this; if not given, what MDL says.
+    eigenpairs : Eigenpairs, optional
+        Of the covariances, if they are known already and the noise is white.
     """
     n_elements = covariances.shape[-1]
     derivatives = model.derivatives(parameters)
@@ -116,9 +121,10 @@ def noise_evidence(
         covariances = whitening @ covariances @ adjoint(whitening)
         diagonal = np.diagonal(factor, axis1=-2, axis2=-1).real
         length = length + 2.0 * n_snapshots * np.log(diagonal).sum(axis=-1)
-    values, vectors = np.linalg.eigh(covariances)
-    usable = values[:, 0] > _LEAST_SHARE * values[:, -1]
-    values = np.maximum(values[:, ::-1], _LEAST_SHARE * values[:, -1:] + np.finfo(float).tiny)
+    pairs = eigenpairs or all_eigenpairs(covariances)
+    usable = pairs.values[:, -1] > _LEAST_SHARE * pairs.values[:, 0]
+    least = _LEAST_SHARE * pairs.values[:, :1] + np.finfo(float).tiny
+    values = np.maximum(pairs.values, least)
     ranks = np.minimum(signal_counts(values, n_snapshots), n_elements - 2) * usable
     if most_sources is not None:
         ranks = np.minimum(ranks, most_sources)
@@ -126,7 +132,7 @@ def noise_evidence(
     n_noise = n_elements - ranks
     power = (values * noise).sum(axis=-1) / n_noise
     excess = np.where(noise, values / power[:, None] - 1.0, 0.0)
-    across = adjoint(whitening) @ vectors[:, :, ::-1]
+    across = adjoint(whitening) @ pairs.vectors
     beyond = (across * excess[:, None, :]) @ adjoint(across)
     within = (across * noise[:, None, :]) @ adjoint(across)
     slopes, means, squares = _traces(beyond, within, derivatives)

@@ -19,6 +19,8 @@ from functools import cached_property
 
 import numpy as np
 
+from sonar_tracking.filtering.eigenpairs import Eigenpairs
+from sonar_tracking.filtering.eigenpairs import eigenpairs as all_eigenpairs
 from sonar_tracking.passive.directions.signal_subspace import noise_factor, whitened_covariance
 from sonar_tracking.passive.sources.music import SHALLOWEST_VALLEY, valley_floors
 from sonar_tracking.records.arrays import ComplexArray, FloatArray, IntArray
@@ -137,6 +139,7 @@ def strong_sources(
     wavenumber: float,
     elements: IntArray,
     noise_covariance: ComplexArray | None = None,
+    eigenpairs: Eigenpairs | None = None,
 ) -> list[StrongSources | None]:
     """Return the strong sources in each of several covariances, None = none or too many.
 
@@ -154,6 +157,8 @@ def strong_sources(
         Numbers of the elements in the whole array.
     noise_covariance : ndarray, shape (..., n_elements, n_elements), complex, optional
         Of all or of each, pure numbers; None = white noise.
+    eigenpairs : Eigenpairs, optional
+        Of the covariances, if they are known already and the noise is white.
     """
     found: list[StrongSources | None] = [None] * len(covariances)
     n_elements = len(positions)
@@ -161,7 +166,8 @@ def strong_sources(
         return found
     factor = None if noise_covariance is None else noise_factor(noise_covariance)
     white = covariances if factor is None else whitened_covariance(covariances, factor)
-    values, vectors = np.linalg.eigh(white)
+    pairs = eigenpairs or all_eigenpairs(white)
+    values, vectors = pairs.values[:, ::-1], pairs.vectors
     noise = np.maximum(values[:, n_elements // 2], np.finfo(float).tiny)
     least = np.maximum(_STRONG * values[:, -1], _LEAST_RATIO * noise)
     counts = np.count_nonzero(values >= least[:, None], axis=-1)
@@ -172,20 +178,15 @@ def strong_sources(
         within, others = values[rows, -n_strong:, None], values[rows, None, :-n_strong]
         leaning = (within * others / (within - others) ** 2).reshape(len(rows), -1)
         left = leaning.sum(axis=-1) / n_snapshots
-        leading = vectors[rows][..., : -n_strong - 1 : -1]
+        leading = vectors[rows][..., :n_strong]
         if factor is not None:
             # C_v e_m = L v_m lie in the span of the steering vectors, e_m do not.
             own = factor if factor.ndim == 2 else factor[rows]
             leading = np.linalg.qr(own @ leading).Q
         angles, floors = valley_floors(leading, positions, wavenumber)
         for place, row in enumerate(rows.tolist()):
+            valleys = (angles[place], floors[place])
             found[row] = StrongSources(
-                leading[place],
-                float(left[place]),
-                positions,
-                wavenumber,
-                elements,
-                angles[place],
-                floors[place],
+                leading[place], float(left[place]), positions, wavenumber, elements, *valleys
             )
     return found

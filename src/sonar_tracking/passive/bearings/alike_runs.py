@@ -106,6 +106,7 @@ def kind_of_estimates(estimates: SubspaceEstimates, of_covariance: bool) -> Hash
         estimates.effective_snapshots,
         estimates.rank,
         covariance is None or bool(covariance.any()),
+        (estimates.eigenvalues.shape, estimates.eigenvectors is None),
         estimates.covariance_time_offset,
         bool(np.isfinite(estimates.noise_power).all()),
     )
@@ -124,6 +125,8 @@ def stacked_estimates(estimates: Sequence[SubspaceEstimates]) -> SubspaceEstimat
         estimates[0],
         basis=np.stack([each.basis[..., :n_columns] for each in estimates]),
         covariance=stacked([each.covariance for each in estimates]),
+        eigenvalues=stacked([each.eigenvalues for each in estimates]),
+        eigenvectors=stacked([each.eigenvectors for each in estimates]),
         noise_power=np.stack([each.noise_power for each in estimates]),
         noise_covariance=common_or_stacked([each.noise_covariance for each in estimates]),
     )

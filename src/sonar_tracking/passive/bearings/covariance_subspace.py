@@ -11,7 +11,7 @@ from sonar_tracking.errors import InputError, Notice, Severity
 from sonar_tracking.passive.bearings.bearing_tracker_configuration import (
     BearingTrackerConfiguration,
 )
-from sonar_tracking.passive.directions.signal_subspace import SignalSubspace, signal_subspace
+from sonar_tracking.passive.directions.signal_subspace import SignalSubspace, signal_subspace_of
 from sonar_tracking.records.bearings import SubspaceEstimates
 
 
@@ -52,7 +52,7 @@ def covariance_subspace(
     if rank < 1 or not covariance.any():
         text = "No source is seen in this covariance; the tracks are predicted only."
         return None, (Notice(Severity.WARN, "rank", text),)
-    return signal_subspace(covariance, rank, estimates.noise_covariance), ()
+    return signal_subspace_of(estimates, rank), ()
 
 
 def _estimated_rank(estimates: SubspaceEstimates) -> int:

@@ -30,7 +30,7 @@ import numpy as np
 
 from sonar_tracking.errors import Notice, Severity
 from sonar_tracking.geometry import steering_pair, wavenumber
-from sonar_tracking.passive.directions.signal_subspace import SignalSubspace, signal_subspace
+from sonar_tracking.passive.directions.signal_subspace import SignalSubspace, signal_subspace_of
 from sonar_tracking.passive.directions.sources_at_angles import PRIOR_VARIANCE, unresolved
 from sonar_tracking.records.arrays import BoolArray, FloatArray
 from sonar_tracking.records.bearings import BearingTracks, SubspaceEstimates
@@ -231,7 +231,7 @@ def steering_misfit(
     n_free, snapshots = n_elements - 2 * n_tracks, estimates.covariance_snapshots
     close = unresolved(angles, angles, estimates).sum(axis=(-2, -1)) > n_tracks
     if subspace is None or subspace.eigenvalues.shape[-1] != rank:
-        subspace = signal_subspace(covariance, rank, estimates.noise_covariance)
+        subspace = signal_subspace_of(estimates, rank)
     number = wavenumber(estimates.center_frequency, estimates.sound_speed)
     pair = steering_pair(estimates.element_positions, angles, number, "array_centre")
     spanned = np.linalg.qr(subspace.whitened(np.concatenate(pair, axis=-1))).Q

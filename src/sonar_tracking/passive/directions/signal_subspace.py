@@ -19,13 +19,20 @@ from functools import lru_cache
 import numpy as np
 
 from sonar_tracking.errors import InputError
+from sonar_tracking.filtering.eigenpairs import Eigenpairs
+from sonar_tracking.filtering.eigenpairs import eigenpairs as all_eigenpairs
 from sonar_tracking.filtering.leading_eigenvectors import leading_eigenvectors
 from sonar_tracking.records.arrays import ComplexArray, FloatArray
+from sonar_tracking.records.bearings import SubspaceEstimates
 
 _LEAST_NOISE_SHARE = 1e-12
 """Least noise power as a share of the mean eigenvalue: data without noise stay finite."""
 
 _HERMITIAN_TOLERANCE = 1e-9
+
+_WHOLLY_KNOWN = 64
+"""Elements up to which estimates of the same process bring all eigenvectors in white noise: those
+that come in messages, without, are to give the same bits."""
 
 _TINY = float(np.finfo(float).tiny)
 
@@ -82,7 +89,10 @@ class SignalSubspace:
 
 
 def signal_subspace(
-    covariance: ComplexArray, rank: int, noise_covariance: ComplexArray | None = None
+    covariance: ComplexArray,
+    rank: int,
+    noise_covariance: ComplexArray | None = None,
+    eigenpairs: Eigenpairs | None = None,
 ) -> SignalSubspace:
     """Return the signal eigenvectors of a block covariance.
 
@@ -94,6 +104,8 @@ def signal_subspace(
         R, rank of the source covariance, at least 1 and below n_elements.
     noise_covariance : ndarray, shape (..., n_elements, n_elements), complex, optional
         C_v with trace n_elements, of all runs or of each; None = white. Pure numbers.
+    eigenpairs : Eigenpairs, optional
+        Of C, if they are known already and the noise is white.
 
     Returns
     -------
@@ -117,7 +129,11 @@ def signal_subspace(
         )
     factor = None if noise_covariance is None else noise_factor(noise_covariance)
     white = covariance if factor is None else whitened_covariance(covariance, factor)
-    values, vectors = leading_eigenvectors(white, rank)
+    if factor is None and n_elements <= _WHOLLY_KNOWN:
+        pairs = eigenpairs or all_eigenpairs(covariance)
+        values, vectors = pairs.values[..., :rank], pairs.vectors[..., :rank]
+    else:
+        values, vectors = leading_eigenvectors(white, rank)
     mean = np.trace(white, axis1=-2, axis2=-1).real / n_elements
     # The mean of the other eigenvalues, which need not be known singly.
     others = (n_elements * mean - values.sum(axis=-1)) / (n_elements - rank)
@@ -128,6 +144,29 @@ def signal_subspace(
         noise_power=np.maximum(others, least),
         factor=factor,
     )
+
+
+def signal_subspace_of(estimates: SubspaceEstimates, rank: int) -> SignalSubspace:
+    """Return the signal eigenvectors of the covariance of an estimate.
+
+    Parameters
+    ----------
+    estimates : SubspaceEstimates
+        With a covariance; of one run or of several.
+    rank : int
+        R, rank of the source covariance, at least 1 and below n_elements.
+
+    Raises
+    ------
+    InputError
+        If there is no covariance, and as :func:`signal_subspace`.
+    """
+    if estimates.covariance is None:
+        raise InputError("The estimate has no covariance; set covariance_snapshots above zero.")
+    pairs = None
+    if estimates.eigenvectors is not None:
+        pairs = Eigenpairs(estimates.eigenvalues, estimates.eigenvectors)
+    return signal_subspace(estimates.covariance, rank, estimates.noise_covariance, pairs)
 
 
 def whitened_covariance(covariance: ComplexArray, factor: ComplexArray) -> ComplexArray:

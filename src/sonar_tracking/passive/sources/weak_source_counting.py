@@ -47,9 +47,6 @@ _EPSILON, _TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
 _LARGEST_SPREAD = 1.0
 """Of a second eigenvalue by motion, with the margin, over the noise."""
 
-_SMALL = 20
-"""Up to so many elements the eigenvalues cost no more than a bound of the largest one."""
-
 _SURELY = 1.0 + 1e-6
 """Beyond all rounding."""
 
@@ -231,13 +228,12 @@ class _MeanCovariances:
         if noise is not None:
             covariances = whitened_covariance(covariances, noise_factor(noise))
         number = wavenumber(self.estimates.center_frequency, self.estimates.sound_speed)
-        counts, rows = np.zeros(len(covariances), dtype=np.int64), np.arange(len(covariances))
-        if len(positions) > _SMALL:
-            # Where even the least ratio that trace and norm allow spreads too far, none is
-            # believed whatever the eigenvalues are.
-            spread = _spread_of_unit(positions, number, self.turn) * least_ratios(covariances)
-            most = max(_LARGEST_SPREAD, np.sqrt(len(positions) / self.n_snapshots))
-            rows = np.flatnonzero(~(2.0 * spread > _SURELY * most))
+        counts = np.zeros(len(covariances), dtype=np.int64)
+        # Where even the least ratio that trace and norm allow spreads too far, none is believed
+        # whatever the eigenvalues are; to find that costs a tenth of them.
+        spread = _spread_of_unit(positions, number, self.turn) * least_ratios(covariances)
+        most = max(_LARGEST_SPREAD, np.sqrt(len(positions) / self.n_snapshots))
+        rows = np.flatnonzero(~(2.0 * spread > _SURELY * most))
         if rows.size:
             values = np.linalg.eigvalsh(covariances[rows])[:, ::-1]
             counts[rows] = believed_sources(values, self.n_snapshots, positions, number, self.turn)

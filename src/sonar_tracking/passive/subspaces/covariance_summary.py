@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from sonar_tracking.filtering.eigenpairs import Eigenpairs
 from sonar_tracking.geometry import is_uniform_line
 from sonar_tracking.passive.sources.mdl import signal_counts
 from sonar_tracking.passive.sources.moving_source_counting import (
@@ -13,7 +14,7 @@ from sonar_tracking.passive.sources.moving_source_counting import (
     sample_covariance,
 )
 from sonar_tracking.passive.sources.steering_error import steering_error_floor, with_steering_error
-from sonar_tracking.records.arrays import ComplexArray, FloatArray
+from sonar_tracking.records.arrays import ComplexArray, FloatArray, IntArray
 from sonar_tracking.records.bearings import ArraySnapshots
 
 _SNAPSHOTS_PER_ELEMENT = 2
@@ -32,6 +33,8 @@ class CovarianceSummary:
         Snapshots in it.
     eigenvalues : ndarray, shape (..., n_elements), or empty
         Linear power, descending.
+    eigenvectors : ndarray, shape (n_elements, n_elements), complex, or None
+        In their order, in columns, pure numbers; None = not known.
     noise_power : ndarray, shape (...)
         Linear, mean of the smallest eigenvalues (of the whitened covariance in coloured
         noise).
@@ -42,6 +45,7 @@ class CovarianceSummary:
     covariance: ComplexArray | None = None
     n_snapshots: int = 0
     eigenvalues: FloatArray = field(default_factory=lambda: np.empty(0))
+    eigenvectors: ComplexArray | None = None
     noise_power: FloatArray = field(default_factory=lambda: np.array(np.nan))
     rank: int = -1
     source_count: int = -1
@@ -54,6 +58,8 @@ def summarise_windows(
     whitening: ComplexArray | None,
     maximum_rate: float,
     steering_error: float | FloatArray = 0.0,
+    sampled: ComplexArray | None = None,
+    eigenpairs: Eigenpairs | None = None,
 ) -> list[CovarianceSummary]:
     """Return the covariance of each of several windows and what it says of noise and sources.
 
@@ -71,6 +77,10 @@ def summarise_windows(
         Fastest bearing that must not be counted twice, rad/s.
     steering_error : float or ndarray, shape (n_windows,)
         Relative rms error of the steering vectors, pure number.
+    sampled : ndarray, shape (n_windows, n_elements, n_elements), complex, optional
+        Sample covariances, linear power, if they are known already.
+    eigenpairs : Eigenpairs, optional
+        Of them, if they are known already and the noise is white.
 
     Returns
     -------
@@ -81,11 +91,11 @@ def summarise_windows(
     n_windows, n_snapshots, n_elements = len(snapshots), *snapshots.shape[-2:]
     if n_snapshots == 0:
         return [CovarianceSummary()] * n_windows
-    sampled = sample_covariance(snapshots)
+    sampled = sample_covariance(snapshots) if sampled is None else sampled
     steering_error = np.reshape(steering_error, (-1, *(1,) * (snapshots.ndim - 3)))
     covariance = with_steering_error(sampled, steering_error, header.noise_covariance)
     eigenvalues, signal_values = _eigenvalues(
-        snapshots, sampled, covariance, whitening, steering_error
+        snapshots, sampled, covariance, whitening, steering_error, eigenpairs
     )
     ranks = counts = np.full(n_windows, -1)
     if snapshots.ndim == 3 and n_snapshots >= _SNAPSHOTS_PER_ELEMENT * n_elements:
@@ -94,18 +104,33 @@ def summarise_windows(
         counts = count_moving_sources(
             snapshots, sampled, eigenvalues, header, maximum_rate, n_columns == 0, steering_error
         )
+    # Vectors of a covariance with a floor may differ by rounding.
+    vectors = None if eigenpairs is None or steering_error.any() else eigenpairs.vectors
+    signals = n_columns or np.maximum(np.maximum(ranks, counts), 0)
+    powers = _noise_powers(signal_values, np.broadcast_to(signals, n_windows), n_snapshots)
+    return _each_window(n_snapshots, covariance, eigenvalues, vectors, powers, ranks, counts)
+
+
+def _each_window(
+    n_snapshots: int,
+    covariance: ComplexArray,
+    eigenvalues: FloatArray,
+    vectors: ComplexArray | None,
+    powers: list[FloatArray],
+    ranks: IntArray,
+    counts: IntArray,
+) -> list[CovarianceSummary]:
     return [
         CovarianceSummary(
             covariance=covariance[window],
             n_snapshots=n_snapshots,
             eigenvalues=eigenvalues[window],
-            noise_power=_noise_power(
-                signal_values[window], n_columns or max(rank, count, 0), n_snapshots
-            ),
-            rank=rank,
-            source_count=count,
+            eigenvectors=None if vectors is None else vectors[window],
+            noise_power=power,
+            rank=int(ranks[window]),
+            source_count=int(counts[window]),
         )
-        for window, (rank, count) in enumerate(zip(ranks.tolist(), counts.tolist(), strict=True))
+        for window, power in enumerate(powers)
     ]
 
 
@@ -115,10 +140,14 @@ def _eigenvalues(
     covariance: ComplexArray,
     whitening: ComplexArray | None,
     steering_error: FloatArray,
+    eigenpairs: Eigenpairs | None,
 ) -> tuple[FloatArray, FloatArray]:
     """Return the eigenvalues of the covariance and of the whitened one, both with the floor."""
     floor = steering_error_floor(sampled, steering_error)[..., None]
-    eigenvalues = _descending_eigenvalues(snapshots, sampled) + floor
+    if eigenpairs is None:
+        eigenvalues = _descending_eigenvalues(snapshots, sampled) + floor
+    else:
+        eigenvalues = eigenpairs.values + floor
     if whitening is None:
         return eigenvalues, eigenvalues
     signal_values = _descending_eigenvalues(snapshots @ np.swapaxes(whitening, -1, -2)) + floor
@@ -144,8 +173,12 @@ def _descending_eigenvalues(
     return padded
 
 
-def _noise_power(eigenvalues: FloatArray, n_signals: int, n_snapshots: int) -> FloatArray:
-    n_elements = eigenvalues.shape[-1]
-    if n_signals >= min(n_elements, n_snapshots):
-        return np.full(eigenvalues.shape[:-1], np.nan)
-    return np.asarray(eigenvalues[..., n_signals:].mean(axis=-1))
+def _noise_powers(
+    eigenvalues: FloatArray, n_signals: IntArray, n_snapshots: int
+) -> list[FloatArray]:
+    """Return the mean of the other eigenvalues of each window, NaN if there are none."""
+    most = min(eigenvalues.shape[-1], n_snapshots)
+    return [
+        np.full(own.shape[:-1], np.nan) if n >= most else np.asarray(own[..., n:].mean(axis=-1))
+        for own, n in zip(eigenvalues, n_signals.tolist(), strict=True)
+    ]

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from sonar_tracking.filtering.eigenpairs import eigenpairs, stacked_eigenpairs
 from sonar_tracking.geometry import wavenumber
 from sonar_tracking.passive.array_fit.array_fit import ArrayFit, updated_fits
 from sonar_tracking.passive.array_fit.judged_covariance import (
@@ -59,7 +60,7 @@ def fitted_windows(
     """
     judged = [[_judged(configuration, window, fit) for window in windows] for fit, windows in runs]
     coloured = [fit.colour.coloured for fit, _ in runs]
-    judged = _with_evidence(judged, coloured)
+    judged = _with_evidence(_with_eigenpairs(judged, coloured), coloured)
     fitted = [FittedWindows(fit, []) for fit, _ in runs]
     for number in range(max((len(windows) for _, windows in runs), default=0)):
         rows = [row for row, (_, windows) in enumerate(runs) if number < len(windows)]
@@ -97,12 +98,17 @@ def _one_more_window(
     for (row, _, _, _), fit in zip(new, updated_fits(judged), strict=True):
         fits[row] = fit
     return [
-        FittedWindows(fit, [*fitted.windows, _as_fitted(window, fit)])
-        for fit, (fitted, window, _) in zip(fits, runs, strict=True)
+        FittedWindows(fit, [*fitted.windows, _as_fitted(window, fit, fitted.fit, each)])
+        for fit, (fitted, window, each) in zip(fits, runs, strict=True)
     ]
 
 
-def _as_fitted(window: CompleteWindow, fit: ArrayFit) -> CompleteWindow:
+def _as_fitted(
+    window: CompleteWindow, fit: ArrayFit, before: ArrayFit, judged: JudgedCovariance | None
+) -> CompleteWindow:
+    """Return a window with the fit after it, and its covariance if the faults are as before."""
+    if judged is not None and fit.faults.found == before.faults.found:
+        window = replace(window, covariance=judged.covariance, eigenpairs=judged.eigenpairs)
     if fit.as_described:
         return window
     return replace(window, snapshots_from=window.snapshots_from.fitted(fit))
@@ -143,6 +149,26 @@ def _judged(
     )
 
 
+def _with_eigenpairs(
+    runs: list[list[JudgedCovariance | None]], coloured: list[bool]
+) -> list[list[JudgedCovariance | None]]:
+    """Return the covariances in white noise with their eigenpairs, which many steps ask for."""
+    alike: dict[tuple[int, ...], list[tuple[int, int]]] = {}
+    for run, windows in enumerate(runs):
+        for number, each in enumerate(windows):
+            if each is None or each.covariance is None or each.noise is not None or coloured[run]:
+                continue
+            if each.n_snapshots >= len(each.covariance):
+                alike.setdefault(each.covariance.shape, []).append((run, number))
+    for places in alike.values():
+        together = [each for run, number in places if (each := runs[run][number]) is not None]
+        known = [each.covariance for each in together if each.covariance is not None]
+        pairs = eigenpairs(np.stack(known))
+        for row, ((run, number), each) in enumerate(zip(places, together, strict=True)):
+            runs[run][number] = replace(each, eigenpairs=pairs.of(row))
+    return runs
+
+
 def _with_evidence(
     runs: list[list[JudgedCovariance | None]], coloured: list[bool]
 ) -> list[list[JudgedCovariance | None]]:
@@ -150,11 +176,12 @@ def _with_evidence(
 
     Where the noise is known to be coloured already, they are not asked.
     """
-    alike: dict[tuple[int, int], list[tuple[int, int]]] = {}
+    alike: dict[tuple[int, int, bool], list[tuple[int, int]]] = {}
     for run, windows in enumerate(runs):
         for number, each in enumerate(windows):
             if each is not None and each.model is not None and not coloured[run]:
-                alike.setdefault((id(each.model), each.n_snapshots), []).append((run, number))
+                kind = (id(each.model), each.n_snapshots, each.judged_whole)
+                alike.setdefault(kind, []).append((run, number))
     for places in alike.values():
         together = [each for run, number in places if (each := runs[run][number]) is not None]
         model = together[0].model
@@ -165,6 +192,9 @@ def _with_evidence(
             together[0].n_snapshots,
             model,
             np.zeros(model.n_parameters),
+            eigenpairs=stacked_eigenpairs(
+                [each.eigenpairs if each.judged_whole else None for each in together]
+            ),
         )
         for row, ((run, number), each) in enumerate(zip(places, together, strict=True)):
             runs[run][number] = replace(each, white=white.of(row))

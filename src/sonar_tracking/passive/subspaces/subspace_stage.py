@@ -31,9 +31,7 @@ from sonar_tracking.passive.subspaces.estimation_memory import (
     AdvancedRun,
     CompleteWindow,
     EstimationMemory,
-    estimates_of_windows,
     ready_to_count,
-    starting_columns,
 )
 from sonar_tracking.passive.subspaces.fitted_windows import fitted_windows
 from sonar_tracking.passive.subspaces.rehearsal import rehearsed_block
@@ -53,6 +51,7 @@ from sonar_tracking.passive.subspaces.subspace_notices import (
     gap_notice,
     singular_notice,
 )
+from sonar_tracking.passive.subspaces.window_estimates import estimates_of_windows, starting_columns
 from sonar_tracking.records.bearings import ArraySnapshots, SubspaceEstimates
 from sonar_tracking.records.time import END_OF_DATA
 
