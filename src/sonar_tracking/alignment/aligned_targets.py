@@ -16,7 +16,9 @@ Blom, Bar-Shalom (1988); Bar-Shalom, Li, Kirubarajan (2001), sections 6.2.2, 11.
 
 from __future__ import annotations
 
+from collections.abc import Sequence, Sized
 from dataclasses import dataclass
+from itertools import accumulate, pairwise
 
 import numpy as np
 
@@ -88,7 +90,7 @@ class AlignedTargets:
         """Return the number of targets."""
         return len(self.mean)
 
-    def rows(self, rows: IndexArray) -> AlignedTargets:
+    def rows(self, rows: IndexArray | slice) -> AlignedTargets:
         """Return some of the targets, in the order given; shape (n_chosen,)."""
         return AlignedTargets(self.mean[rows], self.covariance[rows], self.mode[rows])
 
@@ -133,11 +135,7 @@ def begun(
 
 def joined(first: AlignedTargets, second: AlignedTargets) -> AlignedTargets:
     """Return the targets of both."""
-    return AlignedTargets(
-        np.concatenate([first.mean, second.mean]),
-        np.concatenate([first.covariance, second.covariance]),
-        np.concatenate([first.mode, second.mode]),
-    )
+    return stacked([first, second])
 
 
 def replaced(targets: AlignedTargets, rows: IndexArray, others: AlignedTargets) -> AlignedTargets:
@@ -170,10 +168,18 @@ def predicted(
     targets: AlignedTargets, interval: float, strengths: MotionStrengths
 ) -> AlignedTargets:
     """Return the targets an interval (s) later; arrays stay as they are."""
-    if interval <= 0.0 or not len(targets):
-        return targets
-    transition = strengths.transition(interval)
-    after = targets.mode @ transition
+    return predicted_together([targets], interval, strengths)[0]
+
+
+def predicted_together(
+    groups: Sequence[AlignedTargets], interval: float, strengths: MotionStrengths
+) -> list[AlignedTargets]:
+    """Return groups of targets with the same number of arrays an interval (s) later."""
+    if interval <= 0.0 or not any(map(len, groups)):
+        return list(groups)
+    targets, transition = stacked(groups), strengths.transition(interval)
+    # Group by group: how a matrix product is rounded depends on the number of its rows.
+    after = np.concatenate([group.mode @ transition for group in groups])
     mixing = (targets.mode[:, :, None] * transition / after[:, None, :]).swapaxes(1, 2)
     mean, covariance = _mixed(mixing, targets.mean, targets.covariance)
     mean[..., :2] += interval * mean[..., 2:MOTION]
@@ -181,7 +187,29 @@ def predicted(
     covariance[..., :, :2] += interval * covariance[..., :, 2:MOTION]
     noise = in_plane(process_noise_matrix(1.0, interval))
     covariance[..., :MOTION, :MOTION] += strengths.density[:, None, None] * noise
-    return AlignedTargets(mean, symmetrised(covariance), after)
+    return parted(AlignedTargets(mean, symmetrised(covariance), after), groups)
+
+
+def stacked(groups: Sequence[AlignedTargets]) -> AlignedTargets:
+    """Return the targets of groups with the same number of arrays, one group after the other."""
+    if len(groups) == 1:
+        return groups[0]
+    return AlignedTargets(
+        np.concatenate([group.mean for group in groups]),
+        np.concatenate([group.covariance for group in groups]),
+        np.concatenate([group.mode for group in groups]),
+    )
+
+
+def parted(targets: AlignedTargets, groups: Sequence[Sized]) -> list[AlignedTargets]:
+    """Return targets, as stacked, group by group."""
+    return [targets.rows(rows) for rows in slices_of(groups)]
+
+
+def slices_of(groups: Sequence[Sized]) -> list[slice]:
+    """Return where the rows of each group are in a stack of all groups."""
+    ends = list(accumulate(map(len, groups), initial=0))
+    return [slice(first, last) for first, last in pairwise(ends)]
 
 
 def _mixed(

@@ -43,11 +43,13 @@ class Bearings:
     other_side: FloatArray | None = None
     lag: float = 0.0
 
-    def rows(self, rows: IndexArray) -> Bearings:
+    def rows(self, rows: IndexArray | slice) -> Bearings:
         """Return some of them, in the order given; shape (n_chosen,)."""
         other = None if self.other_side is None else self.other_side[rows]
         azimuth, variance = self.azimuth[rows], self.variance[rows]
-        return replace(self, azimuth=azimuth, variance=variance, other_side=other)
+        return Bearings(
+            azimuth, variance, self.station, self.array, self.propagation_speed, other, self.lag
+        )
 
     @property
     def mirrored(self) -> Bearings | None:

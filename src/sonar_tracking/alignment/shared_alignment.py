@@ -14,11 +14,12 @@ Bar-Shalom, Li, Kirubarajan (2001), section 8.2 (fusion in information form).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.alignment.aligned_targets import MOTION, AlignedTargets
+from sonar_tracking.alignment.aligned_targets import MOTION, AlignedTargets, slices_of, stacked
 from sonar_tracking.filtering.kalman import symmetrised
 from sonar_tracking.records.arrays import FloatArray
 
@@ -70,9 +71,13 @@ def information_of(
     prior : ndarray, shape (n_arrays,)
         Variances they began with, rad^2.
     """
-    own = np.linalg.inv(covariance[:, MOTION:, MOTION:])
+    own = np.asarray(np.linalg.inv(covariance[:, MOTION:, MOTION:]))
+    return _sum_of(symmetrised(own) - np.diag(1.0 / prior), own, mean)
+
+
+def _sum_of(gained: FloatArray, own: FloatArray, mean: FloatArray) -> AlignmentInformation:
+    """Return what targets tell together that have gained and know matrices, shape (n, ...)."""
     vector = np.einsum("nij,nj->i", own, mean[:, MOTION:])
-    gained = symmetrised(np.asarray(own)) - np.diag(1.0 / prior)
     return AlignmentInformation(np.sum(gained, axis=0), vector)
 
 
@@ -153,39 +158,40 @@ def shared_alignment(
     prior : ndarray, shape (n_arrays,)
         Variances of the misalignments before any measurement, rad^2.
     """
-    mean, covariance = targets.collapsed()
-    known = ended.plus(information_of(mean, covariance, prior))
-    common = symmetrised(np.asarray(np.linalg.inv(known.matrix + np.diag(1.0 / prior))))
-    misalignment = common @ known.vector
-    aligned_mean, aligned_covariance = told_alignment(mean, covariance, misalignment, common)
-    return SharedAlignment(misalignment, common, aligned_mean, aligned_covariance)
+    return shared_alignments([targets], [ended], prior)[0]
 
 
-class LastSharedAlignment:
-    """Remembers what all targets told last: within an instant it is asked for several times."""
+def shared_alignments(
+    groups: Sequence[AlignedTargets], ended: Sequence[AlignmentInformation], prior: FloatArray
+) -> list[SharedAlignment]:
+    """Return what all targets of each of several groups tell together.
 
-    def __init__(self) -> None:
-        self._known: tuple[AlignedTargets, AlignmentInformation, SharedAlignment] | None = None
-
-    def of(
-        self, targets: AlignedTargets, ended: AlignmentInformation, prior: FloatArray
-    ) -> SharedAlignment:
-        """Return the same as :func:`shared_alignment`.
-
-        Parameters
-        ----------
-        targets : AlignedTargets
-            As there; the same object is the same targets.
-        ended : AlignmentInformation
-            As there; the same object is the same information.
-        prior : ndarray, shape (n_arrays,)
-            As there, rad^2; the same for the same targets.
-        """
-        known = self._known
-        if known is None or known[0] is not targets or known[1] is not ended:
-            known = targets, ended, shared_alignment(targets, ended, prior)
-            self._known = known
-        return known[2]
+    Parameters
+    ----------
+    groups : sequence of AlignedTargets
+        Groups that have nothing to do with each other.
+    ended : sequence of AlignmentInformation
+        What targets of each that are no more have told.
+    prior : ndarray, shape (n_arrays,)
+        Variances of the misalignments before any measurement, of all groups, rad^2.
+    """
+    mean, covariance = stacked(groups).collapsed()
+    every, first = slices_of(groups), np.diag(1.0 / prior)
+    own = np.asarray(np.linalg.inv(covariance[:, MOTION:, MOTION:]))
+    gained = symmetrised(own) - first
+    known = [
+        before.plus(_sum_of(gained[rows], own[rows], mean[rows]))
+        for before, rows in zip(ended, every, strict=True)
+    ]
+    told = np.array([one.matrix for one in known]) + first
+    common = symmetrised(np.asarray(np.linalg.inv(told)))
+    misalignment = np.array([a @ b.vector for a, b in zip(common, known, strict=True)])
+    number = np.repeat(np.arange(len(groups)), [len(group) for group in groups])
+    better, spread = told_alignment(mean, covariance, misalignment[number], common[number])
+    return [
+        SharedAlignment(misalignment[place], common[place], better[rows], spread[rows])
+        for place, rows in enumerate(every)
+    ]
 
 
 def told_alignment(
@@ -199,9 +205,9 @@ def told_alignment(
         m, m/s and rad.
     covariance : ndarray, shape (n, d, d)
         In these units squared.
-    misalignment : ndarray, shape (n_arrays,)
+    misalignment : ndarray, shape (n_arrays,) or (n, n_arrays)
         rad.
-    common : ndarray, shape (n_arrays, n_arrays)
+    common : ndarray, shape (n_arrays, n_arrays) or (n, n_arrays, n_arrays)
         Its covariance, rad^2.
 
     Returns

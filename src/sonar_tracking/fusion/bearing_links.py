@@ -7,22 +7,20 @@ that decided for the target goes on, up to a limit, so that it can decide agains
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from sonar_tracking.alignment.bearing_errors import BearingKey
-from sonar_tracking.alignment.measured_bearings import Bearings
 from sonar_tracking.fusion.fused_target import FusedTarget
 from sonar_tracking.fusion.fusion_records import HeardBearing
 from sonar_tracking.fusion.lone_bearings import (
-    guarded,
-    heard,
+    LoneBearings,
     joined_bearings,
     predicted_bearings,
     unheard,
 )
-from sonar_tracking.records.arrays import FloatArray
+from sonar_tracking.records.arrays import FloatArray, IndexArray
 
 HIGHEST_EVIDENCE = float(np.log(1e4))
 """What the past can say for a target at most; log."""
@@ -91,29 +89,33 @@ class BearingLinks:
             self.remove(key)
             self.add(key, after, evidence)
 
-    def weigh(
-        self, found: Sequence[HeardBearing], bearings: Bearings, likelihood: FloatArray
-    ) -> None:
+    def alone(self, found: Sequence[HeardBearing]) -> LoneBearings:
+        """Return the bearing tracks of some bearings, that have targets, as followed alone."""
+        return self._lone.rows(self._rows(found))
+
+    def weigh(self, found: Sequence[HeardBearing], alone: LoneBearings, gained: FloatArray) -> None:
         """Go on with the evidence of some links.
 
         Parameters
         ----------
         found : sequence of HeardBearing
             What was measured, of bearing tracks that have targets.
-        bearings : Bearings
-            The same, on the sides where the targets are.
-        likelihood : ndarray, shape (n,)
-            By the filters of the targets, logs of densities, 1/rad.
+        alone : LoneBearings
+            These bearing tracks, after they have taken the bearings in.
+        gained : ndarray, shape (n,)
+            How much likelier each bearing was by the filter of its target than by the track alone;
+            log of a pure number.
         """
-        rows = np.array([self._links[one.key].row for one in found], np.intp)
-        lone, apart = heard(self._lone.rows(rows), bearings)
+        rows = self._rows(found)
         mean, covariance = self._lone.mean.copy(), self._lone.covariance.copy()
-        mean[rows], covariance[rows] = lone.mean, lone.covariance
-        self._lone = replace(self._lone, mean=mean, covariance=covariance)
-        gained = guarded(likelihood) - guarded(apart)
-        for one, gain in zip(found, gained, strict=True):
+        mean[rows], covariance[rows] = alone.mean, alone.covariance
+        self._lone = LoneBearings(mean, covariance)
+        for one, gain in zip(found, gained.tolist(), strict=True):
             link = self._links[one.key]
-            link.evidence = min(link.evidence + float(gain), HIGHEST_EVIDENCE)
+            link.evidence = min(link.evidence + gain, HIGHEST_EVIDENCE)
+
+    def _rows(self, found: Sequence[HeardBearing]) -> IndexArray:
+        return np.array([self._links[one.key].row for one in found], np.intp)
 
     def weigh_positions(self, targets: Sequence[FusedTarget], gain: FloatArray) -> None:
         """Go on with the evidence of the links of some targets.

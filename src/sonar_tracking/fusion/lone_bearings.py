@@ -47,7 +47,7 @@ class LoneBearings:
         """Return the number of bearing tracks."""
         return len(self.mean)
 
-    def rows(self, rows: IndexArray) -> LoneBearings:
+    def rows(self, rows: IndexArray | slice) -> LoneBearings:
         """Return some of them, in the order given; shape (n_chosen,)."""
         return LoneBearings(self.mean[rows], self.covariance[rows])
 
@@ -57,16 +57,20 @@ def unheard(count: int) -> LoneBearings:
     return LoneBearings(np.full((count, 2), np.nan), np.full((count, 2, 2), np.nan))
 
 
-def joined_bearings(first: LoneBearings, second: LoneBearings) -> LoneBearings:
-    """Return the bearing tracks of both."""
+def joined_bearings(*groups: LoneBearings) -> LoneBearings:
+    """Return the bearing tracks of all groups, one group after the other."""
+    if len(groups) == 1:
+        return groups[0]
     return LoneBearings(
-        np.concatenate([first.mean, second.mean]),
-        np.concatenate([first.covariance, second.covariance]),
+        np.concatenate([group.mean for group in groups]),
+        np.concatenate([group.covariance for group in groups]),
     )
 
 
 def predicted_bearings(bearings: LoneBearings, interval: float) -> LoneBearings:
     """Return bearing tracks an interval (s) later."""
+    if not len(bearings):
+        return bearings
     transition = transition_matrix(interval)
     noise = process_noise_matrix(ANGULAR_ACCELERATION, interval)
     covariance = transition @ bearings.covariance @ transition.T + noise

@@ -48,7 +48,10 @@ def meetings_of_echoes(
 
 
 def meetings_of_bearings(
-    targets: Sequence[FusedTarget], found: Sequence[HeardBearing], filters: TargetFilters
+    targets: Sequence[FusedTarget],
+    found: Sequence[HeardBearing],
+    expected: tuple[FloatArray, FloatArray],
+    filters: TargetFilters,
 ) -> list[Exchange]:
     """Return the exchanges of bearing tracks of one station to consider from now on.
 
@@ -58,16 +61,18 @@ def meetings_of_bearings(
         Which were heard.
     found : sequence of HeardBearing
         One a target.
+    expected : tuple of two ndarray, shape (n_targets,)
+        Azimuths that the station tells of all targets, and their variances, rad and rad^2.
     filters : TargetFilters
         Of all targets.
     """
     if len(targets) < 2:
         return []
-    expected, variance = filters.expected(found[0])
+    azimuth, variance = expected
     place = {target: row for row, target in enumerate(filters.targets)}
     rows = [place[target] for target in targets]
     noise = np.array([one.variance for one in found])
-    apart = wrap_angle(expected[rows][:, None] - expected[rows])
+    apart = wrap_angle(azimuth[rows][:, None] - azimuth[rows])
     total = variance[rows] + noise
     near = apart**2 <= NEAR**2 * (total[:, None] + total)
     pairs = [(targets[one], targets[other]) for one, other in np.argwhere(np.triu(near, 1))]

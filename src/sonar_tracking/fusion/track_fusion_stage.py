@@ -9,17 +9,21 @@ heard are shown as target motion analysis finds them, until an echo tells which 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-
-import numpy as np
 
 from sonar_tracking.alignment.bearing_errors import BearingKey
 from sonar_tracking.alignment.shared_alignment import SharedAlignment
 from sonar_tracking.errors import Notice
 from sonar_tracking.fusion.alignment_notices import beyond_prior, measured_alignments
-from sonar_tracking.fusion.echo_association import met_targets
-from sonar_tracking.fusion.echo_checks import unusable_rows, usable_measurements, usable_states
+from sonar_tracking.fusion.echo_checks import unusable_rows, usable_states
+from sonar_tracking.fusion.echo_taking import EchoTaking
+from sonar_tracking.fusion.filters_together import (
+    LinkedBearings,
+    predict_together,
+    see_together,
+    take_linked_together,
+)
 from sonar_tracking.fusion.foreign_tracks import ForeignTracks
 from sonar_tracking.fusion.fused_rows import (
     FusedRow,
@@ -27,16 +31,14 @@ from sonar_tracking.fusion.fused_rows import (
     row_of_target,
     turned_by_heading,
 )
-from sonar_tracking.fusion.fused_target import FusedTarget, moves
-from sonar_tracking.fusion.fused_targets import SAME_PLACE, FusedTargets
+from sonar_tracking.fusion.fused_target import FusedTarget
 from sonar_tracking.fusion.fusion_records import (
     FusionFrame,
     FusionUpdate,
     HeardBearing,
-    ListKey,
 )
-from sonar_tracking.fusion.meetings import meetings_of_bearings, meetings_of_echoes
 from sonar_tracking.fusion.new_trials import new_trials
+from sonar_tracking.fusion.pictures_under_way import HeardOfStation, PictureUnderWay
 from sonar_tracking.fusion.station_bearings import (
     StationBearings,
     station_bearings,
@@ -48,7 +50,7 @@ from sonar_tracking.motion import KinematicState
 from sonar_tracking.records.alignments import ArrayAlignments
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import BearingTracks, TrackStatus
-from sonar_tracking.records.positions import PositionTracks, TrackSource
+from sonar_tracking.records.positions import PositionTracks
 from sonar_tracking.records.time import (
     NANOSECONDS,
     UNKNOWN_STAMP,
@@ -57,7 +59,7 @@ from sonar_tracking.records.time import (
 )
 
 
-class TrackFusionStage(FusedTargets):
+class TrackFusionStage(EchoTaking):
     """Keeps one target for whatever other lists tell of it.
 
     Parameters
@@ -114,9 +116,7 @@ class TrackFusionStage(FusedTargets):
         InputError
             If the frame is not later; nothing has changed then.
         """
-        own = self.own_picture(frame)
-        tracks, notices = self.with_foreign(own, frame.foreign)
-        return FusionUpdate(tracks, own.tracks, own.alignments, (*own.notices, *notices))
+        return update_together([self], [frame])[0]
 
     def own_picture(self, frame: FusionFrame) -> OwnPicture:
         """Take in everything of one instant but what other ships tell.
@@ -131,32 +131,7 @@ class TrackFusionStage(FusedTargets):
         InputError
             If the frame is not later; nothing has changed then.
         """
-        frame.check_later_than(self._stamp)
-        if self._stamp != UNKNOWN_STAMP:
-            interval = seconds(frame.stamp - self._stamp)
-            self._filters.predict(interval)
-            self._links.predict(interval)
-        self._stamp, self._own_ship = frame.stamp, frame.own_ship
-        notices: list[Notice] = []
-        for topic, tracks in frame.active.items():
-            self._watermarks[topic] = tracks.next_stamp
-            notices += unusable_rows(tracks, topic, usable_states(tracks))
-            self._take_echoes(topic, tracks)
-        for bearings in with_names_of_their_own(frame.bearings, notices):
-            self._watermarks[f"bearings of {bearings.sensor.sensor_id}"] = bearings.next_stamp
-            notices += self._take_bearings(bearings, frame.own_ship)
-        for topic, tracks in frame.passive.items():
-            self._watermarks[topic] = tracks.next_stamp
-            self._copies.take(topic, tracks)
-        self._decide()
-        self._end_orphans()
-        watermark = common_watermark(self._watermarks.values(), self._n_sources, self._stamp)
-        seen = self._filters.picture()
-        alignments = self._filters.alignments(seen, self._stamp, watermark)
-        notices += beyond_prior(alignments, self.configuration.alignment_deviation_deg)
-        rows = self._own_rows(seen, alignments)
-        tracks = self._own_rows_shown.listed(rows, self._stamp, watermark)
-        return OwnPicture(tuple(rows), tracks, alignments, tuple(notices))
+        return own_pictures_together([self], [frame])[0]
 
     def with_foreign(
         self, own: OwnPicture, foreign: Mapping[str, PositionTracks]
@@ -179,103 +154,69 @@ class TrackFusionStage(FusedTargets):
         tracks = self._foreign.listed(own.rows, stamp, own.tracks.next_stamp)
         return tracks, tuple(notices)
 
-    def _take_echoes(self, topic: str, tracks: PositionTracks) -> None:
-        self._copies.take(topic, tracks)
-        going_on = {
-            (topic, int(number)): row
-            for row, number in enumerate(tracks.id)
-            if tracks.status[row] != TrackStatus.TERMINATED
-        }
-        self._target_of.end_others(topic, going_on)
-        self._take_for_targets(topic, tracks)
-        sound, told = usable_states(tracks), usable_measurements(tracks)
-        measured: list[tuple[FusedTarget, int]] = []
-        for key, row in going_on.items():
-            target = self._target_of.get(key)
-            if target is None:
-                continue
-            target.note(key, tracks, row)
-            if told[row] and all(one is not target for one, _ in measured):
-                measured.append((target, row))
-        rows = [row for _, row in measured]
-        targets = [target for target, _ in measured]
-        noise = tracks.measurement_covariance[rows]
-        gain = self._filters.take_positions(targets, tracks.measurement[rows], noise)
-        self._links.weigh_positions(targets, gain)
-        self._filters.consider(meetings_of_echoes(targets, noise, self._filters))
-        new = {
-            key: row
-            for key, row in going_on.items()
-            if key not in self._target_of
-            and key not in self._dismissed
-            and sound[row]
-            and moves(tracks, row)
-        }
-        self._meet(topic, tracks, new)
+    def _interval_to(self, frame: FusionFrame) -> float:
+        """Return how long after the last frame one is, s; 0 = it is the first one."""
+        return seconds(frame.stamp - self._stamp) if self._stamp != UNKNOWN_STAMP else 0.0
 
-    def _take_for_targets(self, topic: str, tracks: PositionTracks) -> None:
-        """Find what is told to be fixed, and may be a target that is heard and has lost its echoes.
+    def _begin(self, frame: FusionFrame, interval: float) -> PictureUnderWay:
+        """Take in what comes before bearings, the filters being predicted."""
+        if interval > 0.0:
+            self._links.predict(interval)
+        self._stamp, self._own_ship = frame.stamp, frame.own_ship
+        notices: list[Notice] = []
+        for topic, tracks in frame.active.items():
+            self._watermarks[topic] = tracks.next_stamp
+            notices += unusable_rows(tracks, topic, usable_states(tracks))
+            self._take_echoes(topic, tracks)
+        return PictureUnderWay(with_names_of_their_own(frame.bearings, notices), notices)
 
-        A tracker of echoes does not know of a new track for a while that it moves.
-        """
-        self._not_fixed = {key for key in self._not_fixed if key[0] != topic}
-        targets = self._filters.targets
-        lost = [row for row, one in enumerate(targets) if one.heard and not one.echoes]
-        fixed = np.flatnonzero((tracks.source == TrackSource.STATIC) & usable_states(tracks))
-        if not lost or not len(fixed):
-            return
-        seen = self._filters.picture()
-        apart = tracks.state[fixed, None, :2] - seen.mean[lost, :2]
-        spread = tracks.covariance[fixed, None, :2, :2] + seen.covariance[lost, :2, :2]
-        solved = np.linalg.solve(spread, apart[..., None])[..., 0]
-        same = np.any(np.sum(apart * solved, axis=-1) < SAME_PLACE, axis=1)
-        self._not_fixed |= {(topic, int(tracks.id[row])) for row in fixed[same]}
-
-    def _meet(self, topic: str, tracks: PositionTracks, new: dict[ListKey, int]) -> None:
-        """Find out whose new confirmed tracks are: of a target whose echoes were lost, or new."""
-        if not new:
-            return
-        rows = list(new.values())
-        lost = [one for one in self._filters.targets if all(key[0] != topic for key in one.echoes)]
-        met = met_targets(
-            tracks.state[rows], tracks.covariance[rows], lost, self._filters, self.configuration
-        )
-        for (key, row), whose in zip(new.items(), met, strict=True):
-            target = whose.target if whose.sure else None
-            if target is None:
-                target = FusedTarget(self._copies.name(key), float(tracks.initiated[row]))
-                if whose.target is not None and whose.target.heard:
-                    target.begin_doubt(whose.target, self._stamp / NANOSECONDS)
-                self._filters.begin(target, tracks.state[row], tracks.covariance[row])
-            elif usable_measurements(tracks)[row]:
-                one = slice(row, row + 1)
-                self._filters.take_positions(
-                    [target], tracks.measurement[one], tracks.measurement_covariance[one]
-                )
-            self._target_of[key] = target
-            target.note(key, tracks, row)
-
-    def _take_bearings(
-        self, bearings: BearingTracks, own_ship: KinematicState | None
-    ) -> tuple[Notice, ...]:
+    def _listen(self, bearings: BearingTracks, notices: list[Notice]) -> HeardOfStation:
+        """Find out of which targets the bearings of a station are."""
         sensor = bearings.sensor.sensor_id
+        self._watermarks[f"bearings of {sensor}"] = bearings.next_stamp
         array = self._filters.array_of(sensor)
-        told = station_bearings(bearings, own_ship, array, self.configuration)
+        told = station_bearings(bearings, self._own_ship, array, self.configuration)
+        notices += told.notices
         self._alive[sensor] = told.alive
         for key in [key for key in self._links.of_station(sensor) if key not in told.alive]:
             self._unlink(key)
         tried = {one.key for one in self._filters.trials.trials if one.key[0] == sensor}
         self._filters.trials.end(set(), tried - set(told.alive))
-        if told.found:
-            self._stations[sensor] = told.found[0].station
-            found, notices = self._resolved(sensor, self._filters.widened(told.found))
-            self._take_linked(self._once_a_target(found))
-            free = [one for one in found if self._may_be_tried(one.key, told)]
+        if not told.found:
+            return HeardOfStation(told, [], self._linked([]))
+        self._stations[sensor] = told.found[0].station
+        found, untold = self._resolved(sensor, self._filters.widened(told.found))
+        notices += untold
+        return HeardOfStation(told, found, self._linked(found))
+
+    def _conclude_hearing(self, heard: HeardOfStation) -> None:
+        """Note who was heard, and try whose all other bearings are."""
+        for target, one in zip(heard.linked.targets, heard.linked.found, strict=True):
+            target.heard[one.key] = self._alive[one.key[0]][one.key]
+            target.updated = self._stamp / NANOSECONDS
+        if heard.told.found:
+            free = [one for one in heard.found if self._may_be_tried(one.key, heard.told)]
             begun = new_trials(free, self._filters, self._paused, self._stamp)
             self._filters.begin_trials(begun)
             self._filters.try_bearings(free)
-            return (*told.notices, *notices)
-        return told.notices
+
+    def _settle(self, frame: FusionFrame) -> None:
+        """Decide what all that came makes likely."""
+        for topic, tracks in frame.passive.items():
+            self._watermarks[topic] = tracks.next_stamp
+            self._copies.take(topic, tracks)
+        self._decide()
+        self._end_orphans()
+
+    def _shown(self, notices: list[Notice]) -> OwnPicture:
+        """Return the picture as it is now."""
+        watermark = common_watermark(self._watermarks.values(), self._n_sources, self._stamp)
+        seen = self._filters.picture()
+        alignments = self._filters.alignments(seen, self._stamp, watermark)
+        notices += beyond_prior(alignments, self.configuration.alignment_deviation_deg)
+        rows = self._own_rows(seen, alignments)
+        tracks = self._own_rows_shown.listed(rows, self._stamp, watermark)
+        return OwnPicture(tuple(rows), tracks, alignments, tuple(notices))
 
     def _resolved(
         self, sensor: str, found: list[HeardBearing]
@@ -294,25 +235,14 @@ class TrackFusionStage(FusedTargets):
                 target.updated = self._stamp / NANOSECONDS
         return [one for one in found if one.key not in unresolved.keys], notices
 
-    def _once_a_target(self, found: list[HeardBearing]) -> list[HeardBearing]:
+    def _linked(self, found: Sequence[HeardBearing]) -> LinkedBearings:
         """Return the bearings that are of targets; of two that an operator has merged, one."""
         first: dict[FusedTarget, HeardBearing] = {}
         for one in found:
             owner = self._links.target_of(one.key)
             if owner is not None:
                 first.setdefault(owner, one)
-        return list(first.values())
-
-    def _take_linked(self, found: list[HeardBearing]) -> None:
-        if not found:
-            return
-        targets = [self._links.target_of(one.key) for one in found]
-        owners = [one for one in targets if one is not None]
-        self._links.weigh(found, *self._filters.take_bearings(owners, found))
-        self._filters.consider(meetings_of_bearings(owners, found, self._filters))
-        for target, one in zip(owners, found, strict=True):
-            target.heard[one.key] = self._alive[one.key[0]][one.key]
-            target.updated = self._stamp / NANOSECONDS
+        return LinkedBearings(self._filters, self._links, list(first), list(first.values()))
 
     def _may_be_tried(self, key: BearingKey, told: StationBearings) -> bool:
         """Return whether it is open of which target a bearing track is."""
@@ -339,3 +269,70 @@ class TrackFusionStage(FusedTargets):
         rows += self._copies.rows(self._stamp, self._stands_for, self._stations, alignments, taken)
         heading = settings.heading_variance
         return [turned_by_heading(row, self._own_ship, heading) for row in rows]
+
+
+def update_together(
+    stages: Sequence[TrackFusionStage], frames: Sequence[FusionFrame]
+) -> list[FusionUpdate]:
+    """Let several independent stages take a frame each in, as each of them would.
+
+    Parameters
+    ----------
+    stages : sequence of TrackFusionStage
+        Their targets are computed at once.
+    frames : sequence of FusionFrame
+        One a stage, later than the one before.
+
+    Raises
+    ------
+    InputError
+        If a frame is not later; nothing has changed then.
+    """
+    updates = []
+    pictures = own_pictures_together(stages, frames)
+    for stage, frame, own in zip(stages, frames, pictures, strict=True):
+        tracks, notices = stage.with_foreign(own, frame.foreign)
+        every = (*own.notices, *notices)
+        updates.append(FusionUpdate(tracks, own.tracks, own.alignments, every))
+    return updates
+
+
+def own_pictures_together(
+    stages: Sequence[TrackFusionStage], frames: Sequence[FusionFrame]
+) -> list[OwnPicture]:
+    """Let several stages take in everything of a frame each but what other ships tell.
+
+    Parameters
+    ----------
+    stages : sequence of TrackFusionStage
+        Their targets are computed at once.
+    frames : sequence of FusionFrame
+        One a stage, later than the one before.
+
+    Raises
+    ------
+    InputError
+        If a frame is not later; nothing has changed then.
+    """
+    for stage, frame in zip(stages, frames, strict=True):
+        frame.check_later_than(stage._stamp)
+    every = [stage._filters for stage in stages]
+    intervals = [stage._interval_to(frame) for stage, frame in zip(stages, frames, strict=True)]
+    predict_together(every, intervals)
+    begun = [
+        stage._begin(frame, interval)
+        for stage, frame, interval in zip(stages, frames, intervals, strict=True)
+    ]
+    for number in range(max((len(one.stations) for one in begun), default=0)):
+        heard = [
+            (stage, stage._listen(one.stations[number], one.notices))
+            for stage, one in zip(stages, begun, strict=True)
+            if number < len(one.stations)
+        ]
+        take_linked_together([one.linked for _, one in heard if one.linked.found])
+        for stage, one in heard:
+            stage._conclude_hearing(one)
+    for stage, frame in zip(stages, frames, strict=True):
+        stage._settle(frame)
+    see_together(every)
+    return [stage._shown(one.notices) for stage, one in zip(stages, begun, strict=True)]

@@ -19,10 +19,14 @@ from sonar_tracking.evaluation.studies.track_fusion.central_filter import (
     ToldMoment,
     told_moment,
 )
-from sonar_tracking.evaluation.studies.track_fusion.conditions import CONDITIONS, Condition
+from sonar_tracking.evaluation.studies.track_fusion.conditions import CONDITIONS
 from sonar_tracking.evaluation.studies.track_fusion.held_rows import NEAR, HeldRows
 from sonar_tracking.evaluation.studies.track_fusion.list_rules import RULES
 from sonar_tracking.filtering.kalman import KalmanState
+from sonar_tracking.fusion.fusion_records import FusionUpdate
+from sonar_tracking.fusion.track_fusion_configuration import TrackFusionConfiguration
+from sonar_tracking.fusion.track_fusion_stage import update_together
+from sonar_tracking.records.alignments import ArrayAlignments
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import established
 from sonar_tracking.records.positions import PositionTracks, TruthTracks
@@ -93,54 +97,55 @@ class FusionRun:
         self.claimed[system].append(float(np.trace(spread[:2, :2])))
 
 
-@dataclass(frozen=True)
-class _FollowedRun:
-    """A run as it was fused.
-
-    Attributes
-    ----------
-    run : FusionRun
-        What was counted so far.
-    moments : list of ToldMoment
-        What the filters that are told whose all is take in, stamp by stamp.
-    counted : list of dict of int to ndarray, shape (4,)
-        True states of the ships that count at each of these stamps, x, y, vx, vy, m and m/s.
-    """
-
-    run: FusionRun
-    moments: list[ToldMoment]
-    counted: list[dict[int, FloatArray]]
-
-
 def fusion_runs(task: FusionTask) -> tuple[FusionRun, ...]:
     """Simulate runs, fuse them in every way under each condition, and score them."""
     sea = CONDITIONS[task.conditions[0]]
     scenarios = [sea.scenario(seed) for seed in task.seeds]
-    found = [list(moments) for moments in fused_moments_together(scenarios)]
-    return tuple(run for name in task.conditions for run in _fused_runs(name, scenarios, found))
-
-
-def _fused_runs(
-    name: str, scenarios: Sequence[Scenario], found: Sequence[Sequence[FusedMoment]]
-) -> list[FusionRun]:
-    """Return what the systems did under one condition, from what the trackers found."""
-    every = zip(scenarios, found, strict=True)
-    followed = [_followed_run(name, *each) for each in every]
     configuration = make_track_fusion(scenarios[0]).configuration
+    found = [_told_moments(one, configuration) for one in fused_moments_together(scenarios)]
+    every = [[_FollowedRun(name, scenario) for scenario in scenarios] for name in task.conditions]
+    for instant in zip(*found, strict=True):
+        _follow([(run, one) for runs in every for run, one in zip(runs, instant, strict=True)])
+    for runs in every:
+        for run in runs:
+            run.conclude()
+        _follow_as_told(runs, configuration)
+    return tuple(one.run for runs in every for one in runs)
+
+
+def _told_moments(
+    moments: Iterable[FusedMoment], configuration: TrackFusionConfiguration
+) -> list[tuple[FusedMoment, ToldMoment]]:
+    """Return what trackers found in a run, each moment with what was received of which ship."""
+    arrays: dict[str, int] = {}
+    return [(one, told_moment(one, arrays, configuration)) for one in moments]
+
+
+def _follow(every: Sequence[tuple[_FollowedRun, tuple[FusedMoment, ToldMoment]]]) -> None:
+    """Fuse what was found in some runs at one instant, all at once, and score it."""
+    heard = [(run, *run.heard_of(*found)) for run, found in every]
+    fed = [one for one in heard if one[1].frame.active or one[1].frame.bearings]
+    frames = [moment.frame for _, moment, _ in fed]
+    updates = update_together([run.stage for run, _, _ in fed], frames)
+    for (run, moment, told), update in zip(fed, updates, strict=True):
+        run.count(moment, told, update)
+
+
+def _follow_as_told(runs: Sequence[_FollowedRun], configuration: TrackFusionConfiguration) -> None:
+    """Score the filters that are told whose all is, under one condition."""
     for system, exact in ((CENTRAL, False), (BOUND, True)):
-        filters = CentralFilters(configuration, len(followed), exact)
-        for place, moments in enumerate(zip(*(one.moments for one in followed), strict=True)):
+        filters = CentralFilters(configuration, len(runs), exact)
+        for place, moments in enumerate(zip(*(one.moments for one in runs), strict=True)):
             filters.update(moments)
-            for number, one in enumerate(followed):
+            for number, one in enumerate(runs):
                 true = one.counted[place]
                 states = filters.states(number) if true else {}
                 for ship in set(true) & set(states):
                     one.run.count(system, true[ship], *states[ship])
-    return [one.run for one in followed]
 
 
-def _followed_run(name: str, scenario: Scenario, moments: Iterable[FusedMoment]) -> _FollowedRun:
-    """Fuse a run, and score it but for the filters that are told whose all is.
+class _FollowedRun:
+    """A run as it is fused.
 
     Parameters
     ----------
@@ -148,49 +153,66 @@ def _followed_run(name: str, scenario: Scenario, moments: Iterable[FusedMoment])
         Of the condition.
     scenario : Scenario
         Of the run.
-    moments : iterable of FusedMoment
-        What its trackers found.
+
+    Attributes
+    ----------
+    run : FusionRun
+        What was counted so far.
+    stage : TrackFusionStage
+        That fuses it.
+    moments : list of ToldMoment
+        What the filters that are told whose all is take in, stamp by stamp.
+    counted : list of dict of int to ndarray, shape (4,)
+        True states of the ships that count at each of these stamps, x, y, vx, vy, m and m/s.
     """
-    condition = CONDITIONS[name]
-    stage = make_track_fusion(scenario)
-    run = FusionRun(name)
-    followed = _FollowedRun(run, [], [])
-    held = HeldRows()
-    arrays: dict[str, int] = {}
-    latest: PositionTracks | None = None
-    for moment in moments:
-        heard = _without_lost(moment, condition, seconds(moment.frame.stamp - scenario.epoch))
-        if not (heard.frame.active or heard.frame.bearings):
-            continue
-        update = stage.update(heard.frame)
-        followed.moments.append(told_moment(heard, arrays, stage.configuration))
-        followed.counted.append({})
-        latest = heard.frame.passive.get(POSITIONS, latest)
-        time = seconds(moment.frame.stamp - scenario.epoch)
-        if moment.contacts is None:
-            continue
-        seen = _count_fused(run, update.tracks, heard.truth, time, held)
+
+    def __init__(self, name: str, scenario: Scenario) -> None:
+        self.run = FusionRun(name)
+        self.stage = make_track_fusion(scenario)
+        self.moments: list[ToldMoment] = []
+        self.counted: list[dict[int, FloatArray]] = []
+        self._epoch = scenario.epoch
+        self._held = HeldRows()
+        self._latest: PositionTracks | None = None
+        self._alignments: ArrayAlignments | None = None
+
+    def heard_of(self, moment: FusedMoment, told: ToldMoment) -> tuple[FusedMoment, ToldMoment]:
+        """Return a moment without the source that is lost then."""
+        condition = CONDITIONS[self.run.condition]
+        time = seconds(moment.frame.stamp - self._epoch)
+        frame = moment.frame
+        if condition.silent_sonar[0] <= time < condition.silent_sonar[1]:
+            frame, told = replace(frame, active={}), replace(told, echoes=())
+        if condition.silent_array[0] <= time < condition.silent_array[1]:
+            frame = replace(frame, bearings=(), passive={})
+            told = replace(told, heard=(), arrays=())
+        return (moment if frame is moment.frame else replace(moment, frame=frame)), told
+
+    def count(self, heard: FusedMoment, told: ToldMoment, update: FusionUpdate) -> None:
+        """Score a moment but for the filters that are told whose all is."""
+        self.moments.append(told)
+        self.counted.append({})
+        self._latest = heard.frame.passive.get(POSITIONS, self._latest)
+        self._alignments = update.alignments
+        time = seconds(heard.frame.stamp - self._epoch)
+        if heard.contacts is None:
+            return
+        seen = _count_fused(self.run, update.tracks, heard.truth, time, self._held)
         if time >= SETTLED:
             true = _true_states(heard.truth)
-            followed.counted[-1].update((ship, true[ship]) for ship in seen)
-            _count_lists(run, heard, latest)
-    run.names, run.doubled = sum(len(own) - 1 for own in held.names.values()), held.doubled
-    known = update.alignments
-    place = known.sensor_id.index("array")
-    turned = np.radians(condition.misalignment_deg)
-    run.alignment_error = float(known.misalignment[place] - turned)
-    run.alignment_deviation = float(known.misalignment_standard_deviation[place])
-    return followed
+            self.counted[-1].update((ship, true[ship]) for ship in seen)
+            _count_lists(self.run, heard, self._latest)
 
-
-def _without_lost(moment: FusedMoment, condition: Condition, time: float) -> FusedMoment:
-    """Return a moment without the source that is lost then."""
-    frame = moment.frame
-    if condition.silent_sonar[0] <= time < condition.silent_sonar[1]:
-        frame = replace(frame, active={})
-    if condition.silent_array[0] <= time < condition.silent_array[1]:
-        frame = replace(frame, bearings=(), passive={})
-    return moment if frame is moment.frame else replace(moment, frame=frame)
+    def conclude(self) -> None:
+        """Score what is known at the end of the run."""
+        run, known = self.run, self._alignments
+        assert known is not None
+        run.doubled = self._held.doubled
+        run.names = sum(len(own) - 1 for own in self._held.names.values())
+        place = known.sensor_id.index("array")
+        turned = np.radians(CONDITIONS[run.condition].misalignment_deg)
+        run.alignment_error = float(known.misalignment[place] - turned)
+        run.alignment_deviation = float(known.misalignment_standard_deviation[place])
 
 
 def _true_states(truth: TruthTracks) -> dict[int, FloatArray]:
