@@ -38,7 +38,7 @@ from sonar_tracking.active.detection.detection_levels import mean_probability
 from sonar_tracking.active.ping_update import TrackingMethod, predict_scenes, update_scenes
 from sonar_tracking.active.scene_memory import SceneMemory
 from sonar_tracking.active.tracks.acceleration_levels import AccelerationLevels
-from sonar_tracking.active.tracks.contact_track_list import thresholds_without_gates
+from sonar_tracking.active.tracks.contact_track_list import shown_tracks, thresholds_without_gates
 from sonar_tracking.active.tracks.motion_model import MotionModel
 from sonar_tracking.active.tracks.motion_modes import MotionModes
 from sonar_tracking.active.tracks.shared_pings import SharedPings
@@ -163,7 +163,8 @@ class MultiTargetTracker:
         rows = list_tracks(
             listed, listed_rows(listed, model.tentative_probability), self._modes.static_mode
         )
-        return scene.report(rows, thresholds_without_gates(stamp, next_stamp))
+        tracks = shown_tracks(scene.completed(rows), stamp, next_stamp)
+        return scene.report(tracks, thresholds_without_gates(stamp, next_stamp))
 
 
 def update_together(

@@ -23,7 +23,7 @@ from sonar_tracking.active.particle_tracks import (
     update_particles,
 )
 from sonar_tracking.active.ping_gating import PingGating, PlacedPing, gate_ping, place_ping
-from sonar_tracking.active.scene_memory import AdmittedPing, SceneMemory
+from sonar_tracking.active.scene_memory import AdmittedPing, SceneMemory, pictures_of
 from sonar_tracking.active.tracks.measured_positions import measured_positions
 from sonar_tracking.active.tracks.motion_model import MotionModel
 from sonar_tracking.active.tracks.pair_updates import mix_updates
@@ -187,10 +187,12 @@ def _update_at_once(
         found = association.bank.contact_probabilities(pairs.track, association.weights)
         measured = measured_positions(predicted, ping.placed, pairs, found, rows)
         shown = replace(shown, measured=measured)
-    parts = tracks.of(rows).parts(shown)
+    pictures = pictures_of(scenes, shown, tracks.of(rows), (ping.stamp, ping.next_stamp))
     return [
-        scene.report(own, applied.published, ping.notices)
-        for scene, own, applied, ping in zip(scenes, parts, gating.thresholds, known, strict=True)
+        scene.report(own, applied.published, each.notices)
+        for scene, own, applied, each in zip(
+            scenes, pictures, gating.thresholds, known, strict=True
+        )
     ]
 
 

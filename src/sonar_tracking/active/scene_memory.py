@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,12 +24,15 @@ from sonar_tracking.active.lasting_error import LastingErrorMonitor
 from sonar_tracking.active.particle_tracks import ParticleTracks
 from sonar_tracking.active.tracks.contact_track_list import ContactTrackRows, shown_tracks
 from sonar_tracking.active.tracks.gate_thresholds import check_thresholds
+from sonar_tracking.active.tracks.scene_rows import SceneRows
 from sonar_tracking.active.tracks.shared_pings import SharedPings
 from sonar_tracking.active.tracks.track_bank import TrackBank, empty_bank
 from sonar_tracking.errors import Notice
 from sonar_tracking.records.arrays import BoolArray, IntArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.contacts import Contacts, ContactTrackerUpdate, GateThresholds
+from sonar_tracking.records.picture_parts import picture_parts
+from sonar_tracking.records.positions import PositionTracks
 
 
 @dataclass(frozen=True)
@@ -157,31 +161,69 @@ class SceneMemory:
         self.next_id, self.lasting = next_id, lasting
         self.keep(bank, origin_of(contacts))
 
-    def report(
-        self,
-        rows: ContactTrackRows,
-        thresholds: GateThresholds,
-        notices: tuple[Notice, ...] = (),
-    ) -> ContactTrackerUpdate:
-        """Return the picture of a ping.
+    def completed(self, rows: ContactTrackRows) -> ContactTrackRows:
+        """Return the tracks to be shown with their lasting errors, and with those ended by hand.
 
-        Parameters
-        ----------
-        rows : ContactTrackRows
-            Tracks to be shown.
-        thresholds : GateThresholds
-            In force in their gates.
-        notices : tuple of Notice
-            What a user should know of the ping.
+        They are remembered as shown.
         """
         rows = self.lasting.with_it(rows)
         self.shown = rows.id[rows.status != int(TrackStatus.TERMINATED)]
         for each in self.ended:
             rows = rows.append(each)
         self.ended = []
+        return rows
+
+    def report(
+        self,
+        tracks: PositionTracks,
+        thresholds: GateThresholds,
+        notices: tuple[Notice, ...] = (),
+    ) -> ContactTrackerUpdate:
+        """Return what is reported of a ping.
+
+        Parameters
+        ----------
+        tracks : PositionTracks
+            That are shown.
+        thresholds : GateThresholds
+            In force in their gates.
+        notices : tuple of Notice
+            What a user should know of the ping.
+        """
         return ContactTrackerUpdate(
-            tracks=shown_tracks(rows, thresholds.stamp, thresholds.next_stamp),
+            tracks=tracks,
             target_count=float(np.count_nonzero(self.bank.confirmed)),
             thresholds=thresholds,
             notices=(*notices, *self.clutter.notices(), *self.lasting.notices()),
         )
+
+
+def pictures_of(
+    scenes: Sequence[SceneMemory],
+    shown: ContactTrackRows,
+    rows: SceneRows,
+    stamps: tuple[int, int],
+) -> list[PositionTracks]:
+    """Return the picture of each scene at a ping.
+
+    Parameters
+    ----------
+    scenes : sequence of SceneMemory
+        What is shown is remembered in them.
+    shown : ContactTrackRows
+        Tracks of all scenes.
+    rows : SceneRows
+        Whose they are.
+    stamps : tuple of int
+        Of the ping and of the next one, ns.
+    """
+    parts = rows.parts(shown)
+    completed = [scene.completed(own) for scene, own in zip(scenes, parts, strict=True)]
+    if rows.single:
+        return [shown_tracks(completed[0], *stamps)]
+    # Mostly nothing is to be added, and all pictures are made at once.
+    pictures = picture_parts(shown_tracks(shown, *stamps), rows.counts)
+    return [
+        picture if more is own else shown_tracks(more, *stamps)
+        for picture, own, more in zip(pictures, parts, completed, strict=True)
+    ]
