@@ -36,11 +36,12 @@ class CopiedLists:
     def __init__(self, next_id: Callable[[], int]) -> None:
         self._next_id = next_id
         self._lists: dict[str, PositionTracks] = {}
+        self._heard: dict[str, list[tuple[BearingKey, ...]]] = {}
         self._names: dict[ListKey, int] = {}
 
     def take(self, topic: str, tracks: PositionTracks) -> None:
         """Let a list be the last one of its topic."""
-        self._lists[topic] = tracks
+        self._lists[topic], self._heard[topic] = tracks, bearing_keys(tracks)
         alive = set(tracks.id[tracks.status != TrackStatus.TERMINATED].tolist())
         self._names = {
             key: name for key, name in self._names.items() if key[0] != topic or key[1] in alive
@@ -60,9 +61,8 @@ class CopiedLists:
         """Return the bearing tracks that rows of the last lists are made of."""
         found: list[BearingKey] = []
         for topic, number in keys:
-            tracks = self._lists[topic]
-            for row in np.flatnonzero(tracks.id == number):
-                found += bearing_keys(tracks, int(row))
+            for row in np.flatnonzero(self._lists[topic].id == number).tolist():
+                found += self._heard[topic][row]
         return tuple(found)
 
     def confirmed_names(self, heard: BearingKey, state: KalmanState) -> Iterator[int]:
@@ -72,9 +72,9 @@ class CopiedLists:
         a row that is where the target is counts.
         """
         for topic, tracks in self._lists.items():
-            for row in np.flatnonzero(tracks.status == TrackStatus.CONFIRMED):
+            for row in np.flatnonzero(tracks.status == TrackStatus.CONFIRMED).tolist():
                 name = self._names.get((topic, int(tracks.id[row])))
-                if name is None or heard not in bearing_keys(tracks, int(row)):
+                if name is None or heard not in self._heard[topic][row]:
                     continue
                 spread = state.covariance + tracks.covariance[row]
                 apart = state.mean - tracks.state[row]
@@ -108,11 +108,14 @@ class CopiedLists:
         for topic, tracks in self._lists.items():
             if seconds(stamp - tracks.stamp) > LONGEST_SILENCE:
                 continue
-            for row in np.flatnonzero(tracks.status != TrackStatus.TERMINATED):
-                key = topic, int(tracks.id[row])
+            told = zip(tracks.id.tolist(), tracks.status.tolist(), self._heard[topic], strict=True)
+            for row, (number, status, heard) in enumerate(told):
+                if status == TrackStatus.TERMINATED:
+                    continue
+                key = topic, number
                 if self._names.get(key) in taken:
                     del self._names[key]
-                if not is_known(key, bearing_keys(tracks, int(row))):
+                if not is_known(key, heard):
                     shown = stamp, stations, alignments
-                    rows.append(copied_row(tracks, int(row), key, self.name(key), *shown))
+                    rows.append(copied_row(tracks, row, heard, key, self.name(key), *shown))
         return rows

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import numpy as np
-
 from sonar_tracking.alignment.bearing_errors import BearingKey
 from sonar_tracking.filtering.constant_velocity import (
     in_plane,
@@ -28,6 +26,7 @@ DRIFT = 1e-4
 def copied_row(
     tracks: PositionTracks,
     row: int,
+    heard: tuple[BearingKey, ...],
     key: ListKey,
     number: int,
     stamp: int,
@@ -42,6 +41,8 @@ def copied_row(
         The list.
     row : int
         Which.
+    heard : tuple of BearingKey
+        The bearing tracks it is made of.
     key : ListKey
         Where the list comes from, and the identifier there.
     number : int
@@ -54,7 +55,6 @@ def copied_row(
         The misalignment of those of which it has been measured, rad, and its variance, rad^2.
     """
     source = TrackSource(tracks.source[row])
-    heard = bearing_keys(tracks, row)
     told = KalmanState(tracks.state[row], tracks.covariance[row])
     state = moved_state(told, seconds(stamp - tracks.stamp))
     if len(heard) == 1 and heard[0][0] in alignments:
@@ -88,11 +88,12 @@ def moved_state(state: KalmanState, interval: float) -> KalmanState:
     return state
 
 
-def bearing_keys(tracks: PositionTracks, row: int) -> tuple[BearingKey, ...]:
-    """Return the bearing tracks that a row of a list is made of."""
-    own = np.flatnonzero(tracks.contributor_track == row)
-    return tuple(
-        (tracks.contributor_sensor[one], int(tracks.contributor_id[one]))
-        for one in own
-        if tracks.contributor_source[one] == TrackSource.TMA
-    )
+def bearing_keys(tracks: PositionTracks) -> list[tuple[BearingKey, ...]]:
+    """Return the bearing tracks that each row of a list is made of."""
+    keys: list[tuple[BearingKey, ...]] = [()] * len(tracks.id)
+    columns = tracks.contributor_track, tracks.contributor_source, tracks.contributor_id
+    told = zip(*(one.tolist() for one in columns), strict=True)
+    for place, (row, source, number) in enumerate(told):
+        if source == TrackSource.TMA:
+            keys[row] = (*keys[row], (tracks.contributor_sensor[place], number))
+    return keys

@@ -13,6 +13,7 @@ import numpy as np
 
 from sonar_tracking.active.contacts.contact_positions import place_contacts
 from sonar_tracking.alignment.aligned_targets import (
+    AlignedTargets,
     MotionStrengths,
     begun,
     joined,
@@ -24,7 +25,7 @@ from sonar_tracking.alignment.aligned_targets import (
 from sonar_tracking.alignment.shared_alignment import (
     SharedAlignment,
     no_information,
-    shared_alignment,
+    shared_alignments,
 )
 from sonar_tracking.alignment.target_updates import (
     expected_azimuths,
@@ -163,6 +164,7 @@ class CentralFilters:
         self._row_of: list[dict[int, int]] = [{} for _ in range(n_runs)]
         self._aligned = begun(np.empty((0, 4)), np.empty((0, 4, 4)), TOLD, np.empty(0))
         self._stamp: int | None = None
+        self._seen: tuple[AlignedTargets, list[SharedAlignment]] | None = None
 
     @property
     def _prior(self) -> FloatArray:
@@ -183,16 +185,22 @@ class CentralFilters:
 
     def states(self, run: int) -> dict[int, tuple[FloatArray, FloatArray]]:
         """Return mean, shape (4,), and covariance, shape (4, 4), of each ship, m and m/s."""
-        seen = self._picture(run)
+        seen = self._pictures()[run]
         return {
             ship: (seen.mean[place, :4], seen.covariance[place, :4, :4])
             for place, ship in enumerate(self._row_of[run])
         }
 
-    def _picture(self, run: int) -> SharedAlignment:
-        """Return what all ships of a run tell together."""
-        own = self._aligned.rows(np.array(list(self._row_of[run].values()), np.intp))
-        return shared_alignment(own, no_information(self._n_arrays), self._prior)
+    def _pictures(self) -> list[SharedAlignment]:
+        """Return what all ships of each run tell together."""
+        if self._seen is None or self._seen[0] is not self._aligned:
+            own = [self._aligned.rows(self._rows_of(run)) for run in range(len(self._row_of))]
+            nothing = [no_information(self._n_arrays) for _ in own]
+            self._seen = self._aligned, shared_alignments(own, nothing, self._prior)
+        return self._seen[1]
+
+    def _rows_of(self, run: int) -> IndexArray:
+        return np.array(list(self._row_of[run].values()), np.intp)
 
     def _take_echoes(self, moments: Sequence[ToldMoment]) -> None:
         every = [(self._row_of[run], one) for run, own in enumerate(moments) for one in own.echoes]
@@ -245,10 +253,9 @@ class CentralFilters:
             return found
         mean = np.empty(self._aligned.mean[:, 0].shape)
         covariance = np.empty(self._aligned.covariance[:, 0].shape)
-        for run, own in enumerate(self._row_of):
-            if own:
-                seen, places = self._picture(run), list(own.values())
-                mean[places], covariance[places] = seen.mean, seen.covariance
+        for run, seen in enumerate(self._pictures()):
+            places = self._rows_of(run)
+            mean[places], covariance[places] = seen.mean, seen.covariance
         first = found[0]
         expected, _ = expected_azimuths(
             mean[rows], covariance[rows], first.station, first.array, self._speed, first.lag

@@ -89,12 +89,25 @@ class FusionRun:
     alignment_error: float = np.nan
     alignment_deviation: float = np.nan
 
+    _uncounted: dict[str, list[tuple[FloatArray, FloatArray]]] = field(
+        default_factory=lambda: defaultdict(list), repr=False
+    )
+
     def count(self, system: str, truth: FloatArray, mean: FloatArray, spread: FloatArray) -> None:
-        """Count an estimate of a ship: true state, mean, shapes (4,), covariance, shape (4, 4)."""
-        error = mean - truth
-        self.squares[system].append(float(error[:2] @ error[:2]))
-        self.nees[system].append(float(error @ np.linalg.solve(spread, error)) / len(error))
-        self.claimed[system].append(float(np.trace(spread[:2, :2])))
+        """Note an estimate of a ship: true state, mean, shapes (4,), covariance, shape (4, 4)."""
+        self._uncounted[system].append((mean - truth, spread))
+
+    def conclude(self) -> None:
+        """Count all estimates that have been noted."""
+        for system, noted in self._uncounted.items():
+            error = np.array([one for one, _ in noted])
+            spread = np.array([one for _, one in noted])
+            solved = np.linalg.solve(spread, error[..., None])
+            place = error[:, None, :2]
+            self.squares[system] = (place @ place.swapaxes(-1, -2)).ravel().tolist()
+            self.nees[system] = ((error[:, None] @ solved).ravel() / error.shape[1]).tolist()
+            self.claimed[system] = (spread[:, 0, 0] + spread[:, 1, 1]).tolist()
+        self._uncounted.clear()
 
 
 def fusion_runs(task: FusionTask) -> tuple[FusionRun, ...]:
@@ -107,9 +120,9 @@ def fusion_runs(task: FusionTask) -> tuple[FusionRun, ...]:
     for instant in zip(*found, strict=True):
         _follow([(run, one) for runs in every for run, one in zip(runs, instant, strict=True)])
     for runs in every:
+        _follow_as_told(runs, configuration)
         for run in runs:
             run.conclude()
-        _follow_as_told(runs, configuration)
     return tuple(one.run for runs in every for one in runs)
 
 
@@ -206,6 +219,7 @@ class _FollowedRun:
     def conclude(self) -> None:
         """Score what is known at the end of the run."""
         run, known = self.run, self._alignments
+        run.conclude()
         assert known is not None
         run.doubled = self._held.doubled
         run.names = sum(len(own) - 1 for own in self._held.names.values())
