@@ -57,6 +57,10 @@ class FusionTask:
     seeds: tuple[np.random.SeedSequence, ...]
 
 
+_Estimate = tuple[FloatArray, FloatArray]
+"""Error of a state, shape (4,), and its claimed covariance, shape (4, 4); m and m/s, squared."""
+
+
 @dataclass
 class FusionRun:
     """What the systems did in one run.
@@ -89,12 +93,22 @@ class FusionRun:
     alignment_error: float = np.nan
     alignment_deviation: float = np.nan
 
-    _uncounted: dict[str, list[tuple[FloatArray, FloatArray]]] = field(
+    _uncounted: dict[str, list[_Estimate]] = field(
         default_factory=lambda: defaultdict(list), repr=False
     )
 
     def count(self, system: str, truth: FloatArray, mean: FloatArray, spread: FloatArray) -> None:
-        """Note an estimate of a ship: true state, mean, shapes (4,), covariance, shape (4, 4)."""
+        """Note an estimate of a ship.
+
+        Parameters
+        ----------
+        system : str
+            Whose.
+        truth, mean : ndarray, shape (4,)
+            x, y, vx, vy, m and m/s.
+        spread : ndarray, shape (4, 4)
+            Claimed covariance, in these units squared.
+        """
         self._uncounted[system].append((mean - truth, spread))
 
     def conclude(self) -> None:
