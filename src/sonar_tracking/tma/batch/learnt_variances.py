@@ -149,17 +149,9 @@ def _accelerations(
     moved = np.flatnonzero(intervals > SHORTEST)
     if not len(moved):
         return learnt.acceleration
-    mean, covariance = states.mean[:, :KINEMATIC], states.covariance[:, :KINEMATIC, :KINEMATIC]
-    transition = np.tile(np.eye(KINEMATIC), (len(moved), 1, 1))
-    transition[:, 0, 2] = transition[:, 1, 3] = intervals[moved]
-    change = mean[moved + 1] - (transition @ mean[moved, :, None])[..., 0]
-    crossed = transition @ states.crossed[moved, :KINEMATIC, :KINEMATIC]
-    spread = covariance[moved + 1] - crossed - crossed.swapaxes(-1, -2)
-    spread = spread + transition @ covariance[moved] @ transition.swapaxes(-1, -2)
-    unit = unit_noise(intervals[moved])
     allowed = learnt.acceleration[moved + 1] ** 2
-    squared = np.sum(change * np.linalg.solve(unit, change[:, :, None])[..., 0], axis=1)
-    known = KINEMATIC - np.einsum("nii->n", np.linalg.solve(unit, spread)) / allowed
+    squared, left = squared_changes(states, moved, intervals[moved])
+    known = KINEMATIC - left / allowed
     block = _blocks(history)
     count = int(block[-1]) + 1
     total = np.bincount(block[moved + 1], weights=squared, minlength=count)
@@ -167,6 +159,59 @@ def _accelerations(
     found = total + PRIOR_CHANGES * straight**2
     found /= np.maximum(determined, 0.0) + PRIOR_CHANGES
     return np.asarray(np.clip(np.sqrt(found), straight, learnt.largest)[block])
+
+
+def squared_changes(
+    states: SmoothedStates, moved: IntArray, elapsed: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return how much positions and velocities change, and how much of it is left unknown.
+
+    In units of what an acceleration of 1 m/s^2 does, whose covariance is that of
+    :func:`unit_noise`. Its inverse is written out for the position and the velocity of each axis.
+
+    Parameters
+    ----------
+    states : SmoothedStates
+        Of [x, y, vx, vy, ...].
+    moved : ndarray of int, shape (n,)
+        Instants from which to the next ones.
+    elapsed : ndarray, shape (n,)
+        Time between them, s.
+
+    Returns
+    -------
+    squared : ndarray, shape (n,)
+        Squared changes, m^2/s^4.
+    left : ndarray, shape (n,)
+        Trace of their covariance, m^2/s^4.
+    """
+    before, after, crossed = states.covariance[moved], states.covariance[moved + 1], states.crossed
+    first, second = states.mean[moved], states.mean[moved + 1]
+    both = 12.0 / elapsed**3, -6.0 / elapsed**2, 4.0 / elapsed
+    squared, left = np.zeros(len(moved)), np.zeros(len(moved))
+    for place, speed in ((0, 2), (1, 3)):
+        rate = first[:, speed]
+        way = second[:, place] - first[:, place] - elapsed * rate
+        faster = second[:, speed] - rate
+        squared += both[0] * way**2 + 2.0 * both[1] * way * faster + both[2] * faster**2
+        stood, met, ran = (
+            before[:, row, column]
+            for row, column in ((place, place), (place, speed), (speed, speed))
+        )
+        # What the state before the step, moved on, has in common with the one after it.
+        common = crossed[moved, speed]
+        carried = crossed[moved, place] + elapsed[:, None] * common
+        met = met + elapsed * ran
+        ways = (
+            after[:, place, place]
+            - 2.0 * carried[:, place]
+            + stood
+            + elapsed * (before[:, place, speed] + met)
+        )
+        mixed = after[:, place, speed] - carried[:, speed] - common[:, place] + met
+        speeds = after[:, speed, speed] - 2.0 * common[:, speed] + ran
+        left += both[0] * ways + 2.0 * both[1] * mixed + both[2] * speeds
+    return squared, left
 
 
 def _lasting_errors(

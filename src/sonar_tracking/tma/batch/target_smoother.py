@@ -151,10 +151,12 @@ def smooth_target(
     parameters = configuration or TargetSmootherConfiguration()
     stiff = replace(parameters, manoeuvre_acceleration=parameters.acceleration)
     tried = [(time, parameters) for time in CORRELATION_TIMES] + [(STIFF_TIME, stiff)]
-    candidates = [_smooth(history, start, prior, time, each) for time, each in tried]
+    path = _full_path(history, start)
+    begun = path, rows_at(history, path)
+    candidates = [_smooth(history, begun, prior, time, each) for time, each in tried]
     best, system = max(candidates, key=lambda one: one[0].log_likelihood)
-    weaving, other = _smooth(history, start, prior, STIFF_TIME, stiff, parameters.weave)
-    least = _likelihood_of_start(history, start, prior, parameters) - len(history.times)
+    weaving, other = _smooth(history, begun, prior, STIFF_TIME, stiff, parameters.weave)
+    least = _likelihood_of_start(history, begun, prior, parameters) - len(history.times)
     if max(best.log_likelihood, weaving.log_likelihood) < least:
         raise np.linalg.LinAlgError("Any path that was found is far less likely than the start.")
     odds = np.log(parameters.weave_probability) - np.log1p(-parameters.weave_probability)
@@ -181,15 +183,14 @@ def _mixed(
 
 def _likelihood_of_start(
     history: TargetHistory,
-    start: FloatArray,
+    begun: tuple[FloatArray, HistoryRows],
     prior: KalmanState,
     parameters: TargetSmootherConfiguration,
 ) -> float:
     """Return the log likelihood where the measurements are linearised at the start."""
-    path = _full_path(history, start)
+    path, rows = begun
     learnt = Learnt.of(history, parameters.acceleration, parameters.manoeuvre_acceleration)
     first = _first(history, prior, path, learnt)
-    rows = rows_at(history, path)
     system = _system(history, first, path, rows, learnt, 1.0, STIFF_TIME, parameters)
     return smooth_linear(system).log_likelihood
 
@@ -223,7 +224,7 @@ def _systematic(
 
 def _smooth(
     history: TargetHistory,
-    start: FloatArray,
+    begun: tuple[FloatArray, HistoryRows],
     prior: KalmanState,
     correlation_time: float,
     parameters: TargetSmootherConfiguration,
@@ -231,12 +232,11 @@ def _smooth(
 ) -> tuple[SmoothedStates, LinearSystem]:
     """Return all states if the faster errors have a correlation time, s, and their system.
 
-    A target that weaves otherwise goes straight.
+    It is begun with a whole path and the rows there. A target that weaves otherwise goes straight.
     """
+    path, rows = begun
     intervals = np.diff(history.times, prepend=history.times[0])
-    path = _full_path(history, start)
     learnt = Learnt.of(history, parameters.acceleration, parameters.manoeuvre_acceleration)
-    rows = rows_at(history, path)
     for number in range(parameters.passes):
         widening = WIDENING[number] if number < len(WIDENING) else 1.0
         first = _first(history, prior, path, learnt)

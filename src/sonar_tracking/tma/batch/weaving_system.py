@@ -17,10 +17,10 @@ from sonar_tracking.tma.batch.linear_smoother import LinearSystem, SmoothedState
 from sonar_tracking.tma.estimators.sensor_frame import DEVIATION
 from sonar_tracking.tma.estimators.weaving import (
     Weave,
+    add_deviation,
     begin_weave,
     deviation_noise,
     deviation_transition,
-    move_deviation,
 )
 
 
@@ -43,7 +43,7 @@ def weaving_system(system: LinearSystem, intervals: FloatArray, weave: Weave) ->
     noise = np.pad(system.noise, [(0, 0), more, more])
     last = np.arange(-DEVIATION, 0)
     transition[:, last, last] = 1.0
-    move_deviation(transition, noise, intervals, weave)
+    add_deviation(transition, noise, intervals, weave)
     return replace(
         system,
         start=KalmanState(np.pad(system.start.mean, more), covariance),

@@ -98,6 +98,24 @@ def move_deviation(
     _add(covariance, deviation_noise(elapsed, weave))
 
 
+def add_deviation(
+    transition: FloatArray, noise: FloatArray, elapsed: FloatArray, weave: Weave
+) -> None:
+    """Let d change in a system that goes straight and has no noise of it so far, in place.
+
+    Parameters
+    ----------
+    transition, noise : ndarray, shape (n, 8 + n_lines, 8 + n_lines)
+        In the units of the states, m, m/s and Hz, and in these squared.
+    elapsed : ndarray, shape (n,)
+        s.
+    weave : Weave
+        The deviation.
+    """
+    _change(transition, deviation_transition(elapsed, weave), elapsed[:, None, None])
+    _add(noise, deviation_noise(elapsed, weave))
+
+
 def deviation_noise(elapsed: FloatArray, weave: Weave) -> FloatArray:
     """Return what is new of d and d' on one axis after times of shape (n,), s: shape (n, 2, 2)."""
     step, stationary = deviation_transition(elapsed, weave), np.diag(weave.stationary)
