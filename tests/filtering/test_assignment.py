@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sonar_tracking.filtering import assignment
 from sonar_tracking.filtering.assignment import least_cost_pairs
 
 
@@ -15,6 +16,7 @@ def solver_of_scipy(monkeypatch: pytest.MonkeyPatch) -> Any:
     from scipy.optimize import linear_sum_assignment
 
     monkeypatch.delitem(sys.modules, "scipy.optimize")
+    monkeypatch.delitem(sys.modules, assignment.SOLVER, raising=False)
     return linear_sum_assignment
 
 

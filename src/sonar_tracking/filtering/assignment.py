@@ -3,7 +3,8 @@
 Shortest augmenting paths with duals: D. F. Crouse, "On implementing 2D rectangular assignment
 algorithms", IEEE Transactions on Aerospace and Electronic Systems 52 (2016), algorithm of section
 II. ``scipy.optimize`` has the same in C++, but takes longer to load than a whole node to start, and
-26 MB: it is used where it is loaded already, and its solver alone for more than :data:`FEW_COSTS`.
+26 MB: it is used where it is loaded already, and its solver alone for more than :data:`FEW_COSTS`,
+or once that is loaded.
 Both give the same pairs, of equal costs too: the steps, their order and their roundings are the
 same.
 """
@@ -29,6 +30,9 @@ FEW_COSTS = 1200
 SOLVER = "_lsap"
 """Name of the module of the solver."""
 
+_LOADED = {SOLVER, "scipy.optimize"}
+"""Either of them is enough to solve with it."""
+
 
 def least_cost_pairs(costs: FloatArray) -> tuple[IndexArray, IndexArray]:
     """Return the pairs of rows and columns whose costs have the least sum.
@@ -48,7 +52,7 @@ def least_cost_pairs(costs: FloatArray) -> tuple[IndexArray, IndexArray]:
     ValueError
         If a cost is not a number.
     """
-    if costs.size > FEW_COSTS or "scipy.optimize" in sys.modules:
+    if costs.size > FEW_COSTS or not sys.modules.keys().isdisjoint(_LOADED):
         rows, columns = _solver()(costs)
         return rows, columns
     n_rows, n_columns = costs.shape
@@ -62,8 +66,7 @@ def least_cost_pairs(costs: FloatArray) -> tuple[IndexArray, IndexArray]:
 
 def load_solver() -> None:
     """Load the solver of many costs now, so that the first of them need not wait for it."""
-    side = math.isqrt(FEW_COSTS) + 1
-    least_cost_pairs(np.zeros((side, side)))
+    _solver()
 
 
 @cache

@@ -102,9 +102,9 @@ def duplicates(bank: TrackBank, pairs: GatePairs, weights: FloatArray) -> BoolAr
     both = _sharing_tracks(pairs)
     among = np.zeros(len(bank), dtype=bool)
     among[both] = True
-    rows = np.flatnonzero(among)
+    rows, place = np.flatnonzero(among), np.cumsum(among) - 1
     mean, covariance = bank.moments_of(rows)
-    first, second = _near_each_other(rows.searchsorted(both), mean, covariance)
+    first, second = _near_each_other(place.take(both), mean, covariance)
     if not len(first):
         return repeated
     difference = mean[first] - mean[second]

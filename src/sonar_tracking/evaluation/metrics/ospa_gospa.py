@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sonar_tracking.filtering.assignment import least_cost_pairs
+from sonar_tracking.filtering.assignment import least_cost_pairs, load_solver
 from sonar_tracking.records.arrays import FloatArray, IndexArray
 
 
@@ -61,6 +61,7 @@ def assign(distances: FloatArray, cutoff: float, order: float) -> Assignment:
     near = distances < cutoff
     rows, columns = near.nonzero()
     if not _are_apart(rows, columns) or np.isnan(distances).any():
+        load_solver()
         rows, columns = least_cost_pairs(np.minimum(distances, cutoff) ** order)
         kept = near[rows, columns]
         rows, columns = rows[kept], columns[kept]
