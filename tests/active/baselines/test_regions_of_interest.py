@@ -117,3 +117,16 @@ def test_limits_far_below_one_are_squares_too(moved: float, joined: bool) -> Non
     """0.7 errors apart: 0.245; 0.9: 0.405."""
     here, there = polar((1000.0, 0.5)), polar((1000.0 + moved, 0.5))
     assert bool(regions(here, there, limit=0.32)) == joined
+
+
+def test_two_pings_are_compared_once_unless_their_errors_differ() -> None:
+    position = np.array([[1000.0, 0.0], [0.0, 500.0]])
+    first, second = (
+        PolarContacts(position, np.array([1000.0 + step, 500.0]), np.array([0.0, 0.5 * np.pi]))
+        for step in (0.0, 30.0)
+    )
+    near = first.near(second, (40.0, 0.01), 9.0)
+    assert near == {0: [0], 1: [1]}
+    assert first.near(second, (40.0, 0.01), 9.0) is near
+    assert first.near(second, (5.0, 0.01), 9.0) == {1: [1]}
+    assert first.near(first, (5.0, 0.01), 9.0) == {0: [0], 1: [1]}

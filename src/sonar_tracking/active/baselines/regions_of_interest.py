@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -43,6 +44,35 @@ class PolarContacts:
     distance: FloatArray
     azimuth: FloatArray
 
+    @cached_property
+    def wrapped_azimuth(self) -> FloatArray:
+        """The same from -pi to pi, shape (n,), rad."""
+        return np.asarray(wrap_angle(self.azimuth))
+
+    @cached_property
+    def _compared(self) -> dict[tuple[object, ...], tuple[PolarContacts, dict[int, list[int]]]]:
+        """Later contacts that these were compared with, and which were near each."""
+        return {}
+
+    def near(
+        self, others: PolarContacts, deviations: tuple[float, float], limit: float
+    ) -> dict[int, list[int]]:
+        """Return the contacts of a later ping near each of these, the nearest first; kept.
+
+        Parameters
+        ----------
+        others : PolarContacts
+            Of the later ping.
+        deviations : tuple of float
+            Of range and azimuth, m and rad.
+        limit : float
+            Squared distance, in units of the covariance of a difference of two contacts.
+        """
+        key = (id(others), deviations, limit)
+        if key not in self._compared:
+            self._compared[key] = others, _near_contacts(self, others, deviations, limit)
+        return self._compared[key][1]
+
 
 def find_regions(
     window: Sequence[PolarContacts],
@@ -71,7 +101,7 @@ def find_regions(
     """
     deviations = (range_standard_deviation, azimuth_standard_deviation)
     near = {
-        (ping, later): _near_contacts(window[ping], window[later], deviations, distance_limit)
+        (ping, later): window[ping].near(window[later], deviations, distance_limit)
         for ping in range(len(window))
         for later in range(ping + 1, len(window))
     }
@@ -108,7 +138,7 @@ def _near_contacts(
 ) -> dict[int, list[int]]:
     """Return the contacts of another ping within the limit of each contact, the nearest first."""
     near: dict[int, list[int]] = {}
-    azimuth, others_azimuth = wrap_angle(contacts.azimuth), wrap_angle(others.azimuth)
+    azimuth, others_azimuth = contacts.wrapped_azimuth, others.wrapped_azimuth
     reach = 1.001 * np.sqrt(2.0 * limit) * deviations[1] + _ROUNDING
     for rows, columns in _near_in_range(contacts, others, deviations, limit):
         along = (others.distance[columns] - contacts.distance[rows, None]) / deviations[0]

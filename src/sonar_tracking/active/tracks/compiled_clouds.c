@@ -139,15 +139,16 @@ static void moments_of(Py_ssize_t n, const double *share, const double *state, d
     for (Py_ssize_t i = 0; i < n; i++)
         for (int a = 0; a < SIZE; a++)
             sum[a] += share[i] * state[SIZE * i + a];
+    /* Those below the diagonal, too: whole rows take less time than parts of them. */
     for (Py_ssize_t i = 0; i < n; i++) {
-        double away[SIZE];
+        double away[SIZE], weighted[SIZE];
         for (int a = 0; a < SIZE; a++)
             away[a] = state[SIZE * i + a] - sum[a];
-        for (int a = 0; a < SIZE; a++) {
-            const double weighted = share[i] * away[a];
-            for (int b = a; b < SIZE; b++)
-                square[a][b] += weighted * away[b];
-        }
+        for (int a = 0; a < SIZE; a++)
+            weighted[a] = share[i] * away[a];
+        for (int a = 0; a < SIZE; a++)
+            for (int b = 0; b < SIZE; b++)
+                square[a][b] += weighted[a] * away[b];
     }
     for (int a = 0; a < SIZE; a++) {
         mean[a] = sum[a];
