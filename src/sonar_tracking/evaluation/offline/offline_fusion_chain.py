@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from sonar_tracking.configuration import parameter
+from sonar_tracking.evaluation.offline.alike_scenarios import first_alike
 from sonar_tracking.evaluation.offline.known_world import KnownWorld
 from sonar_tracking.evaluation.offline.offline_bearing_chain import stage_configuration
 from sonar_tracking.evaluation.offline.place_tracks import (
@@ -103,7 +104,9 @@ def fused_moments_together(
     ConfigurationError
         If a scenario or the parameters cannot be used.
     """
-    worlds = [KnownWorld(scenario) for scenario in scenarios]
+    same = first_alike(scenarios)
+    known = {one: KnownWorld(scenarios[one]) for one in set(same)}
+    worlds = [known[one] for one in same]
     runs = zip(scenarios, worlds, place_tracks_together(scenarios, worlds), strict=True)
     return [_moments(scenario, place, world, told) for scenario, world, told in runs]
 

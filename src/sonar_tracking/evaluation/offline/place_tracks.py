@@ -18,6 +18,7 @@ from sonar_tracking.active.contacts.contact_defaults import (
 )
 from sonar_tracking.active.contacts.contact_tracker_configuration import ContactTrackerConfiguration
 from sonar_tracking.active.multi_target_tracker import trackers_together as contacts_together
+from sonar_tracking.evaluation.offline.alike_scenarios import first_alike
 from sonar_tracking.evaluation.offline.known_world import KnownWorld
 from sonar_tracking.evaluation.offline.offline_bearing_chain import (
     run_offline_chain,
@@ -218,7 +219,8 @@ def place_tracks_together(
     places = [_simulated_places(scenario) for scenario in scenarios]
     for namespace, place in places[0].items():
         if place.active_sonar is not None:
-            _follow_sonars([own[namespace] for own in places], namespace, told)
+            sonars = [own[namespace] for own in places]
+            _follow_sonars(sonars, namespace, told, first_alike(scenarios))
     for namespace in nodes_asked_for(scenarios[0], TMA):
         _find_positions(scenarios, namespace, worlds, told)
     return told
@@ -283,18 +285,27 @@ def _follow_array(place: Scenario, namespace: str, told: PlaceTracks) -> None:
 
 
 def _follow_sonars(
-    places: Sequence[Scenario], namespace: str, every: Sequence[PlaceTracks]
+    places: Sequence[Scenario],
+    namespace: str,
+    every: Sequence[PlaceTracks],
+    same: Sequence[int],
 ) -> None:
-    """Let the trackers of echoes of a place follow what its sonar receives, all runs at once."""
+    """Let the trackers of echoes of a place follow what its sonar receives, all runs at once.
+
+    Runs of the same number, that of one of them, receive the same.
+    """
     given, topic = places[0].nodes.get(CONTACT_TRACKER, {}), below(namespace, ECHOES)
     where = f"{places[0].name}: nodes.{node_at(namespace, CONTACT_TRACKER)}"
     defaults = stage_configuration(ContactDefaultsConfiguration, given, where)
     configuration = stage_configuration(ContactTrackerConfiguration, given, where)
-    trackers = [make_contact_tracker(configuration) for _ in places]
-    for pings in zip(*map(ActiveSonarSimulation, places), strict=True):
+    heard = sorted(set(same))
+    trackers = [make_contact_tracker(configuration) for _ in heard]
+    for pings in zip(*(ActiveSonarSimulation(places[one]) for one in heard), strict=True):
         contacts = [with_defaults(ping.contacts, defaults) for ping in pings]
-        updates = contacts_together(trackers, contacts)
-        for ping, told, update in zip(pings, every, updates, strict=True):
+        found = zip(pings, contacts_together(trackers, contacts), strict=True)
+        known = dict(zip(heard, found, strict=True))
+        for told, one in zip(every, same, strict=True):
+            ping, update = known[one]
             told.contacts.add(topic, ping.start_stamp, ping.contacts)
             told.active.add(topic, ping.start_stamp, update.tracks)
 

@@ -13,7 +13,7 @@ Kim, Song (2007), equations 3-5, whose scene is instantaneous (sound speed 0 her
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,7 +28,7 @@ from sonar_tracking.simulation.scenarios.contact_configuration import (
 )
 
 ITERATIONS = 8
-"""Of the travel times; each one gains the ratio of speeds, about 1e-2."""
+"""Of the travel times at most; each one gains the ratio of speeds, about 1e-2."""
 
 
 @dataclass(frozen=True)
@@ -158,13 +158,17 @@ class ContactSimulation:
         if speed == 0.0:
             return float(np.hypot(*separation)), float(np.arctan2(separation[1], separation[0]))
         start = self._own_ship.state(time).position
-        there = back = 0.0
-        for _ in range(ITERATIONS):
-            there = float(np.hypot(*(path.state(time + there).position - start))) / speed
+
+        def to_target(after: float) -> FloatArray:
+            return path.state(time + after).position - start
+
+        there = _travel_time(to_target, speed)
         reflected = path.state(time + there).position
-        for _ in range(ITERATIONS):
-            receiver = self._own_ship.state(time + there + back).position
-            back = float(np.hypot(*(reflected - receiver))) / speed
+
+        def to_receiver(after: float) -> FloatArray:
+            return reflected - self._own_ship.state(time + there + after).position
+
+        back = _travel_time(to_receiver, speed)
         separation = reflected - self._own_ship.state(time + there + back).position
         azimuth = float(np.arctan2(separation[1], separation[0]))
         return 0.5 * speed * (there + back), azimuth
@@ -254,6 +258,16 @@ class ContactSimulation:
 
     def _stamp(self, time: float) -> int:
         return self._epoch + nanoseconds(time)
+
+
+def _travel_time(apart: Callable[[float], FloatArray], speed: float) -> float:
+    """Return how long sound of a speed (m/s) travels, s, to what is so far away (m) then."""
+    taken = 0.0
+    for _ in range(ITERATIONS):
+        before, taken = taken, float(np.hypot(*apart(taken))) / speed
+        if taken == before:
+            break
+    return taken
 
 
 def _pair(vector: FloatArray) -> tuple[float, float]:

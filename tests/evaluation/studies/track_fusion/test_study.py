@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from sonar_tracking.evaluation.offline.alike_scenarios import first_alike
 from sonar_tracking.evaluation.offline.offline_fusion_chain import fused_moments
 from sonar_tracking.evaluation.studies.track_fusion import conditions
 from sonar_tracking.evaluation.studies.track_fusion.central_filter import (
@@ -43,13 +44,28 @@ def test_every_condition_has_its_tasks() -> None:
     assert sorted(names) == sorted(CONDITIONS)
 
 
-def test_conditions_that_differ_in_silence_alone_are_of_the_same_ships_and_pings() -> None:
-    (together,) = [names for names in same_sea() if len(names) > 1]
-    assert together == ("aligned", "sonar lost for 5 minutes", "array lost for 5 minutes")
+def test_conditions_of_the_same_ships_and_pings_are_computed_together() -> None:
+    together = {names[0]: names for names in same_sea()}
+    assert len(together["aligned"]) == 5
+    assert together["clutter"] == ("clutter", "clutter, turned by 1 degree")
     seed = np.random.SeedSequence(2)
-    scenes = [CONDITIONS[name].scenario(seed) for name in together]
-    assert scenes[0] == scenes[1] == scenes[2]
-    assert CONDITIONS["crossing ships"].scenario(seed) != scenes[0]
+    for names in together.values():
+        scenes = [CONDITIONS[name].scenario(seed) for name in names]
+        assert first_alike(scenes) == [0] * len(names)
+    scenes = [CONDITIONS[names[0]].scenario(seed) for names in together.values()]
+    assert first_alike(scenes) == [0, 1, 2, 3]
+
+
+@pytest.mark.slow
+def test_runs_under_several_conditions_at_once_are_those_under_each_by_itself(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(conditions, "DURATION", 130.0)
+    seeds = tuple(np.random.SeedSequence(5).spawn(2))
+    names = ("aligned", "array turned by 1 degree", "sonar lost for 5 minutes")
+    alone = [run for name in names for run in fusion_runs(FusionTask((name,), seeds))]
+    assert fusion_runs(FusionTask(names, seeds)) == tuple(alone)
+    assert alone[0].squares[FUSED] and alone[0].squares != alone[2].squares
 
 
 def test_filters_of_several_runs_at_once_are_those_of_each_by_itself(

@@ -53,6 +53,11 @@ class Condition:
     crossing: bool = False
     moored: bool = False
 
+    @property
+    def heard(self) -> Condition:
+        """The same with nothing lost: what trackers find as long as they are heard of."""
+        return replace(self, silent_sonar=NEVER, silent_array=NEVER)
+
     def scenario(self, seed: np.random.SeedSequence) -> Scenario:
         """Return a run: ships at random around own ship."""
         generator = np.random.default_rng(seed)
@@ -96,14 +101,13 @@ CONDITIONS = {
 
 
 def same_sea() -> tuple[tuple[str, ...], ...]:
-    """Return the names of conditions, together where they differ in what is lost alone.
+    """Return the names of conditions, together where ships and what a sonar receives are the same.
 
-    Their trackers find the same as long as anything is heard of them.
+    They differ in how the array is turned, or in what is lost.
     """
     seas: dict[Condition, list[str]] = {}
     for name, condition in CONDITIONS.items():
-        heard = replace(condition, silent_sonar=NEVER, silent_array=NEVER)
-        seas.setdefault(heard, []).append(name)
+        seas.setdefault(replace(condition.heard, misalignment_deg=0.0), []).append(name)
     return tuple(map(tuple, seas.values()))
 
 

@@ -126,13 +126,19 @@ class FusionRun:
 
 def fusion_runs(task: FusionTask) -> tuple[FusionRun, ...]:
     """Simulate runs, fuse them in every way under each condition, and score them."""
-    sea = CONDITIONS[task.conditions[0]]
-    scenarios = [sea.scenario(seed) for seed in task.seeds]
-    configuration = make_track_fusion(scenarios[0]).configuration
-    found = [_told_moments(one, configuration) for one in fused_moments_together(scenarios)]
-    every = [[_FollowedRun(name, scenario) for scenario in scenarios] for name in task.conditions]
-    for instant in zip(*found, strict=True):
-        _follow([(run, one) for runs in every for run, one in zip(runs, instant, strict=True)])
+    seas = list(dict.fromkeys(CONDITIONS[name].heard for name in task.conditions))
+    scenarios = [[sea.scenario(seed) for seed in task.seeds] for sea in seas]
+    configuration = make_track_fusion(scenarios[0][0]).configuration
+    moments = iter(fused_moments_together([one for own in scenarios for one in own]))
+    found = [[_told_moments(next(moments), configuration) for _ in own] for own in scenarios]
+    places = [seas.index(CONDITIONS[name].heard) for name in task.conditions]
+    every = [
+        [_FollowedRun(name, scenario) for scenario in scenarios[place]]
+        for name, place in zip(task.conditions, places, strict=True)
+    ]
+    fed = [one for runs in every for one in runs]
+    for instant in zip(*(one for place in places for one in found[place]), strict=True):
+        _follow(list(zip(fed, instant, strict=True)))
     for runs in every:
         _follow_as_told(runs, configuration)
         for run in runs:

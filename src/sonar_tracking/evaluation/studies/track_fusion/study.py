@@ -79,14 +79,20 @@ LAYOUTS = (
 def tasks(runs: int, seed: int) -> tuple[Task, ...]:
     """Return what the workers compute: a few runs under the conditions of a sea each.
 
-    Those of two stations come first: short tasks at the end leave no worker idle.
+    The longest come first: short tasks at the end leave no worker idle.
     """
+    seas = sorted(same_sea(), key=_length, reverse=True)
     names = list(CONDITIONS)
     return tuple(
         Task(fusion_runs, FusionTask(together, batch.seeds))
-        for together in reversed(same_sea())
+        for together in seas
         for batch in run_batches(runs, seed, names.index(together[0]), RUNS_PER_TASK)
     )
+
+
+def _length(together: tuple[str, ...]) -> int:
+    """Return how many stations are heard under some conditions."""
+    return sum(1 + CONDITIONS[name].moored for name in together)
 
 
 def rows(results: Sequence[Any]) -> tuple[StudyRow, ...]:
