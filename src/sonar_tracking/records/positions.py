@@ -245,6 +245,8 @@ class PositionTracks:
             True = stays.
         """
         keep = np.asarray(keep, bool)
+        if keep.all():
+            return self
         row = (np.cumsum(keep) - 1).astype(np.uint32)
         masks = {
             "id": keep,

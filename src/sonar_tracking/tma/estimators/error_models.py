@@ -232,9 +232,8 @@ def _learnt(
 def _passed(evidence: ErrorEvidence, stamp: int) -> tuple[FloatArray, IntArray]:
     """Return what different times since the last value do, and which that is for each row."""
     passed = np.where(evidence.stamp > 0, stamp - evidence.stamp, NOTHING_BEFORE)
-    times: dict[int, int] = {}
-    place = np.array([times.setdefault(time, len(times)) for time in passed.ravel().tolist()])
-    return np.array([_after(time) for time in times]), place.reshape(passed.shape)
+    times, place = np.unique(passed, return_inverse=True)
+    return np.array([_after(time) for time in times.tolist()]), place.reshape(passed.shape)
 
 
 @lru_cache(maxsize=1024)
