@@ -11,11 +11,8 @@ from sonar_tracking.tma.estimators.bank_splitting import (
     split_bank,
     without_unlikely,
 )
-from sonar_tracking.tma.estimators.hypothesis_bank import (
-    HypothesisBank,
-    mixture_moments,
-    start_bank,
-)
+from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank, start_bank
+from sonar_tracking.tma.estimators.mixture_moments import mixture_moments
 from sonar_tracking.tma.estimators.motion_modes import MODES, weaving_modes, with_modes
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement

@@ -7,7 +7,6 @@ import pytest
 
 from sonar_tracking.tma.estimators.hypothesis_bank import (
     HypothesisBank,
-    mixture_moments,
     moved_places,
     predict_bank,
     seed_lines,
@@ -15,6 +14,7 @@ from sonar_tracking.tma.estimators.hypothesis_bank import (
     update_bank,
 )
 from sonar_tracking.tma.estimators.measurement_model import LinearisedRows, keep_rows
+from sonar_tracking.tma.estimators.mixture_moments import mixture_moments
 from sonar_tracking.tma.estimators.recursion import gate_rows, innovation_variance, rows_of
 from sonar_tracking.tma.estimators.sensor_frame import TmaMeasurement
 

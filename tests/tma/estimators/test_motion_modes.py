@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from sonar_tracking.tma.estimators import motion_modes
-from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank, mixture_moments
+from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank
+from sonar_tracking.tma.estimators.mixture_moments import mixture_moments
 from sonar_tracking.tma.estimators.motion_modes import (
     MIXED,
     MODES,

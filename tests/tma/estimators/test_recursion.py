@@ -7,12 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sonar_tracking.tma.estimators.hypothesis_bank import (
-    HypothesisBank,
-    mixture_moments,
-    update_bank,
-)
+from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank, update_bank
 from sonar_tracking.tma.estimators.measurement_model import LinearisedRows
+from sonar_tracking.tma.estimators.mixture_moments import mixture_moments
 from sonar_tracking.tma.estimators.recursion import (
     elapsed,
     estimate_of,

@@ -314,23 +314,5 @@ def condition_bank(
     return HypothesisBank(bank.mean + seen.shift, seen.covariance, weight, bank.known)
 
 
-def mixture_moments(bank: HypothesisBank) -> tuple[FloatArray, FloatArray]:
-    """Return mean and covariance of the mixture, with the spread of the means.
-
-    Returns
-    -------
-    mean : ndarray, shape (..., 4 + n_lines)
-        m, m/s and Hz.
-    covariance : ndarray, shape (..., 4 + n_lines, 4 + n_lines)
-        In the same units squared.
-    """
-    weight = np.exp(bank.log_weight)
-    mean = np.einsum("...c,...cn->...n", weight, bank.mean)
-    deviation = bank.mean - mean[..., None, :]
-    within = np.einsum("...c,...cij->...ij", weight, bank.covariance)
-    between = np.einsum("...c,...ci,...cj->...ij", weight, deviation, deviation)
-    return mean, within + between
-
-
 def _outer(vector: FloatArray) -> FloatArray:
     return vector[..., :, None] * vector[..., None, :]

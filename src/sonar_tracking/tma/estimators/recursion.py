@@ -19,6 +19,7 @@ from sonar_tracking.tma.estimators.measurement_model import (
     keep_rows,
     linearise,
 )
+from sonar_tracking.tma.estimators.mixture_moments import spread_of_means, weighted_sum
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC, TmaEstimate, TmaMeasurement
 
 
@@ -161,12 +162,10 @@ def _told_moments(bank: HypothesisBank) -> tuple[FloatArray, FloatArray, FloatAr
         Of the source frequencies, Hz^2.
     """
     weight = np.exp(bank.log_weight)
-    mean = np.einsum("...c,...cn->...n", weight, bank.mean)
+    mean = weighted_sum(weight, bank.mean)
     deviation = bank.mean - mean[..., None, :]
     moving, off = deviation[..., :KINEMATIC], deviation[..., bank.lines]
-    within = np.einsum("...c,...cij->...ij", weight, bank.covariance[..., :KINEMATIC, :KINEMATIC])
-    between = np.einsum("...c,...ci,...cj->...ij", weight, moving, moving)
+    within = weighted_sum(weight, bank.covariance[..., :KINEMATIC, :KINEMATIC])
     own = bank.covariance.diagonal(axis1=-2, axis2=-1)[..., bank.lines]
-    line_variance = np.einsum("...c,...ci->...i", weight, own)
-    line_variance += np.einsum("...c,...ci,...ci->...i", weight, off, off)
-    return mean, within + between, line_variance
+    line_variance = weighted_sum(weight, own + off * off)
+    return mean, within + spread_of_means(weight, moving), line_variance

@@ -10,7 +10,7 @@ from sonar_tracking.filtering.kalman import KalmanState
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.bearings import TrackStatus
 from sonar_tracking.records.time import NANOSECONDS, nanoseconds
-from sonar_tracking.tma.estimators.hypothesis_bank import mixture_moments
+from sonar_tracking.tma.estimators.mixture_moments import mixture_moments
 from sonar_tracking.tma.estimators.range_bank_state import REFUSED_AZIMUTHS
 from sonar_tracking.tma.estimators.sensor_frame import KINEMATIC
 from sonar_tracking.tma.targets.array_sides import SIDE_PROBABILITY

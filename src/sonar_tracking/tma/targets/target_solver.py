@@ -23,7 +23,8 @@ from sonar_tracking.tma.estimators.error_models import (
     no_evidence,
     with_azimuth_evidence,
 )
-from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank, mixture_moments
+from sonar_tracking.tma.estimators.hypothesis_bank import HypothesisBank
+from sonar_tracking.tma.estimators.mixture_moments import mixture_moments
 from sonar_tracking.tma.estimators.range_bank import RangeBankUpdate, update_range_banks
 from sonar_tracking.tma.estimators.range_bank_configuration import RangeBankConfiguration
 from sonar_tracking.tma.estimators.range_bank_state import RangeBankState
@@ -281,9 +282,8 @@ class TargetSolver:
         self.state = done.state if keeps else replace(done.state, beginning=None)
         if new or bool(done.restarted):
             self._begin(observation)
-            parameters = self.configuration
-            ranges, speeds = parameters.maximum_range, parameters.maximum_speed
-            self._log = MeasurementLog(measurement, ranges, speeds)
+            told = self.configuration
+            self._log = MeasurementLog(measurement, told.maximum_range, told.maximum_speed)
         self._log.append(measurement)
         self._progress.manoeuvre = bool(done.manoeuvre)
         self._progress.last_stamp_of[observation.sensor_id] = observation.stamp

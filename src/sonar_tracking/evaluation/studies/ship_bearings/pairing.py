@@ -17,7 +17,7 @@ from sonar_tracking.motion import wrap_angle
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.time import nanoseconds
 from sonar_tracking.tma.batch.direction_smoother import MINIMUM_COSINE
-from sonar_tracking.tma.estimators.hypothesis_bank import mixture_moments
+from sonar_tracking.tma.estimators.mixture_moments import mixture_moments
 from sonar_tracking.tma.estimators.range_bank import update_range_banks
 from sonar_tracking.tma.estimators.range_bank_state import RangeBankState
 from sonar_tracking.tma.estimators.recursion import elapsed
