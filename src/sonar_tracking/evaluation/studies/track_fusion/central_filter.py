@@ -148,7 +148,7 @@ class CentralFilters:
     configuration : TrackFusionConfiguration
         Prior of the alignment, speed of sound.
     n_runs : int
-        Of one condition: stations move alike in all of them, and report at the same stamps.
+        Stations move alike in all of them, and report at the same stamps.
     exact : bool
         Measurements are taken to be without errors, as they would be at the truth: the covariance
         is then the posterior Cramer-Rao bound.

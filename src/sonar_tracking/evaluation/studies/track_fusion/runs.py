@@ -139,11 +139,19 @@ def fusion_runs(task: FusionTask) -> tuple[FusionRun, ...]:
     fed = [one for runs in every for one in runs]
     for instant in zip(*(one for place in places for one in found[place]), strict=True):
         _follow(list(zip(fed, instant, strict=True)))
-    for runs in every:
+    for runs in _reporting_alike(fed):
         _follow_as_told(runs, configuration)
-        for run in runs:
-            run.conclude()
-    return tuple(one.run for runs in every for one in runs)
+    for run in fed:
+        run.conclude()
+    return tuple(one.run for one in fed)
+
+
+def _reporting_alike(every: Sequence[_FollowedRun]) -> list[list[_FollowedRun]]:
+    """Return runs together in which the same stations report at the same stamps."""
+    alike: dict[tuple[tuple[int, tuple[int, ...]], ...], list[_FollowedRun]] = {}
+    for run in every:
+        alike.setdefault(tuple((one.stamp, one.arrays) for one in run.moments), []).append(run)
+    return list(alike.values())
 
 
 def _told_moments(
@@ -165,7 +173,7 @@ def _follow(every: Sequence[tuple[_FollowedRun, tuple[FusedMoment, ToldMoment]]]
 
 
 def _follow_as_told(runs: Sequence[_FollowedRun], configuration: TrackFusionConfiguration) -> None:
-    """Score the filters that are told whose all is, under one condition."""
+    """Score the filters that are told whose all is, in runs that report alike."""
     for system, exact in ((CENTRAL, False), (BOUND, True)):
         filters = CentralFilters(configuration, len(runs), exact)
         for place, moments in enumerate(zip(*(one.moments for one in runs), strict=True)):
