@@ -17,9 +17,6 @@ typedef Py_ssize_t count;
 #else
 #define WIDE
 #endif
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wpsabi" /* nothing but what is inlined returns lanes */
-#endif
 #define INLINE static inline __attribute__((always_inline))
 
 enum { LANES = 4 };
