@@ -120,19 +120,6 @@ def test_a_covariance_by_itself_is_not_helped_by_those_before() -> None:
     assert alone == counted(data, together=1)
 
 
-def test_known_eigenvalues_of_the_newest_covariance_are_taken() -> None:
-    data = snapshots_of(np.random.default_rng(5), np.broadcast_to(FIVE, (N, 5)), -3.0)
-    covariance = sample_covariance(data)
-    values = np.asarray(np.linalg.eigvalsh(covariance)[::-1], dtype=np.float64)
-    counter = WeakSourceCounter(counted_together=1).add(0, covariance)
-    asked = estimates_of(covariance, element_positions=POSITIONS)
-    count = counter.count(asked, 0.0)
-    assert count == counter.count(replace(asked, eigenvalues=values), 0.0) == 5
-    # Those of another covariance, with more sources, are believed as they are told.
-    more = np.where(np.arange(len(values)) < 7, 50.0, values)
-    assert counter.count(replace(asked, eigenvalues=more), 0.0) == 7
-
-
 def test_what_motion_may_have_spread_is_not_believed_by_hand() -> None:
     # The strongest, 10, spreads at this turn to p = 10 (k d)^2 var(x) / 12 = 0.45; 2 p = 0.9 would
     # show as 1.9 (1 + 0.0375 / 0.9) = 1.98.
@@ -219,6 +206,6 @@ def test_no_eigenvalues_are_needed_where_trace_and_norm_say_enough(level_db: flo
     generator = np.random.default_rng(6)
     data = snapshots_of(generator, np.broadcast_to(FIVE[:3], (N, 3)), level_db)
     covariance = sample_covariance(data)
-    values = np.asarray(np.linalg.eigvalsh(covariance)[::-1], dtype=np.float64)
+    values = np.linalg.eigvalsh(covariance)[::-1]
     least = float(least_ratios(covariance[None])[0])
     assert 1.0 <= least <= min(values[0] / values[k:].mean() for k in range(1, 15))

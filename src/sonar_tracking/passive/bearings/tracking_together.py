@@ -95,7 +95,7 @@ def weak_sources(
     """
     counters = [start.counting(own) for start, own in zip(starts, estimates, strict=True)]
     kinds = [
-        None if counter is None else (counter.ages, kind_of_array(own), own.eigenvalues.shape)
+        None if counter is None else (counter.ages, kind_of_array(own))
         for counter, own in zip(counters, estimates, strict=True)
     ]
     weak = [0] * len(starts)
@@ -104,8 +104,7 @@ def weak_sources(
         if together:
             first = rows[0]
             noise = common_or_stacked([estimates[row].noise_covariance for row in rows])
-            values = np.stack([estimates[row].eigenvalues for row in rows])
-            alike = replace(estimates[first], noise_covariance=noise, eigenvalues=values)
+            alike = replace(estimates[first], noise_covariance=noise)
             counts = counts_together(together, alike, starts[first].maximum_rate)
             for row, count in zip(rows, counts.tolist(), strict=True):
                 weak[row] = count

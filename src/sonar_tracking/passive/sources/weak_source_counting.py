@@ -20,7 +20,6 @@ covariance matrices of spiked population models", J. Multivariate Analysis 97(6)
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -119,8 +118,7 @@ def counts_together(
     counters : sequence of WeakSourceCounter
         One a run; their covariances are as many, as far apart.
     estimates : SubspaceEstimates
-        Array, frequency and noise; snapshots of each covariance; of any of the runs, with the
-        eigenvalues of the newest covariance of each, if they are known.
+        Array, frequency and noise; snapshots of each covariance; of any of the runs.
     maximum_rate : float
         Fastest bearing that must not be counted twice, rad/s.
 
@@ -141,7 +139,6 @@ def counts_together(
             together * estimates.covariance_snapshots,
             (seconds(ages[-together]) + duration) * maximum_rate,
             estimates,
-            together == 1,
         )
         counts = np.maximum(counts, mean.ranks())
         if is_uniform_line(estimates.element_positions):
@@ -203,23 +200,19 @@ def _spread_of_unit(positions: FloatArray, number: float, turn: float) -> float:
 
 @dataclass(frozen=True)
 class _MeanCovariances:
-    """Mean covariances of several runs, or the newest ones, and the turn of a bearing, rad."""
+    """Mean covariances of several runs, and how far a bearing may have turned in them, rad."""
 
     covariances: ComplexArray
     n_snapshots: int
     turn: float
     estimates: SubspaceEstimates
-    newest: bool
 
     def ranks(self) -> IntArray:
         """Return the number of weak sources in each, coherent ones counted as one."""
         positions, noise = self.estimates.element_positions, self.estimates.noise_covariance
         if self.n_snapshots < _SNAPSHOTS_PER_ELEMENT * len(positions):
             return np.zeros(len(self.covariances), dtype=np.int64)
-        known, shape = self.estimates.eigenvalues, self.covariances.shape[:-1]
-        if not self.newest or noise is not None or known.size != math.prod(shape):
-            return self._believed(self.covariances, positions, noise)
-        return self._believed(self.covariances, positions, None, known.reshape(shape))
+        return self._believed(self.covariances, positions, noise)
 
     def smoothed_ranks(self) -> IntArray:
         """Return the number of weak sources, coherent or not, in each one of a uniform line."""
@@ -230,11 +223,7 @@ class _MeanCovariances:
         return self._believed(smoothed, positions[:size], colour)
 
     def _believed(
-        self,
-        covariances: ComplexArray,
-        positions: FloatArray,
-        noise: ComplexArray | None,
-        eigenvalues: FloatArray | None = None,
+        self, covariances: ComplexArray, positions: FloatArray, noise: ComplexArray | None
     ) -> IntArray:
         if noise is not None:
             covariances = whitened_covariance(covariances, noise_factor(noise))
@@ -246,10 +235,7 @@ class _MeanCovariances:
         most = max(_LARGEST_SPREAD, np.sqrt(len(positions) / self.n_snapshots))
         rows = np.flatnonzero(~(2.0 * spread > _SURELY * most))
         if rows.size:
-            if eigenvalues is None:
-                values = np.linalg.eigvalsh(covariances[rows])[:, ::-1]
-            else:
-                values = eigenvalues[rows]
+            values = np.linalg.eigvalsh(covariances[rows])[:, ::-1]
             counts[rows] = believed_sources(values, self.n_snapshots, positions, number, self.turn)
         return counts
 
