@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from sonar_tracking.errors import Notice, Severity
-from sonar_tracking.motion import KinematicState, lever_arm, swing_velocity, wrap_angle
+from sonar_tracking.motion import KinematicState, lever_arm, swing_velocity, wrapped
 
 Quaternion = tuple[float, float, float, float]
 
@@ -178,7 +178,7 @@ def judge_pose(
             return PoseVerdict(unknown=False)
         return PoseVerdict(unknown=odometry, notice=None if odometry else _at_origin())
     distance = math.dist(told.position, mounted.position)
-    angle = abs(float(wrap_angle(told.yaw - mounted.yaw)))
+    angle = abs(wrapped(told.yaw - mounted.yaw))
     if not unset:
         return PoseVerdict(False, _contradiction(told, mounted, distance, angle))
     speed = math.hypot(*mounted.velocity)

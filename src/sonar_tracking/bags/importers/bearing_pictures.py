@@ -10,7 +10,7 @@ import numpy as np
 
 from sonar_tracking.filtering.constant_velocity import process_noise_matrix, transition_matrix
 from sonar_tracking.filtering.kalman import KalmanState, predict, update
-from sonar_tracking.motion import wrap_angle
+from sonar_tracking.motion import wrapped
 from sonar_tracking.records.arrays import FloatArray, IntArray
 from sonar_tracking.records.bearings import AngleKind, BearingTracks, Sensor, TrackStatus
 from sonar_tracking.records.lines import FrequencyLines
@@ -107,7 +107,7 @@ def _follow(
         return float("nan")
     track = followed[number]
     ahead = _predicted(track, stamp)
-    near = ahead.mean[0] + float(wrap_angle(angle - ahead.mean[0]))
+    near = ahead.mean[0] + wrapped(angle - ahead.mean[0])
     noise = np.array([[variance]])
     done = update(ahead, np.array([near]), np.array([[1.0, 0.0]]), noise)
     track.state, track.stamp = done.state, stamp
@@ -144,7 +144,7 @@ def _picture(
             [TrackStatus.COASTED if row is None else TrackStatus.CONFIRMED for row in rows],
             np.uint8,
         ),
-        "arrival_angle": np.array([float(wrap_angle(state.mean[0])) for state in states]),
+        "arrival_angle": np.array([wrapped(state.mean[0]) for state in states]),
         "arrival_angle_rate": np.array([state.mean[1] for state in states]),
         "covariance": np.array([state.covariance for state in states]).reshape(-1, 2, 2),
         "measurement": of_heard(bearings.angle),

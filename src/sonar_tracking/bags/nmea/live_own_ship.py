@@ -14,7 +14,7 @@ from sonar_tracking.bags.nmea.sentences import read_sentence
 from sonar_tracking.bags.nmea.ship_histories import vectors
 from sonar_tracking.errors import InputError
 from sonar_tracking.geodesy import FARTHEST, north_azimuths, surface_distances, surface_positions
-from sonar_tracking.motion import wrap_angle
+from sonar_tracking.motion import wrapped
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.records.datum import Datum, datum_at
 from sonar_tracking.records.own_ship import OwnShipState
@@ -87,14 +87,14 @@ class LiveOwnShip:
         velocity = self._velocity(fix, position, north, recent, elapsed)
         yaw = self._yaw(fix, velocity, north)
         forward, port = _in_own_axes(velocity, yaw)
-        rate = 0.0 if recent is None else float(wrap_angle(yaw - recent.yaw)) / elapsed
+        rate = 0.0 if recent is None else wrapped(yaw - recent.yaw) / elapsed
         x, y = position.tolist()
         self._last = OwnShipState(stamp, (x, y), yaw, (forward, port), rate)
         return self._last
 
     def _yaw(self, fix: OwnShipFix, velocity: FloatArray, north: float) -> float:
         if not math.isnan(fix.heading_deg):
-            return float(wrap_angle(north - math.radians(fix.heading_deg)))
+            return wrapped(north - math.radians(fix.heading_deg))
         self.faults[NO_HEADING] += 1
         if np.hypot(velocity[0], velocity[1]) >= SLOW:
             return float(np.arctan2(velocity[1], velocity[0]))

@@ -14,7 +14,7 @@ import numpy as np
 
 from sonar_tracking.errors import InputError, shown
 from sonar_tracking.filtering.kalman import KalmanState
-from sonar_tracking.motion import wrap_angle
+from sonar_tracking.motion import wrapped
 from sonar_tracking.records.arrays import FloatArray
 from sonar_tracking.tma.estimators.bank_splitting import n_hypotheses, split_bank, without_unlikely
 from sonar_tracking.tma.estimators.error_models import (
@@ -233,7 +233,7 @@ class TargetSolver:
                 progress.unpruned = 0
                 self.state = replace(state, bank=without_unlikely(state.bank))
             return
-        turned = abs(float(wrap_angle(_course(observation) - progress.first_course)))
+        turned = abs(wrapped(_course(observation) - progress.first_course))
         other = observation.sensor_id != progress.first_sensor and bool(observation.azimuths)
         progress.resolvable |= other or turned > SIDE_TURN
         if not progress.resolvable:
